@@ -1,0 +1,132 @@
+"""Contact algorithms: how two surfaces become gap conditions.
+
+An algorithm knows neither friction law nor enforcement nor time. It is written in one of two ways:
+
+`ContactAlgorithm`  gives local, segment-wise pieces of the operators D, M and T; the core assembles
+                    them, merges and drops multipliers on partial cover, builds the rows
+                    G = T^-T [D^T | -M^T] . normal and turns multipliers into pressures.
+`GapAlgorithm`      gives finished rows. Simple to write in plain NumPy.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from contactlab.api.arrays import Floats, Ints
+from contactlab.api.surface import Candidates, Surface, SurfacePositions
+
+
+@dataclass
+class Pieces:
+    """Room for the local operators of one contact pair, filled anew in every call.
+
+    A piece couples at most `s` slave nodes, `k` multipliers and `r` master nodes. Multiplier
+    j = slot * m + i belongs to slave node i; slot is 0 unless the algorithm declares more rows per
+    node. T may couple multipliers of neighbouring chain nodes only.
+
+    slave       (capacity, s) int32, slave nodes as positions in the slave surface
+    multiplier  (capacity, k) int32
+    master      (capacity, r) int32, master nodes as positions in the master surface
+    D           (capacity, s, k) [mm]  integral of slave trace i times multiplier basis j
+    M           (capacity, r, k) [mm]  integral of master trace l times multiplier basis j
+    T           (capacity, k, k) [mm]  integral of linear hat i times multiplier basis j
+    normal      (multipliers, 2) unit vectors from the master towards the slave
+    """
+
+    slave: Ints
+    multiplier: Ints
+    master: Ints
+    D: Floats
+    M: Floats
+    T: Floats
+    normal: Floats
+
+    @classmethod
+    def allocate(cls, capacity: int, widths: tuple[int, int, int], multipliers: int) -> Pieces:
+        """Zeroed room for `capacity` pieces with `widths` (s, k, r)."""
+        s, k, r = widths
+        return cls(
+            np.zeros((capacity, s), np.int32),
+            np.zeros((capacity, k), np.int32),
+            np.zeros((capacity, r), np.int32),
+            np.zeros((capacity, s, k)),
+            np.zeros((capacity, r, k)),
+            np.zeros((capacity, k, k)),
+            np.zeros((multipliers, 2)),
+        )
+
+
+class ContactAlgorithm(ABC):
+    """Gives local operators. Subclasses are frozen dataclasses; their fields are the TOML keys.
+
+    passes_patch_test  declared, and checked both ways
+    rows_per_node      conditions a slave node can carry at once
+    memory_size        numbers remembered per slave node between steps (zero at the start)
+    """
+
+    passes_patch_test: ClassVar[bool]
+    rows_per_node: ClassVar[int] = 1
+    memory_size: ClassVar[int] = 0
+
+    @abstractmethod
+    def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
+        """Slave nodes, multipliers and master nodes that one piece couples at most."""
+
+    @abstractmethod
+    def capacity(self, slave: Surface, near: Candidates) -> int:
+        """Largest number of pieces that `pieces` can give for these candidates."""
+
+    @abstractmethod
+    def pieces(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        reach: float,
+        memory: Floats,
+        out: Pieces,
+    ) -> int:
+        """Fill `out` for the positions `at` and return the number of pieces.
+
+        Leave out slave segments (or nodes) whose gap exceeds `reach` [mm]. `memory`
+        (memory_size, m) is that of the last step and is updated in place.
+        """
+
+
+@dataclass(frozen=True)
+class GapConditions:
+    """k finished gap conditions in one sparse pattern.
+
+    start          (k + 1,) int32 row pointers
+    node           (z,) int32 global nodes
+    normal_weight  (z, 2) [-]  derivative of the gap by the node's position
+    tangent_weight (z, 2) [-]  derivative of the slip; (0, 2) where no friction is declared
+    gap            (k,) [mm]   positive when open
+    measure        (k,) [mm]   length of slave surface that each condition stands for
+    owner          (k,) int32  slave node (position in the surface) of each condition, each at most once
+    """
+
+    start: Ints
+    node: Ints
+    normal_weight: Floats
+    tangent_weight: Floats
+    gap: Floats
+    measure: Floats
+    owner: Ints
+
+
+class GapAlgorithm(ABC):
+    """Gives finished gap conditions. Subclasses are frozen dataclasses; their fields are the TOML keys."""
+
+    passes_patch_test: ClassVar[bool]
+
+    @abstractmethod
+    def conditions(
+        self, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates, reach: float, *, tangent: bool
+    ) -> GapConditions:
+        """The gap conditions at the positions `at`. `tangent` asks for tangent weights."""

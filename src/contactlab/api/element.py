@@ -1,0 +1,74 @@
+"""Elements: tables of one reference cell. Loops over cells belong to the core."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import ClassVar, Literal, NamedTuple
+
+from contactlab.api.arrays import Floats
+
+
+class Shape(NamedTuple):
+    """Shape functions at s points: `value` (s, a), `gradient` (s, a, 2) by reference coordinates."""
+
+    value: Floats
+    gradient: Floats
+
+
+class Quadrature(NamedTuple):
+    """Points (q, 2) in the reference square [-1, 1]^2 and weights (q,) that sum to 4."""
+
+    points: Floats
+    weights: Floats
+
+
+class BlockKernels(NamedTuple):
+    """The two stages of an element's work on one block, outputs in place.
+
+    gradient(geometry (N, 2), field (N, 2), connectivity (a, B), out (4, P), scratch)
+        d(field)/d(geometry) at every point of the block.
+    force(geometry (N, 2), connectivity (a, B), stress (4, P), force (N, 2), scratch)
+        Adds the internal nodal forces of the block [N] to `force`.
+
+    `scratch` is (4 a + 5, B) and belongs to the caller; its content means nothing between calls.
+    """
+
+    gradient: Callable[..., None]
+    force: Callable[..., None]
+
+
+class Element(ABC):
+    """A quadrilateral with nodes numbered counter-clockwise, corners first.
+
+    An author gives the class attributes and three methods; the core derives mass, gradients,
+    internal forces and contact traces from them.
+
+    nodes    (a, 2) reference coordinates in [-1, 1]^2
+    edges    local nodes of each side: start, end, then inner ones; the cell lies on the left
+    degree   complete polynomial degree, which promises error O(h**(degree + 1)) in displacement
+    lumping  how the mass becomes diagonal: "row-sum" (integral of each shape function),
+             "hrz" (Hinton, Rock & Zienkiewicz: consistent diagonal scaled to the total) or
+             "quadrature" (nodal quadrature, for elements whose nodes are Lobatto points)
+    """
+
+    nodes: ClassVar[Floats]
+    edges: ClassVar[tuple[tuple[int, ...], ...]]
+    degree: ClassVar[int]
+    lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]]
+
+    @abstractmethod
+    def shape(self, points: Floats) -> Shape:
+        """Shape functions at reference `points` (s, 2)."""
+
+    @abstractmethod
+    def quadrature(self) -> Quadrature:
+        """The rule that integrates internal forces."""
+
+    @abstractmethod
+    def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
+        """Trace on a side at s in [-1, 1]: values (len(s), b) and d/ds (len(s), b), ordered as in `edges`."""
+
+    def block_kernels(self) -> BlockKernels | None:
+        """Kernels of the element's own, or None for the core's generic ones made from the tables."""
+        return None

@@ -1,0 +1,65 @@
+"""Enforcements: forces from gap conditions."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from contactlab.api.arrays import Floats, Ints
+
+
+@dataclass
+class Rows:
+    """The gap conditions of all contacts of a model, `count` of them in use.
+
+    start          (k + 1,) int32
+    node           (z,) int32 global nodes
+    normal_weight  (z, 2) [-]  d(gap)/d(position)
+    tangent_weight (z, 2) [-]  d(slip)/d(position); (0, 2) without friction
+    gap            (k,) [mm]   at the predicted positions
+    slip           (k,) [mm]   of the step at the predicted positions; (0,) without friction
+    measure        (k,) [mm]   length that the condition stands for
+    size           (k,) [mm]   length of the slave segments there, to scale gaps
+    slot           (k,) int32  where the condition's multiplier lives in the state
+    bound          (3, k)      friction bound per row: coefficient, adhesion, cap; (3, 0) without friction
+    """
+
+    count: int
+    start: Ints
+    node: Ints
+    normal_weight: Floats
+    tangent_weight: Floats
+    gap: Floats
+    slip: Floats
+    measure: Floats
+    size: Floats
+    slot: Ints
+    bound: Floats
+
+
+class Solve(NamedTuple):
+    """How a contact solve went: sweeps, scaled natural residual, rows without any compliance,
+    and the largest correction of a node [mm]."""
+
+    sweeps: int
+    residual: float
+    rigid_rows: int
+    largest_correction: float
+
+
+class Enforcement(ABC):
+    """How gap conditions become forces. Subclasses derive from one of the classes below."""
+
+
+class ExplicitEnforcement(Enforcement):
+    """For integrators that predict positions and correct them with contact forces in the same step."""
+
+    @abstractmethod
+    def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, correction: Floats) -> Solve:
+        """Fill `multipliers` and `correction` so that the rows hold at the corrected positions.
+
+        compliance  (N, 2) [mm/N]  displacement per force within the step; 0 where motion is prescribed
+        multipliers (1 or 2, slots) [N]  warm start in, nodal forces out; slots without a row become 0
+        correction  (N, 2) [mm]  compliance times contact force; zero on entry
+        """

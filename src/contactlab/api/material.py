@@ -1,0 +1,51 @@
+"""Materials: plane-strain laws on blocks of points."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar, Literal
+
+from contactlab.api.arrays import Floats
+
+Kinematics = Literal["small", "finite", "rate"]
+
+
+class Material(ABC):
+    """A plane-strain law. Subclasses are frozen dataclasses; their fields are the TOML keys.
+
+    density        [t/mm3], a field of every law
+    kinematics     what the law is given as `gradient`, and the geometry on which forces act:
+                   "small"   du/dX, forces on the undeformed geometry (displacements small)
+                   "finite"  dX/dx, the inverse of the deformation gradient, forces on the current geometry
+                   "rate"    the displacement-increment gradient referred to the middle of the step,
+                             forces on the current geometry
+    history_size   numbers remembered per point, all zero at the start
+    history_names  what they are called in output, one name per number
+    """
+
+    density: float
+    kinematics: ClassVar[Kinematics]
+    history_size: ClassVar[int] = 0
+    history_names: ClassVar[tuple[str, ...]] = ()
+
+    @abstractmethod
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        """Fill Cauchy `stress` (4, P) [MPa] and `new_history` (h, P).
+
+        `gradient` (4, P) is what `kinematics` says; `history` is that of the last accepted step.
+        `history` and `new_history` may be the same array: read a point before you write it.
+        `dt` [s] is the step that led here (0 before the first step).
+        """
+
+    @abstractmethod
+    def wave_speeds(self) -> tuple[float, float]:
+        """Upper bounds of the dilatational and of the shear speed [mm/s]; they set the stable step."""
+
+    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+        """Fill the stored energy per current volume (P,) [mJ/mm3].
+
+        "small" laws: per undeformed volume. Only called on laws whose `has_energy` is true.
+        """
+        raise NotImplementedError(f"{type(self).__name__} declares no stored energy")
+
+    has_energy: ClassVar[bool] = False

@@ -1,0 +1,66 @@
+"""Everything that changes in time, in one flat array."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from contactlab.api.arrays import Floats
+
+
+class State:
+    """Named views of one flat float64 buffer: what is saved for a restart is exactly this buffer.
+
+    The core gives every run these fields (N nodes, k multiplier slots of all contacts):
+
+    clock           (2,)    time [s] and number of steps taken
+    displacement    (N, 2)  u at `time` [mm]
+    velocity        (N, 2)  v half a step earlier (explicit) or at `time` (implicit) [mm/s]
+    internal_force  (N, 2)  of the stresses at `time` [N]
+    work            (6,)    energy ledger, see `WORK` [mJ]
+    multipliers     (1 or 2, k)  nodal contact forces y, normal and (with friction) tangential [N]
+    history.BODY    history of each body whose law has any, all its blocks one after another
+    memory.CONTACT  what a contact algorithm remembers, where it declares anything
+
+    and an integrator may ask for more. A field that nobody declares does not exist.
+    """
+
+    def __init__(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
+        sizes = {name: int(np.prod(shape)) for name, shape in shapes.items()}
+        self.buffer: Floats = np.zeros(sum(sizes.values()))
+        self.fields: dict[str, Floats] = {}
+        start = 0
+        for name, shape in shapes.items():
+            self.fields[name] = self.buffer[start : start + sizes[name]].reshape(shape)
+            start += sizes[name]
+
+    def __getitem__(self, name: str) -> Floats:
+        return self.fields[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.fields
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return float(self.fields["clock"][0])
+
+    @property
+    def step(self) -> int:
+        """Accepted steps so far."""
+        return int(self.fields["clock"][1])
+
+    def snapshot(self) -> Floats:
+        """A copy of the whole state."""
+        return self.buffer.copy()
+
+    def restore(self, snapshot: Floats) -> None:
+        """Back to a snapshot, exactly; views stay valid."""
+        self.buffer[:] = snapshot
+
+
+WORK = ("internal", "external", "damping", "contact", "friction", "numerical")
+"""Entries of the field `work`: work done so far [mJ] by stresses (stored or dissipated in the bodies),
+by loads and supports, by damping (dissipated), by normal contact forces on the nodes, by friction
+forces (negative when they dissipate), and by forces that only stabilise the discretisation."""

@@ -1,0 +1,49 @@
+"""Contact surfaces: chains of boundary nodes with the body on their left."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from contactlab.api.arrays import Floats, Ints
+
+
+@dataclass(frozen=True)
+class Surface:
+    """The boundary nodes of one contact side, cut into straight segments.
+
+    Quadratic edges count as two segments, so that geometry is always piecewise straight; the
+    trace functions that live on them are told by `edges`.
+
+    nodes         (m,) int32, global node numbers; chain order within each connected piece
+    segments      (s, 2) int32, start and end of each segment as positions in `nodes`
+    node_segments (m, 2) int32, segment that ends and segment that starts at each node, -1 for none
+    edges         (e, b) int32, element edges as positions in `nodes`: start, end, then inner
+    segment_edge  (s, 2) int32, edge of each segment and which half of it (0 first, 1 second)
+    """
+
+    nodes: Ints
+    segments: Ints
+    node_segments: Ints
+    edges: Ints
+    segment_edge: Ints
+
+
+class Candidates(NamedTuple):
+    """For every slave segment the master segments whose grown boxes overlap its own.
+
+    start  (s + 1,) int32 row pointers
+    master (z,) int32 master segments, ascending within a row
+    reach  [mm]: segments farther apart than this may be missing from the list
+    """
+
+    start: Ints
+    master: Ints
+    reach: float
+
+
+class SurfacePositions(NamedTuple):
+    """Positions of the surface nodes (m, 2) [mm]."""
+
+    slave: Floats
+    master: Floats
