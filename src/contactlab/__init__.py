@@ -1,0 +1,45 @@
+"""A bench for finite-element contact algorithms.
+
+    import contactlab
+    scene = contactlab.load_scene("disc-on-block").with_({"contacts.0.algorithm": "mortar-p0", "level": 2})
+    results = contactlab.simulate(scene, out="runs/disc")
+
+Names are imported when they are first used, so that `contactlab --help` answers at once.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from contactlab.compare.runner import compare
+    from contactlab.errors import ContactlabError
+    from contactlab.scene import Scene, load_scene
+    from contactlab.simulation import simulate
+
+__version__ = "0.1.0"
+
+__all__ = ["ContactlabError", "Scene", "__version__", "compare", "load_scene", "simulate"]
+
+_HOMES = {
+    "ContactlabError": "contactlab.errors",
+    "Scene": "contactlab.scene",
+    "compare": "contactlab.compare.runner",
+    "load_scene": "contactlab.scene",
+    "simulate": "contactlab.simulation",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'contactlab' has no attribute {name!r}")
+    from importlib import import_module
+
+    value = getattr(import_module(_HOMES[name]), name)
+    # the import of contactlab.compare.runner binds the package of that name here; the function is the public name
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -1,0 +1,177 @@
+"""Every exception of the project: each names where, what was got, what is allowed and what to try."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+
+class _Nothing:
+    """Marks "no value given", where None would be a value."""
+
+    def __repr__(self) -> str:
+        return "nothing"
+
+
+NOTHING: Final = _Nothing()
+
+
+@dataclass(frozen=True)
+class Location:
+    """A key of a scene or study: the file, the dotted key, and the line where one can be told.
+
+    file       what the reader knows the text as: a path, or the name of a bundled scene
+    key        dotted path, "contacts.0.algorithm"
+    lines      line numbers of the keys that the file writes out
+    overrides  keys that were set from outside the file and therefore have no line in it
+    """
+
+    file: str = ""
+    key: str = ""
+    lines: Mapping[str, int] = field(default_factory=dict, repr=False, compare=False)
+    overrides: frozenset[str] = field(default=frozenset(), repr=False, compare=False)
+
+    def child(self, name: str | int) -> Location:
+        """The location of `name` inside this table."""
+        key = f"{self.key}.{name}" if self.key else str(name)
+        return Location(self.file, key, self.lines, self.overrides)
+
+    @property
+    def line(self) -> int | None:
+        """Line of the key, or of the innermost table around it that the file writes out."""
+        for key in _ancestors(self.key):
+            if key in self.overrides:
+                return None
+            if key in self.lines:
+                return self.lines[key]
+        return None
+
+    def __str__(self) -> str:
+        if any(key in self.overrides for key in _ancestors(self.key)):
+            return f"{self.file}, key {self.key} (set from outside the file)"
+        line = f", line {self.line}" if self.line is not None else ""
+        key = f"key {self.key}" if self.key else ""
+        return ", ".join(text for text in (f"{self.file}{line}".strip(", "), key) if text)
+
+
+def _ancestors(key: str) -> Iterable[str]:
+    while key:
+        yield key
+        key = key.rpartition(".")[0]
+
+
+Where = str | Location
+
+
+def below(where: Where, name: str | int) -> Where:
+    """The place of `name` inside the table at `where`."""
+    if isinstance(where, Location):
+        return where.child(name)
+    return f"{where}.{name}" if where else str(name)
+
+
+def show(value: Any) -> str:
+    """A value as a scene file would write it, shortened to one line."""
+    text = _written(value)
+    return text if len(text) <= 120 else text[:117] + "..."
+
+
+def _written(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return f'"{value}"'
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{key} = {_written(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(_written(item) for item in value) + "]"
+    return str(value)
+
+
+def nearest(name: str, choices: Iterable[str]) -> str | None:
+    """The choice most like `name`, None if nothing is close."""
+    from difflib import get_close_matches
+
+    by_fold = {choice.casefold(): choice for choice in choices}
+    close = get_close_matches(name.casefold(), by_fold, n=1, cutoff=0.55)
+    return by_fold[close[0]] if close else None
+
+
+def did_you_mean(name: str, choices: Iterable[str]) -> str:
+    """`write "nearest"`, or nothing when no choice is close."""
+    close = nearest(name, choices)
+    return f'did you mean "{close}"?' if close else ""
+
+
+class ContactlabError(Exception):
+    """Base of all errors of the project; `exit_status` is what the command line returns."""
+
+    exit_status = 1
+
+
+class RequestError(ContactlabError):
+    """The request is wrong; nothing was run.
+
+    problem  one sentence
+    where    file and key, or the part
+    got      the offending value as it was written
+    allowed  what would have been accepted
+    hint     what to try
+    """
+
+    exit_status = 2
+
+    def __init__(
+        self, problem: str, *, where: Where = "", got: Any = NOTHING, allowed: str = "", hint: str = ""
+    ) -> None:
+        self.problem = problem
+        self.where = where
+        self.got = got
+        self.allowed = allowed
+        self.hint = hint
+        super().__init__(problem)
+
+    def __str__(self) -> str:
+        where = str(self.where)
+        rows = [f"{where}: {self.problem}" if where else self.problem]
+        details = {
+            "got": "" if self.got is NOTHING else show(self.got),
+            "allowed": self.allowed,
+            "try": self.hint,
+        }
+        rows += [f"  {label:<8} {text}" for label, text in details.items() if text]
+        return "\n".join(rows)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # the default would call the class with the message alone and lose the rest between processes
+        return _rebuild, (type(self), self.problem, self.where, self.got, self.allowed, self.hint)
+
+
+def _rebuild(kind: type[RequestError], problem: str, where: Where, got: Any, allowed: str, hint: str) -> RequestError:
+    got = NOTHING if isinstance(got, _Nothing) else got
+    return kind(problem, where=where, got=got, allowed=allowed, hint=hint)
+
+
+class SceneError(RequestError):
+    """Something in a scene is wrong: a key, a value, or what they ask for together."""
+
+
+class PartError(RequestError):
+    """A part is unknown, cannot be imported, or does not keep the contract."""
+
+
+class SimulationFailure(ContactlabError):
+    """A run that was rightly asked for did not come to its end.
+
+    status  diverged, not-converged or failed
+    reason  what happened, where, and what to try
+    """
+
+    def __init__(self, status: str, reason: str) -> None:
+        self.status = status
+        self.reason = reason
+        super().__init__(status, reason)
+
+    def __str__(self) -> str:
+        return f"{self.status}: {self.reason}"
