@@ -1,0 +1,66 @@
+"""One colour and one marker per contact algorithm, the same in every picture.
+
+The colours are those of Okabe and Ito ("Color universal design", 2008) that stand out on white and
+on black; readers with any colour vision can tell them apart, and the markers tell them apart in
+grey. No algorithm is named here: a name always leads to the same colour.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Final
+
+
+@dataclass(frozen=True)
+class Style:
+    """How an algorithm is drawn: `colour` as #rrggbb and a matplotlib `marker`."""
+
+    colour: str
+    marker: str
+
+    @property
+    def rgb(self) -> tuple[int, int, int]:
+        """Red, green and blue, 0 to 255."""
+        return int(self.colour[1:3], 16), int(self.colour[3:5], 16), int(self.colour[5:7], 16)
+
+
+STYLES: Final = (
+    Style("#0072B2", "o"),  # blue
+    Style("#D55E00", "s"),  # vermillion
+    Style("#009E73", "D"),  # bluish green
+    Style("#CC79A7", "^"),  # reddish purple
+    Style("#E69F00", "v"),  # orange
+    Style("#56B4E9", "P"),  # sky blue
+)
+REFERENCE: Final = "#8A8F98"
+"""Grey of reference solutions."""
+
+_SALT: Final = 1818  # any number gives fixed colours; this one keeps common names apart
+
+
+def styles(names: Iterable[str]) -> dict[str, Style]:
+    """A style for each of the names that appear together; equal styles only beyond six names.
+
+    A name keeps its own style unless an alphabetically earlier one in the same picture holds it.
+    """
+    taken: dict[int, str] = {}
+    chosen: dict[str, Style] = {}
+    for name in sorted(set(names)):
+        slot = _free_slot(_own_slot(name), taken)
+        taken[slot] = name
+        chosen[name] = STYLES[slot]
+    return chosen
+
+
+def _own_slot(name: str) -> int:
+    return zlib.crc32(f"{_SALT}:{name}".encode()) % len(STYLES)
+
+
+def _free_slot(slot: int, taken: dict[int, str]) -> int:
+    for step in range(len(STYLES)):
+        candidate = (slot + step) % len(STYLES)
+        if candidate not in taken:
+            return candidate
+    return slot
