@@ -1,0 +1,68 @@
+"""What a class must be to serve as a part of its kind."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+from typing import Any
+
+from contactlab.api.contact import ContactAlgorithm, GapAlgorithm
+from contactlab.api.effect import Effect
+from contactlab.api.element import Element
+from contactlab.api.enforcement import Enforcement, ExplicitEnforcement
+from contactlab.api.friction import FrictionLaw
+from contactlab.api.integrator import Integrator
+from contactlab.api.material import Material
+from contactlab.api.mesh import MeshSource
+from contactlab.api.recorder import Recorder
+
+BASES: dict[str, tuple[type, ...]] = {
+    "element": (Element,),
+    "material": (Material,),
+    "mesh": (MeshSource,),
+    "contact": (ContactAlgorithm, GapAlgorithm),
+    "friction": (FrictionLaw,),
+    "enforcement": (ExplicitEnforcement,),
+    "integrator": (Integrator,),
+    "effect": (Effect,),
+    "recorder": (Recorder,),
+}
+"""The classes of `contactlab.api` that a part of each kind derives from."""
+
+
+def faults(kind: str, target: Any) -> list[str]:
+    """Everything that keeps `target` from being a part of `kind`; empty when it is one."""
+    bases = BASES[kind]
+    allowed = " or ".join(f"contactlab.api.{base.__name__}" for base in bases)
+    if not isinstance(target, type):
+        return [f"it is no class but {type(target).__name__}; allowed: a subclass of {allowed}"]
+    if not issubclass(target, bases):
+        return [f"it does not derive from {allowed}"]
+    if target in (*bases, Enforcement):
+        return ["it is the abstract class of the contract itself"]
+    return [*_missing_methods(target), *_missing_attributes(target), *_not_a_record(target)]
+
+
+def _missing_methods(target: type) -> list[str]:
+    missing = sorted(getattr(target, "__abstractmethods__", ()))
+    return [f"it has no {', '.join(missing)}"] if missing else []
+
+
+def _missing_attributes(target: type) -> list[str]:
+    """Names that a base class annotates and that nothing gives a value."""
+    promised: dict[str, bool] = {}
+    for base in reversed(target.__mro__):
+        if base.__module__.startswith("contactlab.api."):
+            promised |= {name: "ClassVar" in str(hint) for name, hint in inspect.get_annotations(base).items()}
+    fields = set(getattr(target, "__dataclass_fields__", ()))
+    classwide = [name for name, of_class in promised.items() if of_class and not hasattr(target, name)]
+    own = [name for name, of_class in promised.items() if not of_class and name not in fields]
+    texts = [f"it does not set the class attribute {', '.join(classwide)}"] if classwide else []
+    return texts + ([f"it has no field {', '.join(own)}"] if own else [])
+
+
+def _not_a_record(target: type) -> list[str]:
+    settings = target.__dict__.get("__dataclass_params__")
+    if settings is None or not dataclasses.is_dataclass(target):
+        return ["it is no dataclass; write @dataclass(frozen=True) above it"]
+    return [] if settings.frozen else ["it is not frozen; write @dataclass(frozen=True) above it"]

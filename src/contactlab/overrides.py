@@ -1,0 +1,113 @@
+"""Changes to a scene's data by dotted keys: what `--set`, `--vary` and `Scene.with_` do."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from contactlab.errors import SceneError, did_you_mean, show
+
+NAMED_LISTS = ("contacts", "supports")
+"""Lists of tables whose entries can be reached by their `name`, too."""
+
+Switch = Callable[[str, Mapping[str, Any], str], dict[str, Any]]
+"""(key path, old part, new name) -> the new part, with what it keeps of the old one."""
+
+
+def changed(
+    data: Mapping[str, Any], changes: Mapping[str, Any], is_part: Callable[[str], bool], switch: Switch
+) -> tuple[dict[str, Any], list[str]]:
+    """A copy of `data` with the changes, and their keys in the numbered form.
+
+    A change of which part is used comes before changes of its fields, in whatever order they are
+    given. None takes a key away. Raises SceneError for a key that leads nowhere.
+    """
+    result = copy.deepcopy(dict(data))
+    numbered = [(_numbered(key, result), value) for key, value in changes.items()]
+    for path, value in sorted(numbered, key=lambda change: _depth(change[0])):
+        _set(result, path, copy.deepcopy(value), is_part, switch)
+    return result, [".".join(path) for path, _ in numbered]
+
+
+def _depth(path: list[str]) -> int:
+    return len(path) - (path[-1] == "use")
+
+
+def _numbered(key: str, data: Mapping[str, Any]) -> list[str]:
+    path = key.split(".")
+    if not all(path):
+        raise SceneError("this is no key", where="override", got=key, allowed="names joined by dots: contacts.0.swap")
+    if len(path) > 1 and path[0] in NAMED_LISTS and not path[1].isdecimal():
+        path[1] = str(_entry_named(path[0], path[1], data))
+    return path
+
+
+def _entry_named(table: str, name: str, data: Mapping[str, Any]) -> int:
+    entries = data.get(table, [])
+    names = [entry.get("name") for entry in entries]
+    if name in names:
+        return names.index(name)
+    known = [known for known in names if known]
+    numbers = [str(number) for number in range(len(entries))]
+    raise SceneError(
+        f"the scene has no entry of this name in {table}",
+        where=f"{table}.{name}",
+        got=name,
+        allowed=", ".join([*numbers, *known]),
+        hint=did_you_mean(name, known),
+    )
+
+
+def _set(data: dict[str, Any], path: list[str], value: Any, is_part: Callable[[str], bool], switch: Switch) -> None:
+    if path[-1] == "use" and is_part(".".join(path[:-1])):
+        path = path[:-1]
+    holder: Any = data
+    for depth, name in enumerate(path[:-1]):
+        holder = _step(holder, name, path[: depth + 1])
+    key = ".".join(path)
+    old = holder.get(path[-1]) if isinstance(holder, dict) else None
+    if isinstance(value, str) and isinstance(old, dict) and is_part(key):
+        value = switch(key, old, value)
+    _put(holder, path, value)
+
+
+def _step(holder: Any, name: str, path: list[str]) -> Any:
+    """The table or list called `name` inside `holder`, made where it does not exist yet."""
+    if isinstance(holder, dict):
+        inner = holder.setdefault(name, [] if name in NAMED_LISTS and len(path) == 1 else {})
+    else:
+        index = _index(holder, name, path)
+        if index == len(holder):
+            holder.append({})
+        inner = holder[index]
+    if isinstance(inner, dict | list):
+        return inner
+    key = ".".join(path)
+    raise SceneError(
+        "this key holds a value and has no keys inside", where=key, got=inner, hint=f"set {key} as a whole: {{ ... }}"
+    )
+
+
+def _put(holder: Any, path: list[str], value: Any) -> None:
+    name = path[-1]
+    if isinstance(holder, list):
+        index = _index(holder, name, path)
+        holder[index : index + 1] = [] if value is None else [value]
+    elif value is None:
+        holder.pop(name, None)
+    else:
+        holder[name] = value
+
+
+def _index(entries: list[Any], name: str, path: list[str]) -> int:
+    """Position in a list; one past its end adds an entry."""
+    if name.isdecimal() and int(name) <= len(entries):
+        return int(name)
+    raise SceneError(
+        "the list has no such entry",
+        where=".".join(path),
+        got=name,
+        allowed=f"0 to {len(entries) - 1}, or {len(entries)} for a new one" if entries else "0 for a new one",
+        hint=f"the list is {show(entries)}",
+    )

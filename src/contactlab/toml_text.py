@@ -1,0 +1,194 @@
+"""TOML as people write it: files with line numbers, values on a command line, and tidy output."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from contactlab.errors import SceneError
+
+_AT_LINE = re.compile(r"^(?P<what>.*?) \(at (?:line (?P<line>\d+), column (?P<column>\d+)|end of document)\)$")
+_HEADER = re.compile(r"\s*(?P<open>\[\[?)\s*(?P<key>[^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
+_KEY = re.compile(r"\s*(?P<key>[A-Za-z0-9_\"'. -]+?)\s*=")
+_DELIMITERS = ('"""', "'''")
+
+
+def read_toml(path: Path, shown: str) -> tuple[dict[str, Any], dict[str, int]]:
+    """Data of a TOML file and the line of each key. Raises SceneError; `shown` names the file in it."""
+    if path.is_dir():
+        raise SceneError("this is a folder", where=shown, allowed="a TOML file")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise SceneError(f"the file cannot be read: {reason}", where=shown, allowed="a TOML file") from error
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        got = repr(content[error.start : error.start + 4])
+        raise SceneError(
+            f"this is no text: line {line} is not UTF-8", where=shown, got=got, allowed="a TOML file in UTF-8"
+        ) from error
+    return parse_toml(text, shown), key_lines(text)
+
+
+def parse_toml(text: str, shown: str) -> dict[str, Any]:
+    """The data of a TOML text. Raises SceneError with the line."""
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise _broken_toml(text, str(error), shown) from error
+    except RecursionError as error:
+        raise SceneError("this is nested too deeply", where=shown, allowed="a scene in TOML") from error
+
+
+def _broken_toml(text: str, message: str, shown: str) -> SceneError:
+    match = _AT_LINE.match(message)
+    if match is None:
+        return SceneError(f"this is no TOML: {message}", where=shown)
+    lines = text.splitlines() or [""]
+    number = min(int(match["line"] or len(lines)), len(lines))
+    got = lines[number - 1].strip()
+    shown_line = got if got.isprintable() else repr(got)
+    return SceneError(
+        f"this is no TOML: {match['what'].lower()}",
+        where=f"{shown}, line {number}",
+        got=shown_line,
+        allowed="key = value, [table] or [[list of tables]]",
+        hint="texts need quotes; true and false are written small",
+    )
+
+
+def key_lines(text: str) -> dict[str, int]:
+    """Line number of each dotted key that begins a line; entries of lists of tables by their number."""
+    lines: dict[str, int] = {}
+    counts: dict[str, int] = {}
+    table = ""
+    inside = ""
+    for number, line in enumerate(text.splitlines(), start=1):
+        inside, skip = _multiline(line, inside), bool(inside)
+        if skip:
+            continue
+        if header := _HEADER.match(line):
+            table = _numbered(_dotted(header["key"]), counts, new=header["open"] == "[[")
+            lines.setdefault(table, number)
+        elif assignment := _KEY.match(line):
+            name = _dotted(assignment["key"])
+            lines.setdefault(f"{table}.{name}" if table else name, number)
+    return lines
+
+
+def _multiline(line: str, inside: str) -> str:
+    """The delimiter of the multi-line string that is open after this line, "" for none."""
+    for delimiter in (inside,) if inside else _DELIMITERS:
+        if line.count(delimiter) % 2:
+            return "" if inside else delimiter
+    return inside
+
+
+def _dotted(key: str) -> str:
+    return ".".join(part.strip().strip("\"'") for part in key.split("."))
+
+
+def _numbered(key: str, counts: dict[str, int], new: bool) -> str:
+    """A table's path with the entry numbers of the lists of tables on the way."""
+    if new:
+        counts[key] = counts.get(key, -1) + 1
+    path = ""
+    plain = ""
+    for name in key.split("."):
+        plain = f"{plain}.{name}" if plain else name
+        path = f"{path}.{name}" if path else name
+        if plain in counts:
+            path += f".{counts[plain]}"
+    return path
+
+
+_TOKEN = re.compile(
+    r"""(?P<quoted>"(?:\\.|[^"\\])*"|'[^']*')"""
+    r"""|(?P<bare>[A-Za-z_][\w./+-]*)(?P<assigned>\s*=)?"""
+    r"""|(?P<number>[\d+.-][\w.:+-]*)"""
+)
+_CONSTANTS = {"true", "false", "inf", "nan"}
+
+
+def parse_value(text: str, where: str) -> Any:
+    """A value from a command line: TOML in which bare words are texts.
+
+    Raises SceneError for a list or table that is no TOML even so.
+    """
+    for candidate in (text, _TOKEN.sub(_quote, text)):
+        try:
+            found = tomllib.loads(f"value = {candidate}")
+        except (tomllib.TOMLDecodeError, RecursionError):
+            continue
+        if set(found) == {"value"}:
+            return found["value"]
+    if text.lstrip()[:1] in ("[", "{", '"', "'"):
+        allowed = 'a TOML value, such as 2, true, mortar-p1, [4, 4] or {use="coulomb", mu=0.2}'
+        raise SceneError("the value cannot be read", where=where, got=text, allowed=allowed)
+    return text
+
+
+def _quote(match: re.Match[str]) -> str:
+    bare = match["bare"]
+    if bare is None or match["assigned"] or bare in _CONSTANTS:
+        return match[0]
+    return f'"{bare}"'
+
+
+def write_toml(data: Mapping[str, Any]) -> str:
+    """TOML text that reads back as exactly `data`, laid out like a scene written by hand.
+
+    Tables of the first two levels get a header, deeper ones stay on the line of their key.
+    """
+    return "\n".join(_table(data, ())).lstrip("\n") + "\n"
+
+
+def _table(data: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
+    rows = [f"{_name(name)} = {_inline(value)}" for name, value in data.items() if not _has_header(value, path)]
+    for name, value in data.items():
+        inner = (*path, name)
+        dotted = ".".join(map(_name, inner))
+        if not _has_header(value, path):
+            continue
+        if isinstance(value, list):
+            for entry in value:
+                rows += ["", f"[[{dotted}]]", *_table(entry, (*inner, "N"))]
+        else:
+            body = _table(value, inner)
+            # a table that only holds tables needs no header of its own
+            rows += body if body and not body[0] else ["", f"[{dotted}]", *body]
+    return rows
+
+
+def _has_header(value: Any, path: tuple[str, ...]) -> bool:
+    if isinstance(value, list):
+        return not path and bool(value) and all(isinstance(entry, Mapping) for entry in value)
+    return isinstance(value, Mapping) and len(path) < 2
+
+
+def _name(name: str) -> str:
+    return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
+
+
+def _inline(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return _text(value)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_name(name)} = {_inline(item)}" for name, item in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_inline, value)) + "]"
+    return repr(value)
+
+
+def _text(text: str) -> str:
+    # JSON's escapes are TOML's, but for the delete character, which TOML wants escaped
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
