@@ -31,7 +31,8 @@ class BlockKernels(NamedTuple):
     force(geometry (N, 2), connectivity (a, B), stress (4, P), force (N, 2), scratch)
         Adds the internal nodal forces of the block [N] to `force`.
 
-    `scratch` is (4 a + 5, B) and belongs to the caller; its content means nothing between calls.
+    `scratch` is (6 a + 6, B). What `gradient` leaves there is still there when `force` is called for
+    the same block and geometry; nothing else is kept between calls.
     """
 
     gradient: Callable[..., None]

@@ -23,6 +23,7 @@ class Rows:
     size           (k,) [mm]   length of the slave segments there, to scale gaps
     slot           (k,) int32  where the condition's multiplier lives in the state
     bound          (3, k)      friction bound per row: coefficient, adhesion, cap; (3, 0) without friction
+    work           (4, k)      scratch for the enforcement
     """
 
     count: int
@@ -36,6 +37,7 @@ class Rows:
     size: Floats
     slot: Ints
     bound: Floats
+    work: Floats
 
 
 class Solve(NamedTuple):
@@ -56,10 +58,11 @@ class ExplicitEnforcement(Enforcement):
     """For integrators that predict positions and correct them with contact forces in the same step."""
 
     @abstractmethod
-    def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, correction: Floats) -> Solve:
-        """Fill `multipliers` and `correction` so that the rows hold at the corrected positions.
+    def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
+        """Fill `multipliers` and `force` so that the rows hold at the corrected positions,
+        predicted + compliance * force.
 
         compliance  (N, 2) [mm/N]  displacement per force within the step; 0 where motion is prescribed
-        multipliers (1 or 2, slots) [N]  warm start in, nodal forces out; slots without a row become 0
-        correction  (N, 2) [mm]  compliance times contact force; zero on entry
+        multipliers (1 or 2, slots) [N]  warm start in, nodal forces y out; slots without a row become 0
+        force       (N, 2) [N]  contact forces on all nodes, G^T y; overwritten
         """

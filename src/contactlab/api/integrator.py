@@ -48,13 +48,11 @@ class PrescribedMotion(Protocol):
 class ContactEquations(Protocol):
     """All contact pairs together."""
 
-    def solve(
-        self, predicted: Floats, current: Floats, compliance: Floats, multipliers: Floats, correction: Floats
-    ) -> Solve:
+    def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         """Rows at the `predicted` positions (N, 2) from search to friction, then the enforcement's answer.
 
-        `current` (N, 2) are the positions at the start of the step, for objective slip.
-        See `ExplicitEnforcement.solve` for the rest.
+        `current` (N, 2) are the positions at the start of the step, for objective slip. Multipliers
+        are warm-started from the state and left there; `force` (N, 2) [N] receives the contact forces.
         """
 
 
@@ -62,10 +60,13 @@ class Equations(Protocol):
     """All that an integrator may see of a model. What a scene does not declare is None or empty.
 
     reference  (N, 2) undeformed positions [mm]
+    position   (N, 2) reference + displacement, kept current by `internal_force` [mm]
     mass       (N,) lumped [t]; 0 for nodes of rigid surfaces
+    damping    mass-proportional [1/s]
     """
 
     reference: Floats
+    position: Floats
     mass: Floats
     prescribed: PrescribedMotion
     contact: ContactEquations | None

@@ -13,13 +13,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numba
 import numpy as np
 from numba import njit, types
 from numba.extending import intrinsic
 
-from contactlab.kernels.cache import use_keyed_cache
-
-use_keyed_cache()
+from contactlab.kernels.cache import cache_folder
 
 __all__ = ["exp", "kernel", "log", "point", "power"]
 
@@ -28,7 +27,12 @@ _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "n
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a block kernel; see the module text for what is fixed."""
-    return njit(cache=True, **_OPTIONS)(function)
+    before = numba.config.CACHE_DIR
+    numba.config.CACHE_DIR = cache_folder(function.__code__.co_filename)
+    try:
+        return njit(cache=True, **_OPTIONS)(function)
+    finally:
+        numba.config.CACHE_DIR = before
 
 
 def point(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -39,7 +39,14 @@ class Material(ABC):
 
     @abstractmethod
     def wave_speeds(self) -> tuple[float, float]:
-        """Upper bounds of the dilatational and of the shear speed [mm/s]; they set the stable step."""
+        """Dilatational and shear speed [mm/s] of the undeformed material; they set the stable step."""
+
+    def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
+        """Fill out (P,) with bounds of the tangent moduli over those of `wave_speeds` at each point.
+
+        Laws that stiffen under strain override this; the default is 1.
+        """
+        out[:] = 1.0
 
     def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
         """Fill the stored energy per current volume (P,) [mJ/mm3].

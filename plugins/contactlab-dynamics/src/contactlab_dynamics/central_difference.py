@@ -1,0 +1,81 @@
+"""Explicit central differences with contact forces in the same step (formulation 1.1 and 2.1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from contactlab.api import Enforcement, Equations, ExplicitEnforcement, Floats, Integrator, State, Step
+
+
+@dataclass(frozen=True)
+class CentralDifference(Integrator):
+    """Leapfrog with lumped mass; velocities live half a step before positions."""
+
+    needs: ClassVar[type[Enforcement]] = ExplicitEnforcement
+    default_enforcement: ClassVar[str] = "forward-increment"
+    order: ClassVar[int] = 2
+    inertia: ClassVar[bool] = True
+    explicit: ClassVar[bool] = True
+
+    def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
+        """Last step length, and reactions (N, 2) [N] of supports at the start of the last step."""
+        return {"last_dt": (1,), "reaction": (nodes, 2)}
+
+    def bind(self, equations: Equations, state: State) -> Callable[[float], Step]:
+        """The step function; the first step starts from v_0 (half a step of acceleration)."""
+        return _Leapfrog(equations, state).step
+
+
+class _Leapfrog:
+    """One run's arrays, bound once."""
+
+    def __init__(self, equations: Equations, state: State) -> None:
+        nodes = len(equations.reference)
+        self.equations, self.state = equations, state
+        self.inverse_mass = np.divide(1.0, equations.mass, out=np.zeros(nodes), where=equations.mass > 0.0)
+        self.free = np.ones((nodes, 2))
+        self.free.reshape(-1)[equations.prescribed.dof] = 0.0
+        self.compliance: Floats = np.zeros((nodes, 2))
+        self.compliance_dt = 0.0
+        self.predicted, self.trial, self.external, self.contact = (np.zeros((nodes, 2)) for _ in range(4))
+
+    def step(self, dt: float) -> Step:
+        """Advance the state by dt."""
+        from contactlab_dynamics import leapfrog
+
+        equations, state, alpha = self.equations, self.state, self.equations.damping
+        clock, last = state["clock"], state["last_dt"]
+        # at the start only half a step of acceleration leads from v_0 to v_{1/2}
+        mean_dt = 0.5 * (last[0] + dt)
+        equations.external_force(clock[0], self.external)
+        prescribed = equations.prescribed
+        leapfrog.predict(
+            equations.reference, state["displacement"], state["velocity"], state["internal_force"], self.external,
+            self.inverse_mass, alpha, dt, mean_dt, prescribed.dof, prescribed.scale, prescribed.ramp,
+            prescribed.values(clock[0] + dt), self.trial, self.predicted,
+        )  # fmt: skip
+        done = Step()
+        if equations.contact is not None:
+            self._set_compliance(dt, mean_dt, alpha)
+            solve = equations.contact.solve(self.predicted, equations.position, self.compliance, self.contact)
+            done = Step(sweeps=solve.sweeps, residual=solve.residual)
+        leapfrog.correct(
+            equations.mass, self.external, self.contact, self.compliance, alpha, dt, mean_dt, prescribed.dof,
+            self.trial, state["displacement"], state["velocity"], state["internal_force"], state["reaction"],
+            state["work"],
+        )  # fmt: skip
+        last[0] = dt
+        clock[0] += dt
+        clock[1] += 1.0
+        equations.internal_force(dt)
+        return done
+
+    def _set_compliance(self, dt: float, mean_dt: float, alpha: float) -> None:
+        factor = dt * mean_dt / (1.0 + 0.5 * alpha * mean_dt)
+        if factor != self.compliance_dt:
+            self.compliance_dt = factor
+            np.multiply(self.free, factor * self.inverse_mass[:, None], out=self.compliance)

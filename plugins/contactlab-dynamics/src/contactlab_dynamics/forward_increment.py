@@ -1,0 +1,37 @@
+"""Forward-increment Lagrange multipliers (Carpenter, Taylor & Katona 1991) by projected Gauss-Seidel."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve
+
+
+@dataclass(frozen=True)
+class ForwardIncrement(ExplicitEnforcement):
+    """Multipliers at t_n, gap conditions at t_{n+1}: y >= 0, g >= 0, y g = 0 (formulation 2.1).
+
+    tolerance  natural residual in segment lengths at which the sweeps stop
+    sweeps     most sweeps in a step; a residual left over is reported
+    """
+
+    tolerance: float = 1e-10
+    sweeps: int = 200
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.tolerance < 1.0:
+            raise ValueError(f"tolerance: got {self.tolerance}, allowed: 0 < tolerance < 1")
+        if self.sweeps < 1:
+            raise ValueError(f"sweeps: got {self.sweeps}, allowed: at least 1")
+
+    def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
+        """Sweep until the natural residual falls below the tolerance."""
+        from contactlab_dynamics.gauss_seidel import solve
+
+        return Solve(
+            *solve(
+                rows.count, rows.start, rows.node, rows.normal_weight, rows.tangent_weight, rows.gap, rows.slip,
+                rows.measure, rows.size, rows.slot, rows.bound, rows.work, compliance, multipliers, force,
+                self.tolerance, self.sweeps,
+            )
+        )  # fmt: skip

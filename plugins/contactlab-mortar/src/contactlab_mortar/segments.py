@@ -1,0 +1,88 @@
+"""All pieces of a mortar contact: slave segment by slave segment, overlap by overlap."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api.kernel import kernel
+from contactlab_mortar.integrals import integrate
+from contactlab_mortar.projection import master_parameter, opening, slave_parameter
+
+SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
+
+
+@kernel
+def overlap(a, b, na, nb, c, d, out):
+    """Overlap of slave (a, b) with normals (na, nb) and master (c, d) into out (6,).
+
+    out = xi_low, xi_high, eta at either end, gap at either end. False where they do not overlap or
+    do not face each other.
+    """
+    ex, ey, fx, fy = b[0] - a[0], b[1] - a[1], d[0] - c[0], d[1] - c[1]
+    nx, ny, mx, my = na[0], na[1], nb[0] - na[0], nb[1] - na[1]
+    if ex * fx + ey * fy >= 0.0:
+        return False
+    first = slave_parameter(a[0], a[1], ex, ey, nx, ny, mx, my, c[0], c[1])
+    second = slave_parameter(a[0], a[1], ex, ey, nx, ny, mx, my, d[0], d[1])
+    low, high = max(0.0, min(first, second)), min(1.0, max(first, second))
+    if not high - low > SMALLEST:
+        return False
+    for i in range(2):
+        xi = low if i == 0 else high
+        eta = master_parameter(xi, a[0], a[1], ex, ey, nx, ny, mx, my, c[0], c[1], fx, fy)
+        eta = min(1.0, max(0.0, eta))
+        out[i] = xi
+        out[2 + i] = eta
+        out[4 + i] = opening(xi, eta, a[0], a[1], ex, ey, nx, ny, mx, my, c[0], c[1], fx, fy)
+    return True
+
+
+@kernel
+def mortar_pieces(slave, master, slave_at, master_at, normals, near, reach, depth, linear, found, out):
+    """Fill the pieces; returns their number.
+
+    slave, master = (segments, edges, segment_edge); near = (start, master segments)
+    out = (slave nodes, multipliers, master nodes, D, M, T)
+    A slave segment farther than `reach` or deeper than `depth` [mm] at all its overlaps is left out.
+    """
+    segments, edges, segment_edge = slave
+    master_segments, master_edges, master_segment_edge = master
+    start, candidates = near
+    slave_nodes, multipliers, master_nodes, D, M, T = out
+    count = 0
+    for s in range(segments.shape[0]):
+        i, j = segments[s, 0], segments[s, 1]
+        a, b = slave_at[i], slave_at[j]
+        length = np.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2)
+        begin, close = count, False
+        for z in range(start[s], start[s + 1]):
+            m = candidates[z]
+            c, d = master_at[master_segments[m, 0]], master_at[master_segments[m, 1]]
+            if not overlap(a, b, normals[i], normals[j], c, d, found):
+                continue
+            least = min(found[4], found[5])
+            if least < -depth:
+                continue
+            close = close or least <= reach
+            slave_nodes[count] = edges[segment_edge[s, 0]]
+            multipliers[count, 0] = i
+            multipliers[count, 1] = j
+            master_nodes[count] = master_edges[master_segment_edge[m, 0]]
+            D[count], M[count], T[count] = 0.0, 0.0, 0.0
+            _integrate_halves(found, length, segment_edge[s, 1], master_segment_edge[m, 1], linear, count, D, M, T)
+            count += 1
+        if not close:
+            count = begin
+    return count
+
+
+@kernel
+def _integrate_halves(found, length, slave_half, master_half, linear, p, D, M, T):
+    """Integrate an overlap, cut where the P0 basis jumps."""
+    low, high, eta_low, eta_high = found[0], found[1], found[2], found[3]
+    if linear or high <= 0.5 or low >= 0.5:
+        integrate(low, high, eta_low, eta_high, length, slave_half, master_half, linear, p, D, M, T)
+        return
+    eta = eta_low + (0.5 - low) / (high - low) * (eta_high - eta_low)
+    integrate(low, 0.5, eta_low, eta, length, slave_half, master_half, linear, p, D, M, T)
+    integrate(0.5, high, eta, eta_high, length, slave_half, master_half, linear, p, D, M, T)

@@ -1,0 +1,44 @@
+"""The bilinear quadrilateral with 2x2 Gauss points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+import numpy as np
+
+from contactlab.api import BlockKernels, Element, Floats, Quadrature, Shape
+
+_G = 1.0 / np.sqrt(3.0)
+
+
+@dataclass(frozen=True)
+class Q1(Element):
+    """Four nodes, four points. Any edge trace is linear; mass by row sums."""
+
+    nodes: ClassVar[Floats] = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    edges: ClassVar[tuple[tuple[int, ...], ...]] = ((0, 1), (1, 2), (2, 3), (3, 0))
+    degree: ClassVar[int] = 1
+    lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]] = "row-sum"
+
+    def shape(self, points: Floats) -> Shape:
+        """N_a = (1 + xi_a xi)(1 + eta_a eta)/4."""
+        xi = 1.0 + points[:, :1] * self.nodes[:, 0]
+        eta = 1.0 + points[:, 1:] * self.nodes[:, 1]
+        slope = np.stack([self.nodes[:, 0] * eta, self.nodes[:, 1] * xi], axis=-1)
+        return Shape(0.25 * xi * eta, 0.25 * slope)
+
+    def quadrature(self) -> Quadrature:
+        """2x2 Gauss points, counter-clockwise like the nodes."""
+        return Quadrature(_G * self.nodes, np.ones(4))
+
+    def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
+        """Linear trace."""
+        value = np.stack([0.5 * (1.0 - s), 0.5 * (1.0 + s)], axis=-1)
+        return value, np.broadcast_to([-0.5, 0.5], value.shape).copy()
+
+    def block_kernels(self) -> BlockKernels:
+        """Hand-written kernels on the coefficients of the bilinear map (see `q1_kernels`)."""
+        from contactlab_quads import q1_kernels
+
+        return BlockKernels(q1_kernels.gradient, q1_kernels.force)

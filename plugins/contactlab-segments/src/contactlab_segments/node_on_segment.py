@@ -1,0 +1,73 @@
+"""One-pass node-on-segment contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, Surface, SurfacePositions
+
+DEPTH = 1.0  # segment lengths: a node deeper than this is on the far side of a thin body
+
+
+@dataclass(frozen=True)
+class NodeOnSegment(ContactAlgorithm):
+    """Slave nodes stay outside the nearest master segment (formulation 3.2).
+
+    D = T = the node's tributary length, M = that length times the segment's shape functions, so
+    multipliers come out as pressures like those of the mortar methods. At a concave corner of the
+    master both segments hold the node.
+    """
+
+    passes_patch_test: ClassVar[bool] = False
+    rows_per_node: ClassVar[int] = 2
+    memory_size: ClassVar[int] = 1
+
+    def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
+        """One slave node, one multiplier, two ends of a master segment."""
+        return 1, 1, 2
+
+    def capacity(self, slave: Surface, near: Candidates) -> int:
+        """Two conditions per slave node."""
+        return 2 * len(slave.nodes)
+
+    def pieces(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        reach: float,
+        memory: Floats,
+        out: Pieces,
+    ) -> int:
+        """The nearest segment of every slave node; `memory` keeps its number (plus one)."""
+        from contactlab.kernels.edges import nodal_normals, segment_normals, tributary_lengths
+        from contactlab_segments.pairing import pair_nodes
+
+        slave_normal, slave_length = np.empty((len(slave.segments), 2)), np.empty(len(slave.segments))
+        segment_normals(at.slave, slave.segments, slave_normal, slave_length)
+        outward = np.empty((len(slave.nodes), 2))
+        nodal_normals(slave.node_segments, slave_normal, slave_length, outward)
+        normal, length = np.empty((len(master.segments), 2)), np.empty(len(master.segments))
+        segment_normals(at.master, master.segments, normal, length)
+        tributary = np.empty(len(slave.nodes))
+        tributary_lengths(at.slave, slave.segments, slave.node_segments, tributary)
+        return pair_nodes(
+            at.slave,
+            outward,
+            tributary,
+            slave.node_segments,
+            at.master,
+            master.segments,
+            master.node_segments,
+            normal,
+            length,
+            (near.start, near.master),
+            reach,
+            DEPTH * length.max(),
+            memory[0],
+            (out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
+        )

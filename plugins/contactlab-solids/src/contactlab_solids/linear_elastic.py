@@ -1,0 +1,45 @@
+"""Hooke's law for small displacements."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from contactlab.api import Floats, Kinematics, Material
+from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds, lame_constants
+
+
+@dataclass(frozen=True)
+class LinearElastic(Material):
+    """Isotropic Hooke in plane strain, strain = sym(du/dX), forces on the undeformed geometry.
+
+    young    Young's modulus [MPa]
+    poisson  Poisson's ratio, -1 < poisson < 0.5
+    density  [t/mm3]
+    """
+
+    young: float
+    poisson: float
+    density: float
+
+    kinematics: ClassVar[Kinematics] = "small"
+    has_energy: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        check_elastic(self.young, self.poisson, self.density)
+
+    def wave_speeds(self) -> tuple[float, float]:
+        """Dilatational and shear speed [mm/s]."""
+        return elastic_wave_speeds(self.young, self.poisson, self.density)
+
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        """sigma = lambda tr(eps) I + 2 mu eps."""
+        from contactlab_solids import kernels
+
+        kernels.linear_elastic(gradient, stress, *lame_constants(self.young, self.poisson))
+
+    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+        """W = lambda/2 tr(eps)^2 + mu eps : eps per undeformed volume."""
+        lame, shear = lame_constants(self.young, self.poisson)
+        xx, yy, xy = gradient[0], gradient[3], 0.5 * (gradient[1] + gradient[2])
+        energy[:] = 0.5 * lame * (xx + yy) ** 2 + shear * (xx**2 + yy**2 + 2.0 * xy**2)

@@ -1,0 +1,1 @@
+"""Compiled loops over cells, edges and rows. Nothing here knows a scene."""

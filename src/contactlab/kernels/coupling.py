@@ -1,0 +1,143 @@
+"""From local pieces to the coupling T of the multipliers: merged, dropped and factorised.
+
+T is tridiagonal along the slave chain (`diagonal`, `lower[k]` = T[k, previous], `upper[k]` =
+T[k, next]). On partial cover a multiplier that keeps less than 5 % of its length is merged into its
+neighbour, one below 1e-6 is dropped (formulation: partial cover); merging adds rows and columns, so
+T stays square and tridiagonal. `owner[k]` is the multiplier that k became, -1 if dropped.
+"""
+
+from __future__ import annotations
+
+from contactlab.api.kernel import kernel
+
+MERGE_BELOW = 0.05
+DROP_BELOW = 1e-6
+
+
+@kernel
+def accumulate(count, multiplier, T, following, diagonal, lower, upper, cover):
+    """Sum the pieces' T into the three diagonals and the covered length of each multiplier."""
+    diagonal[:] = 0.0
+    lower[:] = 0.0
+    upper[:] = 0.0
+    cover[:] = 0.0
+    width = multiplier.shape[1]
+    for p in range(count):
+        for i in range(width):
+            a = multiplier[p, i]
+            diagonal[a] += T[p, i, i]
+            for j in range(width):
+                cover[a] += T[p, j, i]
+                if j != i and following[a] == multiplier[p, j]:
+                    upper[a] += T[p, i, j]
+                    lower[multiplier[p, j]] += T[p, j, i]
+
+
+@kernel
+def settle(full, fixed, following, preceding, diagonal, lower, upper, cover, owner, next_, previous):
+    """Drop and merge multipliers; link the rest in `next_` and `previous` (-1 at ends).
+
+    `full` (k,) [mm] is the length of each multiplier on full cover; `fixed` (k,) marks multipliers
+    of nodes that cannot move, which are merged whatever they cover.
+    """
+    for k in range(owner.size):
+        owner[k] = k if cover[k] > DROP_BELOW * full[k] else -1
+    for k in range(owner.size):
+        n, p = following[k], preceding[k]
+        next_[k] = n if owner[k] >= 0 and n >= 0 and owner[n] >= 0 and upper[k] != 0.0 else -1
+        previous[k] = p if owner[k] >= 0 and p >= 0 and owner[p] >= 0 and lower[k] != 0.0 else -1
+    for k in range(owner.size):
+        if owner[k] == k and (fixed[k] or cover[k] < MERGE_BELOW * full[k]):
+            _merge(k, fixed, diagonal, lower, upper, cover, owner, next_, previous)
+    for k in range(owner.size):
+        while owner[k] >= 0 and owner[owner[k]] != owner[k]:
+            owner[k] = owner[owner[k]]
+
+
+@kernel
+def _merge(k, fixed, diagonal, lower, upper, cover, owner, next_, previous):
+    """Give row and column k to the neighbour with more cover, if there is one to take them."""
+    n, p = next_[k], previous[k]
+    target = n
+    if n < 0 or (p >= 0 and (fixed[n] or cover[p] > cover[n]) and not fixed[p]):
+        target = p
+    if target < 0 or (not fixed[k] and cover[target] < cover[k]):
+        return
+    owner[k] = target
+    diagonal[target] += diagonal[k]
+    cover[target] += cover[k]
+    if target == n:
+        diagonal[n] += upper[k] + lower[n]
+        lower[n] = lower[k]
+    else:
+        diagonal[p] += lower[k] + upper[p]
+        upper[p] = upper[k]
+    if p >= 0:
+        next_[p] = n
+    if n >= 0:
+        previous[n] = p
+
+
+@kernel
+def factorise(diagonal, lower, upper, owner, next_, previous, from_left, from_right, order):
+    """Pivots of T eliminated from either end; `order` lists the multipliers chain by chain.
+
+    Returns their number, or -1 where a closed chain is covered all around (T is then periodic).
+    """
+    count = 0
+    total = 0
+    for k in range(owner.size):
+        if owner[k] != k:
+            continue
+        total += 1
+        if previous[k] >= 0:
+            continue
+        start = count
+        j = k
+        while j >= 0:
+            from_left[j] = diagonal[j]
+            if j != k:
+                from_left[j] -= lower[j] * upper[previous[j]] / from_left[previous[j]]
+            order[count] = j
+            count += 1
+            j = next_[j]
+        for i in range(count - 1, start - 1, -1):
+            j = order[i]
+            from_right[j] = diagonal[j]
+            if next_[j] >= 0:
+                from_right[j] -= upper[j] * lower[next_[j]] / from_right[next_[j]]
+    return count if count == total else -1
+
+
+@kernel
+def solve_transposed(count, order, lower, upper, next_, previous, from_left, values):
+    """Overwrite values (k, 2) by T^-T values."""
+    for i in range(count):
+        k = order[i]
+        p = previous[k]
+        for c in range(2):
+            if p >= 0:
+                values[k, c] -= upper[p] * values[p, c]
+            values[k, c] /= from_left[k]
+    for i in range(count - 1, -1, -1):
+        k = order[i]
+        n = next_[k]
+        if n >= 0:
+            for c in range(2):
+                values[k, c] -= lower[n] / from_left[k] * values[n, c]
+
+
+@kernel
+def solve(count, order, lower, upper, next_, previous, from_left, values):
+    """Overwrite values (k,) by T^-1 values."""
+    for i in range(count):
+        k = order[i]
+        p = previous[k]
+        if p >= 0:
+            values[k] -= lower[k] / from_left[p] * values[p]
+    for i in range(count - 1, -1, -1):
+        k = order[i]
+        n = next_[k]
+        if n >= 0:
+            values[k] -= upper[k] * values[n]
+        values[k] /= from_left[k]

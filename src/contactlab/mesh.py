@@ -1,0 +1,120 @@
+"""Meshes: moving them, checking them, and cutting surfaces out of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from contactlab.api.arrays import Floats, Ints
+from contactlab.api.element import Element
+from contactlab.api.mesh import Mesh
+from contactlab.api.surface import Surface
+
+
+def moved(mesh: Mesh, rotate: float, shift: tuple[float, float]) -> Mesh:
+    """The mesh turned by `rotate` degrees about the origin, then shifted [mm]."""
+    nodes = mesh.nodes
+    if rotate != 0.0:
+        angle = math.radians(rotate)
+        cos, sin = math.cos(angle), math.sin(angle)
+        nodes = nodes @ np.array([[cos, sin], [-sin, cos]])
+    if shift[0] != 0.0 or shift[1] != 0.0:
+        nodes = nodes + np.asarray(shift)
+    return replace(mesh, nodes=np.ascontiguousarray(nodes))
+
+
+def jacobians(mesh: Mesh, element: Element, points: Floats) -> Floats:
+    """Jacobian determinants (n, s) of the cells' maps at reference `points` (s, 2)."""
+    slopes = element.shape(points).gradient
+    x = mesh.nodes[mesh.cells]
+    j = np.einsum("saj,nai->nsij", slopes, x)
+    return np.asarray(j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0])
+
+
+def inverted_cells(mesh: Mesh, element: Element) -> Ints:
+    """Cells whose map folds over at a node or at a quadrature point."""
+    points = np.concatenate([element.nodes, element.quadrature().points])
+    return np.flatnonzero((jacobians(mesh, element, points) <= 0.0).any(axis=1)).astype(np.int32)
+
+
+def nodal_measure(mesh: Mesh, element: Element) -> Floats:
+    """Area (N,) [mm2] that each node's lumped mass stands for, by the element's `lumping`."""
+    area = np.zeros(len(mesh.nodes))
+    np.add.at(area, mesh.cells, cell_measures(mesh, element))
+    return area
+
+
+def cell_measures(mesh: Mesh, element: Element) -> Floats:
+    """Area (n, a) [mm2] that each cell gives to the lumped mass of its nodes."""
+    return _quadrature_areas(mesh, element) if element.lumping == "quadrature" else _shape_areas(mesh, element)
+
+
+def _shape_areas(mesh: Mesh, element: Element) -> Floats:
+    rule = element.quadrature()
+    shape = element.shape(rule.points).value
+    weight = jacobians(mesh, element, rule.points) * rule.weights
+    if element.lumping == "row-sum":
+        return np.asarray(weight @ shape)
+    diagonal = weight @ shape**2
+    return np.asarray(diagonal * (weight.sum(axis=1) / diagonal.sum(axis=1))[:, None])
+
+
+def _quadrature_areas(mesh: Mesh, element: Element) -> Floats:
+    """Nodal quadrature with the Lobatto weights 1/3, 4/3, 1/3 (or 1, 1) per direction."""
+    order = 1 if np.all(np.abs(element.nodes) == 1.0) else 2
+    one = np.where(np.abs(element.nodes) < 0.5, 4.0 / 3.0, 1.0 / 3.0) if order == 2 else np.ones_like(element.nodes)
+    return jacobians(mesh, element, element.nodes) * one.prod(axis=1)
+
+
+def surface_from_edges(edges: Ints) -> Surface:
+    """The contact surface made of `edges` (e, b): start, end, then inner nodes; the body on the left.
+
+    Edges may come in any order and form several chains, open or closed. Raises ValueError where an
+    edge set branches.
+    """
+    order = _chain_order(edges)
+    nodes: list[int] = []
+    position: dict[int, int] = {}
+    segments, segment_edge, local = [], [], []
+    for number, e in enumerate(order):
+        start, end, *inner = (int(node) for node in edges[e])
+        path = [start, *inner, end]
+        for node in path:
+            if node not in position:
+                position[node] = len(nodes)
+                nodes.append(node)
+        for half in range(len(path) - 1):
+            segments.append((position[path[half]], position[path[half + 1]]))
+            segment_edge.append((number, half))
+        local.append([position[node] for node in (start, end, *inner)])
+    neighbours = np.full((len(nodes), 2), -1, np.int32)
+    for s, (a, b) in enumerate(segments):
+        neighbours[a, 1] = s
+        neighbours[b, 0] = s
+    return Surface(
+        np.array(nodes, np.int32),
+        np.array(segments, np.int32).reshape(-1, 2),
+        neighbours,
+        np.array(local, np.int32).reshape(-1, edges.shape[1]),
+        np.array(segment_edge, np.int32).reshape(-1, 2),
+    )
+
+
+def _chain_order(edges: Ints) -> list[int]:
+    """Edge numbers in chain order: open chains from their free start, then closed ones."""
+    starts = {int(edge[0]): e for e, edge in enumerate(edges)}
+    ends = {int(edge[1]): e for e, edge in enumerate(edges)}
+    if len(starts) != len(edges) or len(ends) != len(edges):
+        raise ValueError("the edges branch: some node starts or ends two of them")
+    order: list[int] = []
+    done: set[int] = set()
+    heads = [e for e, edge in enumerate(edges) if int(edge[0]) not in ends]
+    for head in [*heads, *range(len(edges))]:
+        e: int | None = head
+        while e is not None and e not in done:
+            done.add(e)
+            order.append(e)
+            e = starts.get(int(edges[e, 1]))
+    return order

@@ -1,0 +1,137 @@
+"""Scene and registry in, model out: the one place where parts meet, and where they are checked."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Element, Floats, Integrator, Ints, Material, MeshSource, State
+from contactlab.errors import SceneError
+from contactlab.mesh import inverted_cells, moved, nodal_measure
+from contactlab.model.body import Body, BodyForces
+from contactlab.model.contacts import build_contact, contact_shapes, plan_contacts
+from contactlab.model.model import Model
+from contactlab.model.pace import find_pace
+from contactlab.model.supports import plan_supports
+
+
+def build(scene: Any, registry: Any) -> Model:
+    """The model of a scene with every `auto` resolved.
+
+    Raises SceneError or PartError, naming file and key, for anything that does not fit together.
+    """
+    integrator = registry.make("integrator", scene.integrator, scene.where("integrator"))
+    bodies = build_bodies(scene, registry)
+    reference = np.concatenate([body.mesh.nodes for body in bodies])
+    mass = _masses(bodies, integrator)
+    supports = plan_supports(scene, bodies)
+    pace = find_pace(scene, bodies, reference, mass, supports.dof, integrator)
+    prescribed = supports.bind(pace.ramp)
+    plans = plan_contacts(scene, registry, bodies, integrator)
+    state = State(_shapes(len(reference), bodies, integrator, plans))
+    position, increment = reference.copy(), _increment(bodies, len(reference))
+    forces = tuple(_bind(body, reference, position, increment, state) for body in bodies)
+    _initial_velocity(scene, bodies, state)
+    contact = build_contact(plans, reference, prescribed.dof, state)
+    model = Model(
+        reference=reference,
+        position=position,
+        mass=mass,
+        prescribed=prescribed,
+        contact=contact,
+        damping=pace.damping,
+        state=state,
+        integrator=integrator,
+        bodies=bodies,
+        forces=forces,
+        supports=supports.sets,
+        pace=pace,
+        updates=tuple(call for body in forces for call in body.calls),
+        loads=(),
+        increment=increment,
+    )
+    model.internal_force(0.0)
+    return model
+
+
+# --- bodies -------------------------------------------------------------------------------------
+
+
+def build_bodies(scene: Any, registry: Any) -> tuple[Body, ...]:
+    """All bodies in global node numbers, in scene order."""
+    materials = {
+        name: registry.make("material", spec, scene.where(f"materials.{name}"))
+        for name, spec in scene.materials.items()
+    }
+    bodies: list[Body] = []
+    first = 0
+    for name, spec in scene.bodies.items():
+        body = _body(scene, registry, name, spec, materials[spec.material], first)
+        bodies.append(body)
+        first += body.count
+    return tuple(bodies)
+
+
+def _body(scene: Any, registry: Any, name: str, spec: Any, material: Material, first: int) -> Body:
+    element: Element = registry.make("element", spec.element, scene.where(f"bodies.{name}.element"))
+    where = scene.where(f"bodies.{name}.mesh")
+    source: MeshSource = registry.make("mesh", spec.mesh, where)
+    mesh = moved(source.mesh(element, scene.level), spec.rotate, spec.shift)
+    if not len(mesh.cells):
+        raise SceneError("the mesh has no cells", where=where)
+    folded = inverted_cells(mesh, element)
+    if len(folded):
+        raise SceneError(
+            f"{len(folded)} of {len(mesh.cells)} cells are inverted",
+            where=where,
+            got=f"cell {folded[0]} first, nodes {mesh.cells[folded[0]].tolist()}",
+            allowed="cells numbered counter-clockwise with positive area at every node and point",
+            hint="check the order of the nodes and the numbers of the mesh",
+        )
+    return Body(name, element, material, mesh, first, len(mesh.nodes), (mesh.cells + first).astype(np.int32))
+
+
+def _masses(bodies: tuple[Body, ...], integrator: Integrator) -> Floats:
+    if not integrator.inertia:
+        return np.zeros(0)
+    return np.concatenate([body.material.density * nodal_measure(body.mesh, body.element) for body in bodies])
+
+
+# --- state --------------------------------------------------------------------------------------
+
+
+def _shapes(
+    nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: Any
+) -> Mapping[str, tuple[int, ...]]:
+    shapes: dict[str, tuple[int, ...]] = {"clock": (2,), "displacement": (nodes, 2)}
+    if integrator.inertia:
+        shapes["velocity"] = (nodes, 2)
+    shapes |= {"internal_force": (nodes, 2), "work": (6,)}
+    shapes |= contact_shapes(plans)
+    shapes |= {f"history.{body.name}": body.history_shape() for body in bodies if body.material.history_size}
+    return shapes | dict(integrator.memory(nodes))
+
+
+def _increment(bodies: tuple[Body, ...], nodes: int) -> Floats | None:
+    return np.zeros((nodes, 2)) if any(b.material.kinematics == "rate" for b in bodies) else None
+
+
+def _bind(body: Body, reference: Floats, position: Floats, increment: Floats | None, state: State) -> BodyForces:
+    geometry, field = {
+        "small": (reference, state["displacement"]),
+        "finite": (position, reference),
+        "rate": (position, increment),
+    }[body.material.kinematics]
+    assert field is not None
+    name = f"history.{body.name}"
+    history = state[name] if name in state else np.zeros(0)
+    return BodyForces(body, geometry, field, state["internal_force"], history)
+
+
+def _initial_velocity(scene: Any, bodies: tuple[Body, ...], state: State) -> None:
+    if "velocity" not in state:
+        return
+    for body, spec in zip(bodies, scene.bodies.values(), strict=True):
+        state["velocity"][body.first : body.first + body.count] = spec.velocity

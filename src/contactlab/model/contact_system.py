@@ -1,0 +1,86 @@
+"""All contact pairs of a model: one list of rows, one solve."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+
+from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve, State
+from contactlab.model.surface_pair import SurfacePair
+
+MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
+GROW = 1.5
+
+
+class ContactSystem:
+    """The pairs and the enforcement they share. Implements `contactlab.api.ContactEquations`."""
+
+    def __init__(self, pairs: tuple[SurfacePair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
+        self.pairs, self.enforcement, self.state = pairs, enforcement, state
+        self.multipliers = state["multipliers"]
+        self.friction = any(pair.friction is not None for pair in pairs)
+        self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]
+        self.margin = MARGIN * min(pair.size for pair in pairs)
+        self.rows = allocate_rows(sum(pair.slots for pair in pairs), 64, self.friction)
+        self.last = Solve(0, 0.0, 0, 0.0)
+        self.seconds = 0.0
+
+    def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
+        """Rows at `predicted`, forces from the enforcement; see `contactlab.api.ContactEquations`."""
+        began = perf_counter()
+        for pair, memory in zip(self.pairs, self.memories, strict=True):
+            pair.update(predicted, memory)
+        self._solve_rows(current, compliance, force)
+        self.seconds += perf_counter() - began
+        return self.last
+
+    def _solve_rows(self, current: Floats, compliance: Floats, force: Floats) -> None:
+        margin = self.margin
+        warm = self.multipliers.copy()
+        while True:
+            self._assemble(margin, current)
+            self.last = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
+            # a left-out row could have closed only if nodes were moved by a good part of the margin
+            if 4.0 * self.last.largest_correction <= margin or margin == np.inf:
+                return
+            margin = np.inf
+            self.multipliers[:] = warm
+
+    def _assemble(self, margin: float, current: Floats) -> None:
+        while True:
+            self.rows.count = entries = 0
+            for pair in self.pairs:
+                entries = pair.append_rows(self.rows, entries, margin, self.multipliers, _EMPTY, _EMPTY)
+                if entries < 0:
+                    break
+            if entries >= 0:
+                return
+            self._grow()
+
+    def _grow(self) -> None:
+        rows = self.rows
+        entries = int(GROW * len(rows.node)) + sum(len(p.slave.nodes) + len(p.master.nodes) for p in self.pairs)
+        self.rows = allocate_rows(len(rows.gap), entries // max(1, len(rows.gap)) + 1, self.friction)
+
+
+_EMPTY: Floats = np.zeros((0, 2))
+
+
+def allocate_rows(rows: int, entries_per_row: int, friction: bool) -> Rows:
+    """Room for `rows` rows; nothing tangential exists without friction."""
+    entries, slip = rows * entries_per_row, rows if friction else 0
+    return Rows(
+        0,
+        np.zeros(rows + 1, np.int32),
+        np.zeros(entries, np.int32),
+        np.zeros((entries, 2)),
+        np.zeros((entries if friction else 0, 2)),
+        np.zeros(rows),
+        np.zeros(slip),
+        np.zeros(rows),
+        np.zeros(rows),
+        np.zeros(rows, np.int32),
+        np.zeros((3, slip)),
+        np.zeros((4, rows)),
+    )

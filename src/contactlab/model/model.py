@@ -1,0 +1,85 @@
+"""A model: everything a run needs, bound once. Implements `contactlab.api.Equations`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+
+from contactlab.api import Floats, Integrator, State
+from contactlab.model.body import Body, BodyForces
+from contactlab.model.contact_system import ContactSystem
+from contactlab.model.pace import Pace
+from contactlab.model.stable_step import StableStep
+from contactlab.model.supports import Prescribed, SupportedSet
+
+
+@dataclass
+class Model:
+    """What `build` makes of a scene.
+
+    Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator and
+    the supports by name. `updates` are the bound block calls of all bodies, `loads` those of effects.
+    `seconds` counts the wall time spent on stresses and internal forces.
+    """
+
+    reference: Floats
+    position: Floats
+    mass: Floats
+    prescribed: Prescribed
+    contact: ContactSystem | None
+    damping: float
+    state: State
+    integrator: Integrator
+    bodies: tuple[Body, ...]
+    forces: tuple[BodyForces, ...]
+    supports: tuple[SupportedSet, ...]
+    updates: tuple[Callable[[float], None], ...]
+    loads: tuple[Callable[[float, Floats], None], ...]
+    increment: Floats | None
+    pace: Pace
+
+    def __post_init__(self) -> None:
+        self._internal = self.state["internal_force"]
+        self._displacement, self._velocity = self.state["displacement"], self.state["velocity"]
+        self._limits: list[StableStep] | None = None
+        self.seconds = 0.0
+        self.initial_energy = self.kinetic_energy() if "velocity" in self.state else 0.0
+
+    def internal_force(self, dt: float) -> None:
+        """Positions, stresses, history and `internal_force` at the state's displacement."""
+        began = perf_counter()
+        np.add(self.reference, self._displacement, out=self.position)
+        if self.increment is not None:
+            np.multiply(self._velocity, dt, out=self.increment)
+        self._internal[:] = 0.0
+        for update in self.updates:
+            update(dt)
+        self.seconds += perf_counter() - began
+
+    def external_force(self, time: float, out: Floats) -> bool:
+        """Fill `out` with all loads; False where the scene has none."""
+        if not self.loads:
+            return False
+        out[:] = 0.0
+        for load in self.loads:
+            load(time, out)
+        return True
+
+    def stable_step(self) -> float:
+        """Largest explicit step [s] at the present geometry."""
+        if self._limits is None:
+            self._limits = [StableStep(forces, self.position) for forces in self.forces]
+        return min(limit.limit(self.position) for limit in self._limits)
+
+    def kinetic_energy(self) -> float:
+        """1/2 v M v [mJ] with the state's velocity."""
+        v = self._velocity
+        return float(0.5 * (self.mass @ (v[:, 0] ** 2 + v[:, 1] ** 2)))
+
+    def reactions(self) -> dict[str, Floats]:
+        """Force of each support on its body (2,) [N]."""
+        reaction = self.state["reaction"]
+        return {support.on: reaction[support.nodes].sum(axis=0) for support in self.supports}

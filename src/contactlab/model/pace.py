@@ -1,0 +1,65 @@
+"""How long a run takes: given in the scene, or found so that an explicit run is quasi-static."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from contactlab.api import Floats, Integrator, Ints
+from contactlab.errors import SceneError
+from contactlab.model.body import Body
+from contactlab.model.frequency import lowest_frequency
+
+PERIODS = 50.0  # ramp in periods of the lowest mode
+DAMPING = 0.1  # alpha / w1
+
+
+@dataclass(frozen=True)
+class Pace:
+    """Times of a run [s] and its mass-proportional damping [1/s].
+
+    end      fixed end, None where the run ends when it has settled
+    ramp     duration of ramps that name none
+    hold     longest time after the ramp (only without a fixed end)
+    period   period of the lowest mode, over which settling is judged
+    settle   False where the scene fixes the hold: the run then takes all of it
+    """
+
+    end: float | None
+    ramp: float
+    hold: float
+    period: float
+    damping: float
+    settle: bool
+
+    def resolved(self) -> dict[str, float]:
+        """What `auto` chose, as keys of `[time]`; empty where the scene fixed the end."""
+        if self.end is not None:
+            return {}
+        return {"ramp": self.ramp, "hold": self.hold, "damping": self.damping, "period": self.period}
+
+
+def find_pace(
+    scene: Any, bodies: tuple[Body, ...], positions: Floats, mass: Floats, fixed: Ints, integrator: Integrator
+) -> Pace:
+    """Pace of a scene: for `end = "auto"` a ramp of 50 periods of the lowest mode w1 and damping 0.1 w1."""
+    time = scene.time
+    if time.end != "auto":
+        end = float(time.end)
+        ramp = end if time.ramp is None else time.ramp
+        return Pace(end, ramp, 0.0, end, time.damping or 0.0, False)
+    if not integrator.inertia:
+        return Pace(1.0, 1.0, 0.0, 1.0, 0.0, False)
+    frequency = min(lowest_frequency(body, positions, mass, fixed) for body in bodies)
+    if not math.isfinite(frequency):
+        raise SceneError(
+            "nothing can move: every degree of freedom is supported",
+            where=scene.where("time.end"),
+            hint="give a number of seconds",
+        )
+    period = 2.0 * math.pi / frequency
+    ramp = PERIODS * period if time.ramp is None else time.ramp
+    hold = ramp if time.hold is None else time.hold
+    damping = DAMPING * frequency if time.damping is None else time.damping
+    return Pace(None, ramp, hold, period, damping, time.hold is None)

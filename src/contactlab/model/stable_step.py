@@ -1,0 +1,45 @@
+"""The explicit step limit, followed while the geometry changes (formulation 1.3)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats
+from contactlab.kernels.size import inverse_size_squared
+from contactlab.model.body import BodyForces
+from contactlab.model.stiffness import cell_frequencies
+
+DRIFT = 1.1  # change of a cell's size beyond which its frequency is computed anew instead of scaled
+
+
+class StableStep:
+    """2/w_max of one body: element eigenvalues, scaled by cell size and by the law's stiffening in between."""
+
+    def __init__(self, forces: BodyForces, positions: Floats) -> None:
+        self.forces, self.body = forces, forces.body
+        self.moving = self.body.material.kinematics != "small"
+        self.size, self.before = np.empty(len(self.body.cells)), np.empty(len(self.body.cells))
+        self._refresh(positions)
+
+    def _refresh(self, positions: Floats) -> None:
+        self.frequency = cell_frequencies(self.body, positions)
+        inverse_size_squared(positions, self.body.cells, self.before)
+
+    def limit(self, positions: Floats) -> float:
+        """Largest stable step [s] at `positions` (N, 2)."""
+        if not self.moving:
+            return float(2.0 / self.frequency.max())
+        inverse_size_squared(positions, self.body.cells, self.size)
+        growth = self.size / self.before
+        if growth.max() > DRIFT or growth.min() < 1.0 / DRIFT:
+            self._refresh(positions)
+            growth[:] = 1.0
+        return float(2.0 / np.sqrt((self.frequency**2 * growth * self._stiffening()).max()))
+
+    def _stiffening(self) -> Floats:
+        factors = []
+        for block in self.forces.blocks:
+            out = np.empty(block.stress.shape[1])
+            self.body.material.stiffening(block.gradient, block.stress, out)
+            factors.append(out.reshape(self.body.points, -1).max(axis=0))
+        return np.concatenate(factors)

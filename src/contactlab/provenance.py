@@ -1,0 +1,44 @@
+"""Which parts and versions a scene runs with."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+LIBRARIES = ("contactlab", "numpy", "scipy", "numba")
+
+
+def part_specs(scene: Any) -> Iterator[tuple[str, str, str]]:
+    """Key, kind and name of every part that the scene uses."""
+    yield "integrator", "integrator", scene.integrator["use"]
+    for name, spec in scene.materials.items():
+        yield f"materials.{name}", "material", spec["use"]
+    for name, body in scene.bodies.items():
+        yield f"bodies.{name}.element", "element", body.element["use"]
+        yield f"bodies.{name}.mesh", "mesh", body.mesh["use"]
+    for number, contact in enumerate(scene.contacts):
+        for key, kind in (("algorithm", "contact"), ("friction", "friction"), ("enforcement", "enforcement")):
+            spec = getattr(contact, key)
+            if spec is not None:
+                yield f"contacts.{number}.{key}", kind, spec["use"]
+    for number, spec in enumerate(scene.record.recorders):
+        yield f"record.recorders.{number}", "recorder", spec["use"]
+
+
+def parts_of(scene: Any, registry: Any) -> dict[str, str]:
+    """By key of the scene: the part and the distribution it comes from."""
+    return {key: f"{name} ({registry.offer(kind, name).origin})" for key, kind, name in part_specs(scene)}
+
+
+def versions(scene: Any, registry: Any) -> dict[str, str]:
+    """Versions of Python, of the libraries below, and of every distribution that gave a part."""
+    found = {"python": platform.python_version()}
+    origins = {registry.offer(kind, name).origin.distribution for _, kind, name in part_specs(scene)}
+    for name in (*LIBRARIES, *sorted(origins)):
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found

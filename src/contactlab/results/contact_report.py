@@ -1,0 +1,155 @@
+"""What one contact looks like at an instant: curve, resultant, penetration, violations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactlab.api import Floats, State
+from contactlab.kernels.penetration import depths, with_midpoints
+from contactlab.model.surface_pair import SurfacePair
+from contactlab.results.results import ContactCurve
+
+
+@dataclass(frozen=True)
+class ContactReport:
+    """Curve and scalars of one contact.
+
+    resultant          (2,) [N] sum of the nodal forces on the slave
+    pressure_integral  (2,) [N] integral of pressure and shear over the deformed slave chain
+    max_penetration    [mm] of either side's nodes and segment middles into the other side
+    penetrating_side   "slave", "master" or ""
+    cone_violation     largest of -y_n and |y_t| - bound, over the largest y_n
+    complementarity    largest |y_n g| over largest y_n times segment length
+    most_negative      lowest multiplier over the highest
+    active, sticking   nodes with a force; of these, nodes below their friction bound
+    """
+
+    curve: ContactCurve
+    resultant: Floats
+    pressure_integral: Floats
+    max_penetration: float
+    penetrating_side: str
+    cone_violation: float
+    complementarity: float
+    most_negative: float
+    active: int
+    sticking: int
+
+    @property
+    def intervals(self) -> list[list[list[float]]]:
+        """End points of every stretch of pressed slave nodes, deformed."""
+        c, found = self.curve, []
+        pressed = np.flatnonzero(c.nodal_pressure > 0.0)
+        for run in np.split(pressed, np.flatnonzero(np.diff(pressed) > 1) + 1):
+            if len(run):
+                found.append([[float(c.x[k]), float(c.y[k])] for k in (run[0], run[-1])])
+        return found
+
+
+def report_contact(pair: SurfacePair, state: State, reference: Floats, position: Floats) -> ContactReport:
+    """Evaluate `pair` at the deformed `position` (N, 2) with the state's multipliers."""
+    memory = state[f"memory.{pair.name}"].copy() if f"memory.{pair.name}" in state else np.zeros((0, 2))
+    pair.update(position, memory)
+    y = state["multipliers"][:, pair.first_slot : pair.first_slot + pair.slots]
+    normal_force, tangential_force = y[0], (y[1] if pair.friction is not None else np.zeros_like(y[0]))
+    pressure, shear = _per_node(pair, pair.tractions(normal_force)), _per_node(pair, pair.tractions(tangential_force))
+    resultant = normal_force @ pair.pieces.normal + tangential_force @ _tangents(pair)
+    bound = _bound(pair, normal_force)
+    largest = max(float(normal_force.max(initial=0.0)), 1e-300)
+    gaps = np.nan_to_num(pair.gaps[:, 0])
+    states = _states(pair, normal_force, tangential_force, bound)
+    depth, side = _penetration(pair)
+    curve = ContactCurve(
+        s=_arc_length(reference[pair.slave.nodes], pair),
+        x=pair.at.slave[:, 0].copy(),
+        y=pair.at.slave[:, 1].copy(),
+        pressure=pressure,
+        shear=shear,
+        nodal_pressure=_per_node(pair, _per_length(pair, normal_force)),
+        gap=_node_gap(pair),
+        state=states,
+    )
+    return ContactReport(
+        curve=curve,
+        resultant=resultant,
+        pressure_integral=_integral(pair, pressure, shear),
+        max_penetration=depth,
+        penetrating_side=side,
+        cone_violation=float(
+            max((-normal_force).max(initial=0.0), (np.abs(tangential_force) - bound).max(initial=0.0)) / largest
+        ),
+        complementarity=float(np.abs(normal_force * gaps).max(initial=0.0) / (largest * pair.size)),
+        most_negative=float(pressure.min(initial=0.0) / max(pressure.max(initial=0.0), 1e-300)),
+        active=int(np.count_nonzero(states)),
+        sticking=int(np.count_nonzero(states == 1)),
+    )
+
+
+def _slots(pair: SurfacePair, values: Floats) -> Floats:
+    return values.reshape(pair.algorithm.rows_per_node, -1)
+
+
+def _per_node(pair: SurfacePair, values: Floats) -> Floats:
+    """Multipliers of several slots of a node add up."""
+    return np.asarray(_slots(pair, values).sum(axis=0))
+
+
+def _per_length(pair: SurfacePair, forces: Floats) -> Floats:
+    return np.divide(forces, pair.cover, out=np.zeros_like(forces), where=forces > 0.0)
+
+
+def _node_gap(pair: SurfacePair) -> Floats:
+    gaps = _slots(pair, pair.gaps[:, 0])
+    covered = ~np.isnan(gaps).all(axis=0)
+    out = np.full(gaps.shape[1], np.nan)
+    out[covered] = np.nanmin(gaps[:, covered], axis=0)
+    return out
+
+
+def _tangents(pair: SurfacePair) -> Floats:
+    normal = pair.pieces.normal
+    return np.stack([normal[:, 1], -normal[:, 0]], axis=1)
+
+
+def _bound(pair: SurfacePair, normal_force: Floats) -> Floats:
+    if pair.friction is None:
+        return np.zeros_like(normal_force)
+    law = pair.friction.bound()
+    adhesion = np.minimum(law.adhesion * pair.cover, law.cap * normal_force) if law.adhesion else 0.0
+    return np.asarray(law.coefficient * normal_force + adhesion)
+
+
+def _states(pair: SurfacePair, normal_force: Floats, tangential_force: Floats, bound: Floats) -> Floats:
+    pressed = (normal_force > 0.0) | (tangential_force != 0.0)
+    stick = pressed & (np.abs(tangential_force) < bound * (1.0 - 1e-9))
+    per_slot = np.where(stick, 1, np.where(pressed, 2, 0)).astype(np.int32)
+    return np.asarray(_slots(pair, per_slot).max(axis=0))
+
+
+def _arc_length(positions: Floats, pair: SurfacePair) -> Floats:
+    """Arc length along the undeformed slave chain; separate chains follow one another."""
+    s = np.zeros(len(positions))
+    for a, b in pair.slave.segments:
+        if b != 0:
+            s[b] = s[a] + np.hypot(*(positions[b] - positions[a]))
+    return s
+
+
+def _integral(pair: SurfacePair, pressure: Floats, shear: Floats) -> Floats:
+    """Force on the slave: pressure against the outward normal, shear along the chain."""
+    a, b = pair.slave.segments.T
+    edge = pair.at.slave[b] - pair.at.slave[a]
+    inward = np.stack([-edge[:, 1], edge[:, 0]], axis=1)
+    mean_pressure, mean_shear = 0.5 * (pressure[a] + pressure[b]), 0.5 * (shear[a] + shear[b])
+    return np.asarray(mean_pressure @ inward + mean_shear @ edge)
+
+
+def _penetration(pair: SurfacePair) -> tuple[float, str]:
+    at, slave, master = pair.at, pair.slave.segments, pair.master.segments
+    into_master = depths(with_midpoints(at.slave, slave), at.master, master, pair.size).max(initial=0.0)
+    into_slave = depths(with_midpoints(at.master, master), at.slave, slave, pair.size).max(initial=0.0)
+    if max(into_master, into_slave) == 0.0:
+        return 0.0, ""
+    return float(max(into_master, into_slave)), "slave" if into_master >= into_slave else "master"

@@ -1,0 +1,35 @@
+"""The energy ledger of a run (formulation 1.5)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.model.model import Model
+
+
+def energies(model: Model) -> dict[str, float]:
+    """Energies and works [mJ] so far.
+
+    kinetic   with velocities half a step back (explicit)
+    stored    strain energy of the laws that have one; nan if any law has none
+    internal  work of the stresses, by the ledger: stored + plastic up to O(dt^2)
+    external, damping, contact, friction, numerical: as in `contactlab.api.WORK`
+    error     closure of the ledger over the largest energy in it
+    """
+    work = model.state["work"]
+    kinetic = model.kinetic_energy() if "velocity" in model.state else 0.0
+    start = model.initial_energy
+    stored = float(sum(forces.stored_energy() for forces in model.forces))
+    total = kinetic + work[0] + work[2] + work[5] - work[1] - work[3] - work[4] - start
+    scale = max(abs(kinetic) + abs(work[0]) + abs(work[1]), abs(start), 1e-300)
+    return {
+        "kinetic": kinetic,
+        "stored": stored,
+        "internal": float(work[0]),
+        "external": float(work[1]),
+        "damping": float(work[2]),
+        "contact": float(work[3]),
+        "friction": float(work[4]),
+        "numerical": float(work[5]),
+        "error": float(np.abs(total) / scale),
+    }

@@ -1,0 +1,109 @@
+"""When a run steps, stores a frame, and ends."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+from contactlab.errors import SimulationFailure
+from contactlab.model.model import Model
+from contactlab.results.summary import reaction_mismatch
+
+SETTLED_MISMATCH = 2e-4  # of support reactions, over the last period
+SETTLED_KINETIC = 1e-3  # kinetic over internal energy
+SAMPLES = 40  # looks per period while waiting to settle
+SHORTEST = 1e-3  # of the first step: a stable step below it means that cells are collapsing
+
+
+class Schedule:
+    """Step lengths and the end of one run.
+
+    A run with a fixed end takes equal steps that meet it. An `auto` run ramps, then holds until
+    reactions and kinetic energy have settled over one period of the lowest mode.
+    """
+
+    def __init__(self, model: Model, scene: Any) -> None:
+        self.model, self.pace, self.state = model, model.pace, model.state
+        self.fraction_of_limit, self.fixed = scene.time.fraction, scene.time.step
+        self.dt = self.first = self._first_step()
+        self.limit = self.pace.end if self.pace.end is not None else self.pace.ramp + self.pace.hold
+        self.frame_every = (self.pace.end or self.pace.ramp) / max(1, scene.record.frames)
+        self.next_frame = self.frame_every
+        self.next_sample = self.pace.ramp
+        self.samples: deque[tuple[float, float]] = deque(maxlen=SAMPLES + 1)
+        self.settled = False
+
+    def _first_step(self) -> float:
+        if self.fixed is not None:
+            return float(self.fixed)
+        if not self.model.integrator.explicit:
+            return (self.pace.end or self.pace.ramp) / 20.0
+        return self._even(self.fraction_of_limit * self.model.stable_step())
+
+    def _even(self, dt: float) -> float:
+        """A step of at most dt that meets a fixed end exactly."""
+        if self.pace.end is None:
+            return dt
+        rest = self.pace.end - self.state.time
+        return rest / max(1, -int(-rest // dt)) if rest > 0.0 else dt
+
+    def follow(self) -> None:
+        """Shorten the step when the stable one has become shorter."""
+        if self.fixed is not None or not self.model.integrator.explicit:
+            return
+        safe = self.fraction_of_limit * self.model.stable_step()
+        if safe < SHORTEST * self.first:
+            raise SimulationFailure(
+                "diverged",
+                f"step {self.state.step}: the stable step fell to {safe / self.first:.1e} of the first one; cells are "
+                "collapsing: try a finer mesh where strain is large",
+            )
+        if safe < self.dt:
+            self.dt = self._even(safe)
+
+    def frame_due(self) -> bool:
+        """Whether the state just reached is to be stored."""
+        if self.state.time < self.next_frame * (1.0 - 1e-12):
+            return False
+        while self.next_frame * (1.0 - 1e-12) <= self.state.time:
+            self.next_frame += self.frame_every
+        return True
+
+    def done(self) -> bool:
+        """Whether the run has reached its end."""
+        time = self.state.time
+        if time >= self.limit - 0.5 * self.dt:
+            return True
+        if self.pace.settle and time >= self.next_sample:
+            self.next_sample += self.pace.period / SAMPLES
+            self.settled = self._settled()
+        return self.settled
+
+    def _settled(self) -> bool:
+        energy = max(abs(self.state["work"][0]), 1e-300)
+        self.samples.append((reaction_mismatch(self.model), self.model.kinetic_energy() / energy))
+        if len(self.samples) <= SAMPLES:
+            return False
+        mismatch, kinetic = self.worst()
+        return (mismatch != mismatch or mismatch <= SETTLED_MISMATCH) and kinetic <= SETTLED_KINETIC
+
+    def worst(self) -> tuple[float, float]:
+        """Largest reaction mismatch and kinetic over internal energy of the last period."""
+        return max(m for m, _ in self.samples), max(k for _, k in self.samples)
+
+    def fraction(self) -> float:
+        """How much of the run is done, 0 to 1; a run that waits to settle counts its ramp."""
+        return min(1.0, self.state.time / (self.pace.end or self.pace.ramp))
+
+    def verdict(self) -> None:
+        """Raise SimulationFailure("not-converged") for an `auto` run that did not settle."""
+        if not self.pace.settle or self.settled or not self.samples:
+            return
+        mismatch, kinetic = self.worst()
+        raise SimulationFailure(
+            "not-converged",
+            f"the run did not settle within {self.pace.hold:.3g} s after the ramp: over the last period reactions "
+            f"differ by {mismatch:.1e} (allowed {SETTLED_MISMATCH:.0e}) and kinetic energy is {kinetic:.1e} of internal "
+            f"(allowed {SETTLED_KINETIC:.0e}); contact that opens and closes for ever does this, or try a longer time.ramp"
+            "",
+        )
