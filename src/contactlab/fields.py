@@ -15,12 +15,30 @@ import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
-from contactlab.errors import NOTHING, SceneError, Where, below, did_you_mean
+from contactlab.errors import NOTHING, SceneError, Where, below, did_you_mean, show
 
 T = TypeVar("T")
 
-PartSpec = dict[str, Any]
-"""A part as a scene names it: `use` and the part's own fields, all defaults written out."""
+
+@dataclasses.dataclass(frozen=True)
+class PartSpec:
+    """A part as a scene names it: `use` and the part's own fields, all defaults written out.
+
+    `where` is its place in the scene, for errors.
+    """
+
+    use: str
+    fields: Mapping[str, Any]
+    where: Where = dataclasses.field(default="", compare=False, repr=False)
+
+    @property
+    def spec(self) -> dict[str, Any]:
+        """As a table: `use` and the fields."""
+        return {"use": self.use, **self.fields}
+
+    def __str__(self) -> str:
+        return show(self.spec)
+
 
 ReadPart = Callable[[str, Any, Where], PartSpec]
 """Checks a part of the given kind as it was written (kind, value, where)."""
@@ -55,6 +73,11 @@ def _field(default: Any, metadata: dict[str, Any]) -> Any:
     return dataclasses.field(default=default, metadata=metadata)
 
 
+def hidden(default: Any) -> Any:
+    """A field that is no key. One called `where` is given the place of its table."""
+    return dataclasses.field(default=default, repr=False, compare=False, metadata={"hidden": True})
+
+
 def keys_of(cls: type) -> dict[str, dataclasses.Field[Any]]:
     """The keys that a table read into `cls` may have, in the order of declaration."""
     return {f.name: f for f in dataclasses.fields(cls) if f.init and not f.metadata.get("hidden")}
@@ -65,7 +88,7 @@ def is_required(field: dataclasses.Field[Any]) -> bool:
     return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 
 
-def read_table(cls: type[T], table: Any, where: Where, read_part: ReadPart | None = None, **hidden: Any) -> T:
+def read_table(cls: type[T], table: Any, where: Where, read_part: ReadPart | None = None, **extra: Any) -> T:
     """An instance of the dataclass `cls` from a table as it was written.
 
     Raises SceneError for unknown or missing keys, wrong types, numbers out of bounds and for
@@ -85,7 +108,9 @@ def read_table(cls: type[T], table: Any, where: Where, read_part: ReadPart | Non
             values[name] = reader.field(field, hints[name], table[name], below(where, name))
         elif is_required(field):
             raise _missing_key(cls, field, hints[name], where)
-    return construct(cls, {**values, **hidden}, where)
+    if "where" not in known and any(f.name == "where" for f in dataclasses.fields(cls)):  # type: ignore[arg-type]
+        values["where"] = where
+    return construct(cls, {**values, **extra}, where)
 
 
 def construct(cls: type[T], values: Mapping[str, Any], where: Where) -> T:
@@ -138,6 +163,8 @@ def as_data(instance: Any) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
+    if isinstance(value, PartSpec):
+        return {name: _plain(item) for name, item in value.spec.items()}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return as_data(value)
     if isinstance(value, Mapping):
@@ -351,6 +378,7 @@ __all__ = [
     "ReadPart",
     "as_data",
     "construct",
+    "hidden",
     "is_required",
     "key",
     "keys_of",

@@ -75,6 +75,8 @@ def _set(data: dict[str, Any], path: list[str], value: Any, is_part: Callable[[s
 def _step(holder: Any, name: str, path: list[str]) -> Any:
     """The table or list called `name` inside `holder`, made where it does not exist yet."""
     if isinstance(holder, dict):
+        if name not in holder and path[:-1] in _BY_NAME:
+            raise _no_such_entry(path, holder)
         inner = holder.setdefault(name, [] if name in NAMED_LISTS and len(path) == 1 else {})
     else:
         index = _index(holder, name, path)
@@ -86,6 +88,20 @@ def _step(holder: Any, name: str, path: list[str]) -> Any:
     key = ".".join(path)
     raise SceneError(
         "this key holds a value and has no keys inside", where=key, got=inner, hint=f"set {key} as a whole: {{ ... }}"
+    )
+
+
+_BY_NAME = (["bodies"], ["materials"])
+
+
+def _no_such_entry(path: list[str], entries: Mapping[str, Any]) -> SceneError:
+    key = ".".join(path)
+    return SceneError(
+        f"the scene declares no {path[-1]} under [{path[0]}]",
+        where=key,
+        got=path[-1],
+        allowed=", ".join(entries),
+        hint=did_you_mean(path[-1], entries) or f"set a new one as a whole: {key}={{ ... }}",
     )
 
 

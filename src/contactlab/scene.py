@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from contactlab import scene_checks
 from contactlab.errors import Location, SceneError, did_you_mean
-from contactlab.fields import PartSpec, as_data, is_required, key, keys_of, kind_at, part, read_table
+from contactlab.fields import PartSpec, as_data, hidden, is_required, key, keys_of, kind_at, part, read_table
 from contactlab.overrides import changed
 from contactlab.registry import Registry, default_registry
 from contactlab.scene_keys import Body, Contact, Record, Support, Time
@@ -42,7 +42,7 @@ class Scene:
     supports: tuple[Support, ...] = key((), says="prescribed displacements")
     record: Record = key(Record(), says="what is kept of a run")
 
-    origin: Location = dataclasses.field(default=Location(), repr=False, compare=False, metadata={"hidden": True})
+    origin: Location = hidden(Location())
     registry: Registry = dataclasses.field(
         default_factory=default_registry, repr=False, compare=False, metadata={"hidden": True}
     )

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from contactlab.errors import SceneError
+from contactlab.errors import Location, SceneError
 
 _AT_LINE = re.compile(r"^(?P<what>.*?) \(at (?:line (?P<line>\d+), column (?P<column>\d+)|end of document)\)$")
 _HEADER = re.compile(r"\s*(?P<open>\[\[?)\s*(?P<key>[^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
@@ -62,6 +62,11 @@ def _broken_toml(text: str, message: str, shown: str) -> SceneError:
         allowed="key = value, [table] or [[list of tables]]",
         hint="texts need quotes; true and false are written small",
     )
+
+
+def location(shown: str, lines: Mapping[str, int]) -> Location:
+    """The top of a file, from which the place of every key follows."""
+    return Location(file=shown, lines=lines)
 
 
 def key_lines(text: str) -> dict[str, int]:
