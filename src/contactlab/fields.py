@@ -15,30 +15,12 @@ import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
-from contactlab.errors import NOTHING, SceneError, Where, below, did_you_mean, show
+from contactlab.errors import NOTHING, SceneError, Where, below, did_you_mean
 
 T = TypeVar("T")
 
-
-@dataclasses.dataclass(frozen=True)
-class PartSpec:
-    """A part as a scene names it: `use` and the part's own fields, all defaults written out.
-
-    `where` is its place in the scene, for errors.
-    """
-
-    use: str
-    fields: Mapping[str, Any]
-    where: Where = dataclasses.field(default="", compare=False, repr=False)
-
-    @property
-    def spec(self) -> dict[str, Any]:
-        """As a table: `use` and the fields."""
-        return {"use": self.use, **self.fields}
-
-    def __str__(self) -> str:
-        return show(self.spec)
-
+PartSpec = dict[str, Any]
+"""A part as a scene names it: `use` and the part's own fields, all defaults written out."""
 
 ReadPart = Callable[[str, Any, Where], PartSpec]
 """Checks a part of the given kind as it was written (kind, value, where)."""
@@ -74,7 +56,7 @@ def _field(default: Any, metadata: dict[str, Any]) -> Any:
 
 
 def hidden(default: Any) -> Any:
-    """A field that is no key. One called `where` is given the place of its table."""
+    """A field that is no key: nobody writes it in a file."""
     return dataclasses.field(default=default, repr=False, compare=False, metadata={"hidden": True})
 
 
@@ -108,8 +90,6 @@ def read_table(cls: type[T], table: Any, where: Where, read_part: ReadPart | Non
             values[name] = reader.field(field, hints[name], table[name], below(where, name))
         elif is_required(field):
             raise _missing_key(cls, field, hints[name], where)
-    if "where" not in known and any(f.name == "where" for f in dataclasses.fields(cls)):  # type: ignore[arg-type]
-        values["where"] = where
     return construct(cls, {**values, **extra}, where)
 
 
@@ -163,8 +143,6 @@ def as_data(instance: Any) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    if isinstance(value, PartSpec):
-        return {name: _plain(item) for name, item in value.spec.items()}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return as_data(value)
     if isinstance(value, Mapping):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import importlib
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -41,7 +40,6 @@ class Registry:
         self._plugins: list[Plugin] = []
         self._broken: list[Broken] = []
         self._offers: dict[tuple[str, str], list[Offer]] = {}
-        self._made: list[Offer] = []
         self.files: tuple[Path, ...] = ()
         for point in plugins.installed() if entry_points is None else entry_points:
             self._add(plugins.load(plugins.origin_of(point), point.load))
@@ -169,41 +167,24 @@ class Registry:
             raise PartError(message, where=where, hint=f"mend or update {error.where}") from error
 
     def make(self, kind: str, spec: Any, where: Where = "") -> Any:
-        """An instance of the part that `spec` names: a name, a table with `use` and fields, or a PartSpec.
+        """An instance of the part that `spec` names: a string, or a table with `use` and fields.
 
         Raises PartError for the part, SceneError for its fields.
         """
         name, fields = split_spec(kind, spec, where)
         target = self.part_class(kind, name, where)
-        offer = self.offer(kind, name, where)
         try:
-            made: Any = read_table(target, fields, where)
+            return read_table(target, fields, where)
         except RequestError:
             raise
         except Exception as error:
+            offer = self.offer(kind, name)
             reason = f"the {kind} {name} of {offer.origin} failed on its fields: {plugins.one_line(error)}"
             raise PartError(reason, where=where, got=fields) from error
-        if offer not in self._made:
-            self._made.append(offer)
-        return made
 
     def written_out(self, kind: str, spec: Any, where: Where = "") -> PartSpec:
-        """`spec` with every field, defaults included; checked like `make`."""
-        return PartSpec(split_spec(kind, spec, where)[0], as_data(self.make(kind, spec, where)), where)
-
-    def for_run(self) -> Registry:
-        """The same parts with a list of its own of what was made."""
-        own = copy.copy(self)
-        own._made = []
-        return own
-
-    def used(self) -> dict[str, str]:
-        """The parts made so far, "kind name", and the distribution and version of each."""
-        return {_label(offer.part): str(offer.origin) for offer in self._made}
-
-    def distributions(self) -> dict[str, str]:
-        """Versions of the distributions whose parts were made so far."""
-        return {offer.origin.distribution: offer.origin.version for offer in self._made}
+        """`spec` as a table with `use` and every field, defaults included; checked like `make`."""
+        return {"use": split_spec(kind, spec, where)[0], **as_data(self.make(kind, spec, where))}
 
     def scenes(self) -> dict[str, Path]:
         """Bundled scenes of all plugins by name."""
@@ -247,8 +228,6 @@ def default_registry() -> Registry:
 def split_spec(kind: str, spec: Any, where: Where) -> tuple[str, dict[str, Any]]:
     """Name and fields of a part as a scene writes it."""
     allowed = f"the name of a part of kind {kind}, or {{ use = NAME, ... }}"
-    if isinstance(spec, PartSpec):
-        return spec.use, dict(spec.fields)
     if isinstance(spec, str):
         return spec, {}
     if not isinstance(spec, Mapping):

@@ -8,8 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from contactlab.errors import Where
-from contactlab.fields import PartSpec, hidden, key, part
+from contactlab.fields import PartSpec, key, part
 
 Vector = tuple[float, float]
 
@@ -26,7 +25,6 @@ class Time:
     ramp: float | None = key(None, unit="s", least=0.0, says="duration of ramps that give none themselves")
     hold: float | None = key(None, unit="s", least=0.0, says="time to settle after the ramp")
     damping: float | None = key(None, unit="1/s", least=0.0, says="mass-proportional damping")
-    where: Where = hidden("")
 
 
 @dataclass(frozen=True)
@@ -39,7 +37,6 @@ class Body:
     velocity: Vector = key((0.0, 0.0), unit="mm/s", says="initial velocity")
     rotate: float = key(0.0, unit="degree", says="the mesh is turned about the origin by this, before the shift")
     shift: Vector = key((0.0, 0.0), unit="mm", says="the mesh is moved by this before the run: an initial gap")
-    where: Where = hidden("")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +52,6 @@ class Contact:
     enforcement: PartSpec | None = part(
         "enforcement", None, says="how gap conditions become forces; not written: the integrator's own"
     )
-    where: Where = hidden("")
 
     @property
     def sides(self) -> tuple[str, str]:
@@ -82,16 +78,6 @@ class Support:
     on: str = key(says='"body.edge_set", or "body" for all its nodes')
     ux: float | Ramp | None = key(None, unit="mm", says="displacement along x; not written: free")
     uy: float | Ramp | None = key(None, unit="mm", says="displacement along y; not written: free")
-    where: Where = hidden("")
-
-    @property
-    def motions(self) -> tuple[Ramp | None, Ramp | None]:
-        """The displacements along x and y, a number being a constant one; None where free."""
-        return _motion(self.ux), _motion(self.uy)
-
-
-def _motion(written: float | Ramp | None) -> Ramp | None:
-    return Ramp("constant", written) if isinstance(written, float) else written
 
 
 @dataclass(frozen=True)
