@@ -1,0 +1,164 @@
+"""The `contactlab` program: what can be typed, and the exit status it returns.
+
+Exit status: 0 finished, 1 the simulation failed, 2 the request is wrong, 130 interrupted.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Sequence
+from importlib import import_module
+
+from contactlab import __version__
+from contactlab.errors import ContactlabError, RequestError, did_you_mean
+
+INTERRUPTED = 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the program with these words (those of the command line by default); gives the exit status."""
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        status = _run(words)
+        sys.stdout.flush()
+    except ContactlabError as error:
+        print(f"contactlab: {error}", file=sys.stderr)
+        return error.exit_status
+    except KeyboardInterrupt:
+        print("contactlab: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # the reader of our output has gone; there is nobody left to tell
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    return status
+
+
+def _run(words: list[str]) -> int:
+    if words and not words[0].startswith("-") and words[0] not in _COMMANDS:
+        return _plugin_command(words[0], words[1:])
+    options = _parser().parse_args(words)
+    module, _, function = options.handler.partition(":")
+    handler: Callable[[argparse.Namespace], int] = getattr(import_module(module), function)
+    return handler(options)
+
+
+def _plugin_command(name: str, words: list[str]) -> int:
+    from contactlab.commands.common import plugin_command
+    from contactlab.registry import default_registry
+
+    commands = default_registry().commands()
+    if name in commands:
+        return plugin_command(name, *commands[name])(words)
+    known = [*_COMMANDS, *commands]
+    raise RequestError("unknown command", got=name, allowed=", ".join(known), hint=did_you_mean(name, known))
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="contactlab",
+        description="A bench for finite-element contact algorithms.",
+        epilog="SCENE is the name of a bundled scene or a TOML file. Plugins may add commands: contactlab parts.",
+        allow_abbrev=False,
+    )
+    parser.add_argument("--version", action="version", version=f"contactlab {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    for name, (describe, text, handler) in _COMMANDS.items():
+        command = commands.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".", allow_abbrev=False)
+        command.set_defaults(handler=handler)
+        describe(command)
+    return parser
+
+
+def _describe_run(command: argparse.ArgumentParser) -> None:
+    _add_scene(command)
+    _add_out(command)
+
+
+def _describe_compare(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scene", metavar="SCENE-or-STUDY", help="bundled name, or TOML file of a scene or study")
+    command.add_argument(
+        "--vary", action="append", default=[], metavar="KEY=[V1, V2]", help="values to combine; replaces a study's own"
+    )
+    _add_changes(command)
+    _add_out(command)
+    command.add_argument("--jobs", type=_positive, metavar="N", help="runs at a time (default: one per core)")
+
+
+def _describe_explain(command: argparse.ArgumentParser) -> None:
+    _add_scene(command)
+
+
+def _describe_parts(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--json", action="store_true", help="print JSON for programs")
+    _add_files(command)
+
+
+def _describe_plain(command: argparse.ArgumentParser) -> None:
+    del command
+
+
+def _add_scene(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scene", metavar="SCENE", help="name of a bundled scene, or TOML file")
+    _add_changes(command)
+
+
+def _add_changes(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--set", action="append", default=[], dest="settings", metavar="KEY=VALUE",
+        help="change a key of the scene: contacts.0.algorithm=mortar-p1, level=2",
+    )  # fmt: skip
+    _add_files(command)
+
+
+def _add_files(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--with", action="append", default=[], dest="files", metavar="FILE.py", help="use the parts in this file, too"
+    )
+
+
+def _add_out(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--out", metavar="DIR", help="folder for the results (default: a fresh one under runs/)")
+
+
+def _positive(text: str) -> int:
+    try:
+        number = int(text)
+    except ValueError:
+        number = 0
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"got {text}, allowed: a whole number >= 1")
+    return number
+
+
+_Describe = Callable[[argparse.ArgumentParser], None]
+_COMMANDS: dict[str, tuple[_Describe, str, str]] = {
+    "run": (_describe_run, "run one scene", "contactlab.commands.run:run"),
+    "compare": (
+        _describe_compare,
+        "run every combination, accuracy against cost",
+        "contactlab.commands.compare:compare",
+    ),
+    "explain": (
+        _describe_explain,
+        "say what a scene calls for, without running it",
+        "contactlab.commands.explain:explain",
+    ),
+    "scenes": (_describe_plain, "list the bundled scenes", "contactlab.commands.listing:scenes"),
+    "parts": (
+        _describe_parts,
+        "list the parts of all plugins, and plugins that are broken",
+        "contactlab.commands.listing:parts",
+    ),
+    "doctor": (
+        _describe_plain,
+        "check the installation by a contact step",
+        "contactlab.commands.doctor:doctor",
+    ),
+}
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""The commands of the `contactlab` program, one module each, imported when they are typed."""

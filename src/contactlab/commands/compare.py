@@ -1,0 +1,26 @@
+"""`contactlab compare`: every combination of a study, accuracy against cost."""
+
+from __future__ import annotations
+
+import argparse
+
+from contactlab.commands.common import console, parse_settings, registry_with
+from contactlab.folders import results_folder
+
+
+def compare(options: argparse.Namespace) -> int:
+    """Run the combinations and print their table; failed rows are results, so the status is 0."""
+    from contactlab.compare.runner import compare as run_all
+    from contactlab.compare.study import parse_vary
+    from contactlab.reports.table import print_table
+
+    registry = registry_with(options.files)
+    vary = parse_vary(options.vary) if options.vary else None
+    changes = parse_settings(options.settings)
+    name = options.scene.removesuffix(".toml").rpartition("/")[2]
+    with results_folder(options.out, name) as folder:
+        result = run_all(options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes)
+    shown = console()
+    print_table(result, shown)
+    shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)
+    return 0

@@ -1,0 +1,82 @@
+"""`contactlab doctor`: does this installation compute a contact step, and with what."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+from collections.abc import Iterator
+from importlib.metadata import PackageNotFoundError, version
+from time import perf_counter
+
+from contactlab.commands.common import add_row, console, number, table
+from contactlab.errors import ContactlabError
+from contactlab.registry import Registry, default_registry
+from contactlab.scene import load_scene
+
+LIBRARIES = ("contactlab", "numpy", "scipy", "numba", "pluggy", "rich", "matplotlib")
+THREADS = ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+# the bundled scene on a mesh so coarse that only compilation takes time; long enough for a wave to cross it
+PROBE = {
+    "level": 1,
+    "bodies.disc.mesh.cells": [8, 2],
+    "bodies.block.mesh.cells": [12, 2],
+    "supports.1.uy.to": -0.001,
+    "time.end": 1e-6,
+}
+
+
+def doctor(options: argparse.Namespace) -> int:
+    """Print facts and the outcome of a contact step; status 1 when it fails."""
+    del options
+    registry = default_registry()
+    shown = table("fact", "value")
+    for label, value in (*_machine(), *_versions(), *_plugins(registry)):
+        add_row(shown, label, value)
+    healthy, outcome = contact_step(registry)
+    add_row(shown, "contact step", outcome)
+    console().print(shown)
+    return 0 if healthy else 1
+
+
+def contact_step(registry: Registry) -> tuple[bool, str]:
+    """Whether a disc pressed on a block for some steps meets resistance, and in how many seconds."""
+    from contactlab.simulation import simulate
+
+    began = perf_counter()
+    try:
+        results = simulate(load_scene("disc-on-block", registry).with_(PROBE), registry=registry)
+    except ContactlabError as error:
+        return False, f"not possible: {error}"
+    seconds = f"{perf_counter() - began:.1f} s, compilation included"
+    if results.status != "finished":
+        return False, f"{results.status} after {seconds}: {results.reason}"
+    force = results.summary["contacts"]["contacts.0"]["resultant"][1]
+    if not force > 0.0:
+        return False, f"the contact carries no force ({number(force)})"
+    return True, f"works: {results.summary['steps']} steps in {seconds}, contact force {number(force)}"
+
+
+def _machine() -> Iterator[tuple[str, str]]:
+    yield "system", f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
+    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    yield "cores", f"{usable} usable of {os.cpu_count()}"
+    limits = [f"{name}={os.environ[name]}" for name in THREADS if name in os.environ]
+    yield "threads", "one per run" + (f"; {', '.join(limits)}" if limits else "; no limit set in the environment")
+
+
+def _versions() -> Iterator[tuple[str, str]]:
+    for name in LIBRARIES:
+        try:
+            yield name, version(name)
+        except PackageNotFoundError:
+            yield name, "not installed"
+
+
+def _plugins(registry: Registry) -> Iterator[tuple[str, str]]:
+    offers = registry.parts()
+    origins = sorted({str(offer.origin) for offer in offers})
+    yield "plugins", f"{len(offers)} parts from {', '.join(origins)}"
+    for item in (*registry.broken(), *registry.incomplete()):
+        yield "broken plugin", f"{item.origin} {item.item}: {item.reason}"

@@ -1,0 +1,69 @@
+"""Folders for results: fresh ones by number, and never over results that are there."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from contactlab.errors import RequestError
+
+RUNS = Path("runs")
+RESULT_FILES = ("scene.toml", "summary.json", "history.csv", "table.json", "table.csv")
+
+
+@contextmanager
+def results_folder(out: Path | str | None, name: str) -> Iterator[Path]:
+    """A folder to write results into: `out`, or the next free runs/NAME-NNN.
+
+    It is taken away again if it is still empty after an error. Raises RequestError where `out` has
+    results or cannot be a folder.
+    """
+    folder = fresh_folder(name) if out is None else claimed_folder(Path(out))
+    try:
+        yield folder
+    except BaseException:
+        with contextlib.suppress(OSError):
+            folder.rmdir()
+        raise
+
+
+def fresh_folder(name: str) -> Path:
+    """The next free runs/NAME-NNN, made now so that nobody else takes it."""
+    plain = re.sub(r"[^\w.+-]+", "-", name).strip("-.") or "scene"
+    number = 1
+    while True:
+        folder = RUNS / f"{plain}-{number:03d}"
+        try:
+            folder.mkdir(parents=True)
+        except FileExistsError:
+            number += 1
+        except OSError as error:
+            raise _unusable(folder, error) from error
+        else:
+            return folder
+
+
+def claimed_folder(folder: Path) -> Path:
+    """`folder`, made if need be. Raises RequestError where it holds results."""
+    found = [name for name in RESULT_FILES if (folder / name).exists()]
+    if found:
+        raise RequestError(
+            "the folder holds results already",
+            where=f"--out {folder}",
+            got=", ".join(found),
+            allowed="a new or empty folder",
+            hint="name another folder, or leave --out away for a fresh one",
+        )
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _unusable(folder, error) from error
+    return folder
+
+
+def _unusable(folder: Path, error: OSError) -> RequestError:
+    reason = (error.strerror or str(error)).lower()
+    return RequestError(f"no results can be written here: {reason}", where=f"--out {folder}", allowed="a folder")
