@@ -1,0 +1,38 @@
+# `make demo` and `make test` do all the set-up themselves: Python 3.11 or later, git and make are enough.
+
+PYTHON ?= $(shell for p in python3 python3.14 python3.13 python3.12 python3.11; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
+PLUGINS := $(patsubst %/pyproject.toml,%,$(wildcard plugins/*/pyproject.toml))
+INSTALLED := $(VENV)/installed
+
+# one run uses one thread; runs side by side use the cores
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: demo test lint clean
+
+demo: $(INSTALLED)
+	@out=runs/demo; n=2; while [ -e $$out ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
+	$(BIN)/contactlab compare disc-on-block --set level=2 --out $$out && \
+	echo && echo "The report is $$out/report.html"
+
+test: $(INSTALLED)
+	$(BIN)/python -m pytest -n auto $(TESTS)
+
+lint: $(INSTALLED)
+	$(PIP) install -c constraints.txt -e ".[lint]" --no-build-isolation
+	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
+
+$(INSTALLED): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
+	@test -n "$(PYTHON)" || { echo "contactlab needs Python 3.11 or later; set PYTHON=/path/to/python3"; exit 1; }
+	@$(BIN)/python -m pip --version >/dev/null 2>&1 || { echo "creating $(VENV)"; $(PYTHON) -m venv --clear $(VENV); }
+	@echo "installing contactlab and its plugins into $(VENV)"
+	@$(PIP) install -c constraints.txt setuptools
+	@$(PIP) install -c constraints.txt --no-build-isolation -e ".[test]" $(addprefix -e ./,$(PLUGINS))
+	@touch $@
+
+clean:
+	rm -rf $(VENV) build dist
