@@ -30,11 +30,10 @@ def simulate(
     `out` is the folder for files, none are written without it. A run that fails is a result too: see
     `Results.status` and `Results.reason`. Raises RequestError (scene or part wrong) before the first step.
     """
-    from contactlab.registry import default_registry
     from contactlab.scene import load_scene
 
     scene = load_scene(scene) if isinstance(scene, str | Path) else scene
-    registry = registry or default_registry()
+    registry = registry or scene.registry
     clock, began = Clock(), perf_counter()
     model = build(scene, registry)
     clock.build_s = perf_counter() - began

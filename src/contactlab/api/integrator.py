@@ -52,7 +52,8 @@ class ContactEquations(Protocol):
         """Rows at the `predicted` positions (N, 2) from search to friction, then the enforcement's answer.
 
         `current` (N, 2) are the positions at the start of the step, for objective slip. Multipliers
-        are warm-started from the state and left there; `force` (N, 2) [N] receives the contact forces.
+        are warm-started from the state and left there; `force` (N, 2) [N] brings the contact forces
+        of the last step (they tell where the nodes will be) and receives those of this one.
         """
 
 

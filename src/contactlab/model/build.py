@@ -27,7 +27,7 @@ def build(scene: Any, registry: Any) -> Model:
     reference = np.concatenate([body.mesh.nodes for body in bodies])
     mass = _masses(bodies, integrator)
     supports = plan_supports(scene, bodies)
-    pace = find_pace(scene, bodies, reference, mass, supports.dof, integrator)
+    pace = find_pace(scene, bodies, reference, mass, supports, integrator)
     prescribed = supports.bind(pace.ramp)
     plans = plan_contacts(scene, registry, bodies, integrator)
     state = State(_shapes(len(reference), bodies, integrator, plans))
@@ -109,7 +109,7 @@ def _shapes(
     if integrator.inertia:
         shapes["velocity"] = (nodes, 2)
     shapes |= {"internal_force": (nodes, 2), "work": (6,)}
-    shapes |= contact_shapes(plans)
+    shapes |= contact_shapes(plans, nodes)
     shapes |= {f"history.{body.name}": body.history_shape() for body in bodies if body.material.history_size}
     return shapes | dict(integrator.memory(nodes))
 

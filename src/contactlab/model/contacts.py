@@ -81,12 +81,13 @@ def _surface(edges: Ints, where: Any) -> Surface:
         raise SceneError(f"not a contact surface: {problem}", where=where) from problem
 
 
-def contact_shapes(plans: tuple[ContactPlan, ...]) -> Mapping[str, tuple[int, ...]]:
+def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, tuple[int, ...]]:
     """State fields of the contacts; nothing tangential without friction."""
     if not plans:
         return {}
     rows = 2 if any(plan.friction is not None for plan in plans) else 1
     shapes: dict[str, tuple[int, ...]] = {"multipliers": (rows, sum(plan.slots for plan in plans))}
+    shapes["contact_force"] = (nodes, 2)
     for plan in plans:
         if plan.algorithm.memory_size:
             shapes[f"memory.{plan.name}"] = (plan.algorithm.memory_size, len(plan.slave.nodes))

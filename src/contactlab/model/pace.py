@@ -6,12 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from contactlab.api import Floats, Integrator, Ints
+import numpy as np
+
+from contactlab.api import Floats, Integrator
 from contactlab.errors import SceneError
 from contactlab.model.body import Body
-from contactlab.model.frequency import lowest_frequency
+from contactlab.model.frequency import loaded_frequency
+from contactlab.model.supports import SupportPlan
 
-PERIODS = 50.0  # ramp in periods of the lowest mode
+PERIODS = 50.0  # ramp in periods of the lowest mode that the loading excites
 DAMPING = 0.1  # alpha / w1
 
 
@@ -41,7 +44,7 @@ class Pace:
 
 
 def find_pace(
-    scene: Any, bodies: tuple[Body, ...], positions: Floats, mass: Floats, fixed: Ints, integrator: Integrator
+    scene: Any, bodies: tuple[Body, ...], positions: Floats, mass: Floats, supports: SupportPlan, integrator: Integrator
 ) -> Pace:
     """Pace of a scene: for `end = "auto"` a ramp of 50 periods of the lowest mode w1 and damping 0.1 w1."""
     time = scene.time
@@ -51,7 +54,8 @@ def find_pace(
         return Pace(end, ramp, 0.0, end, time.damping or 0.0, False)
     if not integrator.inertia:
         return Pace(1.0, 1.0, 0.0, 1.0, 0.0, False)
-    frequency = min(lowest_frequency(body, positions, mass, fixed) for body in bodies)
+    directions = _directions(supports)
+    frequency = min(loaded_frequency(body, positions, mass, supports.dof, directions) for body in bodies)
     if not math.isfinite(frequency):
         raise SceneError(
             "nothing can move: every degree of freedom is supported",
@@ -63,3 +67,10 @@ def find_pace(
     hold = ramp if time.hold is None else time.hold
     damping = DAMPING * frequency if time.damping is None else time.damping
     return Pace(None, ramp, hold, period, damping, time.hold is None)
+
+
+def _directions(supports: SupportPlan) -> Floats:
+    """Unit vectors (d, 2) along which supports move; both axes where none does."""
+    moved = [supports.dof[supports.scale != 0.0] % 2 == c for c in range(2)]
+    axes = [c for c in range(2) if moved[c].any()] or [0, 1]
+    return np.eye(2)[axes]

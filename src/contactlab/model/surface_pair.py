@@ -47,6 +47,7 @@ class SurfacePair:
         m, slots = len(slave.nodes), algorithm.rows_per_node
         self.slots = slots * m
         self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
+        self.measured = SurfacePositions(self.at.slave.copy(), self.at.master.copy())
         self.size = max(_lengths(self.at.slave, slave).max(), _lengths(self.at.master, master).max())
         self.following, self.preceding = _neighbours(slave, slots)
         self.fixed = np.tile(fixed, slots)
@@ -64,14 +65,29 @@ class SurfacePair:
     # --- from positions to coupling -------------------------------------------------------------
 
     def update(self, positions: Floats, memory: Floats) -> None:
-        """Search, integrate and factorise at `positions` (N, 2); gaps of all kept multipliers."""
+        """Search, integrate and factorise at `positions` (N, 2)."""
         edges.take(positions, self.slave.nodes, self.at.slave)
         edges.take(positions, self.master.nodes, self.at.master)
         candidates = self._candidates()
         reach = REACH * self.size
         self.count = self.algorithm.pieces(self.slave, self.master, self.at, candidates, reach, memory, self.pieces)
         self._couple()
-        self._gaps()
+
+    def measure(self, positions: Floats) -> None:
+        """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
+        edges.take(positions, self.slave.nodes, self.measured.slave)
+        edges.take(positions, self.master.nodes, self.measured.master)
+        p = self.pieces
+        self.separation[:] = 0.0
+        for (start, node, value, _, _, end), at, sign in (
+            (self.slave_columns, self.measured.slave, 1.0),
+            (self.master_columns, self.measured.master, -1.0),
+        ):
+            rows.weighted_positions(self.kept, self.order, start, end, node, value, at, sign, self.separation)
+        coupling.solve_transposed(
+            self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, self.separation
+        )
+        rows.gaps_from_separation(self.kept, self.order, self.separation, p.normal, self.gaps)
 
     def _candidates(self) -> Candidates:
         near, skin = self.near, SKIN * self.size
@@ -110,20 +126,12 @@ class SurfacePair:
         )  # fmt: skip
         if self.kept < 0:
             raise ValueError(f"{self.name}: the slave is a closed curve covered all around; swap slave and master")
-
-    def _gaps(self) -> None:
-        p = self.pieces
-        self.separation[:] = 0.0
-        for nodes, values, (start, node, value, weight, _, end), at, sign in (
-            (p.slave, p.D, self.slave_columns, self.at.slave, 1.0),
-            (p.master, p.M, self.master_columns, self.at.master, -1.0),
+        for nodes, values, (start, node, value, weight, _, end) in (
+            (p.slave, p.D, self.slave_columns),
+            (p.master, p.M, self.master_columns),
         ):
             rows.columns(self.count, p.multiplier, nodes, values, self.owner, start, node, value, weight, end)
-            rows.weighted_positions(self.kept, self.order, start, end, node, value, at, sign, self.separation)
-        coupling.solve_transposed(
-            self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, self.separation
-        )
-        rows.gaps_from_separation(self.kept, self.order, self.separation, p.normal, self.gaps)
+
 
     # --- from coupling to rows ------------------------------------------------------------------
 

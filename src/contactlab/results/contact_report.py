@@ -52,6 +52,7 @@ def report_contact(pair: SurfacePair, state: State, reference: Floats, position:
     """Evaluate `pair` at the deformed `position` (N, 2) with the state's multipliers."""
     memory = state[f"memory.{pair.name}"].copy() if f"memory.{pair.name}" in state else np.zeros((0, 2))
     pair.update(position, memory)
+    pair.measure(position)
     y = state["multipliers"][:, pair.first_slot : pair.first_slot + pair.slots]
     normal_force, tangential_force = y[0], (y[1] if pair.friction is not None else np.zeros_like(y[0]))
     pressure, shear = _per_node(pair, pair.tractions(normal_force)), _per_node(pair, pair.tractions(tangential_force))

@@ -41,7 +41,8 @@ class _Leapfrog:
         self.free.reshape(-1)[equations.prescribed.dof] = 0.0
         self.compliance: Floats = np.zeros((nodes, 2))
         self.compliance_dt = 0.0
-        self.predicted, self.trial, self.external, self.contact = (np.zeros((nodes, 2)) for _ in range(4))
+        self.predicted, self.trial, self.external = (np.zeros((nodes, 2)) for _ in range(3))
+        self.contact = state["contact_force"] if "contact_force" in state else np.zeros((nodes, 2))
 
     def step(self, dt: float) -> Step:
         """Advance the state by dt."""

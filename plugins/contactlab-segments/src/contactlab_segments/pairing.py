@@ -93,7 +93,9 @@ def _hold_at_vertex(count, p, node, slots, weight, v, positions, segments, node_
     outside = dx * nx + dy * ny >= 0.0
     if not outside and distance > depth:
         return count
-    if outside and distance > 1e-9 * length[after]:
+    bx, by, cx, cy = normal[before, 0], normal[before, 1], normal[after, 0], normal[after, 1]
+    # the line to the node is a normal only inside the wedge; next to the surface it could point anywhere
+    if outside and distance > 0.0 and bx * dy - by * dx >= 0.0 and dx * cy - dy * cx >= 0.0:
         nx, ny = dx / distance, dy / distance
     else:
         nx, ny = nx / size, ny / size
