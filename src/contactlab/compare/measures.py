@@ -36,8 +36,8 @@ def largest_pressure_error(profile: Profile, reference: Profile, window: Window 
     return float(errors.max() / _peak(reference))
 
 
-def swap_asymmetry(a: Profile, b: Profile) -> float:
-    """S = 2 ||p_a - p_b|| / (||p_a|| + ||p_b||) of the two choices of slave."""
+def mutual_difference(a: Profile, b: Profile) -> float:
+    """2 ||p_a - p_b|| / (||p_a|| + ||p_b||): the swap asymmetry S when a and b are the two choices of slave."""
     return _ratio(2.0 * distance(a, b), norm(a) + norm(b))
 
 

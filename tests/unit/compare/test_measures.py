@@ -53,19 +53,19 @@ def test_largest_error_looks_inside_the_edge_only() -> None:
     assert measures.largest_pressure_error(Profile(p.x, wrong), p) == pytest.approx(0.07, rel=1e-9)
 
 
-def test_swap_asymmetry_of_shifted_tents() -> None:
+def test_mutual_difference_of_shifted_tents() -> None:
     # ||t(x) - t(x - 2)||^2 = 2 ||t||^2 once the tents are apart: S = sqrt 2.
-    assert measures.swap_asymmetry(tent(0.0), tent(2.0)) == pytest.approx(math.sqrt(2.0), rel=ROUND_OFF)
-    assert measures.swap_asymmetry(tent(0.0), tent(0.0)) == 0.0
-    assert measures.swap_asymmetry(tent(0.0, height=1.0), tent(0.0, height=3.0)) == pytest.approx(1.0, rel=ROUND_OFF)
+    assert measures.mutual_difference(tent(0.0), tent(2.0)) == pytest.approx(math.sqrt(2.0), rel=ROUND_OFF)
+    assert measures.mutual_difference(tent(0.0), tent(0.0)) == 0.0
+    assert measures.mutual_difference(tent(0.0, height=1.0), tent(0.0, height=3.0)) == pytest.approx(1.0, rel=ROUND_OFF)
 
 
 @given(st.floats(0.01, 0.9), st.floats(0.5, 5.0))
-def test_swap_asymmetry_is_symmetric_and_has_no_unit(shift: float, scale: float) -> None:
+def test_mutual_difference_is_symmetric_and_has_no_unit(shift: float, scale: float) -> None:
     a, b = parabola(23), parabola(31, shift=shift)
     scaled = [Profile(scale * p.x, 100.0 * p.value) for p in (a, b)]
-    assert measures.swap_asymmetry(b, a) == pytest.approx(measures.swap_asymmetry(a, b), rel=1e-9)
-    assert measures.swap_asymmetry(*scaled) == pytest.approx(measures.swap_asymmetry(a, b), rel=1e-9)
+    assert measures.mutual_difference(b, a) == pytest.approx(measures.mutual_difference(a, b), rel=1e-9)
+    assert measures.mutual_difference(*scaled) == pytest.approx(measures.mutual_difference(a, b), rel=1e-9)
 
 
 def test_mirror_asymmetry_is_zero_for_a_mirror_image_and_large_for_a_lopsided_one() -> None:
@@ -116,7 +116,7 @@ def test_edge_error_in_segment_lengths() -> None:
 def test_measures_without_meaning_are_nan() -> None:
     nothing = Profile(np.array([0.0, 1.0]), np.zeros(2))
     assert math.isnan(measures.pressure_error(tent(0.0), nothing))
-    assert math.isnan(measures.swap_asymmetry(nothing, nothing))
+    assert math.isnan(measures.mutual_difference(nothing, nothing))
     assert math.isnan(measures.mirror_asymmetry(nothing))
     assert math.isnan(measures.edge_error(nothing, tent(0.0)))
     assert math.isnan(measures.largest_pressure_error(nothing, nothing))

@@ -1,0 +1,49 @@
+"""How far two algorithms are from each other on the same run: no reference needed."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from contactlab.compare.measures import mutual_difference, relative_difference
+from contactlab.compare.table import Row
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """Two algorithms on runs that differ in nothing else.
+
+    reaction  relative difference of the reactions
+    pressure  2 ||p_a - p_b|| / (||p_a|| + ||p_b||)
+    """
+
+    first: str
+    second: str
+    slave: str
+    level: int
+    reaction: float
+    pressure: float
+
+
+def agreements(rows: Sequence[Row]) -> list[Agreement]:
+    """All pairs of algorithms, run by run."""
+    groups: dict[str, list[Row]] = {}
+    for row in rows:
+        groups.setdefault(_all_but_algorithm(row), []).append(row)
+    return [_compare(a, b) for group in groups.values() for a, b in itertools.combinations(group, 2)]
+
+
+def _all_but_algorithm(row: Row) -> str:
+    rest = {key: value for key, value in row.varied.items() if ".algorithm" not in key}
+    return json.dumps({**rest, "level": row.level}, sort_keys=True, default=str)
+
+
+def _compare(a: Row, b: Row) -> Agreement:
+    pressure = math.nan
+    if a.profile is not None and b.profile is not None:
+        pressure = mutual_difference(a.profile, b.profile)
+    reaction = relative_difference(a["reaction"], b["reaction"])
+    return Agreement(a.algorithm, b.algorithm, a.slave, a.level, reaction, pressure)

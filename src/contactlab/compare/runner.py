@@ -1,0 +1,219 @@
+"""Run every combination of a study side by side, and gather what came of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import CancelledError, Future, as_completed
+from dataclasses import replace
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from contactlab.compare import run_job
+from contactlab.compare.measure_run import measure_run
+from contactlab.compare.measures import mutual_difference, relative_difference
+from contactlab.compare.plan import Job, Plan, Vary, make_plan
+from contactlab.compare.pool import ProcessDiedError, RaisedError, WorkerPool
+from contactlab.compare.reference import Reference, load_reference, matching_reference
+from contactlab.compare.run_job import Outcome
+from contactlab.compare.study import Study
+from contactlab.compare.system import system_facts, usable_cores
+from contactlab.compare.table import Row, Table
+from contactlab.compare.table_files import write_table
+from contactlab.errors import RequestError
+from contactlab.folders import claimed_folder
+from contactlab.registry import Registry
+from contactlab.reports.page import write_report
+from contactlab.reports.progress import Bars, progress_bars
+from contactlab.scene import Scene
+from contactlab.toml_text import write_toml
+
+
+def compare(
+    scene_or_study: Scene | Study | str | Path,
+    vary: Vary | None = None,
+    out: str | Path | None = None,
+    jobs: int | None = None,
+    registry: Registry | None = None,
+    progress: bool | None = None,
+    changes: Mapping[str, Any] | None = None,
+) -> Table:
+    """Run every combination and measure accuracy against cost.
+
+    scene_or_study  a scene, a study, the name of a bundled one, or a TOML file of either
+    vary            scene keys and lists of values, instead of the study's own
+    out             folder for `table.csv`, `table.json`, plots, `report.html` and the runs; none: no files
+    jobs            processes at a time; all cores by default
+    changes         scene keys and values for all runs, also instead of what the study varies
+    progress        bars on standard error; by default where that is a terminal
+
+    A run that fails, or whose process is killed, is a row with its status and reason.
+    Raises RequestError when the request itself is wrong.
+    """
+    plan = make_plan(scene_or_study, vary, registry, changes)
+    named = load_reference(plan.study.reference, beside=plan.study.folder) if plan.study.reference else None
+    workers = _checked_jobs(jobs)
+    folder = claimed_folder(Path(out)) if out is not None else None
+    began = perf_counter()
+    with progress_bars(plan.jobs, progress) as bars:
+        outcomes, interrupted = _run_all(plan, folder, workers, bars)
+    rows = gather(plan, outcomes, named)
+    table = Table(
+        rows=rows,
+        study=plan.study,
+        reference=_reference_of(rows, named),
+        scene=plan.scene.data,
+        scene_text=plan.scene.toml(),
+        wall_s=perf_counter() - began,
+        folder=folder,
+    )
+    if folder is not None:
+        _write(table, plan, outcomes, folder)
+    if interrupted:
+        raise KeyboardInterrupt
+    return table
+
+
+def _checked_jobs(jobs: int | None) -> int:
+    if jobs is not None and jobs < 1:
+        raise RequestError("there must be at least one process", where="jobs", got=jobs, allowed="1 or more")
+    return jobs or usable_cores()
+
+
+def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Path) -> None:
+    (folder / "study.toml").write_text(write_toml(plan.study.as_data()), encoding="utf-8")
+    for name, outcome in outcomes.items():
+        if outcome.traceback:
+            place = folder / "runs" / name
+            place.mkdir(parents=True, exist_ok=True)
+            (place / "error.txt").write_text(outcome.traceback, encoding="utf-8")
+    write_table(table, folder)
+    write_report(table, folder)
+
+
+# --- running ---------------------------------------------------------------------------------------
+
+
+def _run_all(plan: Plan, folder: Path | None, workers: int, bars: Bars) -> tuple[dict[str, Outcome], bool]:
+    """Outcomes by job name, and whether the user stopped it."""
+    outcomes: dict[str, Outcome] = {}
+    futures: dict[Future[Outcome], Job] = {}
+    with WorkerPool(min(workers, len(plan.jobs))) as pool:
+        try:
+            _warm_up(pool, plan.jobs, bars)
+            # the study's own runs, then the longest first, so that no core waits at the end
+            queue = sorted(plan.jobs, key=lambda job: (job.refines, -job.scene.level))
+            futures = {_submit(pool, plan, job, folder, bars): job for job in queue}
+            for future in as_completed(futures):
+                outcomes[futures[future].name] = _outcome(future)
+                bars.finish(futures[future].name, outcomes[futures[future].name].status)
+        except KeyboardInterrupt:
+            pool.interrupt()
+            stopped = {job.name: Outcome("interrupted", "stopped before it began") for job in plan.jobs}
+            ended = {job.name: _outcome(future, stopped=True) for future, job in futures.items()}
+            return {**stopped, **ended, **outcomes}, True
+    return outcomes, False
+
+
+def _warm_up(pool: WorkerPool, jobs: Sequence[Job], bars: Bars) -> None:
+    """Compile once, in one process, before several would compile the same side by side."""
+    first = {job.algorithm: job for job in reversed(jobs)}
+    bars.say("compiling kernels")
+    for job in first.values():
+        # Whatever is wrong here is wrong in the run itself, and told there.
+        pool.submit(run_job.warm_up, job.scene).exception()
+    bars.say("")
+
+
+def _submit(pool: WorkerPool, plan: Plan, job: Job, folder: Path | None, bars: Bars) -> Future[Outcome]:
+    place = None if folder is None else (folder / "runs" / job.name).resolve()
+
+    def report(message: tuple[float, int]) -> None:
+        bars.advance(job.name, *message)
+
+    return pool.submit(run_job.run, job.scene, place, plan.contact, plan.study.repeat, report=report)
+
+
+def _outcome(future: Future[Outcome], stopped: bool = False) -> Outcome:
+    try:
+        return future.result()
+    except CancelledError:
+        return Outcome("interrupted", "stopped before it began")
+    except ProcessDiedError as error:
+        return Outcome("interrupted", "stopped by the user") if stopped else Outcome("failed", str(error))
+    except RaisedError as error:
+        return Outcome("failed", str(error), traceback=error.details)
+
+
+# --- gathering -------------------------------------------------------------------------------------
+
+
+def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Reference | None) -> list[Row]:
+    """A row per job. Pairs of rows that differ in the swap alone share their asymmetry."""
+    rows = [_row(plan, job, outcomes[job.name], named) for job in plan.jobs]
+    partners: dict[str, list[Row]] = {}
+    for job, row in zip(plan.jobs, rows, strict=True):
+        partners.setdefault(job.partner, []).append(row)
+    shared = {row.name: _pair_measures(pair) for pair in partners.values() for row in pair}
+    return [_with_measures(row, shared[row.name]) for row in rows]
+
+
+def _row(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> Row:
+    data = job.scene.data
+    reference, why = fitting_reference(data, named)
+    measures, notes = measure_run(data, outcome.summary, plan.contact, outcome.curve, reference)
+    return Row(
+        name=job.name,
+        algorithm=job.algorithm,
+        slave=job.slave,
+        level=job.scene.level,
+        varied=job.varied,
+        status=outcome.status,
+        reason=outcome.reason,
+        measures=measures,
+        notes=[*notes, *([why] if why else [])],
+        system=system_facts(),
+        parts=outcome.summary.get("parts", {}),
+        reference=reference.name if reference else "",
+        curve=outcome.curve,
+        shapes=outcome.shapes,
+        refines=job.refines,
+    )
+
+
+def fitting_reference(scene: Mapping[str, Any], named: Reference | None) -> tuple[Reference | None, str]:
+    """The study's reference where it holds, else a bundled one that does; and why there is none."""
+    if named is not None and not named.mismatch(scene):
+        return named, ""
+    found = matching_reference(scene)
+    if found is not None:
+        return found, ""
+    return None, f"{named.name} does not hold: {named.mismatch(scene)}" if named else "no reference fits this scene"
+
+
+def _pair_measures(pair: Sequence[Row]) -> dict[str, float]:
+    if len(pair) != 2:
+        return {}
+    a, b = pair
+    found = {
+        "swap_reaction_difference": relative_difference(
+            a.measures.get("reaction", math.nan), b.measures.get("reaction", math.nan)
+        )
+    }
+    if a.profile is not None and b.profile is not None:
+        found["swap_asymmetry"] = mutual_difference(a.profile, b.profile)
+    return found
+
+
+def _with_measures(row: Row, more: Mapping[str, float]) -> Row:
+    return replace(row, measures={**row.measures, **more})
+
+
+def _reference_of(rows: Iterable[Row], named: Reference | None) -> Reference | None:
+    """The reference of the report: the one that most rows compare with."""
+    names = [row.reference for row in rows if row.reference]
+    if not names:
+        return None
+    most = max(set(names), key=names.count)
+    return named if named is not None and named.name == most else load_reference(most)

@@ -1,0 +1,37 @@
+"""A deformed body as a picture needs it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactlab.api.arrays import XX, XY, YY, ZZ, Floats
+from contactlab.results.results import Results
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Cells of a body with the stress in them.
+
+    corners    (n, 4, 2) [mm] deformed corners of each cell
+    von_mises  (n,) [MPa] mean over the points of each cell
+    """
+
+    corners: Floats
+    von_mises: Floats
+
+
+def shapes_of(results: Results) -> dict[str, Shape]:
+    """The bodies of a run at its last frame."""
+    position = results.nodes + results.displacement
+    return {
+        name: Shape(position[cells[:, :4]], von_mises(results.stress[name]).mean(axis=1))
+        for name, cells in results.cells.items()
+    }
+
+
+def von_mises(stress: Floats) -> Floats:
+    """Von Mises stress [MPa] of stresses (..., 4) with components xx, yy, zz, xy."""
+    xx, yy, zz, xy = (stress[..., component] for component in (XX, YY, ZZ, XY))
+    return np.asarray(np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3.0 * xy**2))

@@ -1,0 +1,131 @@
+"""Pressure error against CPU seconds over the levels: what accuracy costs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from contactlab.compare.table import Row, Table
+from contactlab.reports.colours import REFERENCE, Style, styles
+from contactlab.reports.figures import INK, MUTED, house_style
+from contactlab.reports.numbers import percent, significant
+from contactlab.reports.table import other_keys
+
+_LINES = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
+
+
+def cost_figure(table: Table) -> Figure:
+    """One line per algorithm and slave, a marker per level; runs that did not finish are marked, not dropped."""
+    chosen = styles(row.algorithm for row in table.rows)
+    slaves = list(dict.fromkeys(row.slave for row in table.rows))
+    with house_style():
+        figure = Figure(figsize=(8.6, 5.0), layout="constrained")
+        axes = figure.subplots()
+        drawn = [row for row in table.rows if _drawable(row)]
+        for line in _lines(drawn):
+            _draw_line(axes, line, chosen[line[0].algorithm], slaves.index(line[0].slave))
+        _scales(axes, drawn)
+        _draw_uncertainty(axes, table)
+        _legend(axes, table, chosen, slaves)
+        _list_missing(axes, [row for row in table.rows if not _drawable(row)])
+    return figure
+
+
+def _drawable(row: Row) -> bool:
+    return row["pressure_error"] > 0.0 and row["cpu_s"] > 0.0  # false for nan
+
+
+def _lines(rows: Sequence[Row]) -> list[list[Row]]:
+    """Rows that differ in the level alone, from coarse to fine."""
+    keys = other_keys(rows)
+    lines: dict[tuple[str, ...], list[Row]] = {}
+    for row in rows:
+        lines.setdefault((row.algorithm, row.slave, *(str(row.varied.get(key)) for key in keys)), []).append(row)
+    return [sorted(line, key=lambda row: row.level) for line in lines.values()]
+
+
+def _draw_line(axes: Axes, line: Sequence[Row], style: Style, slave: int) -> None:
+    cost, error = [row["cpu_s"] for row in line], [row["pressure_error"] for row in line]
+    axes.plot(cost, error, color=style.colour, linestyle=_LINES[slave % len(_LINES)], linewidth=1.2, zorder=2)
+    for row, x, y in zip(line, cost, error, strict=True):
+        axes.plot(
+            x,
+            y,
+            marker=style.marker,
+            markersize=7.5,
+            color=style.colour,
+            markerfacecolor=style.colour if slave == 0 else "none",
+            markeredgewidth=1.4,
+            zorder=3,
+        )
+        if not row.finished:
+            axes.plot(x, y, marker="x", markersize=12, markeredgewidth=1.6, color=INK, zorder=4)
+    if slave == 0:
+        for row, x, y in zip(line, cost, error, strict=True):
+            axes.annotate(
+                str(row.level), (x, y), (0, 7), textcoords="offset points", ha="center", color=MUTED, fontsize=8.5
+            )
+
+
+def _scales(axes: Axes, rows: Sequence[Row]) -> None:
+    axes.set_xlabel("CPU time [s]")
+    axes.set_ylabel("pressure error, relative L2 [%]")
+    if not rows:
+        return
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    for axis, text in ((axes.xaxis, significant), (axes.yaxis, percent)):
+        values = [row["cpu_s" if axis is axes.xaxis else "pressure_error"] for row in rows]
+        axis.set_major_locator(LogLocator(subs=_subdivisions(values), numticks=12))
+        axis.set_major_formatter(FuncFormatter(lambda value, _, text=text: text(value, 1)))
+        axis.set_minor_formatter(NullFormatter())
+    axes.margins(0.09, 0.12)
+
+
+def _subdivisions(values: Sequence[float]) -> tuple[float, ...]:
+    """Enough labels on an axis that spans little."""
+    decades = math.log10(max(values) / min(values)) if values else 1.0
+    return (1.0,) if decades > 2.5 else (1.0, 2.0, 5.0)
+
+
+def _draw_uncertainty(axes: Axes, table: Table) -> None:
+    reference = table.reference
+    known = reference.pressure_uncertainty if reference is not None else math.nan
+    if not known > 0.0:
+        return
+    low, high = axes.get_ylim()
+    axes.axhspan(min(low, known), known, color=REFERENCE, alpha=0.18, linewidth=0.0, zorder=0)
+    axes.set_ylim(min(low, 0.75 * known), high)
+    axes.text(
+        0.99, known, "uncertainty of the reference ", transform=axes.get_yaxis_transform(), ha="right", va="top",
+        color=MUTED, fontsize=8.5,
+    )  # fmt: skip
+
+
+def _legend(axes: Axes, table: Table, chosen: dict[str, Style], slaves: Sequence[str]) -> None:
+    entries = [
+        Line2D([], [], color=style.colour, marker=style.marker, markersize=7, label=name)
+        for name, style in chosen.items()
+    ]
+    for k, slave in enumerate(slaves):
+        face = MUTED if k == 0 else "none"
+        line = _LINES[k % len(_LINES)]
+        entries.append(
+            Line2D([], [], color=MUTED, marker="o", markerfacecolor=face, linestyle=line, label=f"slave: {slave}")
+        )
+    if any(_drawable(row) and not row.finished for row in table.rows):
+        entries.append(Line2D([], [], color=INK, marker="x", linestyle="none", markersize=9, label="did not finish"))
+    entries.append(Line2D([], [], linestyle="none", marker="$1$", color=MUTED, label="number: mesh level"))
+    axes.legend(handles=entries, loc="center left", bbox_to_anchor=(1.01, 0.5), borderaxespad=0.0)
+
+
+def _list_missing(axes: Axes, rows: Sequence[Row]) -> None:
+    """Runs without a point, named below the plot."""
+    if rows:
+        names = "; ".join(f"{row.algorithm}, slave {row.slave}, level {row.level}: {row.status}" for row in rows)
+        axes.set_title(f"without a point: {names}", fontsize=8.5, fontweight="normal", color="#C2410C", wrap=True)

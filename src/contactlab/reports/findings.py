@@ -1,0 +1,67 @@
+"""What a comparison found, algorithm by algorithm: the few numbers that a reader wants first."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from contactlab.compare.table import Row, Table
+from contactlab.reports.numbers import percent, significant
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One algorithm over the runs of the study; ranges are (smallest, largest), nan where unknown."""
+
+    algorithm: str
+    finished: int
+    runs: int
+    pressure_error: tuple[float, float]
+    swap_asymmetry: tuple[float, float]
+    cpu_s: tuple[float, float]
+
+
+def findings(table: Table) -> list[Finding]:
+    """A finding per algorithm, in the order of the study."""
+    names = dict.fromkeys(row.algorithm for row in table.main)
+    return [_finding(name, [row for row in table.main if row.algorithm == name]) for name in names]
+
+
+def _finding(name: str, rows: Sequence[Row]) -> Finding:
+    return Finding(
+        algorithm=name,
+        finished=sum(row.finished for row in rows),
+        runs=len(rows),
+        pressure_error=_range(row["pressure_error"] for row in rows),
+        swap_asymmetry=_range(row["swap_asymmetry"] for row in rows),
+        cpu_s=_range(row["cpu_s"] for row in rows),
+    )
+
+
+def _range(values: Iterable[float]) -> tuple[float, float]:
+    known = [value for value in values if not math.isnan(value)]
+    return (min(known), max(known)) if known else (math.nan, math.nan)
+
+
+def span(values: tuple[float, float], unit: str) -> str:
+    """A range in words: "1.2 to 3.4 %", one number where both ends are written alike."""
+    write = percent if unit == "%" else significant
+    low, high = (write(value, 2) for value in values)
+    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+
+
+def sentence(table: Table) -> str:
+    """How many runs there were, and which was the most accurate one at what cost."""
+    rows = table.main
+    levels = sorted({row.level for row in rows})
+    at = f" at level {levels[0]}" if len(levels) == 1 else ""
+    text = f"{len(rows)} runs{at}, {sum(row.finished for row in rows)} finished."
+    measured = [row for row in rows if row.finished and row["pressure_error"] >= 0.0]
+    if measured:
+        best = min(measured, key=lambda row: row["pressure_error"])
+        text += (
+            f" The pressure is most accurate with {best.algorithm} (slave {best.slave}): "
+            f"{percent(best['pressure_error'])} % from the reference in {significant(best['cpu_s'], 2)} CPU seconds."
+        )
+    return text

@@ -1,0 +1,120 @@
+"""Contact pressure of every run against the reference: small multiples, a column per algorithm."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from contactlab.compare.reference import Reference
+from contactlab.compare.table import Row, Table
+from contactlab.reports.colours import REFERENCE, Style, styles
+from contactlab.reports.figures import INK, MUTED, house_style, note
+from contactlab.reports.numbers import percent, significant
+from contactlab.reports.table import other_keys
+from contactlab.reports.units import Units
+
+_MARGIN = 0.12  # of the pressed length, shown on either side
+_HEADROOM = 1.3  # of the largest reference pressure; higher peaks are cut and their value is written
+
+
+def pressure_figure(table: Table) -> Figure:
+    """A row of panels per slave (and per further choice), a column per algorithm, the same axes in all."""
+    rows = table.main
+    algorithms = list(dict.fromkeys(row.algorithm for row in rows))
+    cases = list(dict.fromkeys(_case(row, rows) for row in rows))
+    found = {(_case(row, rows), row.algorithm): row for row in rows}
+    units, chosen = Units.of_label(table.scene.get("units")), styles(row.algorithm for row in table.rows)
+    with house_style():
+        figure = Figure(figsize=(max(7.0, 3.7 * len(algorithms)), 0.75 + 2.45 * len(cases)), layout="constrained")
+        grid = figure.subplots(len(cases), len(algorithms), sharex=True, sharey=True, squeeze=False)
+        for i, case in enumerate(cases):
+            for j, algorithm in enumerate(algorithms):
+                _panel(grid[i, j], found.get((case, algorithm)), table.reference, chosen[algorithm], units)
+                if i == 0:
+                    grid[i, j].set_title(algorithm, pad=8)
+            grid[i, 0].set_ylabel(f"{case}\npressure{_in(units.pressure)}")
+        _limits(grid[0, 0], rows, table.reference)
+        _mark_cut_peaks(grid, found, cases, algorithms, units)
+        figure.supxlabel(f"deformed position x{_in(units.length)}", color=MUTED, fontsize=9.5)
+    return figure
+
+
+def _in(unit: str) -> str:
+    return f" [{unit}]" if unit else ""
+
+
+def _case(row: Row, rows: Sequence[Row]) -> str:
+    """What tells the rows of panels apart."""
+    choices = [f"{key.rpartition('.')[2]} {row.varied.get(key)}" for key in other_keys(rows)]
+    if len({r.level for r in rows}) > 1:
+        choices.append(f"level {row.level}")
+    return ", ".join([f"slave: {row.slave}", *choices])
+
+
+def _panel(axes: Axes, row: Row | None, reference: Reference | None, style: Style, units: Units) -> None:
+    if reference is not None and (row is None or row.reference in ("", reference.name)):
+        _draw_reference(axes, reference)
+    if row is None:
+        note(axes, "not run")
+        return
+    if row.curve is not None and len(row.curve.x):
+        order = np.argsort(row.curve.x, kind="stable")
+        axes.plot(
+            row.curve.x[order],
+            row.curve.pressure[order],
+            color=style.colour,
+            marker=style.marker,
+            markersize=2.6,
+            linewidth=1.3,
+            linestyle="-" if row.finished else (0, (4, 1.5)),
+            clip_on=True,
+        )
+    _write_result(axes, row)
+
+
+def _draw_reference(axes: Axes, reference: Reference) -> None:
+    axes.fill_between(reference.profile.x, reference.profile.value, color=REFERENCE, alpha=0.22, linewidth=0.0)
+    axes.plot(reference.profile.x, reference.profile.value, color=REFERENCE, linewidth=1.0)
+
+
+def _write_result(axes: Axes, row: Row) -> None:
+    error = row["pressure_error"]
+    text = f"error {percent(error)} %" if error == error else ""
+    if not row.finished:
+        text = "\n".join(filter(None, [row.status, text]))
+        if row.curve is None:
+            text += "\n" + textwrap.fill(row.reason, 40, max_lines=3, placeholder=" ...")
+    axes.text(0.02, 0.96, text, transform=axes.transAxes, ha="left", va="top", color=INK if row.finished else "#C2410C")
+
+
+def _limits(axes: Axes, rows: Sequence[Row], reference: Reference | None) -> None:
+    profiles = [row.profile for row in rows if row.profile is not None]
+    if reference is not None:
+        left, right = reference.pressed_range
+        top = float(reference.profile.value.max()) * _HEADROOM
+    elif profiles:
+        pressed = [p.x[p.value > 0.0] for p in profiles if np.any(p.value > 0.0)]
+        left, right = (min(x[0] for x in pressed), max(x[-1] for x in pressed)) if pressed else (0.0, 1.0)
+        top = float(np.median([p.value.max() for p in profiles])) * _HEADROOM
+    else:
+        return
+    margin = _MARGIN * (right - left)
+    axes.set_xlim(left - margin, right + margin)
+    axes.set_ylim(-0.06 * top, top)
+
+
+def _mark_cut_peaks(
+    grid: np.ndarray, found: dict[tuple[str, str], Row], cases: Sequence[str], algorithms: Sequence[str], units: Units
+) -> None:
+    top = grid[0, 0].get_ylim()[1]
+    for i, case in enumerate(cases):
+        for j, algorithm in enumerate(algorithms):
+            row = found.get((case, algorithm))
+            if row is not None and row.curve is not None and row.curve.pressure.max(initial=0.0) > top:
+                peak = significant(float(row.curve.pressure.max()), 3)
+                text = f"▲ up to {peak} {units.pressure}".rstrip()
+                grid[i, j].text(0.98, 0.96, text, transform=grid[i, j].transAxes, ha="right", va="top", color=MUTED)
