@@ -94,7 +94,7 @@ def nearest(name: str, choices: Iterable[str]) -> str | None:
     from difflib import get_close_matches
 
     by_fold = {choice.casefold(): choice for choice in choices}
-    close = get_close_matches(name.casefold(), by_fold, n=1, cutoff=0.55)
+    close = get_close_matches(name.casefold(), by_fold, n=1, cutoff=0.5)
     return by_fold[close[0]] if close else None
 
 

@@ -162,6 +162,8 @@ def kind_at(cls: type, path: Sequence[str]) -> str | None:
             return kind_at(hint, rest)
         if hint in (PartSpec, PartSpec | None):
             return field.metadata.get("part") if not rest else None
+        if not rest:
+            return None
         rest = rest[1:]
     return None
 

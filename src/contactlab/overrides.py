@@ -21,7 +21,7 @@ def changed(
     """A copy of `data` with the changes, and their keys in the numbered form.
 
     A change of which part is used comes before changes of its fields, in whatever order they are
-    given. None takes a key away. Raises SceneError for a key that leads nowhere.
+    given. None takes a key away, and so does "none" where a part is named. Raises SceneError for a key that leads nowhere.
     """
     result = copy.deepcopy(dict(data))
     numbered = [(_numbered(key, result), value) for key, value in changes.items()]
@@ -67,7 +67,9 @@ def _set(data: dict[str, Any], path: list[str], value: Any, is_part: Callable[[s
         holder = _step(holder, name, path[: depth + 1])
     key = ".".join(path)
     old = holder.get(path[-1]) if isinstance(holder, dict) else None
-    if isinstance(value, str) and isinstance(old, dict) and is_part(key):
+    if value == "none" and is_part(key):
+        value = None
+    elif isinstance(value, str) and isinstance(old, dict) and is_part(key):
         value = switch(key, old, value)
     _put(holder, path, value)
 

@@ -47,6 +47,14 @@ def parse_toml(text: str, shown: str) -> dict[str, Any]:
         raise SceneError("this is nested too deeply", where=shown, allowed="a scene in TOML") from error
 
 
+_HINTS = {
+    "Invalid value": "texts need quotes; true and false are written small",
+    "Cannot overwrite": "the key stands in the file twice: take one out",
+    "Cannot declare": "the table stands in the file twice: join them",
+    "Unclosed array": "close it with ]",
+}
+
+
 def _broken_toml(text: str, message: str, shown: str) -> SceneError:
     match = _AT_LINE.match(message)
     if match is None:
@@ -60,7 +68,7 @@ def _broken_toml(text: str, message: str, shown: str) -> SceneError:
         where=f"{shown}, line {number}",
         got=shown_line,
         allowed="key = value, [table] or [[list of tables]]",
-        hint="texts need quotes; true and false are written small",
+        hint=next((hint for start, hint in _HINTS.items() if match["what"].startswith(start)), ""),
     )
 
 
