@@ -37,13 +37,14 @@ def _is_single(value: Any) -> bool:
 def section(title: str, content: Any) -> Any:
     """A table of rows (records or plain values), or of names and values."""
     if isinstance(content, Mapping):
-        shown = table("", "", title=title)
+        shown = table("quantity", "value", title=title)
         for name, value in content.items():
-            add_row(shown, str(name), _cell(value))
+            add_row(shown, str(name).replace("_", " "), _cell(value))
         return shown
     rows = [_record(row) for row in content] if isinstance(content, Sequence | set | frozenset) else [_record(content)]
-    shown = table(*(rows[0] if rows else [""]), title=title)
-    for row in rows or [{"": "none"}]:
+    names = rows[0] if rows else ["name"]
+    shown = table(*(name.replace("_", " ") for name in names), title=title)
+    for row in rows or [{"name": "none"}]:
         add_row(shown, *(_cell(value) for value in row.values()))
     return shown
 
@@ -55,10 +56,12 @@ def _record(row: Any) -> dict[str, Any]:
         return dict(row)
     if hasattr(row, "_asdict"):
         return dict(row._asdict())
-    return {"": row}
+    return {"name": row}
 
 
 def _cell(value: Any) -> str:
     if isinstance(value, tuple | list | set | frozenset):
         return ", ".join(_cell(item) for item in value)
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     return number(value)

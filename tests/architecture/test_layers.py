@@ -1,0 +1,171 @@
+"""The house: data flows one way, the core names no plugin, plugins see the contract alone."""
+
+from __future__ import annotations
+
+import ast
+import json
+import subprocess
+import sys
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+from contactlab.registry import default_registry
+
+ROOT = Path(__file__).parents[2]
+CORE = ROOT / "src" / "contactlab"
+
+# lowest first; a module may import from its own layer and from those below it
+LAYERS = (
+    ("errors",),
+    ("api", "kernels.cache"),
+    ("kernels", "mesh", "meshing"),
+    (
+        "hookspecs", "plugins", "contract", "registry", "builtin",
+        "fields", "toml_text", "overrides", "scene_keys", "scene_checks", "scene",
+    ),
+    ("model",),
+    ("results",),
+    ("folders", "provenance", "guards", "schedule", "simulation", "model.explain"),
+    ("reports", "compare"),
+    ("testing", "commands", "cli"),
+)  # fmt: skip
+
+
+def modules() -> dict[str, Path]:
+    """All modules of the core by dotted name; the package itself is only a lazy front."""
+    found = {}
+    for path in sorted(CORE.rglob("*.py")):
+        parts = path.relative_to(CORE).with_suffix("").parts
+        name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+        if name:
+            found[name] = path
+    return found
+
+
+def layer(module: str) -> int:
+    """Number of the layer with the longest matching name."""
+    matches = [
+        (len(name), number)
+        for number, names in enumerate(LAYERS)
+        for name in names
+        if module == name or module.startswith(f"{name}.")
+    ]
+    assert matches, f"{module} has no layer: give it one in this test and in the design"
+    return max(matches)[1]
+
+
+def imports(path: Path, everywhere: bool = True) -> Iterator[str]:
+    """Modules that a file imports at run time; without `everywhere` only when it is imported itself."""
+    pending: list[ast.AST] = [ast.parse(path.read_text())]
+    while pending:
+        node = pending.pop()
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            continue
+        if isinstance(node, ast.FunctionDef) and not everywhere:
+            continue
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module:
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+        pending += ast.iter_child_nodes(node)
+
+
+def core_imports(path: Path, everywhere: bool = True) -> set[str]:
+    """Imported modules of the core, without the leading package name."""
+    known = modules()
+    found = set()
+    for name in imports(path, everywhere):
+        parts = name.split(".")
+        if parts[0] != "contactlab":
+            continue
+        names = [".".join(parts[1:end]) for end in range(len(parts), 1, -1)]
+        found |= {next((name for name in names if name in known), "")} - {""}
+    return found
+
+
+@pytest.mark.parametrize("module", modules())
+def test_a_module_imports_from_its_own_layer_and_below(module: str) -> None:
+    above = {other for other in core_imports(modules()[module]) if layer(other) > layer(module)}
+    assert not above, f"{module} (layer {layer(module)}) imports {', '.join(sorted(above))} from above"
+
+
+def test_there_is_no_import_cycle() -> None:
+    graph = {module: core_imports(path, everywhere=False) - {module} for module, path in modules().items()}
+    assert len(list(TopologicalSorter(graph).static_order())) == len(graph)
+
+
+def plugin_files() -> list[Path]:
+    return sorted((ROOT / "plugins").glob("*/src/**/*.py"))
+
+
+@pytest.mark.parametrize("path", plugin_files(), ids=lambda path: path.relative_to(ROOT / "plugins").as_posix())
+def test_a_plugin_imports_the_contract_alone(path: Path) -> None:
+    of_core = {name for name in imports(path) if name.split(".")[0] == "contactlab"}
+    assert not {name for name in of_core if not name.startswith("contactlab.api.")}
+    other_plugins = {name for name in imports(path) if name.startswith("contactlab_")}
+    assert all(name.split(".")[0] in path.parts for name in other_plugins)
+
+
+def test_there_are_plugins() -> None:
+    assert len({path.relative_to(ROOT / "plugins").parts[0] for path in plugin_files()}) >= 5
+
+
+@pytest.mark.parametrize("module", modules())
+def test_the_core_names_no_plugin(module: str) -> None:
+    """Neither a module of a plugin nor, outside docstrings, a part that a plugin brings."""
+    parts = {o.part.name for o in default_registry().parts() if o.origin.distribution != "contactlab"}
+    packages = {path.name.replace("-", "_") for path in (ROOT / "plugins").glob("contactlab-*")}
+    tree = ast.parse(modules()[module].read_text())
+    docstrings = {
+        id(node.value) for node in ast.walk(tree) if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+    }
+    texts = {
+        node.value
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and id(node) not in docstrings
+    }
+    assert not texts & parts
+    assert not {text for text in texts for package in packages if package in text}
+    assert not {name for name in imports(modules()[module]) if name.split(".")[0] in packages}
+
+
+def loaded_by(code: str) -> set[str]:
+    """Top-level modules outside the standard library that `code` brings into a fresh interpreter."""
+    report = "import sys, json; print(json.dumps(sorted({name.split('.')[0] for name in sys.modules})))"
+    found = []
+    for program in (report, f"{code}\n{report}"):
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+        found.append(set(json.loads(done.stdout.splitlines()[-1])))
+    return found[1] - found[0] - set(sys.stdlib_module_names)
+
+
+def test_the_contract_imports_numpy_alone() -> None:
+    assert loaded_by("import contactlab.api") == {"contactlab", "numpy"}
+
+
+def test_an_entry_module_imports_pluggy_and_the_contract_alone() -> None:
+    assert loaded_by("import contactlab.api.plugin") == {"contactlab", "numpy", "pluggy"}
+
+
+def test_help_imports_nothing_heavy() -> None:
+    program = "import contactlab.cli\ntry: contactlab.cli.main(['--help'])\nexcept SystemExit: pass"
+    assert loaded_by(program) == {"contactlab"}
+
+
+def test_listing_parts_imports_no_target() -> None:
+    """Entry modules are light: what they offer is known without numba or any kernel."""
+    loaded = loaded_by("from contactlab.registry import Registry\nassert Registry().parts()")
+    assert not loaded & {"numba", "scipy", "matplotlib", "rich"}
+
+
+def test_a_scene_without_contact_imports_no_contact_part() -> None:
+    code = (
+        "from contactlab.scene import load_scene\n"
+        "load_scene('disc-on-block').with_({'contacts': []})\n"
+        "import sys; assert 'contactlab_mortar.mortar' in sys.modules\n"
+        "assert 'contactlab_segments.node_on_segment' not in sys.modules"
+    )
+    assert "contactlab_segments" in loaded_by(code), "its entry module is loaded, its target is not"
