@@ -38,6 +38,15 @@ class LinearElastic(Material):
 
         kernels.linear_elastic(gradient, stress, *lame_constants(self.young, self.poisson))
 
+    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
+        """Hooke's constants, the same at every point."""
+        lame, shear = lame_constants(self.young, self.poisson)
+        tangent[:] = 0.0
+        tangent[:3, 0] = tangent[:3, 3] = lame
+        tangent[0, 0] += 2.0 * shear
+        tangent[1, 3] += 2.0 * shear
+        tangent[3, 1] = tangent[3, 2] = shear
+
     def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
         """W = lambda/2 tr(eps)^2 + mu eps : eps per undeformed volume."""
         lame, shear = lame_constants(self.young, self.poisson)

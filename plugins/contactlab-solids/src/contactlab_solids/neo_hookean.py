@@ -51,6 +51,12 @@ class NeoHookean(Material):
 
         kernels.neo_hookean(gradient, stress, *lame_constants(self.young, self.poisson))
 
+    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
+        """d(stress row)/d(row of F^-1), (4, 4, P)."""
+        from contactlab_solids import kernels
+
+        kernels.neo_hookean_tangent(gradient, tangent, *lame_constants(self.young, self.poisson))
+
     def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
         """W/J, the energy per current volume."""
         from contactlab_solids import kernels
