@@ -52,10 +52,10 @@ def claimed_folder(folder: Path) -> Path:
     if found:
         raise RequestError(
             "the folder holds results already",
-            where=f"--out {folder}",
+            where=f"results folder {folder}",
             got=", ".join(found),
             allowed="a new or empty folder",
-            hint="name another folder, or leave --out away for a fresh one",
+            hint="name another folder; without one, contactlab run takes a fresh one under runs/",
         )
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -66,4 +66,6 @@ def claimed_folder(folder: Path) -> Path:
 
 def _unusable(folder: Path, error: OSError) -> RequestError:
     reason = (error.strerror or str(error)).lower()
-    return RequestError(f"no results can be written here: {reason}", where=f"--out {folder}", allowed="a folder")
+    return RequestError(
+        f"no results can be written here: {reason}", where=f"results folder {folder}", allowed="a folder"
+    )

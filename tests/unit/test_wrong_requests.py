@@ -191,14 +191,14 @@ def test_words_that_fit_no_command(arguments: list[str], capsys: pytest.CaptureF
 def test_results_are_never_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "summary.json").write_text("{}")
     message = refused(["run", "disc-on-block", "--out", str(tmp_path)], capsys)
-    assert f"--out {tmp_path}" in message
+    assert f"results folder {tmp_path}" in message
     assert "summary.json" in message
     assert (tmp_path / "summary.json").read_text() == "{}"
 
 
 def test_a_file_is_no_folder_for_results(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "taken").write_text("")
-    assert "--out" in refused(["run", "disc-on-block", "--out", str(tmp_path / "taken")], capsys)
+    assert "results folder" in refused(["run", "disc-on-block", "--out", str(tmp_path / "taken")], capsys)
 
 
 def test_the_installed_program_returns_the_status(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from time import perf_counter
 
 from contactlab.commands.common import add_row, console, number, table
 from contactlab.errors import ContactlabError
+from contactlab.plugins import one_line
 from contactlab.registry import Registry, default_registry
 from contactlab.scene import load_scene
 
@@ -47,8 +48,8 @@ def contact_step(registry: Registry) -> tuple[bool, str]:
     began = perf_counter()
     try:
         results = simulate(load_scene("disc-on-block", registry).with_(PROBE), registry=registry)
-    except ContactlabError as error:
-        return False, f"not possible: {error}"
+    except Exception as error:  # whatever is wrong with an installation, the facts around it are worth printing
+        return False, f"not possible: {error if isinstance(error, ContactlabError) else one_line(error)}"
     seconds = f"{perf_counter() - began:.1f} s, compilation included"
     if results.status != "finished":
         return False, f"{results.status} after {seconds}: {results.reason}"

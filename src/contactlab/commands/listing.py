@@ -29,7 +29,7 @@ def _scene_row(path: Path) -> tuple[str, str, str]:
     try:
         data, _ = read_toml(path, path.name)
     except SceneError as error:
-        return "", "", f"cannot be read: {error.problem}"
+        return "", "", f"broken: {error.problem}"
     contacts = data.get("contacts", [])
     pairs = [
         f"{c['slave']} on {c['master']}" for c in contacts if isinstance(c, dict) and {"slave", "master"} <= set(c)
