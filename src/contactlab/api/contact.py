@@ -97,6 +97,28 @@ class ContactAlgorithm(ABC):
         (memory_size, m) is that of the last step and is updated in place.
         """
 
+    def normals(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        reach: float,
+        memory: Floats,
+        pieces: Pieces,
+        count: int,
+        out: Floats,
+    ) -> None:
+        """Fill out (multipliers, 2) with the normals that the first `count` of `pieces` have at `at`.
+
+        Asked for with friction, at the start of the step. The default integrates anew; algorithms
+        whose normals follow from positions alone override it.
+        """
+        spare = Pieces.allocate(self.capacity(slave, near), self.widths(slave, master), len(out))
+        spare.normal[:] = pieces.normal
+        self.pieces(slave, master, at, near, reach, memory.copy(), spare)
+        out[:] = spare.normal
+
 
 @dataclass(frozen=True)
 class GapConditions:

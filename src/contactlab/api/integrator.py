@@ -56,6 +56,13 @@ class ContactEquations(Protocol):
         of the last step (they tell where the nodes will be) and receives those of this one.
         """
 
+    def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
+        """Work of the last solve's tangential forces in the step [mJ], and their dissipation -y_t d.
+
+        `mean_velocity` (N, 2) is that of the step; compliance and force (N, 2) are those of the solve.
+        Zero without friction.
+        """
+
 
 class Equations(Protocol):
     """All that an integrator may see of a model. What a scene does not declare is None or empty.

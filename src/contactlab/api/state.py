@@ -18,7 +18,7 @@ class State:
     displacement    (N, 2)  u at `time` [mm]
     velocity        (N, 2)  v half a step earlier (explicit) or at `time` (implicit) [mm/s]
     internal_force  (N, 2)  of the stresses at `time` [N]
-    work            (6,)    energy ledger, see `WORK` [mJ]
+    work            (7,)    energy ledger, see `WORK` [mJ]
     multipliers     (1 or 2, k)  nodal contact forces y, normal and (with friction) tangential [N]
     contact_force   (N, 2)  contact forces on the nodes over the last step [N]
     history.BODY    history of each body whose law has any, all its blocks one after another
@@ -61,7 +61,9 @@ class State:
         self.buffer[:] = snapshot
 
 
-WORK = ("internal", "external", "damping", "contact", "friction", "numerical")
+WORK = ("internal", "external", "damping", "contact", "friction", "numerical", "slip")
 """Entries of the field `work`: work done so far [mJ] by stresses (stored or dissipated in the bodies),
 by loads and supports, by damping (dissipated), by normal contact forces on the nodes, by friction
-forces (negative when they dissipate), and by forces that only stabilise the discretisation."""
+forces (negative when they dissipate), by forces that only stabilise the discretisation; the last is
+the sum of -y_t d over the slip d at the end of each step, which never falls: `friction` differs from
+its negative by what sliding that reverses keeps of the slip before (formulation 2.3)."""

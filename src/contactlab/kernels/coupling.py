@@ -79,8 +79,8 @@ def _merge(k, fixed, diagonal, lower, upper, cover, owner, next_, previous):
 
 
 @kernel
-def factorise(diagonal, lower, upper, owner, next_, previous, from_left, from_right, order):
-    """Pivots of T eliminated from either end; `order` lists the multipliers chain by chain.
+def factorise(diagonal, lower, upper, owner, next_, previous, from_left, order):
+    """Pivots of T eliminated from the start of each chain; `order` lists the multipliers chain by chain.
 
     Returns their number, or -1 where a closed chain is covered all around (T is then periodic).
     """
@@ -92,7 +92,6 @@ def factorise(diagonal, lower, upper, owner, next_, previous, from_left, from_ri
         total += 1
         if previous[k] >= 0:
             continue
-        start = count
         j = k
         while j >= 0:
             from_left[j] = diagonal[j]
@@ -101,30 +100,18 @@ def factorise(diagonal, lower, upper, owner, next_, previous, from_left, from_ri
             order[count] = j
             count += 1
             j = next_[j]
-        for i in range(count - 1, start - 1, -1):
-            j = order[i]
-            from_right[j] = diagonal[j]
-            if next_[j] >= 0:
-                from_right[j] -= upper[j] * lower[next_[j]] / from_right[next_[j]]
     return count if count == total else -1
 
 
 @kernel
-def solve_transposed(count, order, lower, upper, next_, previous, from_left, values):
-    """Overwrite values (k, 2) by T^-T values."""
-    for i in range(count):
-        k = order[i]
-        p = previous[k]
-        for c in range(2):
-            if p >= 0:
-                values[k, c] -= upper[p] * values[p, c]
-            values[k, c] /= from_left[k]
-    for i in range(count - 1, -1, -1):
-        k = order[i]
-        n = next_[k]
-        if n >= 0:
-            for c in range(2):
-                values[k, c] -= lower[n] / from_left[k] * values[n, c]
+def couple(
+    count, multiplier, T, full, fixed, following, preceding, diagonal, lower, upper, cover, owner, next_, previous,
+    from_left, order,
+):  # fmt: skip
+    """Accumulate, settle and factorise; returns the number of kept multipliers or -1 (see `factorise`)."""
+    accumulate(count, multiplier, T, following, diagonal, lower, upper, cover)
+    settle(full, fixed, following, preceding, diagonal, lower, upper, cover, owner, next_, previous)
+    return factorise(diagonal, lower, upper, owner, next_, previous, from_left, order)
 
 
 @kernel
@@ -141,3 +128,19 @@ def solve(count, order, lower, upper, next_, previous, from_left, values):
         if n >= 0:
             values[k] -= upper[k] * values[n]
         values[k] /= from_left[k]
+
+
+@kernel
+def unmerged(owner, D, T, count):
+    """Whether every multiplier is kept as it is or dropped, and D is T: slave weights are then the identity."""
+    for k in range(owner.size):
+        if owner[k] >= 0 and owner[k] != k:
+            return False
+    if D.shape[1] != T.shape[1]:
+        return False
+    for p in range(count):
+        for i in range(T.shape[1]):
+            for j in range(T.shape[2]):
+                if D[p, i, j] != T[p, i, j]:
+                    return False
+    return True

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Element, Floats, Integrator, Ints, Material, MeshSource, State
+from contactlab.api import WORK, Element, Floats, Integrator, Ints, Material, MeshSource, State
 from contactlab.errors import SceneError
 from contactlab.mesh import inverted_cells, moved, nodal_measure
 from contactlab.model.body import Body, BodyForces
@@ -108,7 +108,7 @@ def _shapes(
     shapes: dict[str, tuple[int, ...]] = {"clock": (2,), "displacement": (nodes, 2)}
     if integrator.inertia:
         shapes["velocity"] = (nodes, 2)
-    shapes |= {"internal_force": (nodes, 2), "work": (6,)}
+    shapes |= {"internal_force": (nodes, 2), "work": (len(WORK),)}
     shapes |= contact_shapes(plans, nodes)
     shapes |= {f"history.{body.name}": body.history_shape() for body in bodies if body.material.history_size}
     return shapes | dict(integrator.memory(nodes))

@@ -7,6 +7,7 @@ from time import perf_counter
 import numpy as np
 
 from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve, State
+from contactlab.kernels.rows import tangential_work
 from contactlab.model.surface_pair import SurfacePair
 
 MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
@@ -37,9 +38,21 @@ class ContactSystem:
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             pair.update(self.geometry, memory)
             pair.measure(predicted)
+            if pair.friction is not None:
+                pair.begin(current, memory)
         self._solve_rows(current, compliance, force)
         self.seconds += perf_counter() - began
         return self.last
+
+    def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
+        """Work and dissipation of the tangential forces; see `contactlab.api.ContactEquations`."""
+        if not self.friction:
+            return 0.0, 0.0
+        r = self.rows
+        return tangential_work(
+            r.count, r.start, r.node, r.tangent_weight, r.slot, self.multipliers, r.slip, mean_velocity, dt,
+            compliance, force,
+        )
 
     def _solve_rows(self, current: Floats, compliance: Floats, force: Floats) -> None:
         margin = self.margin
@@ -57,7 +70,7 @@ class ContactSystem:
         while True:
             self.rows.count = entries = 0
             for pair in self.pairs:
-                entries = pair.append_rows(self.rows, entries, margin, self.multipliers, _EMPTY, _EMPTY)
+                entries = pair.append_rows(self.rows, entries, margin, self.multipliers, current)
                 if entries < 0:
                     break
             if entries >= 0:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from contactlab.api import Candidates, ContactAlgorithm, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
 from contactlab.api.surface import SurfacePositions
-from contactlab.kernels import coupling, edges, rows
+from contactlab.kernels import coupling, edges, rows, windows
 from contactlab.kernels.search import near_segments
 
 REACH = 2.0  # segment lengths: farther slave segments are left out of the integrals
@@ -51,16 +52,31 @@ class SurfacePair:
         self.size = max(_lengths(self.at.slave, slave).max(), _lengths(self.at.master, master).max())
         self.following, self.preceding = _neighbours(slave, slots)
         self.fixed = np.tile(fixed, slots)
+        self.linear_trace = slave.edges.shape[1] == 2
         self.near: Near | None = None
         k = self.slots
         self.diagonal, self.lower, self.upper, self.cover = (np.zeros(k) for _ in range(4))
-        self.from_left, self.from_right, self.factors, self.full = (np.zeros(k) for _ in range(4))
-        self.owner, self.next, self.previous, self.order, self.members = (np.zeros(k, np.int32) for _ in range(5))
-        self.separation, self.gaps = np.zeros((k, 2)), np.full((k, 2), np.nan)
-        self.wanted = np.zeros(k, np.bool_)
+        self.from_left, self.full = (np.zeros(k) for _ in range(2))
+        self.owner, self.next, self.previous, self.order = (np.zeros(k, np.int32) for _ in range(4))
+        self.separation, self.gaps = np.zeros((k, 2)), np.full((k, 2), windows.FAR)
+        self.slave_window, self.master_window = _window(k, 8), _window(k, 64)
+        self.row = np.zeros(64)
         self.kept = 0
         self.count = 0
         self._room(0)
+        self._prepare_friction()
+
+    def _prepare_friction(self) -> None:
+        """Tangential arrays, only where friction is declared."""
+        self.everywhere = False
+        if self.friction is None:
+            return
+        bound = self.friction.bound()
+        self.bound = np.array(bound)
+        # a slip bound that holds in the air too needs a row for every multiplier in reach
+        self.everywhere = bound.adhesion > 0.0 and not math.isfinite(bound.cap)
+        self.before = np.zeros((self.slots, 2))
+        self.began = SurfacePositions(self.at.slave.copy(), self.at.master.copy())
 
     # --- from positions to coupling -------------------------------------------------------------
 
@@ -77,17 +93,20 @@ class SurfacePair:
         """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
         edges.take(positions, self.slave.nodes, self.measured.slave)
         edges.take(positions, self.master.nodes, self.measured.master)
-        p = self.pieces
-        self.separation[:] = 0.0
-        for (start, node, value, _, _, end), at, sign in (
-            (self.slave_columns, self.measured.slave, 1.0),
-            (self.master_columns, self.measured.master, -1.0),
-        ):
-            rows.weighted_positions(self.kept, self.order, start, end, node, value, at, sign, self.separation)
-        coupling.solve_transposed(
-            self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, self.separation
-        )
-        rows.gaps_from_separation(self.kept, self.order, self.separation, p.normal, self.gaps)
+        windows.separations(
+            self.kept, self.order, self.slave_window, self.master_window, self.measured.slave, self.measured.master,
+            self.pieces.normal, self.separation, self.gaps,
+        )  # fmt: skip
+
+    def begin(self, positions: Floats, memory: Floats) -> None:
+        """Normals of the present pieces at `positions`, where the step starts (friction only)."""
+        edges.take(positions, self.slave.nodes, self.began.slave)
+        edges.take(positions, self.master.nodes, self.began.master)
+        assert self.near is not None
+        self.algorithm.normals(
+            self.slave, self.master, self.began, self.near.candidates, REACH * self.size, memory, self.pieces,
+            self.count, self.before,
+        )  # fmt: skip
 
     def _candidates(self) -> Candidates:
         near, skin = self.near, SKIN * self.size
@@ -105,63 +124,64 @@ class SurfacePair:
         return near.candidates
 
     def _room(self, capacity: int) -> None:
-        s, k, r = widths = self.algorithm.widths(self.slave, self.master)
-        self.pieces = Pieces.allocate(capacity, widths, self.slots)
-        self.slave_columns = _columns(self.slots, capacity * s * k, len(self.slave.nodes))
-        self.master_columns = _columns(self.slots, capacity * r * k, len(self.master.nodes))
+        self.pieces = Pieces.allocate(capacity, self.algorithm.widths(self.slave, self.master), self.slots)
 
     def _couple(self) -> None:
         p = self.pieces
         edges.tributary_lengths(self.at.slave, self.slave.segments, self.slave.node_segments, self.full)
-        coupling.accumulate(
-            self.count, p.multiplier, p.T, self.following, self.diagonal, self.lower, self.upper, self.cover
-        )
-        coupling.settle(
-            self.full, self.fixed, self.following, self.preceding, self.diagonal, self.lower, self.upper,
-            self.cover, self.owner, self.next, self.previous,
-        )  # fmt: skip
-        self.kept = coupling.factorise(
-            self.diagonal, self.lower, self.upper, self.owner, self.next, self.previous,
-            self.from_left, self.from_right, self.order,
+        self.kept = coupling.couple(
+            self.count, p.multiplier, p.T, self.full, self.fixed, self.following, self.preceding, self.diagonal,
+            self.lower, self.upper, self.cover, self.owner, self.next, self.previous, self.from_left, self.order,
         )  # fmt: skip
         if self.kept < 0:
             raise ValueError(f"{self.name}: the slave is a closed curve covered all around; swap slave and master")
-        for nodes, values, (start, node, value, weight, _, end) in (
-            (p.slave, p.D, self.slave_columns),
-            (p.master, p.M, self.master_columns),
-        ):
-            rows.columns(self.count, p.multiplier, nodes, values, self.owner, start, node, value, weight, end)
+        if self.linear_trace and coupling.unmerged(self.owner, p.D, p.T, self.count):
+            windows.identity(self.kept, self.order, len(self.slave.nodes), *self.slave_window)
+        else:
+            self.slave_window = self._solved_window(p.slave, p.D, self.slave_window)
+        self.master_window = self._solved_window(p.master, p.M, self.master_window)
 
+    def _solved_window(self, nodes: Ints, values: Floats, window: Window) -> Window:
+        """Windows of T^-T values^T, widened as needed."""
+        while True:
+            start, end, weight = window
+            needed = windows.solved(
+                self.count, self.pieces.multiplier, nodes, values, self.owner, self.kept, self.order, self.lower,
+                self.upper, self.next, self.previous, self.from_left, start, end, weight, self.row,
+            )  # fmt: skip
+            if not needed:
+                return window
+            window = _window(self.slots, needed + needed // 2)
+            self.row = np.zeros(max(len(self.row), window[2].shape[1]))
 
     # --- from coupling to rows ------------------------------------------------------------------
 
-    def append_rows(
-        self, out: Rows, entries: int, margin: float, multipliers: Floats, before: Floats, current: Floats
-    ) -> int:
+    def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats) -> int:
         """Append rows with a gap below `margin` [mm] or a force to `out`.
 
-        Returns the next free entry, or -1 where `out` is too small. `before` are the normals at the
-        start of the step, `current` the positions there (empty without friction).
+        Returns the next free entry, or -1 where `out` is too small. `current` (N, 2) are the
+        positions at the start of the step, used with friction.
         """
-        with np.errstate(invalid="ignore"):
-            np.less(self.gaps[:, 0], margin, out=self.wanted)
-        self.wanted |= multipliers[0, self.first_slot : self.first_slot + self.slots] > 0.0
+        if self.everywhere:
+            margin = windows.FAR
         first = out.count
-        count, end = rows.emit_rows(
-            self.kept, self.order, self.wanted,
-            (self.diagonal, self.lower, self.upper, self.next, self.previous,
-             self.from_left, self.from_right, self.members, self.factors),
-            _row_side(self.slave_columns, self.slave.nodes),
-            _row_side(self.master_columns, self.master.nodes),
-            self.pieces.normal, before, current,
-            (out.node, out.normal_weight, out.tangent_weight), first, entries,
-            (out.start, out.gap, out.slip, out.measure, out.size, out.slot,
-             self.gaps, self.cover, self.full, self.first_slot),
+        count, end = rows.write_rows(
+            self.kept, self.order, multipliers, min(margin, windows.FAR), self.slave_window, self.master_window,
+            self.slave.nodes, self.master.nodes, self.pieces.normal, self.gaps, self.cover, self.full,
+            self.first_slot, first, entries,
+            (out.start, out.node, out.normal_weight, out.tangent_weight, out.gap, out.measure, out.size, out.slot),
         )  # fmt: skip
         if count < 0:
             return -1
         if self.friction is not None:
-            out.bound[:, first:count] = np.array(self.friction.bound())[:, None]
+            out.bound[:, first:count] = self.bound[:, None]
+            rows.write_slips(
+                first, count, self.first_slot, out.start, out.node, out.tangent_weight, out.slot, self.gaps,
+                self.pieces.normal, self.before, current, out.slip,
+            )  # fmt: skip
+        elif len(out.slip):
+            out.bound[:, first:count] = 0.0
+            out.slip[first:count] = 0.0
         out.count = count
         return int(end)
 
@@ -176,21 +196,12 @@ class SurfacePair:
         return np.where(self.owner >= 0, values[self.owner], 0.0)
 
 
-def _columns(multipliers: int, entries: int, nodes: int) -> tuple[Ints, Ints, Floats, Floats, Ints, Ints]:
-    """Room for compressed columns: start, node, value, weight, touched, end."""
-    return (
-        np.zeros(multipliers + 1, np.int32),
-        np.zeros(entries, np.int32),
-        np.zeros(entries),
-        np.zeros(nodes),
-        np.zeros(nodes, np.int32),
-        np.zeros(multipliers, np.int32),
-    )
+Window = tuple[Ints, Ints, Floats]
 
 
-def _row_side(columns: tuple[Ints, Ints, Floats, Floats, Ints, Ints], numbers: Ints) -> tuple:
-    start, node, value, weight, touched, end = columns
-    return start, end, node, value, weight, touched, numbers
+def _window(conditions: int, width: int) -> Window:
+    """Room for windows of `width` weights: start, end, weight."""
+    return np.zeros(conditions, np.int32), np.zeros(conditions, np.int32), np.zeros((conditions, width))
 
 
 def _lengths(positions: Floats, surface: Surface) -> Floats:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import Floats, State
+from contactlab.kernels.windows import FAR
 from contactlab.kernels.penetration import depths, with_midpoints
 from contactlab.model.surface_pair import SurfacePair
 from contactlab.results.results import ContactCurve
@@ -59,7 +60,7 @@ def report_contact(pair: SurfacePair, state: State, reference: Floats, position:
     resultant = normal_force @ pair.pieces.normal + tangential_force @ _tangents(pair)
     bound = _bound(pair, normal_force)
     largest = max(float(normal_force.max(initial=0.0)), 1e-300)
-    gaps = np.nan_to_num(pair.gaps[:, 0])
+    gaps = np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0)
     states = _states(pair, normal_force, tangential_force, bound)
     depth, side = _penetration(pair)
     curve = ContactCurve(
@@ -102,11 +103,8 @@ def _per_length(pair: SurfacePair, forces: Floats) -> Floats:
 
 
 def _node_gap(pair: SurfacePair) -> Floats:
-    gaps = _slots(pair, pair.gaps[:, 0])
-    covered = ~np.isnan(gaps).all(axis=0)
-    out = np.full(gaps.shape[1], np.nan)
-    out[covered] = np.nanmin(gaps[:, covered], axis=0)
-    return out
+    gaps = _slots(pair, pair.gaps[:, 0]).min(axis=0)
+    return np.where(gaps < FAR, gaps, np.nan)
 
 
 def _tangents(pair: SurfacePair) -> Floats:

@@ -31,5 +31,6 @@ def energies(model: Model) -> dict[str, float]:
         "contact": float(work[3]),
         "friction": float(work[4]),
         "numerical": float(work[5]),
+        "slip": float(work[6]),
         "error": float(np.abs(total) / scale),
     }

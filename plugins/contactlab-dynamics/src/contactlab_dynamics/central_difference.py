@@ -8,7 +8,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactlab.api import Enforcement, Equations, ExplicitEnforcement, Floats, Integrator, State, Step
+from contactlab.api import ContactEquations, Enforcement, Equations, ExplicitEnforcement, Floats, Integrator, State, Step
 
 
 @dataclass(frozen=True)
@@ -69,11 +69,21 @@ class _Leapfrog:
             self.trial, state["displacement"], state["velocity"], state["internal_force"], state["reaction"],
             state["work"],
         )  # fmt: skip
+        if equations.contact is not None:
+            self._book_friction(equations.contact, mean_dt)
         last[0] = dt
         clock[0] += dt
         clock[1] += 1.0
         equations.internal_force(dt)
         return done
+
+    def _book_friction(self, contact: ContactEquations, mean_dt: float) -> None:
+        """Move the tangential share of the contact work to its own entries (`trial` holds mean velocities)."""
+        work = self.state["work"]
+        rubbed, dissipated = contact.friction_work(self.trial, mean_dt, self.compliance, self.contact)
+        work[3] -= rubbed
+        work[4] += rubbed
+        work[6] += dissipated
 
     def _set_compliance(self, dt: float, mean_dt: float, alpha: float) -> None:
         factor = dt * mean_dt / (1.0 + 0.5 * alpha * mean_dt)

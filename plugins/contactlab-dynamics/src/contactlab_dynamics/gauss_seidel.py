@@ -22,10 +22,18 @@ def _row_compliance(begin, end, node, weight, compliance):
 
 @kernel
 def _row_value(begin, end, node, weight, correction):
-    total = 0.0
-    for z in range(begin, end):
-        total += weight[z, 0] * correction[node[z], 0] + weight[z, 1] * correction[node[z], 1]
-    return total
+    """Sum of weight . correction over a row, in two chains that the processor can overlap."""
+    even, odd = 0.0, 0.0
+    z = begin
+    while z + 1 < end:
+        n, m = node[z], node[z + 1]
+        even += weight[z, 0] * correction[n, 0] + weight[z, 1] * correction[n, 1]
+        odd += weight[z + 1, 0] * correction[m, 0] + weight[z + 1, 1] * correction[m, 1]
+        z += 2
+    if z < end:
+        n = node[z]
+        even += weight[z, 0] * correction[n, 0] + weight[z, 1] * correction[n, 1]
+    return even + odd
 
 
 @kernel
@@ -54,7 +62,10 @@ def _normal(k, begin, end, node, weight, gap, size, work, compliance, correction
 def _tangential(k, begin, end, node, weight, slip, size, measure, bound, work, compliance, correction):
     """One tangential update, clipped by the friction bound; returns the row's residual before it."""
     a = work[2, k]
-    limit = bound[0, k] * work[1, k] + min(bound[1, k] * measure[k], bound[2, k] * work[1, k])
+    adhesion = bound[1, k] * measure[k]
+    if bound[2, k] < np.inf:
+        adhesion = min(adhesion, bound[2, k] * work[1, k])
+    limit = bound[0, k] * work[1, k] + adhesion
     d = slip[k] + _row_value(begin, end, node, weight, correction)
     y = work[3, k]
     new = min(limit, max(-limit, y - d / a))

@@ -37,13 +37,9 @@ class _Mortar(ContactAlgorithm):
         out: Pieces,
     ) -> int:
         """Segment-wise D, M and T on the common abscissa; normals point from master to slave."""
-        from contactlab.kernels.edges import nodal_normals, segment_normals
         from contactlab_mortar.segments import mortar_pieces
 
-        normal, length = np.empty((len(slave.segments), 2)), np.empty(len(slave.segments))
-        segment_normals(at.slave, slave.segments, normal, length)
-        outward = np.empty((len(slave.nodes), 2))
-        nodal_normals(slave.node_segments, normal, length, outward)
+        length, outward = _outward_normals(slave, at)
         np.negative(outward, out=out.normal)
         return mortar_pieces(
             (slave.segments, slave.edges, slave.segment_edge),
@@ -58,6 +54,32 @@ class _Mortar(ContactAlgorithm):
             np.empty(6),
             (out.slave, out.multiplier, out.master, out.D, out.M, out.T),
         )
+
+    def normals(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        reach: float,
+        memory: Floats,
+        pieces: Pieces,
+        count: int,
+        out: Floats,
+    ) -> None:
+        """Averaged slave normals, turned to point away from the master."""
+        np.negative(_outward_normals(slave, at)[1], out=out)
+
+
+def _outward_normals(slave: Surface, at: SurfacePositions) -> tuple[Floats, Floats]:
+    """Segment lengths (s,) and averaged nodal normals (m, 2) of the slave."""
+    from contactlab.kernels.edges import nodal_normals, segment_normals
+
+    normal, length = np.empty((len(slave.segments), 2)), np.empty(len(slave.segments))
+    segment_normals(at.slave, slave.segments, normal, length)
+    outward = np.empty((len(slave.nodes), 2))
+    nodal_normals(slave.node_segments, normal, length, outward)
+    return length, outward
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel
+from contactlab.api.kernel import kernel, point
 from contactlab_mortar.integrals import integrate
 from contactlab_mortar.projection import master_parameter, opening, slave_parameter
 
@@ -37,6 +37,23 @@ def overlap(a, b, na, nb, c, d, out):
     return True
 
 
+@point
+def _tilt(tx, ty, na, nb):
+    """Largest slope of the normal field against the segment's own normal."""
+    a = abs(na[0] * tx + na[1] * ty) / max(abs(na[0] * ty - na[1] * tx), 1e-3)
+    b = abs(nb[0] * tx + nb[1] * ty) / max(abs(nb[0] * ty - nb[1] * tx), 1e-3)
+    return max(a, b)
+
+
+@point
+def _beside(a, tx, ty, length, tilt, c, d):
+    """Whether a master segment lies beside the slave segment, beyond where any of its normals leads."""
+    c_along, d_along = (c[0] - a[0]) * tx + (c[1] - a[1]) * ty, (d[0] - a[0]) * tx + (d[1] - a[1]) * ty
+    c_away, d_away = abs((c[0] - a[0]) * ty - (c[1] - a[1]) * tx), abs((d[0] - a[0]) * ty - (d[1] - a[1]) * tx)
+    slack = tilt * max(c_away, d_away) + 1e-9 * length
+    return max(c_along, d_along) < -slack or min(c_along, d_along) > length + slack
+
+
 @kernel
 def mortar_pieces(slave, master, slave_at, master_at, normals, near, reach, depth, linear, found, out):
     """Fill the pieces; returns their number.
@@ -53,11 +70,15 @@ def mortar_pieces(slave, master, slave_at, master_at, normals, near, reach, dept
     for s in range(segments.shape[0]):
         i, j = segments[s, 0], segments[s, 1]
         a, b = slave_at[i], slave_at[j]
-        length = np.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2)
+        ex, ey = b[0] - a[0], b[1] - a[1]
+        length = np.sqrt(ex * ex + ey * ey)
+        tilt = _tilt(ex / length, ey / length, normals[i], normals[j])
         begin, close = count, False
         for z in range(start[s], start[s + 1]):
             m = candidates[z]
             c, d = master_at[master_segments[m, 0]], master_at[master_segments[m, 1]]
+            if _beside(a, ex / length, ey / length, length, tilt, c, d):
+                continue
             if not overlap(a, b, normals[i], normals[j], c, d, found):
                 continue
             least = min(found[4], found[5])

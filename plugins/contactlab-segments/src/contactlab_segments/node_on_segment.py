@@ -71,3 +71,21 @@ class NodeOnSegment(ContactAlgorithm):
             memory[0],
             (out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
         )
+
+    def normals(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        reach: float,
+        memory: Floats,
+        pieces: Pieces,
+        count: int,
+        out: Floats,
+    ) -> None:
+        """Normals of the same master segments at `at`."""
+        ends = at.master[pieces.master[:count]]
+        edge = ends[:, 1] - ends[:, 0]
+        length = np.hypot(edge[:, 0], edge[:, 1])
+        out[pieces.multiplier[:count, 0]] = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / length[:, None]

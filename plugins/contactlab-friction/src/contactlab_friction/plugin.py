@@ -1,0 +1,26 @@
+"""Friction laws on offer."""
+
+from __future__ import annotations
+
+from contactlab.api.plugin import Part, hookimpl
+
+
+@hookimpl
+def contactlab_parts() -> list[Part]:
+    """Coulomb's and Tresca's law."""
+    return [
+        Part(
+            "friction",
+            "coulomb",
+            "contactlab_friction.coulomb:Coulomb",
+            "tangential force bounded by mu times the normal force",
+            "Baillet & Sassi 2005, [7] and [29]",
+        ),
+        Part(
+            "friction",
+            "tresca",
+            "contactlab_friction.tresca:Tresca",
+            "tangential stress bounded by a constant, where closed or everywhere",
+            "Baillet & Sassi 2005, [17]-[18] and 5.2",
+        ),
+    ]
