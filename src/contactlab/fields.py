@@ -323,25 +323,26 @@ def _within(number: float, limits: Mapping[str, Any]) -> bool:
 def _allowed(hint: Any, limits: Mapping[str, Any]) -> str:
     """What a key accepts, in words."""
     unit = f" [{limits['unit']}]" if limits.get("unit") else ""
-    return _describe(hint, limits) + unit
+    return accepts(hint, limits) + unit
 
 
-def _describe(hint: Any, limits: Mapping[str, Any]) -> str:
+def accepts(hint: Any, limits: Mapping[str, Any]) -> str:
+    """What a key of this type and with these limits accepts, in words, without the unit."""
     origin, inner = get_origin(hint), get_args(hint)
     if "part" in limits and hint in (PartSpec, PartSpec | None):
         return f"the name of a part of kind {limits['part']}, or {{ use = NAME, ... }}"
     if origin in (typing.Union, types.UnionType):
-        return " or ".join(_describe(option, limits) for option in inner if option is not type(None))
+        return " or ".join(accepts(option, limits) for option in inner if option is not type(None))
     if origin is Literal:
         return " or ".join(f'"{choice}"' if isinstance(choice, str) else str(choice) for choice in inner)
     if origin is list or (origin is tuple and inner[-1] is Ellipsis):
-        return f"a list, each entry {_describe(inner[0], limits)}"
+        return f"a list, each entry {accepts(inner[0], limits)}"
     if origin is tuple:
-        return f"[{', '.join(_describe(item, limits) for item in inner)}]"
+        return f"[{', '.join(accepts(item, limits) for item in inner)}]"
     if dataclasses.is_dataclass(hint) and isinstance(hint, type):
         return "a table {" + ", ".join(keys_of(hint)) + "}"
     if origin in _MAPPINGS or hint in _MAPPINGS:
-        return "a table"
+        return f"tables by name, each {accepts(inner[1], limits)}" if inner else "a table"
     words = {int: "a whole number", float: "a number", str: "a text", bool: "true or false"}
     return words.get(hint, getattr(hint, "__name__", str(hint))) + (_bounds(limits) if hint in (int, float) else "")
 
@@ -356,6 +357,7 @@ __all__ = [
     "NAME",
     "PartSpec",
     "ReadPart",
+    "accepts",
     "as_data",
     "construct",
     "hidden",

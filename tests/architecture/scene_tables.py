@@ -1,0 +1,78 @@
+"""The tables of docs/scene-format.md, made from the declarations that the program itself reads by.
+
+Run this file to print them: `python tests/architecture/scene_tables.py`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import typing
+from collections.abc import Iterator
+from typing import Any
+
+from contactlab.compare.study import Pareto, Study
+from contactlab.errors import show
+from contactlab.fields import accepts, is_required, keys_of
+from contactlab.registry import Registry, default_registry
+from contactlab.scene import Scene
+from contactlab.scene_keys import Body, Contact, Ramp, Record, Support, Time
+
+TABLES: dict[str, type[Any]] = {
+    "The top of the file": Scene,
+    "`[time]`": Time,
+    "`[bodies.NAME]`": Body,
+    "`[[contacts]]`": Contact,
+    "`[[supports]]`": Support,
+    "A displacement in time: `{ ramp = ..., to = ... }`": Ramp,
+    "`[record]`": Record,
+    "The top of a study": Study,
+    "`[pareto]` of a study": Pareto,
+}
+
+
+def key_table(cls: type[Any]) -> str:
+    """One row per key: what it accepts, its default, its unit, its meaning."""
+    hints = typing.get_type_hints(cls)
+    rows = ["| key | accepts | default | unit | meaning |", "|---|---|---|---|---|"]
+    for name, field in keys_of(cls).items():
+        meta = field.metadata
+        cells = (f"`{name}`", accepts(hints[name], meta), _default(field), meta.get("unit", ""), meta["says"])
+        rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    return "\n".join(rows)
+
+
+def _default(field: dataclasses.Field[Any]) -> str:
+    if is_required(field):
+        return "required"
+    default = field.default
+    if default is None:
+        return "not written"
+    if dataclasses.is_dataclass(default):
+        return "all defaults"
+    return f"`{show(default)}`"
+
+
+def part_table(registry: Registry) -> str:
+    """One row per part of this repository: its fields, those with a default with it."""
+    rows = ["| kind | name | fields | from |", "|---|---|---|---|"]
+    for offer in registry.parts():
+        fields = keys_of(registry.part_class(offer.part.kind, offer.part.name))
+        written = ", ".join(_field(field) for field in fields.values()) or "none"
+        rows.append(f"| {offer.part.kind} | `{offer.part.name}` | {written} | {offer.origin.distribution} |")
+    return "\n".join(rows)
+
+
+def _field(field: dataclasses.Field[Any]) -> str:
+    return f"`{field.name}`" if is_required(field) else f"`{field.name} = {show(field.default)}`"
+
+
+def all_tables() -> Iterator[tuple[str, str]]:
+    """Heading and table, in the order of the document."""
+    for heading, cls in TABLES.items():
+        yield heading, key_table(cls)
+    yield "Parts", part_table(default_registry())
+
+
+if __name__ == "__main__":
+    for heading, table in all_tables():
+        print(f"### {heading}\n\n{table}\n")
