@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from contactlab.errors import ContactlabError, RequestError, SimulationFailure
+from contactlab.folders import claimed_folder
 from contactlab.guards import EVERY, Guards
 from contactlab.model.build import build
 from contactlab.model.model import Model
@@ -38,13 +40,16 @@ def simulate(
     model = build(scene, registry)
     clock.build_s = perf_counter() - began
     labels = {f"contacts.{i}": spec.name or f"contacts.{i}" for i, spec in enumerate(scene.contacts)}
-    recording = Recording(model, scene.toml(), labels, Path(out) if out is not None else None)
+    recording = Recording(model, scene.toml(), labels, claimed_folder(Path(out)) if out is not None else None)
     counts = Counts()
     status, reason = _guarded(model, scene, recording, counts, clock, progress)
     summary = summarise(
         scene, parts_of(scene, registry), versions(scene, registry), model, recording.last, status, reason, counts, clock
     )
-    return recording.finish(summary)
+    results = recording.finish(summary)
+    for broken in registry.run_finished(results.summary, results.folder):
+        warnings.warn(f"{broken.origin}: {broken.reason}", RuntimeWarning, stacklevel=2)
+    return results
 
 
 def _guarded(

@@ -1,0 +1,1 @@
+"""Quadrilateral elements for contactlab."""
