@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import WORK, Element, Floats, Integrator, Ints, Material, MeshSource, State
+from contactlab.api import WORK, Element, Floats, Integrator, Material, MeshSource, State
 from contactlab.errors import SceneError
 from contactlab.mesh import inverted_cells, moved, nodal_measure
 from contactlab.model.body import Body, BodyForces

@@ -1,1 +1,1 @@
-
+"""Explicit dynamics for contactlab."""

@@ -8,7 +8,16 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactlab.api import ContactEquations, Enforcement, Equations, ExplicitEnforcement, Floats, Integrator, State, Step
+from contactlab.api import (
+    ContactEquations,
+    Enforcement,
+    Equations,
+    ExplicitEnforcement,
+    Floats,
+    Integrator,
+    State,
+    Step,
+)
 
 
 @dataclass(frozen=True)

@@ -1,1 +1,1 @@
-
+"""Mortar contact for contactlab."""

@@ -1,1 +1,1 @@
-
+"""Node-on-segment contact for contactlab."""

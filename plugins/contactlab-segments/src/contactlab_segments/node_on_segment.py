@@ -14,7 +14,7 @@ DEPTH = 1.0  # segment lengths: a node deeper than this is on the far side of a 
 
 @dataclass(frozen=True)
 class NodeOnSegment(ContactAlgorithm):
-    """Slave nodes stay outside the nearest master segment (formulation 3.2).
+    """Slave nodes stay outside the nearest master segment, or the parabola of a quadratic edge.
 
     D = T = the node's tributary length, M = that length times the segment's shape functions, so
     multipliers come out as pressures like those of the mortar methods. At a concave corner of the
@@ -26,8 +26,8 @@ class NodeOnSegment(ContactAlgorithm):
     memory_size: ClassVar[int] = 1
 
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
-        """One slave node, one multiplier, two ends of a master segment."""
-        return 1, 1, 2
+        """One slave node, one multiplier, one master edge."""
+        return 1, 1, master.edges.shape[1]
 
     def capacity(self, slave: Surface, near: Candidates) -> int:
         """Two conditions per slave node."""
@@ -61,8 +61,7 @@ class NodeOnSegment(ContactAlgorithm):
             tributary,
             slave.node_segments,
             at.master,
-            master.segments,
-            master.node_segments,
+            (master.segments, master.node_segments, master.edges, master.segment_edge),
             normal,
             length,
             (near.start, near.master),
@@ -85,7 +84,15 @@ class NodeOnSegment(ContactAlgorithm):
         out: Floats,
     ) -> None:
         """Normals of the same master segments at `at`."""
-        ends = at.master[pieces.master[:count]]
-        edge = ends[:, 1] - ends[:, 0]
-        length = np.hypot(edge[:, 0], edge[:, 1])
-        out[pieces.multiplier[:count, 0]] = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / length[:, None]
+        edge = at.master[pieces.master[:count]]
+        along = edge[:, 1] - edge[:, 0]
+        if edge.shape[1] == 3:
+            # at parameter s the tangent is (b - a)/2 + s (a + b - 2 m); s from the weights of start and end
+            weight = pieces.M[:count, :, 0] / pieces.T[:count, 0]
+            s = weight[:, 1] - weight[:, 0]
+            along = along + 2.0 * s[:, None] * (edge[:, 0] + edge[:, 1] - 2.0 * edge[:, 2])
+        length = np.hypot(along[:, 0], along[:, 1])
+        usable = length > 0.0
+        normal = np.stack([along[:, 1], -along[:, 0]], axis=1)[usable] / length[usable, None]
+        out[:] = pieces.normal
+        out[pieces.multiplier[:count, 0][usable]] = normal

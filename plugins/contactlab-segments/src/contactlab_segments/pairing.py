@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel
+from contactlab.api.kernel import kernel, point
 
 EDGE = 1e-9  # how far, in segment lengths, a node may project beyond a segment's end
+AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
 SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments
 
@@ -61,16 +62,50 @@ def _vertex(p, outward, candidates, begin, end, positions, segments, node_segmen
 
 
 @kernel
-def _put(p, node, slot, slots, weight, master, first, second, share, nx, ny, out):
+def _put(p, node, slot, slots, weight, first, second, share, nx, ny, out):
     """Write one piece: tributary length `weight`, master nodes `first`, `second` with shares 1 - share, share."""
     slave_nodes, multipliers, master_nodes, D, M, T, normals = out
     k = slot * slots + node
     slave_nodes[p, 0] = node
     multipliers[p, 0] = k
-    master_nodes[p, 0], master_nodes[p, 1] = first, second
     D[p, 0, 0], T[p, 0, 0] = weight, weight
+    master_nodes[p, 0], master_nodes[p, 1] = first, second
     M[p, 0, 0], M[p, 1, 0] = (1.0 - share) * weight, share * weight
+    if M.shape[1] == 3:
+        master_nodes[p, 2], M[p, 2, 0] = first, 0.0
     normals[k, 0], normals[k, 1] = nx, ny
+
+
+@kernel
+def _put_on_parabola(count, node, point_at, slots, weight, positions, edge, s, out):
+    """Write the piece of a node held by a quadratic edge (start, end, middle), at the closest point near s."""
+    slave_nodes, multipliers, master_nodes, D, M, T, normals = out
+    a, b, m = positions[edge[0]], positions[edge[1]], positions[edge[2]]
+    for _ in range(8):
+        x, y, tx, ty, cx, cy = _parabola(a, b, m, s)
+        dx, dy = point_at[0] - x, point_at[1] - y
+        slope = tx * tx + ty * ty - dx * cx - dy * cy
+        change = (dx * tx + dy * ty) / slope if slope > 0.0 else 0.0
+        s = min(1.0, max(-1.0, s + change))
+        if abs(change) < 1e-14:
+            break
+    _, _, tx, ty, _, _ = _parabola(a, b, m, s)
+    length = np.sqrt(tx * tx + ty * ty)
+    slave_nodes[count, 0], multipliers[count, 0] = node, node
+    D[count, 0, 0], T[count, 0, 0] = weight, weight
+    master_nodes[count] = edge
+    M[count, 0, 0] = 0.5 * s * (s - 1.0) * weight
+    M[count, 1, 0] = 0.5 * s * (s + 1.0) * weight
+    M[count, 2, 0] = (1.0 - s * s) * weight
+    normals[node, 0], normals[node, 1] = ty / length, -tx / length
+
+
+@point
+def _parabola(a, b, m, s):
+    """Position, first and second derivative by s of the edge through a (s = -1), m (0) and b (1)."""
+    cx, cy = a[0] + b[0] - 2.0 * m[0], a[1] + b[1] - 2.0 * m[1]
+    hx, hy = 0.5 * (b[0] - a[0]), 0.5 * (b[1] - a[1])
+    return m[0] + s * (hx + 0.5 * s * cx), m[1] + s * (hy + 0.5 * s * cy), hx + s * cx, hy + s * cy, cx, cy
 
 
 @kernel
@@ -85,7 +120,7 @@ def _hold_at_vertex(count, p, node, slots, weight, v, positions, segments, node_
             m = before if slot == 0 else after
             share = 1.0 if slot == 0 else 0.0
             a, b = segments[m, 0], segments[m, 1]
-            _put(count, node, slot, slots, weight, m, a, b, share, normal[m, 0], normal[m, 1], out)
+            _put(count, node, slot, slots, weight, a, b, share, normal[m, 0], normal[m, 1], out)
             count += 1
         return count
     nx, ny = normal[before, 0] + normal[after, 0], normal[before, 1] + normal[after, 1]
@@ -99,8 +134,17 @@ def _hold_at_vertex(count, p, node, slots, weight, v, positions, segments, node_
         nx, ny = dx / distance, dy / distance
     else:
         nx, ny = nx / size, ny / size
-    _put(count, node, 0, slots, weight, after, segments[after, 0], segments[after, 1], 0.0, nx, ny, out)
+    _put(count, node, 0, slots, weight, segments[after, 0], segments[after, 1], 0.0, nx, ny, out)
     return count + 1
+
+
+@point
+def _end_reached(share, m, segments, node_segments):
+    """The vertex that a node sits on, -1 elsewhere: there neither segment's normal is better than the other's."""
+    if share > AT_END and share < 1.0 - AT_END:
+        return -1
+    v = segments[m, 0] if share <= AT_END else segments[m, 1]
+    return v if node_segments[v, 0] >= 0 and node_segments[v, 1] >= 0 else -1
 
 
 @kernel
@@ -124,10 +168,13 @@ def _second_side(p, m, xi, positions, segments, node_segments, normal, length, r
 
 @kernel
 def pair_nodes(
-    slave_at, outward, tributary, slave_segments, positions, segments, node_segments, normal, length, near,
-    reach, depth, memory, out,
+    slave_at, outward, tributary, slave_segments, positions, master, normal, length, near, reach, depth, memory, out,
 ):  # fmt: skip
-    """Fill one piece per held node (two at sharp concave corners); returns their number."""
+    """Fill one piece per held node (two at sharp concave corners); returns their number.
+
+    master = (segments, node_segments, edges, segment_edge)
+    """
+    segments, node_segments, edges, segment_edge = master
     start, candidates = near
     best = np.zeros(3)
     slots, count = slave_at.shape[0], 0
@@ -146,13 +193,23 @@ def pair_nodes(
         memory[i] = found + 1
         if found >= 0:
             a, b = segments[found, 0], segments[found, 1]
-            _put(count, i, 0, slots, tributary[i], found, a, b, share, normal[found, 0], normal[found, 1], out)
+            if edges.shape[1] == 3:
+                s = share + segment_edge[found, 1] - 1.0
+                _put_on_parabola(count, i, p, slots, tributary[i], positions, edges[segment_edge[found, 0]], s, out)
+                count += 1
+                continue
+            v = _end_reached(share, found, segments, node_segments)
+            if v >= 0:
+                count = _hold_at_vertex(count, p, i, slots, tributary[i], v, positions, segments, node_segments,
+                                        normal, length, depth, out)  # fmt: skip
+                continue
+            _put(count, i, 0, slots, tributary[i], a, b, share, normal[found, 0], normal[found, 1], out)
             count += 1
             other = _second_side(p, found, share, positions, segments, node_segments, normal, length, reach)
             if other >= 0:
                 _, xi = _foot(p, other, positions, segments, normal, length)
                 c, d = segments[other, 0], segments[other, 1]
-                _put(count, i, 1, slots, tributary[i], other, c, d, xi, normal[other, 0], normal[other, 1], out)
+                _put(count, i, 1, slots, tributary[i], c, d, xi, normal[other, 0], normal[other, 1], out)
                 count += 1
             continue
         v, distance = -1, np.inf
@@ -164,7 +221,12 @@ def pair_nodes(
                          normal, reach, best)  # fmt: skip
             if at >= 0 and best[0] < distance:
                 v, distance = at, best[0]
-        if v >= 0:
+        if v >= 0 and edges.shape[1] == 3 and segment_edge[node_segments[v, 1], 1] == 1:
+            # beside the kink of two half segments, where the true edge is smooth
+            edge = edges[segment_edge[node_segments[v, 1], 0]]
+            _put_on_parabola(count, i, p, slots, tributary[i], positions, edge, 0.0, out)
+            count += 1
+        elif v >= 0:
             count = _hold_at_vertex(count, p, i, slots, tributary[i], v, positions, segments, node_segments,
                                     normal, length, depth, out)  # fmt: skip
     return count
