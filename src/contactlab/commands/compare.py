@@ -19,7 +19,9 @@ def compare(options: argparse.Namespace) -> int:
     changes = parse_settings(options.settings)
     name = options.scene.removesuffix(".toml").rpartition("/")[2]
     with results_folder(options.out, name) as folder:
-        result = run_all(options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes)
+        result = run_all(
+            options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True
+        )
     shown = console()
     print_table(result, shown)
     shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contactlab.commands.common import add_row, console, registry_with, table
 from contactlab.errors import SceneError
@@ -13,6 +13,11 @@ from contactlab.plugins import Broken
 from contactlab.registry import Offer, Registry
 from contactlab.scene import bundled_scenes
 from contactlab.toml_text import read_toml
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+NARROW = 120
 
 
 def scenes(options: argparse.Namespace) -> int:
@@ -74,17 +79,7 @@ def _origin_json(origin: Any) -> dict[str, str]:
 
 def _print_parts(usable: list[Offer], broken: list[Broken], commands: Any) -> None:
     out = console()
-    shown = table("kind", "name", "from", "what it is", "published in")
-    for column in shown.columns[:3]:
-        column.no_wrap = True
-    kind = ""
-    for offer in usable:
-        part = offer.part
-        add_row(
-            shown, part.kind if part.kind != kind else "", part.name, str(offer.origin), part.summary, part.reference
-        )
-        kind = part.kind
-    out.print(shown)
+    out.print(_parts_table(usable, narrow=out.width < NARROW))
     if commands:
         more = table("command", "from", title="further commands")
         for name, (_, origin) in commands.items():
@@ -95,3 +90,18 @@ def _print_parts(usable: list[Offer], broken: list[Broken], commands: Any) -> No
         for item in broken:
             add_row(wrong, item.origin.plugin, str(item.origin), item.item, item.reason)
         out.print(wrong)
+
+
+def _parts_table(usable: list[Offer], narrow: bool) -> Table:
+    """Each kind is named once; where a part was published only shows where there is room."""
+    columns = ("kind", "name", "from", "what it is", "published in")
+    shown = table(*columns[: 4 if narrow else 5])
+    for column in shown.columns[:3]:
+        column.no_wrap = True
+    kind = ""
+    for offer in usable:
+        part = offer.part
+        cells = (part.kind if part.kind != kind else "", part.name, str(offer.origin), part.summary, part.reference)
+        add_row(shown, *cells[: len(shown.columns)])
+        kind = part.kind
+    return shown

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from contactlab.commands.common import add_row, console, number, parse_settings, registry_with, table
+from contactlab.commands.common import console, parse_settings, registry_with
 from contactlab.folders import results_folder
 from contactlab.scene import Scene, load_scene
 
 if TYPE_CHECKING:
-    from rich.console import Console
-
-    from contactlab.results.results import Results
     from contactlab.simulation import Progress
 
 EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
@@ -23,13 +20,14 @@ EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 
 def run(options: argparse.Namespace) -> int:
     """Run the scene, show how it goes, print a short table."""
+    from contactlab.reports.run import print_run
     from contactlab.simulation import simulate
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
     with results_folder(options.out, scene.name) as folder, shown_progress(scene) as progress:
         results = simulate(scene, out=folder, registry=registry, progress=progress)
-    show_results(results, console())
+    print_run(results, scene.data, console())
     return EXIT_STATUS.get(results.status, 1)
 
 
@@ -55,42 +53,3 @@ def shown_progress(scene: Scene) -> Iterator[Progress]:
             bar.update(task, completed=fraction, step=step, time=time, error=energy_error)
 
         yield show
-
-
-def show_results(results: Results, out: Console) -> None:
-    """A short table of one run."""
-    summary = results.summary
-    shown = table("quantity", "value", title=f"{summary['scene']}: {results.status}")
-    for label, value in _rows(summary):
-        add_row(shown, label, value)
-    out.print(shown)
-    if results.reason:
-        out.print(f"[bold]{results.status}[/]: ", end="")
-        out.print(results.reason, markup=False, highlight=False)
-    if results.folder is not None:
-        out.print(f"results in {results.folder}", markup=False, highlight=False, soft_wrap=True)
-
-
-def _rows(summary: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    cost = summary.get("cost", {})
-    yield "steps", number(summary["steps"])
-    yield "contact sweeps", number(summary["contact_sweeps"])
-    if "run_cpu_s" in cost:
-        yield "CPU time [s]", number(cost["run_cpu_s"])
-    for key, value in summary.get("resolved", {}).items():
-        yield f"time.{key}, chosen", number(value)
-    for on, force in summary.get("reactions", {}).items():
-        yield f"reaction of {on}", _vector(force)
-    for name, contact in summary.get("contacts", {}).items():
-        yield f"{name} resultant on the slave", _vector(contact["resultant"])
-        yield f"{name} pressure integral", _vector(contact["pressure_integral"])
-        yield f"{name} largest pressure", number(contact["max_pressure"])
-        yield f"{name} largest penetration", number(contact["max_penetration"])
-    balance = summary.get("balance", {})
-    if balance:
-        yield "kinetic energy", number(balance["kinetic"])
-        yield "stored energy", number(balance["stored"])
-
-
-def _vector(force: Any) -> str:
-    return "  ".join(number(component) for component in force)
