@@ -106,8 +106,8 @@ def _contacts_of(scene: Mapping[str, Any], body: str) -> int:
 
 def sides(contact: Mapping[str, Any]) -> tuple[str, str]:
     """Slave and master surface as they act, `swap` taken into account."""
-    names = str(contact["slave"]), str(contact["master"])
-    return names[::-1] if contact.get("swap") else names  # type: ignore[return-value]
+    slave, master = str(contact["slave"]), str(contact["master"])
+    return (master, slave) if contact.get("swap") else (slave, master)
 
 
 def body_of(surface: str) -> str:

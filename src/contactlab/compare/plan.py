@@ -148,7 +148,7 @@ def _job(base: Scene, varied: Mapping[str, Any], contact: int, refines: bool) ->
 def _algorithm_label(base: Scene, varied: Mapping[str, Any], contact: int, compared: Mapping[str, Any]) -> str:
     """The part's name, with the fields that the study itself sets."""
     name = str(compared["algorithm"]["use"])
-    fields = {}
+    fields: dict[str, Any] = {}
     for key in _names_of(base, contact, "algorithm"):
         if isinstance(varied.get(key), Mapping):
             fields |= {field: value for field, value in varied[key].items() if field != "use"}

@@ -82,6 +82,7 @@ def _checked_jobs(jobs: int | None) -> int:
 
 
 def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)  # long runs may outlive a folder that was tidied away
     (folder / "study.toml").write_text(write_toml(plan.study.as_data()), encoding="utf-8")
     for name, outcome in outcomes.items():
         if outcome.traceback:

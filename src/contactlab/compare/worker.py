@@ -12,7 +12,7 @@ import os
 import pickle
 import sys
 import traceback
-from typing import Any, BinaryIO
+from typing import IO, Any
 
 
 def main() -> None:
@@ -26,33 +26,33 @@ def main() -> None:
         return
 
 
-def send(stream: BinaryIO, message: Any) -> None:
+def send(stream: IO[bytes], message: Any) -> None:
     """One pickled object, its length first."""
     data = pickle.dumps(message)
     stream.write(len(data).to_bytes(8, "little") + data)
     stream.flush()
 
 
-def receive(stream: BinaryIO) -> Any:
+def receive(stream: IO[bytes]) -> Any:
     """The next object. Raises EOFError when the other side is gone."""
     return pickle.loads(_exactly(stream, int.from_bytes(_exactly(stream, 8), "little")))
 
 
-def _exactly(stream: BinaryIO, size: int) -> bytes:
+def _exactly(stream: IO[bytes], size: int) -> bytes:
     data = stream.read(size)
     if len(data) < size:
         raise EOFError
     return data
 
 
-def _take_pipes() -> tuple[BinaryIO, BinaryIO]:
+def _take_pipes() -> tuple[IO[bytes], IO[bytes]]:
     """Keep the pipes for messages alone: whatever a part prints goes to standard error."""
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     return sys.stdin.buffer, answers
 
 
-def _serve_one(requests: BinaryIO, answers: BinaryIO) -> None:
+def _serve_one(requests: IO[bytes], answers: IO[bytes]) -> None:
     request = receive(requests)
     try:
         function, arguments = pickle.loads(request)

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
+from contactlab.api.arrays import Floats
+from contactlab.compare.shape import Shape
 from contactlab.compare.table import Row, Table
-from contactlab.reports.figures import FAINT, MUTED, house_style
+from contactlab.reports.figures import FAINT, INK, MUTED, house_style
 from contactlab.reports.units import Units
+
+_WIDTH = 8.6  # inches
+_BESIDE, _BELOW = 1.5, 0.7  # inches for the colour bar and for the labels
 
 
 def shown_row(table: Table) -> Row | None:
@@ -26,26 +31,35 @@ def body_figure(table: Table) -> Figure | None:
     corners = np.concatenate([shape.corners for shape in row.shapes.values()])
     stress = np.concatenate([shape.von_mises for shape in row.shapes.values()])
     width, height = np.ptp(corners.reshape(-1, 2), axis=0)
+    top = _top(stress)
     with house_style():
-        figure = Figure(figsize=(8.6, float(np.clip(8.6 * height / width, 2.2, 7.0)) + 0.4), layout="constrained")
+        size = _WIDTH, float(np.clip((_WIDTH - _BESIDE) * height / width + _BELOW, 2.4, 7.5))
+        figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots()
-        cells = PolyCollection(
-            list(corners), array=stress, cmap="cividis", edgecolors="face", linewidths=0.2, clim=(0.0, _top(stress))
-        )
+        cells = PolyCollection(list(corners), array=stress, cmap="cividis", edgecolors="face", linewidths=0.2)
+        cells.set_clim(0.0, top)
         axes.add_collection(cells)
+        outlines = [line for shape in row.shapes.values() for line in outline(shape)]
+        axes.add_collection(LineCollection(outlines, colors=INK, linewidths=1.1))
         axes.autoscale_view()
         axes.set_aspect("equal")
         axes.grid(False)
         axes.set_xlabel(f"x [{units.length}]" if units.length else "x")
         axes.set_ylabel(f"y [{units.length}]" if units.length else "y")
-        bar = figure.colorbar(
-            cells, ax=axes, shrink=0.8, pad=0.02, extend="max" if stress.max() > _top(stress) else "neither"
-        )
+        bar = figure.colorbar(cells, ax=axes, shrink=0.85, pad=0.02, extend="max" if stress.max() > top else "neither")
         bar.set_label(f"von Mises stress [{units.pressure}]" if units.pressure else "von Mises stress", color=MUTED)
         bar.outline.set_edgecolor(FAINT)
     return figure
 
 
-def _top(stress: np.ndarray) -> float:
+def outline(shape: Shape) -> Floats:
+    """The sides (k, 2, 2) that belong to one cell only."""
+    sides = np.stack([shape.corners, np.roll(shape.corners, -1, axis=1)], axis=2).reshape(-1, 2, 2)
+    # Cells share nodes, so the two copies of an inner side have bitwise equal ends, in opposite order.
+    ends = {(*side[0], *side[1]) for side in sides}
+    return sides[[(*side[1], *side[0]) not in ends for side in sides]]
+
+
+def _top(stress: Floats) -> float:
     """Upper end of the colours: a corner singularity must not leave the rest in the dark."""
     return float(np.percentile(stress, 99.5))

@@ -44,14 +44,16 @@ def styles(names: Iterable[str]) -> dict[str, Style]:
     """A style for each of the names that appear together; equal styles only beyond six names.
 
     A name keeps its own style unless an alphabetically earlier one in the same picture holds it.
+    The result is in the order of the names as given.
     """
+    names = list(dict.fromkeys(names))
     taken: dict[int, str] = {}
     chosen: dict[str, Style] = {}
-    for name in sorted(set(names)):
+    for name in sorted(names):
         slot = _free_slot(_own_slot(name), taken)
         taken[slot] = name
         chosen[name] = STYLES[slot]
-    return chosen
+    return {name: chosen[name] for name in names}
 
 
 def _own_slot(name: str) -> int:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,11 +14,13 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from contactlab.compare.table import Row, Table
 from contactlab.reports.colours import REFERENCE, Style, styles
-from contactlab.reports.figures import INK, MUTED, house_style
+from contactlab.reports.figures import ALARM, INK, MUTED, house_style
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.table import other_keys
 
-_LINES = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
+_LINES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
+
+_FAR_BELOW = 0.4  # of the lowest error drawn: where the reference's own error needs no room in the plot
 
 
 def cost_figure(table: Table) -> Figure:
@@ -37,7 +41,7 @@ def cost_figure(table: Table) -> Figure:
 
 
 def _drawable(row: Row) -> bool:
-    return row["pressure_error"] > 0.0 and row["cpu_s"] > 0.0  # false for nan
+    return bool(row["pressure_error"] > 0.0 and row["cpu_s"] > 0.0)  # false for nan
 
 
 def _lines(rows: Sequence[Row]) -> list[list[Row]]:
@@ -99,8 +103,13 @@ def _draw_uncertainty(axes: Axes, table: Table) -> None:
     if not known > 0.0:
         return
     low, high = axes.get_ylim()
-    axes.axhspan(min(low, known), known, color=REFERENCE, alpha=0.18, linewidth=0.0, zorder=0)
-    axes.set_ylim(min(low, 0.75 * known), high)
+    if known < _FAR_BELOW * low:
+        text = f"the reference itself is known to {percent(known)} %"
+        axes.text(0.99, 0.01, text, transform=axes.transAxes, ha="right", va="bottom", color=MUTED, fontsize=8.5)
+        return
+    bottom = min(low, 0.7 * known)
+    axes.axhspan(bottom, known, color=REFERENCE, alpha=0.18, linewidth=0.0, zorder=0)
+    axes.set_ylim(bottom, high)
     axes.text(
         0.99, known, "uncertainty of the reference ", transform=axes.get_yaxis_transform(), ha="right", va="top",
         color=MUTED, fontsize=8.5,
@@ -128,4 +137,4 @@ def _list_missing(axes: Axes, rows: Sequence[Row]) -> None:
     """Runs without a point, named below the plot."""
     if rows:
         names = "; ".join(f"{row.algorithm}, slave {row.slave}, level {row.level}: {row.status}" for row in rows)
-        axes.set_title(f"without a point: {names}", fontsize=8.5, fontweight="normal", color="#C2410C", wrap=True)
+        axes.set_title(textwrap.fill(f"without a point: {names}", 110), fontsize=8.5, fontweight="normal", color=ALARM)

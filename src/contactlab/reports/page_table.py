@@ -61,7 +61,9 @@ def _run(
         value = row[column.name]
         cells.append(_number(value, quantity(value, column.unit, column.digits), extra=column.name not in usual))
     kind = ' class="refines"' if row.refines else ""
-    reason = f'<tr class="reason"><td colspan="{width}">{escape(row.reason)}</td></tr>' if row.reason else ""
+    reason = (
+        f'<tr class="reason"><td colspan="{width}"><span>{escape(row.reason)}</span></td></tr>' if row.reason else ""
+    )
     return f'<tbody class="run"><tr{kind}>{"".join(cells)}</tr>{reason}</tbody>'
 
 

@@ -8,16 +8,20 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 from contactlab.compare.reference import Reference
 from contactlab.compare.table import Row, Table
 from contactlab.reports.colours import REFERENCE, Style, styles
-from contactlab.reports.figures import INK, MUTED, house_style, note
+from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.table import other_keys
 from contactlab.reports.units import Units
 
-_MARGIN = 0.12  # of the pressed length, shown on either side
+_MARGIN = 0.2  # of the pressed length, shown on either side
+_DASHES = (0, (4, 1.5))
+_PRESSED = 0.01  # of the largest pressure: what is below it is no contact worth a wider plot
 _HEADROOM = 1.3  # of the largest reference pressure; higher peaks are cut and their value is written
 
 
@@ -40,7 +44,18 @@ def pressure_figure(table: Table) -> Figure:
         _limits(grid[0, 0], rows, table.reference)
         _mark_cut_peaks(grid, found, cases, algorithms, units)
         figure.supxlabel(f"deformed position x{_in(units.length)}", color=MUTED, fontsize=9.5)
+        _legend(figure, table)
     return figure
+
+
+def _legend(figure: Figure, table: Table) -> None:
+    entries: list[Patch | Line2D] = []
+    if table.reference is not None:
+        entries.append(Patch(facecolor=REFERENCE, edgecolor=REFERENCE, alpha=0.4, label="reference"))
+    entries.append(Line2D([], [], color=MUTED, marker="o", markersize=3, label="run, nodal values"))
+    if any(not row.finished for row in table.main):
+        entries.append(Line2D([], [], color=MUTED, linestyle=_DASHES, label="did not finish (last frame)"))
+    figure.legend(handles=entries, loc="outside upper right", ncols=len(entries), fontsize=8.5, labelcolor=MUTED)
 
 
 def _in(unit: str) -> str:
@@ -70,7 +85,7 @@ def _panel(axes: Axes, row: Row | None, reference: Reference | None, style: Styl
             marker=style.marker,
             markersize=2.6,
             linewidth=1.3,
-            linestyle="-" if row.finished else (0, (4, 1.5)),
+            linestyle="-" if row.finished else _DASHES,
             clip_on=True,
         )
     _write_result(axes, row)
@@ -88,7 +103,7 @@ def _write_result(axes: Axes, row: Row) -> None:
         text = "\n".join(filter(None, [row.status, text]))
         if row.curve is None:
             text += "\n" + textwrap.fill(row.reason, 40, max_lines=3, placeholder=" ...")
-    axes.text(0.02, 0.96, text, transform=axes.transAxes, ha="left", va="top", color=INK if row.finished else "#C2410C")
+    axes.text(0.02, 0.96, text, transform=axes.transAxes, ha="left", va="top", color=INK if row.finished else ALARM)
 
 
 def _limits(axes: Axes, rows: Sequence[Row], reference: Reference | None) -> None:
@@ -97,14 +112,14 @@ def _limits(axes: Axes, rows: Sequence[Row], reference: Reference | None) -> Non
         left, right = reference.pressed_range
         top = float(reference.profile.value.max()) * _HEADROOM
     elif profiles:
-        pressed = [p.x[p.value > 0.0] for p in profiles if np.any(p.value > 0.0)]
+        pressed = [p.x[p.value > _PRESSED * p.value.max()] for p in profiles if np.any(p.value > 0.0)]
         left, right = (min(x[0] for x in pressed), max(x[-1] for x in pressed)) if pressed else (0.0, 1.0)
         top = float(np.median([p.value.max() for p in profiles])) * _HEADROOM
     else:
         return
     margin = _MARGIN * (right - left)
     axes.set_xlim(left - margin, right + margin)
-    axes.set_ylim(-0.06 * top, top)
+    axes.set_ylim(-0.08 * top, top)
 
 
 def _mark_cut_peaks(
