@@ -65,3 +65,7 @@ class Material(ABC):
         raise NotImplementedError(f"{type(self).__name__} declares no stored energy")
 
     has_energy: ClassVar[bool] = False
+
+    def dissipation(self, gradient: Floats, history: Floats, dissipation: Floats) -> None:
+        """Fill the energy dissipated so far, per volume like `energy`, (P,) [mJ/mm3]; the default is none."""
+        dissipation[:] = 0.0

@@ -1,1 +1,1 @@
-
+"""Plane-strain material laws for contactlab."""

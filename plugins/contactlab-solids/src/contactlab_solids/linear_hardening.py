@@ -1,0 +1,88 @@
+"""J2 plasticity with linear isotropic hardening."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from contactlab.api import Floats, Kinematics, Material
+from contactlab_solids import j2
+from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
+
+
+@dataclass(frozen=True)
+class LinearHardening(Material):
+    """sigma_y = yield_stress + hardening * ep at finite strain (see `j2`).
+
+    young         Young's modulus [MPa]
+    poisson       Poisson's ratio, -1 < poisson < 0.5
+    density       of the undeformed body [t/mm3]
+    yield_stress  at the start [MPa]
+    hardening     slope of the yield stress by the equivalent plastic strain [MPa]; 0: perfectly plastic
+    """
+
+    young: float
+    poisson: float
+    density: float
+    yield_stress: float
+    hardening: float = 0.0
+
+    kinematics: ClassVar[Kinematics] = "finite"
+    history_size: ClassVar[int] = 4
+    history_names: ClassVar[tuple[str, ...]] = j2.HISTORY
+    has_energy: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        check_elastic(self.young, self.poisson, self.density)
+        if not self.yield_stress > 0.0:
+            raise ValueError(f"yield_stress: got {self.yield_stress}, allowed: a stress > 0 [MPa]")
+        if not self.hardening >= 0.0:
+            raise ValueError(f"hardening: got {self.hardening}, allowed: a slope >= 0 [MPa] (softening is refused)")
+
+    def wave_speeds(self) -> tuple[float, float]:
+        """Elastic speeds [mm/s]."""
+        return elastic_wave_speeds(self.young, self.poisson, self.density)
+
+    def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
+        """Bounds of the elastic moduli; yielding only softens."""
+        j2.stiffening(gradient, stress, j2.moduli(self.young, self.poisson), out)
+
+    def flow_stress(self, plastic_strain: Floats) -> Floats:
+        """Yield stress [MPa] after an equivalent plastic strain."""
+        return np.asarray(self.yield_stress + self.hardening * plastic_strain)
+
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        """Elastic trial and radial return; `gradient` is F^-1."""
+        from contactlab_solids import j2_kernels
+
+        if new_history is not history:
+            new_history[:] = history
+        shear, bulk = j2.moduli(self.young, self.poisson)
+        flow = (self.yield_stress, self.hardening)
+        yielding, _ = j2_kernels.trial(gradient, new_history, stress, shear, *flow, j2.PLASTIC, np.inf, 0.0)
+        if yielding:
+            j2_kernels.linear_return(gradient, new_history, stress, shear, bulk, *flow)
+        else:
+            j2_kernels.elastic(gradient, stress, bulk)
+
+    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
+        """d(stress row)/d(row of F^-1), (4, 4, P)."""
+        from contactlab_solids import j2_tangent
+
+        ended, spare = np.empty_like(history), np.empty((4, gradient.shape[1]))
+        self.stress(gradient, history, dt, spare, ended)
+        step = ended[j2.PLASTIC] - history[j2.PLASTIC]
+        slope = np.full_like(step, self.hardening)
+        j2_tangent.tangent(gradient, history, step, slope, tangent, *j2.moduli(self.young, self.poisson))
+
+    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+        """Elastic energy per current volume."""
+        j2.energy(gradient, history, j2.moduli(self.young, self.poisson), energy)
+
+    def dissipation(self, gradient: Floats, history: Floats, dissipation: Floats) -> None:
+        """Plastic work so far, integral of sigma_y d(ep), per current volume."""
+        plastic = history[j2.PLASTIC]
+        density = (self.yield_stress + 0.5 * self.hardening * plastic) * plastic
+        j2.per_current_volume(gradient, density, dissipation)

@@ -1,0 +1,100 @@
+"""J2 plasticity with Swift's power law of hardening."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from contactlab.api import Floats, Kinematics, Material
+from contactlab_solids import j2
+from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
+
+REACH = 3e-3  # plastic step over (e0 + ep) up to which one Newton step leaves an error below round-off
+
+
+@dataclass(frozen=True)
+class PowerLaw(Material):
+    """sigma_y = strength * (prestrain + ep)^exponent at finite strain (see `j2`); Baillet & Sassi 2005, 5.3.
+
+    Example of the paper: strength 348 MPa, prestrain 0.02, exponent 0.03.
+
+    young      Young's modulus [MPa]
+    poisson    Poisson's ratio, -1 < poisson < 0.5
+    density    of the undeformed body [t/mm3]
+    strength   K [MPa]
+    prestrain  e0 > 0 [-]
+    exponent   n, 0 <= n <= 1 [-]
+    """
+
+    young: float
+    poisson: float
+    density: float
+    strength: float
+    prestrain: float
+    exponent: float
+
+    kinematics: ClassVar[Kinematics] = "finite"
+    history_size: ClassVar[int] = 5
+    history_names: ClassVar[tuple[str, ...]] = (*j2.HISTORY, "yield_stress_rise")
+    has_energy: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        check_elastic(self.young, self.poisson, self.density)
+        if not self.strength > 0.0:
+            raise ValueError(f"strength: got {self.strength}, allowed: a stress > 0 [MPa]")
+        if not self.prestrain > 0.0:
+            raise ValueError(f"prestrain: got {self.prestrain}, allowed: a strain > 0 (the yield stress starts there)")
+        if not 0.0 <= self.exponent <= 1.0:
+            raise ValueError(f"exponent: got {self.exponent}, allowed: 0 (no hardening) to 1 (linear)")
+
+    def wave_speeds(self) -> tuple[float, float]:
+        """Elastic speeds [mm/s]."""
+        return elastic_wave_speeds(self.young, self.poisson, self.density)
+
+    def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
+        """Bounds of the elastic moduli; yielding only softens."""
+        j2.stiffening(gradient, stress, j2.moduli(self.young, self.poisson), out)
+
+    def flow_stress(self, plastic_strain: Floats) -> Floats:
+        """Yield stress [MPa] after an equivalent plastic strain."""
+        return np.asarray(self.strength * (self.prestrain + np.asarray(plastic_strain)) ** self.exponent)
+
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        """Elastic trial and radial return; `gradient` is F^-1."""
+        from contactlab_solids import j2_kernels
+
+        if new_history is not history:
+            new_history[:] = history
+        shear, bulk = j2.moduli(self.young, self.poisson)
+        start, near = self.strength * self.prestrain**self.exponent, 3.0 * shear * REACH
+        yielding, far = j2_kernels.trial(
+            gradient, new_history, stress, shear, start, 1.0, 4, near * self.prestrain, near
+        )
+        if not yielding:
+            j2_kernels.elastic(gradient, stress, bulk)
+            return
+        finish = j2_kernels.power_return_far if far else j2_kernels.power_return
+        finish(gradient, new_history, stress, shear, bulk, start, self.strength, self.prestrain, self.exponent)
+
+    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
+        """d(stress row)/d(row of F^-1), (4, 4, P)."""
+        from contactlab_solids import j2_tangent
+
+        ended, spare = np.empty_like(history), np.empty((4, gradient.shape[1]))
+        self.stress(gradient, history, dt, spare, ended)
+        plastic = ended[j2.PLASTIC]
+        slope = self.exponent * self.flow_stress(plastic) / (self.prestrain + plastic)
+        step = plastic - history[j2.PLASTIC]
+        j2_tangent.tangent(gradient, history, step, slope, tangent, *j2.moduli(self.young, self.poisson))
+
+    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+        """Elastic energy per current volume."""
+        j2.energy(gradient, history, j2.moduli(self.young, self.poisson), energy)
+
+    def dissipation(self, gradient: Floats, history: Floats, dissipation: Floats) -> None:
+        """Plastic work so far, integral of sigma_y d(ep), per current volume."""
+        plastic, power = history[j2.PLASTIC], self.exponent + 1.0
+        density = self.strength / power * ((self.prestrain + plastic) ** power - self.prestrain**power)
+        j2.per_current_volume(gradient, density, dissipation)
