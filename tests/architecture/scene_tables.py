@@ -1,13 +1,15 @@
 """The tables of docs/scene-format.md, made from the declarations that the program itself reads by.
 
-Run this file to print them: `python tests/architecture/scene_tables.py`.
+After a change of a key or a part: `python tests/architecture/scene_tables.py` writes them into the document.
 """
 
 from __future__ import annotations
 
 import dataclasses
+import re
 import typing
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 from contactlab.compare.study import Pareto, Study
@@ -73,6 +75,19 @@ def all_tables() -> Iterator[tuple[str, str]]:
     yield "Parts", part_table(default_registry())
 
 
+def renewed(document: str) -> str:
+    """The document with its tables of parts and keys made anew; those of keys stand in the order of `TABLES`."""
+    keys = iter(key_table(cls) for cls in TABLES.values())
+
+    def renew(match: re.Match[str]) -> str:
+        first = match[0].splitlines()[0]
+        if first.startswith("| key |"):
+            return next(keys) + "\n"
+        return part_table(default_registry()) + "\n" if first.startswith("| kind |") else match[0]
+
+    return re.sub(r"(?:^\|.*\n)+", renew, document, flags=re.MULTILINE)
+
+
 if __name__ == "__main__":
-    for heading, table in all_tables():
-        print(f"### {heading}\n\n{table}\n")
+    path = Path(__file__).parents[2] / "docs" / "scene-format.md"
+    path.write_text(renewed(path.read_text()))

@@ -31,7 +31,7 @@ def _tables() -> ModuleType:
 
 @pytest.mark.parametrize(("heading", "table"), list(_tables().all_tables()), ids=lambda text: text[:20])
 def test_every_key_is_documented_as_it_is_read(heading: str, table: str) -> None:
-    assert table in DOCUMENT, f"{heading}: print the tables with python tests/architecture/scene_tables.py"
+    assert table in DOCUMENT, f"{heading}: run python tests/architecture/scene_tables.py"
 
 
 def examples(language: str) -> list[str]:

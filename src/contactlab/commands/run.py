@@ -39,7 +39,7 @@ def shown_progress(scene: Scene) -> Iterator[Progress]:
 
     console = Console(stderr=True)
     columns = (
-        TextColumn(f"[bold]{scene.name}"),
+        TextColumn(scene.name, markup=False, style="bold"),
         BarColumn(),
         TextColumn("{task.percentage:3.0f} %  step {task.fields[step]}  t {task.fields[time]:.3e} s"),
         TextColumn("energy error {task.fields[error]:.1e}"),
