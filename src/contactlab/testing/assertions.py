@@ -1,0 +1,54 @@
+"""What checks say when they fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+from unittest import SkipTest
+
+import numpy as np
+
+
+class NotApplicable(SkipTest):
+    """The part declares that it does not offer what a check is about; the text is the reason."""
+
+
+def require(condition: Any, message: str) -> None:
+    """Raise AssertionError with `message` unless the condition holds (also under python -O)."""
+    if not condition:
+        raise AssertionError(message)
+
+
+def agree(got: Any, expected: Any, within: float, what: str) -> None:
+    """Raise AssertionError unless the arrays differ by at most `within`, which is absolute."""
+    got, expected = np.asarray(got), np.asarray(expected)
+    require(got.shape == expected.shape, f"{what}: shape {got.shape}, expected {expected.shape}")
+    if not got.size:
+        return
+    difference = np.abs(got - expected)
+    # nan is a failure too, so the comparison is written to be false for it
+    if not np.all(difference <= within):
+        worst = np.unravel_index(int(np.argmax(np.nan_to_num(difference, nan=np.inf))), got.shape)
+        raise AssertionError(
+            f"{what}: off by {difference[worst]:.3e}, allowed {within:.1e} "
+            f"(got {got[worst]!r}, expected {expected[worst]!r} at {tuple(int(i) for i in worst)})"
+        )
+
+
+def identical(got: Any, expected: Any, what: str) -> None:
+    """Raise AssertionError unless the arrays are equal to the last bit."""
+    require(np.array_equal(got, expected, equal_nan=True), f"{what}: results differ, bit-identical ones are required")
+
+
+@contextmanager
+def untouched(**arrays: Any) -> Iterator[None]:
+    """Raise AssertionError if one of the named arrays is changed inside the block."""
+    before = {name: np.array(array) for name, array in arrays.items()}
+    yield
+    for name, array in arrays.items():
+        require(np.array_equal(array, before[name], equal_nan=True), f"the input {name} was changed; inputs are read-only")
+
+
+Check = Callable[[Any], None]
+"""A check of one part."""

@@ -1,0 +1,230 @@
+"""What every element must do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Element, Floats
+from contactlab.kernels.cells import element_kernels
+from contactlab.mesh import cell_measures, jacobians
+from contactlab.testing.assertions import Check, agree, identical, require, untouched
+from contactlab.testing.cells import cell_stiffness, distorted_cells, gauss
+
+ROUND_OFF = 1e-12  # some thousand roundings of numbers of order one
+
+
+def _points(count: int = 20) -> Floats:
+    return np.random.default_rng(2).uniform(-1.0, 1.0, (count, 2))
+
+
+def reference_nodes(element: Element) -> None:
+    """Nodes lie in the reference square, corners first and counter-clockwise."""
+    nodes = np.asarray(element.nodes)
+    require(nodes.ndim == 2 and nodes.shape[1] == 2, f"nodes: shape {nodes.shape}, expected (a, 2)")
+    require(np.all(np.abs(nodes) <= 1.0), "nodes: some lie outside [-1, 1]^2")
+    corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]
+    agree(nodes[:4], corners, 0.0, "the first four nodes are the corners, counter-clockwise from (-1, -1)")
+    require(len({tuple(node) for node in nodes.tolist()}) == len(nodes), "nodes: two of them coincide")
+
+
+def edges_of_the_cell(element: Element) -> None:
+    """Each side is listed once with all its nodes, start to end with the cell on the left."""
+    nodes = np.asarray(element.nodes)
+    require(len(element.edges) == 4, f"edges: {len(element.edges)} of them, expected one per side")
+    seen = set()
+    for edge in element.edges:
+        start, end = nodes[edge[0]], nodes[edge[1]]
+        along = end - start
+        left = np.array([-along[1], along[0]])
+        require(np.hypot(*along) == 2.0, f"edge {edge}: its first two nodes are not the ends of a side")
+        require(left @ -start > 0.0, f"edge {edge}: the cell lies on the right; turn it round")
+        on_side = {k for k, node in enumerate(nodes) if left @ (node - start) == 0.0}
+        require(on_side == set(edge), f"edge {edge}: the nodes on this side are {sorted(on_side)}")
+        seen.add(frozenset(edge))
+    require(len(seen) == 4, "edges: a side is listed twice")
+
+
+def partition_of_unity(element: Element) -> None:
+    """Shape functions sum to one and their gradients to zero."""
+    value, gradient = element.shape(_points())
+    agree(value.sum(axis=1), np.ones(len(value)), ROUND_OFF, "sum of the shape functions")
+    agree(gradient.sum(axis=1), np.zeros((len(value), 2)), ROUND_OFF, "sum of their gradients")
+
+
+def delta_property(element: Element) -> None:
+    """Each shape function is one at its own node and zero at the others."""
+    agree(element.shape(np.asarray(element.nodes)).value, np.eye(len(element.nodes)), ROUND_OFF, "shape at the nodes")
+
+
+def gradient_is_the_derivative(element: Element) -> None:
+    """Gradients are the derivatives of the values."""
+    points, step = _points(), 1e-4
+    _, gradient = element.shape(points)
+    for i in range(2):
+        shift = np.zeros(2)
+        shift[i] = step
+        # fourth-order differences: exact for polynomials up to degree four, so only round-off / step is left
+        near = element.shape(points + shift).value - element.shape(points - shift).value
+        far = element.shape(points + 2 * shift).value - element.shape(points - 2 * shift).value
+        expected = (8.0 * near - far) / (12.0 * step)
+        agree(gradient[..., i], expected, 1e-10, f"derivative by coordinate {i} against differences")
+
+
+def complete_to_its_degree(element: Element) -> None:
+    """Polynomials up to `degree` are reproduced, which is what the promised rate of convergence rests on."""
+    points, nodes = _points(), np.asarray(element.nodes)
+    value = element.shape(points).value
+    for i in range(element.degree + 1):
+        for j in range(element.degree + 1 - i):
+            exact = points[:, 0] ** i * points[:, 1] ** j
+            interpolated = value @ (nodes[:, 0] ** i * nodes[:, 1] ** j)
+            agree(interpolated, exact, ROUND_OFF, f"degree is {element.degree}: interpolant of xi^{i} eta^{j}")
+
+
+def quadrature_exactness(element: Element) -> None:
+    """The rule integrates degree 2 p - 1 exactly in each direction, p = `degree`, as optimal rates need."""
+    points, weights = element.quadrature()
+    require(np.all(np.abs(points) <= 1.0), "quadrature: a point lies outside the reference square")
+    highest = max(1, 2 * element.degree - 1)
+    for i in range(highest + 1):
+        for j in range(highest + 1):
+            exact = (1 - i % 2) * 2.0 / (i + 1) * (1 - j % 2) * 2.0 / (j + 1)
+            agree(weights @ (points[:, 0] ** i * points[:, 1] ** j), exact, ROUND_OFF, f"integral of xi^{i} eta^{j}")
+
+
+def trace_is_the_shape(element: Element) -> None:
+    """On a side the edge's own functions are the shape functions, and all others vanish there."""
+    s = np.linspace(-1.0, 1.0, 7)
+    nodes = np.asarray(element.nodes)
+    value, slope = element.edge_shape(s)
+    for edge in element.edges:
+        start, end = nodes[edge[0]], nodes[edge[1]]
+        on_edge = 0.5 * np.outer(1.0 - s, start) + 0.5 * np.outer(1.0 + s, end)
+        shape = element.shape(on_edge)
+        agree(value, shape.value[:, edge], ROUND_OFF, f"edge_shape on edge {edge}")
+        agree(slope, shape.gradient[:, edge] @ (0.5 * (end - start)), ROUND_OFF, f"slope of edge_shape on edge {edge}")
+        others = [k for k in range(len(nodes)) if k not in edge]
+        agree(shape.value[:, others], np.zeros((len(s), len(others))), ROUND_OFF, f"other nodes' shapes on edge {edge}")
+
+
+def linear_field_is_exact(element: Element) -> None:
+    """The kernels give the exact gradient of a linear field on distorted cells."""
+    cells = distorted_cells(element, 7)
+    slope = np.array([[0.3, -1.1], [0.7, 0.4]])
+    got = cells.gradient(cells.nodes @ slope.T)
+    expected = np.repeat(slope.reshape(4, 1), cells.points, axis=1)
+    agree(got, expected, 1e-11, "gradient of a linear field (round-off over the smallest half side of 0.4)")
+
+
+def constant_stress_is_balanced(element: Element) -> None:
+    """A constant stress gives the exact nodal forces, without resultant and without moment."""
+    cells = distorted_cells(element, 7)
+    stress = np.repeat(np.array([[1.3], [-0.4], [0.2], [0.9]]), cells.points, axis=1)
+    force = cells.force(stress)
+    agree(force, _exact_force(element, cells.nodes, cells.connectivity, stress[:, 0]), 1e-11, "nodal forces")
+    by_cell, x = force[cells.connectivity], cells.nodes[cells.connectivity]
+    agree(by_cell.sum(axis=0), np.zeros((7, 2)), 1e-11, "resultant of a cell")
+    moment = (x[..., 0] * by_cell[..., 1] - x[..., 1] * by_cell[..., 0]).sum(axis=0)
+    agree(moment, np.zeros(7), 1e-10, "moment of a cell (lever arms up to 7)")
+
+
+def _exact_force(element: Element, nodes: Floats, connectivity: Floats, stress: Floats) -> Floats:
+    """Integral of grad N . stress by a fine rule."""
+    points, weights = gauss()
+    slopes = element.shape(points).gradient
+    tensor = np.array([[stress[0], stress[3]], [stress[3], stress[1]]])
+    x = nodes[connectivity.T]
+    j = np.einsum("qak,nai->nqik", slopes, x)
+    gradient = np.einsum("qak,nqki->nqai", slopes, np.linalg.inv(j))
+    by_cell = np.einsum("q,nq,nqai,ij->naj", weights, np.linalg.det(j), gradient, tensor)
+    force = np.zeros_like(nodes)
+    np.add.at(force, connectivity.T, by_cell)
+    return force
+
+
+def rigid_motion_is_free(element: Element) -> None:
+    """Exactly three modes of a cell, the rigid ones, give no force."""
+    for seed in range(3):
+        cell = distorted_cells(element, 1, seed=seed)
+        stiffness = cell_stiffness(cell)
+        largest = np.linalg.norm(stiffness, 2)
+        x, y = cell.nodes[:, 0] - cell.nodes[:, 0].mean(), cell.nodes[:, 1] - cell.nodes[:, 1].mean()
+        for name, mode in {"x": (x**0, 0 * x), "y": (0 * x, x**0), "rotation": (-y, x)}.items():
+            force = stiffness @ np.stack(mode, axis=1).ravel()
+            agree(force, np.zeros_like(force), 1e-11 * largest, f"force of a rigid motion ({name})")
+        free = int(np.count_nonzero(np.linalg.svd(stiffness, compute_uv=False) < 1e-10 * largest))
+        require(free == 3, f"{free} modes of a cell give no force, expected the 3 rigid ones")
+
+
+def lumped_mass(element: Element) -> None:
+    """Every node of a distorted cell has positive mass, and they sum to the area."""
+    cells = distorted_cells(element, 20)
+    measures = cell_measures(cells.mesh, element)
+    require(np.all(measures > 0.0), f"lumping {element.lumping!r} gives a node of a cell no or negative mass")
+    points, weights = gauss()
+    area = jacobians(cells.mesh, element, points) @ weights
+    agree(measures.sum(axis=1) / area, np.ones(20), 1e-10, "lumped mass over density times area")
+
+
+def forces_are_added(element: Element) -> None:
+    """The force kernel adds to what is there, also where cells share nodes, and touches no other node."""
+    cells = distorted_cells(element, 3)
+    stress = np.random.default_rng(3).normal(size=(4, cells.points))
+    twice = cells.part(0, 1)
+    twice.connectivity = np.ascontiguousarray(np.repeat(twice.connectivity, 2, axis=1))
+    q = len(element.quadrature().weights)
+    single = cells.part(0, 1).force(np.ascontiguousarray(stress[:, :q]))
+    both = twice.force(np.ascontiguousarray(np.repeat(stress[:, :q], 2, axis=1)))
+    agree(both, 2.0 * single, 1e-12, "two cells on the same nodes")
+    a = len(element.nodes)
+    agree(single[a:], np.zeros((2 * a, 2)), 0.0, "nodes of other cells")
+    before = np.ones_like(cells.nodes)
+    kernels, scratch = element_kernels(element), np.zeros((6 * a + 6, 3))
+    kernels.gradient(cells.nodes, cells.nodes, cells.connectivity, np.empty((4, cells.points)), scratch)
+    kernels.force(cells.nodes, cells.connectivity, stress, before, scratch)
+    agree(before - 1.0, cells.force(stress), 1e-12, "force kernel with forces already there")
+
+
+def any_cut_gives_the_same(element: Element) -> None:
+    """Results do not depend on which cells share a block, to the last bit."""
+    cells = distorted_cells(element, 13)
+    q = len(element.quadrature().weights)
+    field = np.random.default_rng(4).normal(size=cells.nodes.shape)
+    stress = np.random.default_rng(5).normal(size=(4, cells.points))
+    whole = cells.gradient(field).reshape(4, q, 13)
+    force = np.zeros_like(cells.nodes)
+    for begin, end in ((0, 1), (1, 6), (6, 13)):
+        part = cells.part(begin, end)
+        identical(part.gradient(field).reshape(4, q, -1), whole[:, :, begin:end], f"gradient in cells {begin} to {end}")
+        cut = np.ascontiguousarray(stress.reshape(4, q, 13)[:, :, begin:end].reshape(4, -1))
+        force += part.force(cut)
+    identical(force, cells.force(stress), "force")
+
+
+def kernels_leave_inputs_alone(element: Element) -> None:
+    """Kernels read positions, field, connectivity and stress, and change none of them."""
+    cells = distorted_cells(element, 5)
+    field = np.random.default_rng(6).normal(size=cells.nodes.shape)
+    stress = np.random.default_rng(7).normal(size=(4, cells.points))
+    with untouched(geometry=cells.nodes, field=field, connectivity=cells.connectivity, stress=stress):
+        cells.gradient(field)
+        cells.force(stress)
+
+
+CHECKS: tuple[Check, ...] = (
+    reference_nodes,
+    edges_of_the_cell,
+    partition_of_unity,
+    delta_property,
+    gradient_is_the_derivative,
+    complete_to_its_degree,
+    quadrature_exactness,
+    trace_is_the_shape,
+    linear_field_is_exact,
+    constant_stress_is_balanced,
+    rigid_motion_is_free,
+    lumped_mass,
+    forces_are_added,
+    any_cut_gives_the_same,
+    kernels_leave_inputs_alone,
+)

@@ -1,0 +1,37 @@
+"""Parts to check when nobody gave one: fields without a default get a usual value by their name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from contactlab.fields import is_required, keys_of
+from contactlab.registry import Registry
+from contactlab.testing.assertions import NotApplicable
+
+USUAL: dict[str, Any] = {
+    "young": 7000.0,
+    "poisson": 0.3,
+    "density": 2.7e-9,
+    "mu": 0.2,
+    "stress": 200.0,
+    "x": (-1.0, 2.0),
+    "y": (0.5, 1.5),
+    "cells": (3, 2),
+    "radius": 1.0,
+    "half_width": 0.8,
+    "top": 0.6,
+    "strength": 348.0,
+    "yield_stress": 350.0,
+    "hardening": 500.0,
+}
+"""Values for fields without a default, in mm N s t."""
+
+
+def example(registry: Registry, kind: str, name: str) -> Any:
+    """The part of this kind and name with usual values. Raises NotApplicable naming a field without one."""
+    fields = keys_of(registry.part_class(kind, name))
+    needed = [field for field in fields if is_required(fields[field])]
+    unknown = [field for field in needed if field not in USUAL]
+    if unknown:
+        raise NotApplicable(f"no usual value is known for {', '.join(unknown)}; check an instance of your own")
+    return registry.make(kind, {"use": name, **{field: USUAL[field] for field in needed}})

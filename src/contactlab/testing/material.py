@@ -1,0 +1,262 @@
+"""What every material must do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats, Material
+from contactlab.api.differences import tangent_by_differences
+from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
+from contactlab.testing.points import (
+    DT,
+    at_rest,
+    gradients,
+    matrices,
+    modulus,
+    no_history,
+    respond,
+    rotations,
+    rows_of,
+    some_history,
+    tensors,
+)
+
+POINTS = 40
+STRAIN = 0.1  # of random states: finite, and far from the folding that no law has to stand
+
+
+def declarations(law: Material) -> None:
+    """Kinematics is one of the three, every history number has a name, and speeds are real."""
+    require(law.kinematics in ("small", "finite", "rate"), f"kinematics: got {law.kinematics!r}")
+    names = law.history_names
+    require(len(names) == law.history_size, f"history_names: {len(names)} names for {law.history_size} numbers")
+    dilatational, shear = law.wave_speeds()
+    require(law.density > 0.0, f"density: got {law.density}")
+    require(0.0 < shear < dilatational < np.inf, f"wave_speeds: got {dilatational}, {shear}; 0 < shear < dilatational")
+
+
+def no_stress_at_rest(law: Material) -> None:
+    """An undeformed body has no stress and keeps its history of zeros."""
+    stress, history = respond(law, at_rest(law, POINTS), no_history(law, POINTS))
+    agree(stress, np.zeros((4, POINTS)), 1e-13 * modulus(law), "stress at rest (round-off of the moduli)")
+    agree(history, no_history(law, POINTS), 0.0, "history at rest")
+
+
+def speeds_belong_to_the_tangent(law: Material) -> None:
+    """density c_p^2 and density c_s^2 are the moduli of the law at rest."""
+    tangent = np.empty((4, 4, 1))
+    law.tangent(at_rest(law, 1), no_history(law, 1), DT, tangent)
+    # "finite" laws are given F^-1, whose change is minus the strain
+    sign = -1.0 if law.kinematics == "finite" else 1.0
+    dilatational, shear = (law.density * c * c for c in law.wave_speeds())
+    # differences of the default tangent leave about 1e-10 of the moduli
+    agree(sign * tangent[[0, 1], [0, 3], 0], [dilatational] * 2, 1e-7 * dilatational, "tangent xx by xx and yy by yy")
+    agree(sign * tangent[3, [1, 2], 0], [shear] * 2, 1e-7 * dilatational, "tangent xy by xy and by yx")
+
+
+def objectivity(law: Material) -> None:
+    """A rigid rotation turns the stress and does nothing else."""
+    {"small": _infinitesimal_rotation, "finite": _superposed_rotation, "rate": _rotation_in_steps}[law.kinematics](law)
+
+
+def _infinitesimal_rotation(law: Material) -> None:
+    gradient, history = gradients(law, POINTS, 0.01), some_history(law, POINTS)
+    turned = gradient + np.array([[0.0], [-0.01], [0.01], [0.0]])
+    agree(respond(law, turned, history)[0], respond(law, gradient, history)[0], 1e-13 * modulus(law),
+          "stress of a displacement gradient with and without an antisymmetric part")  # fmt: skip
+
+
+def _superposed_rotation(law: Material) -> None:
+    gradient, history, turn = gradients(law, POINTS, STRAIN), some_history(law, POINTS), rotations(POINTS)
+    if law.history_size:
+        history = no_history(law, POINTS)  # a history may hold tensors of the unturned body
+    stress, _ = respond(law, gradient, history)
+    # x -> Q x: F becomes Q F, and dX/dx becomes (dX/dx) Q^T
+    rotated, _ = respond(law, rows_of(matrices(gradient) @ turn.transpose(0, 2, 1)), history)
+    expected = turn @ tensors(stress) @ turn.transpose(0, 2, 1)
+    agree(tensors(rotated), expected, 1e-12 * modulus(law), "stress of a turned body against the turned stress")
+    agree(rotated[2], stress[2], 1e-12 * modulus(law), "stress across the plane of a turned body")
+
+
+def _rotation_in_steps(law: Material) -> None:
+    """Rigid steps of any size: with the gradient referred to mid-step, W = 2 tan(angle/2) exactly."""
+    stress, start = respond(law, gradients(law, POINTS, 0.002), no_history(law, POINTS))
+    for steps in (1, 10):
+        spin = 2.0 * np.tan(0.25 * np.pi / steps)
+        increment = np.repeat(np.array([[0.0], [-spin], [spin], [0.0]]), POINTS, axis=1)
+        history, turned = start, stress
+        for _ in range(steps):
+            turned, history = respond(law, increment, history)
+        expected = np.stack([stress[1], stress[0], stress[2], -stress[3]])
+        agree(turned, expected, 1e-11 * modulus(law), f"stress after a rigid turn by 90 degrees in {steps} steps")
+
+
+def tangent_is_the_derivative(law: Material) -> None:
+    """The tangent is the derivative of the stress that the law gives."""
+    gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
+    tangent, expected = np.empty((4, 4, POINTS)), np.empty((4, 4, POINTS))
+    law.tangent(gradient, history, DT, tangent)
+    tangent_by_differences(law, gradient, history, DT, expected)
+    # differences with a step of 6e-6 are good to some 1e-9 of the moduli; a kink of a plastic law is
+    # met by chance at a point or two, and shows as an error of order one: half of the points must agree
+    error = np.abs(tangent - expected).max(axis=(0, 1)) / modulus(law)
+    allowed = 1e-6
+    bad = np.count_nonzero(~(error < allowed))
+    few = 0 if law.history_size == 0 else POINTS // 10
+    require(bad <= few, f"tangent against differences: {bad} of {POINTS} points differ by up to {error.max():.1e} of the "
+            f"moduli, allowed {allowed:.0e} at all but {few}")  # fmt: skip
+
+
+def energy_belongs_to_the_stress(law: Material) -> None:
+    """The stress is the derivative of the stored energy, which is zero at rest and positive elsewhere."""
+    if not law.has_energy:
+        raise NotApplicable("the law declares no stored energy")
+    if law.kinematics == "rate":
+        raise NotApplicable("the energy of a rate law is no function of the gradient")
+    rest = np.empty(1)
+    law.energy(at_rest(law, 1), no_history(law, 1), rest)
+    agree(rest, [0.0], 1e-14 * modulus(law), "energy at rest")
+    size = STRAIN if law.kinematics == "finite" else 0.01
+    gradient = gradients(law, POINTS, size)
+    energy = _energy(law, matrices(gradient))
+    require(np.all(energy > 0.0), "energy: not positive in a deformed state")
+    if law.history_size:
+        raise NotApplicable("the stored energy of a law with history is not the work of its stress")
+    work = _work_conjugate(law, gradient)
+    step, base = 1e-5, _deformation(law, gradient)
+    for i in range(2):
+        for j in range(2):
+            shift = np.zeros((2, 2))
+            shift[i, j] = step
+            slope = (_energy_of(law, base + shift) - _energy_of(law, base - shift)) / (2.0 * step)
+            # truncation step^2 = 1e-10, cancellation 1e-16 energy / step
+            agree(slope, work[:, i, j], 1e-7 * modulus(law), f"dW/dF component {i}{j} against the stress")
+
+
+def _deformation(law: Material, gradient: Floats) -> Floats:
+    """F (P, 2, 2) for "finite", du/dX for "small"."""
+    return np.linalg.inv(matrices(gradient)) if law.kinematics == "finite" else matrices(gradient)
+
+
+def _energy(law: Material, gradient: Floats) -> Floats:
+    out = np.full(len(gradient), np.nan)
+    law.energy(rows_of(gradient), no_history(law, len(gradient)), out)
+    return out
+
+
+def _energy_of(law: Material, deformation: Floats) -> Floats:
+    """Energy per undeformed volume of F or du/dX."""
+    if law.kinematics == "small":
+        return _energy(law, deformation)
+    return np.asarray(np.linalg.det(deformation) * _energy(law, np.linalg.inv(deformation)))
+
+
+def _work_conjugate(law: Material, gradient: Floats) -> Floats:
+    """P = J sigma F^-T for "finite", sigma for "small"."""
+    stress = tensors(respond(law, gradient, no_history(law, gradient.shape[1]))[0])
+    if law.kinematics == "small":
+        return stress
+    inverse = matrices(gradient)
+    return np.asarray((stress @ inverse.transpose(0, 2, 1)) / np.linalg.det(inverse)[:, None, None])
+
+
+def stiffening_bounds_the_waves(law: Material) -> None:
+    """No wave in a strained point is faster than `stiffening` says, or explicit steps would be too long."""
+    if law.kinematics != "finite":
+        raise NotApplicable("only the waves of a finite law follow from its gradient alone")
+    if law.history_size:
+        raise NotApplicable("the bound is checked on laws without history")
+    gradient = gradients(law, 200, 0.3, seed=8)
+    stress, _ = respond(law, gradient, no_history(law, 200))
+    bound = np.full(200, np.nan)
+    law.stiffening(gradient, stress, bound)
+    fastest = _acoustic_moduli(law, gradient).max(axis=0)
+    allowed = bound * modulus(law) * (1.0 + 1e-6)  # differences
+    worst = int(np.argmax(fastest / allowed))
+    require(np.all(fastest <= allowed), f"stiffening: a wave has {fastest[worst] / modulus(law):.4f} of the modulus at rest "
+            f"at gradient {gradient[:, worst].round(3).tolist()}, the bound is {bound[worst]:.4f}")  # fmt: skip
+
+
+def _acoustic_moduli(law: Material, gradient: Floats) -> Floats:
+    """Largest J-scaled acoustic eigenvalue (directions, P): the moduli that current geometry and fixed mass see."""
+    base, step = _deformation(law, gradient), 1e-5
+    derivative = np.empty((len(base), 2, 2, 2, 2))
+    for k in range(2):
+        for m in range(2):
+            shift = np.zeros((2, 2))
+            shift[k, m] = step
+            high, low = (_work_conjugate(law, rows_of(np.linalg.inv(base + s * shift))) for s in (1.0, -1.0))
+            derivative[:, :, :, k, m] = (high - low) / (2.0 * step)
+    spatial = np.einsum("pjJ,plL,piJkL->pijkl", base, base, derivative) / np.linalg.det(base)[:, None, None, None, None]
+    angles = np.linspace(0.0, np.pi, 24, endpoint=False)
+    normals = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    acoustic = np.einsum("pijkl,nj,nl->npik", spatial, normals, normals)
+    return np.asarray(np.linalg.eigvalsh(0.5 * (acoustic + acoustic.transpose(0, 1, 3, 2)))[..., -1])
+
+
+def any_cut_gives_the_same(law: Material) -> None:
+    """Points know nothing of each other: any cut and order of a block gives the same bits."""
+    gradient, history = gradients(law, 61, STRAIN), some_history(law, 61)
+    stress, new = respond(law, gradient, history)
+    order = np.random.default_rng(9).permutation(61)
+    mixed, mixed_new = respond(law, gradient[:, order], history[:, order])
+    identical(mixed, stress[:, order], "stress in another order")
+    identical(mixed_new, new[:, order], "history in another order")
+    for begin, end in ((0, 1), (1, 18), (18, 61)):
+        part, part_new = respond(law, gradient[:, begin:end], history[:, begin:end])
+        identical(part, stress[:, begin:end], f"stress of points {begin} to {end} alone")
+        identical(part_new, new[:, begin:end], f"history of points {begin} to {end} alone")
+
+
+def no_points_at_all(law: Material) -> None:
+    """Blocks without points are answered with nothing."""
+    stress, history = respond(law, gradients(law, 0, STRAIN), no_history(law, 0))
+    require(stress.shape == (4, 0), "a block of no points changed its shape")
+    require(history.shape == (law.history_size, 0), "the history of no points changed its shape")
+
+
+def inputs_untouched(law: Material) -> None:
+    """Gradient and history are read only, and every row of the stress is filled."""
+    gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
+    with untouched(gradient=gradient, history=history):
+        stress, new = respond(law, gradient, history)
+    require(np.all(np.isfinite(stress)), "stress: a row or a point was left unfilled, or is not finite")
+    require(np.all(np.isfinite(new)), "new_history: a row or a point was left unfilled, or is not finite")
+
+
+def history_in_place(law: Material) -> None:
+    """`history` and `new_history` may be the same array."""
+    if not law.history_size:
+        raise NotApplicable("the law has no history")
+    gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
+    expected, expected_history = respond(law, gradient, history)
+    stress = np.empty_like(expected)
+    law.stress(gradient, history, DT, stress, history)
+    identical(stress, expected, "stress with the same array for both histories")
+    identical(history, expected_history, "history with the same array for both")
+
+
+def same_answer_twice(law: Material) -> None:
+    """The answer depends on the arguments alone: a part remembers nothing between calls."""
+    gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
+    first = respond(law, gradient, history)
+    respond(law, 1.01 * gradient, history)
+    again = respond(law, gradient, history)
+    identical(again[0], first[0], "stress of the same arguments after another call")
+    identical(again[1], first[1], "history of the same arguments after another call")
+
+
+CHECKS: tuple[Check, ...] = (
+    declarations,
+    no_stress_at_rest,
+    speeds_belong_to_the_tangent,
+    objectivity,
+    tangent_is_the_derivative,
+    energy_belongs_to_the_stress,
+    stiffening_bounds_the_waves,
+    any_cut_gives_the_same,
+    no_points_at_all,
+    inputs_untouched,
+    history_in_place,
+    same_answer_twice,
+)

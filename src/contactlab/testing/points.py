@@ -1,0 +1,68 @@
+"""Points to try a material on: gradients of the kind that its `kinematics` asks for, and histories that occurred."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats, Material
+
+DT = 1e-6  # s; a law of rate form sees it, its stress over a step must not depend on it alone
+
+IDENTITY = np.array([[1.0], [0.0], [0.0], [1.0]])
+
+
+def at_rest(law: Material, count: int) -> Floats:
+    """The gradient (4, P) of an undeformed body: identity for "finite", else zero."""
+    return np.repeat(IDENTITY if law.kinematics == "finite" else 0.0 * IDENTITY, count, axis=1)
+
+
+def gradients(law: Material, count: int, size: float, seed: int = 1) -> Floats:
+    """Random gradients (4, P) at most `size` away from rest in each component."""
+    return at_rest(law, count) + np.random.default_rng(seed).uniform(-size, size, (4, count))
+
+
+def no_history(law: Material, count: int) -> Floats:
+    """The history (h, P) at the start."""
+    return np.zeros((law.history_size, count))
+
+
+def some_history(law: Material, count: int) -> Floats:
+    """A history (h, P) that the law itself made in three random steps."""
+    history = no_history(law, count)
+    for seed in range(3):
+        _, history = respond(law, gradients(law, count, 0.02, 100 + seed), history)
+    return history
+
+
+def respond(law: Material, gradient: Floats, history: Floats) -> tuple[Floats, Floats]:
+    """Stress (4, P) and new history (h, P)."""
+    stress, new = np.full((4, gradient.shape[1]), np.nan), np.full_like(history, np.nan)
+    law.stress(np.ascontiguousarray(gradient), np.ascontiguousarray(history), DT, stress, new)
+    return stress, new
+
+
+def matrices(rows: Floats) -> Floats:
+    """Gradient rows xx, xy, yx, yy (4, P) as matrices (P, 2, 2)."""
+    return np.ascontiguousarray(rows.T).reshape(-1, 2, 2)
+
+
+def rows_of(matrix: Floats) -> Floats:
+    """Matrices (P, 2, 2) as gradient rows (4, P)."""
+    return np.ascontiguousarray(matrix.reshape(-1, 4).T)
+
+
+def tensors(stress: Floats) -> Floats:
+    """Stress rows xx, yy, zz, xy (4, P) as in-plane matrices (P, 2, 2)."""
+    xx, yy, _, xy = stress
+    return np.stack([xx, xy, xy, yy], axis=-1).reshape(-1, 2, 2)
+
+
+def rotations(count: int, seed: int = 5) -> Floats:
+    """Rotation matrices (P, 2, 2) by any angle."""
+    angle = np.random.default_rng(seed).uniform(-np.pi, np.pi, count)
+    return np.stack([np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)], axis=-1).reshape(-1, 2, 2)
+
+
+def modulus(law: Material) -> float:
+    """density c_p^2 [MPa], to scale stresses."""
+    return float(law.density * law.wave_speeds()[0] ** 2)
