@@ -24,19 +24,19 @@ __all__ = ["ContactlabError", "Scene", "__version__", "compare", "load_scene", "
 _HOMES = {
     "ContactlabError": "contactlab.errors",
     "Scene": "contactlab.scene",
-    "compare": "contactlab.compare.runner",
     "load_scene": "contactlab.scene",
     "simulate": "contactlab.simulation",
 }
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOMES:
-        raise AttributeError(f"module 'contactlab' has no attribute {name!r}")
     from importlib import import_module
 
+    if name == "compare":
+        return import_module("contactlab.compare")  # a package that can be called
+    if name not in _HOMES:
+        raise AttributeError(f"module 'contactlab' has no attribute {name!r}")
     value = getattr(import_module(_HOMES[name]), name)
-    # the import of contactlab.compare.runner binds the package of that name here; the function is the public name
     globals()[name] = value
     return value
 
