@@ -15,7 +15,8 @@ from contactlab_solids.elastic_constants import check_elastic, elastic_wave_spee
 class Hypoelastic(Material):
     """Jaumann rate of the Cauchy stress = lambda tr(d) I + 2 mu d, on the current geometry.
 
-    Integrated by Hughes & Winget (1980): rigid rotations are exact for any step. Large rotations, small
+    Integrated with the rotation of Hughes & Winget (1980), half of it before and half of it after the
+    step's strain: rigid rotations are exact for any step, shear is second order. Large rotations, small
     elastic strains: the law has no stored energy, and a closed cycle of strain can leave work behind.
 
     young    Young's modulus [MPa]
@@ -45,7 +46,7 @@ class Hypoelastic(Material):
         out[:] = 1.0 + (np.maximum(mean + radius, 0.0) + 2.0 * radius) / shear
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
-        """sigma = Q sigma_old Q^T + lambda tr(d) I + 2 mu d; `gradient` is that of the increment at mid-step."""
+        """sigma = R (R sigma_old R^T + lambda tr(d) I + 2 mu d) R^T, R R = Q; `gradient`: increment at mid-step."""
         from contactlab_solids import hypoelastic_kernels
 
         if new_history is not history:

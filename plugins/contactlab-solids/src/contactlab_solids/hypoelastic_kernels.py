@@ -2,7 +2,9 @@
 
 The increment gradient G is referred to the middle of the step, so that with d = sym G and w = skew G the
 Hughes-Winget rotation Q = (I - w/2)^-1 (I + w/2) is exact for a rigid rotation of any angle below 180
-degrees: G = 2 tan(angle/2) times the unit skew tensor.
+degrees: G = 2 tan(angle/2) times the unit skew tensor. Hooke's increment belongs to the middle of the
+step: the stress turns half the way, takes it, and turns on, which makes the law second order in the step
+(added at the end it is first order: 1e-3 of the modulus in simple shear of 1 in 400 steps).
 """
 
 from __future__ import annotations
@@ -11,15 +13,11 @@ from contactlab.api.kernel import kernel, point
 
 
 @point
-def _turned(xx, yy, xy, spin):
-    """Rows xx, yy, xy of Q sigma Q^T, where `spin` is w_xy."""
+def _half_turn(spin):
+    """Cosine and sine of twice half the angle of Q, where `spin` is w_xy: what turns a stress half the way."""
     h = 0.5 * spin
     scale = 1.0 / (1.0 + h * h)
-    c, s = (1.0 - h * h) * scale, 2.0 * h * scale
-    mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
-    cos, sin = c * c - s * s, 2.0 * c * s  # of twice the angle
-    turned = cos * half + sin * xy
-    return mean + turned, mean - turned, cos * xy - sin * half
+    return (1.0 - h * h) * scale, 2.0 * h * scale
 
 
 @kernel
@@ -29,34 +27,43 @@ def stress(gradient, history, stress, lame, shear):
     xx, yy, zz, xy = stress[0], stress[1], stress[2], stress[3]
     h_xx, h_yy, h_zz, h_xy = history[0], history[1], history[2], history[3]
     for p in range(u_x.size):
-        pressure = lame * (u_x[p] + v_y[p])
-        t_xx, t_yy, t_xy = _turned(h_xx[p], h_yy[p], h_xy[p], 0.5 * (u_y[p] - v_x[p]))
-        t_xx += pressure + 2.0 * shear * u_x[p]
-        t_yy += pressure + 2.0 * shear * v_y[p]
-        t_zz = h_zz[p] + pressure
-        t_xy += shear * (u_y[p] + v_x[p])
-        xx[p], yy[p], zz[p], xy[p] = t_xx, t_yy, t_zz, t_xy
-        h_xx[p], h_yy[p], h_zz[p], h_xy[p] = t_xx, t_yy, t_zz, t_xy
+        c, s = _half_turn(0.5 * (u_y[p] - v_x[p]))
+        mean, half = 0.5 * (h_xx[p] + h_yy[p]), 0.5 * (h_xx[p] - h_yy[p])
+        trace = u_x[p] + v_y[p]
+        mean += (lame + shear) * trace
+        middle = c * half + s * h_xy[p] + shear * (u_x[p] - v_y[p])
+        shearing = c * h_xy[p] - s * half + shear * (u_y[p] + v_x[p])
+        half, t_xy = c * middle + s * shearing, c * shearing - s * middle
+        t_zz = h_zz[p] + lame * trace
+        xx[p], yy[p], zz[p], xy[p] = mean + half, mean - half, t_zz, t_xy
+        h_xx[p], h_yy[p], h_zz[p], h_xy[p] = mean + half, mean - half, t_zz, t_xy
 
 
 @kernel
 def tangent(gradient, history, tangent, lame, shear):
-    """d(stress row)/d(row of G): Hooke's constants and the turning of the stored stress.
+    """d(stress row)/d(row of G): Hooke's constants turned half the way, and the turning of the stress.
 
-    The angle of Q is 2 atan(w_xy/2); turning further by an angle changes xx, yy, xy at the rates
-    2 xy, -2 xy, yy - xx.
+    The half difference and the shear of the stress are a plane vector that turns by the angle of Q before
+    and after Hooke's increment; that angle is 2 atan(w_xy/2).
     """
     for p in range(gradient.shape[1]):
         spin = 0.5 * (gradient[1, p] - gradient[2, p])
-        xx, yy, xy = _turned(history[0, p], history[1, p], history[3, p], spin)
-        angle = 0.5 / (1.0 + 0.25 * spin * spin)
-        for i in range(4):
-            for j in range(4):
-                tangent[i, j, p] = 0.0
-        for i in range(3):
-            tangent[i, 0, p] = tangent[i, 3, p] = lame
-        tangent[0, 0, p] += 2.0 * shear
-        tangent[1, 3, p] += 2.0 * shear
-        tangent[0, 1, p], tangent[0, 2, p] = 2.0 * xy * angle, -2.0 * xy * angle
-        tangent[1, 1, p], tangent[1, 2, p] = -2.0 * xy * angle, 2.0 * xy * angle
-        tangent[3, 1, p], tangent[3, 2, p] = shear + (yy - xx) * angle, shear - (yy - xx) * angle
+        c, s = _half_turn(spin)
+        half, xy = 0.5 * (history[0, p] - history[1, p]), history[3, p]
+        middle = c * half + s * xy + shear * (gradient[0, p] - gradient[3, p])
+        shearing = c * xy - s * half + shear * (gradient[1, p] + gradient[2, p])
+        # derivatives by the spin: of the first turn, then of the second
+        angle = 1.0 / (1.0 + 0.25 * spin * spin)
+        d_middle, d_shearing = (c * xy - s * half) * angle, -(c * half + s * xy) * angle
+        d_half = c * d_middle + s * d_shearing + (c * shearing - s * middle) * angle
+        d_xy = c * d_shearing - s * d_middle - (c * middle + s * shearing) * angle
+        for j in range(4):
+            trace = 1.0 if j == 0 or j == 3 else 0.0
+            by_middle = (shear if j == 0 else -shear) * trace
+            by_shearing, by_spin = shear * (1.0 - trace), (0.5 if j == 1 else -0.5) * (1.0 - trace)
+            mean = (lame + shear) * trace
+            turned = c * by_middle + s * by_shearing + d_half * by_spin
+            tangent[0, j, p] = mean + turned
+            tangent[1, j, p] = mean - turned
+            tangent[2, j, p] = lame * trace
+            tangent[3, j, p] = c * by_shearing - s * by_middle + d_xy * by_spin

@@ -47,11 +47,12 @@ def energy(gradient: Floats, history: Floats, constants: Moduli, out: Floats) ->
     from contactlab_solids import j2_kernels
 
     shear, bulk = constants
-    state = np.empty((4, gradient.shape[1]))
-    j2_kernels.trial(gradient, history, state, shear, np.inf, 0.0, PLASTIC, np.inf, 0.0)
-    s_d, s_x, s_z, log_j = state
-    squares = 1.5 * s_z**2 + 2.0 * (s_d**2 + s_x**2)
-    out[:] = np.exp(-log_j) * (0.5 * bulk * log_j**2 + squares / (4.0 * shear))
+    stress = np.empty((4, gradient.shape[1]))
+    j2_kernels.trial(gradient, history, stress, shear, bulk, np.inf, 0.0, PLASTIC, np.inf, 0.0)
+    inverse_j = gradient[0] * gradient[3] - gradient[1] * gradient[2]
+    pressure = stress[:3].mean(axis=0)
+    squares = ((stress[:3] - pressure) ** 2).sum(axis=0) + 2.0 * stress[3] ** 2
+    out[:] = (0.5 * pressure**2 / bulk + squares / (4.0 * shear)) / inverse_j
 
 
 def per_current_volume(gradient: Floats, density: Floats, out: Floats) -> None:

@@ -10,8 +10,8 @@ elastic left Cauchy-Green tensor is A C A^T up to a factor, which ln J and the s
 need no eigenvectors, and a radial return scales s. History rows: half difference and shear of C,
 strain zz, equivalent plastic strain, and (power law) the rise of the yield stress.
 
-The work is cut in two so that a block pays for what its points do: `trial` leaves s_d, s_x, s_z and
-ln J in the rows of `stress` and counts points; one of the others then finishes.
+The work is cut in two so that a block pays for what its points do: `trial` gives the stress of an elastic
+step and counts points; where some yield, one of the other kernels returns those and leaves the rest alone.
 """
 
 from __future__ import annotations
@@ -40,14 +40,14 @@ def _mises(s_d, s_x, s_z):
 
 
 @kernel
-def trial(gradient, history, stress, shear, yield_stress, slope, slope_row, reach, reach_slope):
-    """Elastic trial state into the rows of `stress`: s_d, s_x, s_z, ln J.
+def trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row, reach, reach_slope):
+    """Cauchy stress of an elastic step.
 
     Returns how many points yield, and at how many the Mises stress exceeds the yield stress by more
     than reach + reach_slope * (plastic strain). The yield stress is yield_stress + slope * history[slope_row].
     """
     g_xx, g_xy, g_yx, g_yy = gradient[0], gradient[1], gradient[2], gradient[3]
-    rows_d, rows_x, rows_z, rows_j = stress[0], stress[1], stress[2], stress[3]
+    xx, yy, zz, xy = stress[0], stress[1], stress[2], stress[3]
     half, cross, strain_zz = history[0], history[1], history[2]
     plastic, rise = history[3], history[slope_row]
     yielding, far = 0, 0
@@ -64,21 +64,21 @@ def trial(gradient, history, stress, shear, yield_stress, slope, slope_row, reac
         excess = _mises(s_d, s_x, s_z) - (yield_stress + slope * rise[p])
         yielding += 1 if excess > 0.0 else 0
         far += 1 if excess > reach + reach_slope * plastic[p] else 0
-        rows_d[p], rows_x[p], rows_z[p], rows_j[p] = s_d, s_x, s_z, log_j
+        middle = bulk * log_j - 0.5 * s_z
+        xx[p], yy[p] = (middle + s_d) * det, (middle - s_d) * det
+        zz[p], xy[p] = (bulk * log_j + s_z) * det, s_x * det
     return yielding, far
 
 
-@kernel
-def elastic(gradient, stress, bulk):
-    """Cauchy stress where no point of the block yields."""
-    g_xx, g_xy, g_yx, g_yy = gradient[0], gradient[1], gradient[2], gradient[3]
-    xx, yy, zz, xy = stress[0], stress[1], stress[2], stress[3]
-    for p in range(g_xx.size):
-        det = g_xx[p] * g_yy[p] - g_xy[p] * g_yx[p]
-        s_d, s_x, s_z, pressure = xx[p], yy[p], zz[p], bulk * xy[p]
-        middle = pressure - 0.5 * s_z
-        xx[p], yy[p] = (middle + s_d) * det, (middle - s_d) * det
-        zz[p], xy[p] = (pressure + s_z) * det, s_x * det
+@point
+def _kirchhoff(p, gradient, stress):
+    """s_d, s_x, s_z, Mises' stress and pressure of tau = sigma/det F^-1 at point p."""
+    det = gradient[0][p] * gradient[3][p] - gradient[1][p] * gradient[2][p]
+    inverse = 1.0 / det
+    xx, yy, zz = stress[0][p] * inverse, stress[1][p] * inverse, stress[2][p] * inverse
+    pressure = (xx + yy + zz) / 3.0
+    s_d, s_x, s_z = 0.5 * (xx - yy), stress[3][p] * inverse, zz - pressure
+    return s_d, s_x, s_z, pressure, _mises(s_d, s_x, s_z)
 
 
 @point
@@ -96,34 +96,33 @@ def _plastic_metric(a, b, c, d, det, s_d, s_x, shear):
 
 
 @point
-def _finish(p, gradient, history, stress, shear, bulk, mises, step):
-    """Scale the deviator by the radial return over the plastic strain `step` and write what follows from it."""
+def _return(p, gradient, history, stress, shear, bulk, s_d, s_x, s_z, pressure, mises, step):
+    """Where the plastic strain `step` is positive, scale the deviator and write what follows from it."""
     a, b, c, d = gradient[0][p], gradient[1][p], gradient[2][p], gradient[3][p]
-    s_d, s_x, s_z, log_j = stress[0][p], stress[1][p], stress[2][p], stress[3][p]
     det = a * d - b * c
-    yields = step > 0.0
-    keep = 1.0 - 3.0 * shear * step / mises if yields else 1.0
+    keep = 1.0 - 3.0 * shear * step / mises
     s_d, s_x, s_z = keep * s_d, keep * s_x, keep * s_z
     half, cross = _plastic_metric(a, b, c, d, det, s_d, s_x, shear)
-    old_half, old_cross, old_zz, old_plastic = history[0][p], history[1][p], history[2][p], history[3][p]
-    history[0][p] = half if yields else old_half
-    history[1][p] = cross if yields else old_cross
-    history[2][p] = s_z / (2.0 * shear) + log_j / 3.0 if yields else old_zz
-    history[3][p] = old_plastic + step if yields else old_plastic
-    pressure = bulk * log_j
+    yields = step > 0.0
+    history[0][p] = half if yields else history[0][p]
+    history[1][p] = cross if yields else history[1][p]
+    history[2][p] = s_z / (2.0 * shear) + pressure / (3.0 * bulk) if yields else history[2][p]
+    history[3][p] = history[3][p] + step if yields else history[3][p]
     middle = pressure - 0.5 * s_z
-    stress[0][p], stress[1][p] = (middle + s_d) * det, (middle - s_d) * det
-    stress[2][p], stress[3][p] = (pressure + s_z) * det, s_x * det
+    stress[0][p] = (middle + s_d) * det if yields else stress[0][p]
+    stress[1][p] = (middle - s_d) * det if yields else stress[1][p]
+    stress[2][p] = (pressure + s_z) * det if yields else stress[2][p]
+    stress[3][p] = s_x * det if yields else stress[3][p]
 
 
 @kernel
 def linear_return(gradient, history, stress, shear, bulk, yield_stress, hardening):
     """sigma_y = yield_stress + hardening * ep: the return is linear."""
     for p in range(gradient.shape[1]):
-        mises = _mises(stress[0][p], stress[1][p], stress[2][p])
+        s_d, s_x, s_z, pressure, mises = _kirchhoff(p, gradient, stress)
         excess = mises - (yield_stress + hardening * history[3][p])
         step = excess / (3.0 * shear + hardening) if excess > 0.0 else 0.0
-        _finish(p, gradient, history, stress, shear, bulk, mises, step)
+        _return(p, gradient, history, stress, shear, bulk, s_d, s_x, s_z, pressure, mises, step)
 
 
 @point
@@ -131,8 +130,7 @@ def _power_steps(mises, plastic, rise, shear, yield_stress, strength, prestrain,
     """Plastic step from the tangent at the start, then one Newton step: final for steps below the reach."""
     start = prestrain + plastic
     strong = yield_stress + rise
-    excess = mises - strong
-    step = excess / (3.0 * shear + exponent * strong / start)
+    step = (mises - strong) / (3.0 * shear + exponent * strong / start)
     return _newton(step, mises, start, shear, strength, exponent)
 
 
@@ -148,19 +146,19 @@ def _newton(step, mises, start, shear, strength, exponent):
 def power_return(gradient, history, stress, shear, bulk, yield_stress, strength, prestrain, exponent):
     """sigma_y = K (e0 + ep)^n where every step of the block is within reach of one Newton step."""
     for p in range(gradient.shape[1]):
-        mises = _mises(stress[0][p], stress[1][p], stress[2][p])
+        s_d, s_x, s_z, pressure, mises = _kirchhoff(p, gradient, stress)
         rise = history[4][p]
         step = _power_steps(mises, history[3][p], rise, shear, yield_stress, strength, prestrain, exponent)
         step = step if mises > yield_stress + rise else 0.0
         history[4][p] = mises - 3.0 * shear * step - yield_stress if step > 0.0 else rise
-        _finish(p, gradient, history, stress, shear, bulk, mises, step)
+        _return(p, gradient, history, stress, shear, bulk, s_d, s_x, s_z, pressure, mises, step)
 
 
 @kernel
 def power_return_far(gradient, history, stress, shear, bulk, yield_stress, strength, prestrain, exponent):
     """The same with as many Newton steps as each point needs."""
     for p in range(gradient.shape[1]):
-        mises = _mises(stress[0][p], stress[1][p], stress[2][p])
+        s_d, s_x, s_z, pressure, mises = _kirchhoff(p, gradient, stress)
         rise, step = history[4][p], 0.0
         if mises > yield_stress + rise:
             step = _power_steps(mises, history[3][p], rise, shear, yield_stress, strength, prestrain, exponent)
@@ -170,4 +168,4 @@ def power_return_far(gradient, history, stress, shear, bulk, yield_stress, stren
                 if abs(step - before) <= 1e-15 * (prestrain + step):
                     break
             history[4][p] = mises - 3.0 * shear * step - yield_stress
-        _finish(p, gradient, history, stress, shear, bulk, mises, step)
+        _return(p, gradient, history, stress, shear, bulk, s_d, s_x, s_z, pressure, mises, step)

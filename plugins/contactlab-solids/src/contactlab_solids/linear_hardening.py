@@ -61,11 +61,9 @@ class LinearHardening(Material):
             new_history[:] = history
         shear, bulk = j2.moduli(self.young, self.poisson)
         flow = (self.yield_stress, self.hardening)
-        yielding, _ = j2_kernels.trial(gradient, new_history, stress, shear, *flow, j2.PLASTIC, np.inf, 0.0)
+        yielding, _ = j2_kernels.trial(gradient, new_history, stress, shear, bulk, *flow, j2.PLASTIC, np.inf, 0.0)
         if yielding:
             j2_kernels.linear_return(gradient, new_history, stress, shear, bulk, *flow)
-        else:
-            j2_kernels.elastic(gradient, stress, bulk)
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of F^-1), (4, 4, P)."""

@@ -70,10 +70,9 @@ class PowerLaw(Material):
         shear, bulk = j2.moduli(self.young, self.poisson)
         start, near = self.strength * self.prestrain**self.exponent, 3.0 * shear * REACH
         yielding, far = j2_kernels.trial(
-            gradient, new_history, stress, shear, start, 1.0, 4, near * self.prestrain, near
+            gradient, new_history, stress, shear, bulk, start, 1.0, 4, near * self.prestrain, near
         )
         if not yielding:
-            j2_kernels.elastic(gradient, stress, bulk)
             return
         finish = j2_kernels.power_return_far if far else j2_kernels.power_return
         finish(gradient, new_history, stress, shear, bulk, start, self.strength, self.prestrain, self.exponent)
