@@ -1,0 +1,158 @@
+"""Friction: stopping distance, stick, the cone, dissipation, and both sides as slave."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from contactlab_dynamics.gauss_seidel import solve
+
+from contactlab.api import Solve
+from contactlab.model.build import build
+from contactlab.registry import default_registry
+from contactlab.scene import Scene, load_scene
+from contactlab.simulation import simulate
+
+ALGORITHMS = ("node-on-segment", "mortar-p0", "mortar-p1")
+
+
+def sliding_block(mu: float, speed: float, pressure: float, algorithm: str, rotate: float = 0.0) -> Scene:
+    """A single stiff cell pressed on a held base by a prescribed top, sliding freely along it.
+
+    The top's normal displacement is held, so the normal force is the elastic one of a given squeeze.
+    """
+    return Scene.from_data(
+        {
+            "name": "sliding-block",
+            "time": {"end": 2e-3, "step": 1e-6},
+            "integrator": "central-difference",
+            "materials": {"soft": {"use": "linear-elastic", "young": 100.0, "poisson": 0.0, "density": 1e-6}},
+            "bodies": {
+                "block": {
+                    "element": "q1",
+                    "material": "soft",
+                    "velocity": [speed, 0.0],
+                    "mesh": {"use": "rectangle", "x": [0.0, 1.0], "y": [0.0, 1.0], "cells": [2, 1]},
+                },
+                "base": {
+                    "element": "q1",
+                    "material": "soft",
+                    "mesh": {"use": "rectangle", "x": [-3.0, 5.0], "y": [-1.0, 0.0], "cells": [8, 1]},
+                },
+            },
+            "contacts": [
+                {
+                    "slave": "block.bottom",
+                    "master": "base.top",
+                    "algorithm": algorithm,
+                    "friction": {"use": "coulomb", "mu": mu},
+                }
+            ],
+            "supports": [
+                {"on": "base", "ux": 0.0, "uy": 0.0},
+                {"on": "block.top", "uy": {"ramp": "constant", "to": -pressure / 100.0}},
+            ],
+        }
+    )
+
+
+def test_a_node_stops_when_friction_has_taken_its_momentum() -> None:
+    """T2.4: mass m at speed v0 under a load N stops after m v0/(mu N), within one step, and then stays put."""
+    mass, speed, load, mu, dt = 2.0, 3.0, 5.0, 0.4, 1e-3
+    position, velocity = np.zeros(2), np.array([speed, 0.0])
+    compliance = np.full((1, 2), dt * dt / mass)
+    multipliers, force = np.zeros((2, 1)), np.zeros((1, 2))
+    stopped, resting = None, []
+    for number in range(4000):
+        velocity = velocity + dt / mass * np.array([0.0, -load])
+        trial = position + dt * velocity
+        # a wall y >= 0 with normal (0, 1); slip along x
+        solve(
+            1, np.array([0, 1], np.int32), np.zeros(1, np.int32), np.array([[0.0, 1.0]]), np.array([[1.0, 0.0]]),
+            trial[1:].copy(), np.array([trial[0] - position[0]]), np.ones(1), np.ones(1), np.zeros(1, np.int32),
+            np.array([[mu], [0.0], [0.0]]), np.zeros((4, 1)), compliance, multipliers, force, 1e-14, 50,
+        )  # fmt: skip
+        moved = trial + compliance[0] * force[0]
+        velocity, slip, position = (moved - position) / dt, moved[0] - position[0], moved
+        if stopped is None and abs(slip) < 1e-15:
+            stopped = number * dt
+        elif stopped is not None:
+            resting.append(abs(slip))
+    assert stopped == pytest.approx(mass * speed / (mu * load), abs=dt)
+    assert max(resting) < 1e-15  # no creep: friction is the force that stops the node within the step
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_friction_takes_exactly_the_momentum_the_block_loses(algorithm: str) -> None:
+    """Momentum along the base changes by the contact impulse alone; the cone is kept; dissipation never falls."""
+    mu, speed, pressure, dt = 0.2, 1.0, 1.0, 1e-6
+    model = build(sliding_block(mu, speed, pressure, algorithm), default_registry())
+    step = model.integrator.bind(model, model.state)
+    own = slice(model.bodies[0].first, model.bodies[0].first + model.bodies[0].count)
+    momentum = model.mass[own].sum() * speed
+    impulse, dissipated = 0.0, 0.0
+    for number in range(500):
+        step(dt)
+        y = model.state["multipliers"]
+        assert np.all(np.abs(y[1]) <= mu * y[0] * (1.0 + 1e-12) + 1e-15)
+        assert model.state["work"][6] >= dissipated
+        dissipated = model.state["work"][6]
+        # half a step of acceleration starts the leapfrog
+        impulse += (0.5 if number == 0 else 1.0) * dt * model.state["contact_force"][own, 0].sum()
+    lost = momentum - model.mass[own] @ model.state["velocity"][own, 0]
+    assert lost == pytest.approx(-impulse, rel=1e-9)  # round-off of 500 sums
+    assert dissipated > 0.0
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+def test_force_and_cone_on_disc_on_block(algorithm: str) -> None:
+    """Coulomb 0.2, deep, level 1: both slaves agree in reaction within 0.5 %, the cone holds to round-off."""
+    reactions = []
+    for swap in (False, True):
+        scene = load_scene("disc-on-block").with_(
+            {
+                "level": 1,
+                "contacts.0.algorithm": algorithm,
+                "contacts.0.swap": swap,
+                "contacts.0.friction": {"use": "coulomb", "mu": 0.2},
+                "record.frames": 10,
+            }
+        )
+        results = simulate(scene)
+        assert results.status == "finished", results.reason
+        contact = results.summary["contacts"]["contacts.0"]
+        assert contact["cone_violation"] < 1e-8
+        # a sticking node keeps a residual slip of at most 1e-10 of a segment per step under its force
+        left = 1e-10 * 0.07 * 4100.0 * np.diff(results.history["step"])
+        assert np.all(np.diff(results.history["energy.slip"]) >= -left)
+        reactions.append(results.summary["reactions"]["disc.top"][1])
+    assert reactions[0] == pytest.approx(reactions[1], rel=5e-3)
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_a_scene_without_friction_holds_nothing_tangential(algorithm: str) -> None:
+    """No friction key: one row of multipliers, no tangent weights, no slip, no friction module."""
+    model = build(load_scene("disc-on-block").with_({"contacts.0.algorithm": algorithm}), default_registry())
+    assert model.contact is not None
+    assert model.state["multipliers"].shape[0] == 1
+    assert model.contact.rows.tangent_weight.shape == (0, 2)
+    assert model.contact.rows.slip.size == model.contact.rows.bound.size == 0
+    assert isinstance(model.contact.last, Solve)
+
+
+@pytest.mark.parametrize("where", ["closed", "everywhere"])
+def test_tresca_bounds_the_shear_where_it_says(where: str) -> None:
+    """|y_t| <= s times length; "closed" rubs nowhere in the air, "everywhere" also where the gap is open."""
+    scene = sliding_block(0.0, 5.0, 1.0, "mortar-p0").with_(
+        {"contacts.0.friction": {"use": "tresca", "stress": 0.05, "where": where}}
+    )
+    lifted = scene.with_({"bodies.block.shift": [0.0, 0.02], "supports.1.uy": {"ramp": "constant", "to": 0.0}})
+    for case, rubs in ((scene, True), (lifted, where == "everywhere")):
+        model = build(case, default_registry())
+        step = model.integrator.bind(model, model.state)
+        for _ in range(20):
+            step(1e-6)
+        contact = model.contact
+        assert contact is not None
+        tangential = np.abs(model.state["multipliers"][1])
+        assert np.all(tangential <= 0.05 * contact.pairs[0].cover * (1.0 + 1e-12))
+        assert (tangential.max() > 0.0) == rubs
