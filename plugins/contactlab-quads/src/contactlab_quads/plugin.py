@@ -7,7 +7,21 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """The bilinear quadrilateral."""
+    """Quadrilaterals of first and second degree."""
     return [
         Part("element", "q1", "contactlab_quads.q1:Q1", "bilinear quadrilateral, 2x2 points", "Hughes 2000, ch. 3"),
+        Part(
+            "element",
+            "q2",
+            "contactlab_quads.q2:Q2",
+            "8-node serendipity quadrilateral, 3x3 points",
+            "Hinton, Rock & Zienkiewicz 1976",
+        ),
+        Part(
+            "element",
+            "q2-lagrange",
+            "contactlab_quads.q2_lagrange:Q2Lagrange",
+            "9-node quadrilateral, 3x3 points, Lobatto mass",
+            "Hughes 2000, ch. 3",
+        ),
     ]
