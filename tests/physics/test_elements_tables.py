@@ -45,7 +45,7 @@ def test_mass_of_a_distorted_mesh_is_positive_and_complete(element: Element) -> 
     arc = 1.6 * 1.0 - (0.8 * 0.6 + math.asin(0.8))  # area under the arc
     assert measures.min() > 0.0
     # curved quadratic sides follow the arc to h^4; straight ones to h^2
-    assert measures.sum() == pytest.approx(1.6 * 0.6 - arc, rel=2e-2 if element.degree == 1 else 2e-4)
+    assert measures.sum() == pytest.approx(1.6 * 0.6 - arc, rel=3e-2 if element.degree == 1 else 2e-4)
     assert not len(inverted_cells(mesh, element))
 
 
