@@ -47,7 +47,7 @@ def untouched(**arrays: Any) -> Iterator[None]:
     before = {name: np.array(array) for name, array in arrays.items()}
     yield
     for name, array in arrays.items():
-        require(np.array_equal(array, before[name], equal_nan=True), f"the input {name} was changed; inputs are read-only")
+        require(np.array_equal(array, before[name], equal_nan=True), f"the input {name} was changed; it is read-only")
 
 
 Check = Callable[[Any], None]

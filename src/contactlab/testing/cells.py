@@ -50,7 +50,7 @@ class Cells:
     @property
     def points(self) -> int:
         """P, points of all cells."""
-        return len(self.element.quadrature().weights) * self.connectivity.shape[1]
+        return len(self.element.quadrature().weights) * int(self.connectivity.shape[1])
 
 
 def distorted_cells(element: Element, count: int, *, wobble: float = 0.08, seed: int = 1) -> Cells:

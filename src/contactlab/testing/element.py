@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import Element, Floats
+from contactlab.api import Element, Floats, Ints
 from contactlab.kernels.cells import element_kernels
 from contactlab.mesh import cell_measures, jacobians
 from contactlab.testing.assertions import Check, agree, identical, require, untouched
@@ -128,7 +128,7 @@ def constant_stress_is_balanced(element: Element) -> None:
     agree(moment, np.zeros(7), 1e-10, "moment of a cell (lever arms up to 7)")
 
 
-def _exact_force(element: Element, nodes: Floats, connectivity: Floats, stress: Floats) -> Floats:
+def _exact_force(element: Element, nodes: Floats, connectivity: Ints, stress: Floats) -> Floats:
     """Integral of grad N . stress by a fine rule."""
     points, weights = gauss()
     slopes = element.shape(points).gradient
@@ -151,7 +151,7 @@ def rigid_motion_is_free(element: Element) -> None:
         x, y = cell.nodes[:, 0] - cell.nodes[:, 0].mean(), cell.nodes[:, 1] - cell.nodes[:, 1].mean()
         for name, mode in {"x": (x**0, 0 * x), "y": (0 * x, x**0), "rotation": (-y, x)}.items():
             force = stiffness @ np.stack(mode, axis=1).ravel()
-            agree(force, np.zeros_like(force), 1e-11 * largest, f"force of a rigid motion ({name})")
+            agree(force, np.zeros_like(force), 1e-11 * float(largest), f"force of a rigid motion ({name})")
         free = int(np.count_nonzero(np.linalg.svd(stiffness, compute_uv=False) < 1e-10 * largest))
         require(free == 3, f"{free} modes of a cell give no force, expected the 3 rigid ones")
 

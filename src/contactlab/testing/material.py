@@ -62,8 +62,12 @@ def objectivity(law: Material) -> None:
 def _infinitesimal_rotation(law: Material) -> None:
     gradient, history = gradients(law, POINTS, 0.01), some_history(law, POINTS)
     turned = gradient + np.array([[0.0], [-0.01], [0.01], [0.0]])
-    agree(respond(law, turned, history)[0], respond(law, gradient, history)[0], 1e-13 * modulus(law),
-          "stress of a displacement gradient with and without an antisymmetric part")  # fmt: skip
+    agree(
+        respond(law, turned, history)[0],
+        respond(law, gradient, history)[0],
+        1e-13 * modulus(law),
+        "stress of a displacement gradient with and without an antisymmetric part",
+    )
 
 
 def _superposed_rotation(law: Material) -> None:
@@ -97,14 +101,17 @@ def tangent_is_the_derivative(law: Material) -> None:
     tangent, expected = np.empty((4, 4, POINTS)), np.empty((4, 4, POINTS))
     law.tangent(gradient, history, DT, tangent)
     tangent_by_differences(law, gradient, history, DT, expected)
-    # differences with a step of 6e-6 are good to some 1e-9 of the moduli; a kink of a plastic law is
-    # met by chance at a point or two, and shows as an error of order one: half of the points must agree
+    # differences with a step of 6e-6 are good to some 1e-9 of the moduli; only where a plastic law starts
+    # to yield within the step do they see a kink, and 40 random points meet few of those
     error = np.abs(tangent - expected).max(axis=(0, 1)) / modulus(law)
     allowed = 1e-6
     bad = np.count_nonzero(~(error < allowed))
     few = 0 if law.history_size == 0 else POINTS // 10
-    require(bad <= few, f"tangent against differences: {bad} of {POINTS} points differ by up to {error.max():.1e} of the "
-            f"moduli, allowed {allowed:.0e} at all but {few}")  # fmt: skip
+    require(
+        bad <= few,
+        f"tangent against differences: {bad} of {POINTS} points differ by up to {error.max():.1e} of "
+        f"the moduli, allowed {allowed:.0e} at all but {few}",
+    )
 
 
 def energy_belongs_to_the_stress(law: Material) -> None:
@@ -135,7 +142,7 @@ def energy_belongs_to_the_stress(law: Material) -> None:
 
 def _deformation(law: Material, gradient: Floats) -> Floats:
     """F (P, 2, 2) for "finite", du/dX for "small"."""
-    return np.linalg.inv(matrices(gradient)) if law.kinematics == "finite" else matrices(gradient)
+    return np.asarray(np.linalg.inv(matrices(gradient))) if law.kinematics == "finite" else matrices(gradient)
 
 
 def _energy(law: Material, gradient: Floats) -> Floats:
@@ -148,7 +155,7 @@ def _energy_of(law: Material, deformation: Floats) -> Floats:
     """Energy per undeformed volume of F or du/dX."""
     if law.kinematics == "small":
         return _energy(law, deformation)
-    return np.asarray(np.linalg.det(deformation) * _energy(law, np.linalg.inv(deformation)))
+    return np.asarray(np.linalg.det(deformation) * _energy(law, np.asarray(np.linalg.inv(deformation))))
 
 
 def _work_conjugate(law: Material, gradient: Floats) -> Floats:
@@ -173,8 +180,10 @@ def stiffening_bounds_the_waves(law: Material) -> None:
     fastest = _acoustic_moduli(law, gradient).max(axis=0)
     allowed = bound * modulus(law) * (1.0 + 1e-6)  # differences
     worst = int(np.argmax(fastest / allowed))
-    require(np.all(fastest <= allowed), f"stiffening: a wave has {fastest[worst] / modulus(law):.4f} of the modulus at rest "
-            f"at gradient {gradient[:, worst].round(3).tolist()}, the bound is {bound[worst]:.4f}")  # fmt: skip
+    seen = (
+        f"{fastest[worst] / modulus(law):.4f} of the modulus at rest at gradient {gradient[:, worst].round(3).tolist()}"
+    )
+    require(np.all(fastest <= allowed), f"stiffening: a wave has {seen}, the bound is {bound[worst]:.4f}")
 
 
 def _acoustic_moduli(law: Material, gradient: Floats) -> Floats:
@@ -185,7 +194,9 @@ def _acoustic_moduli(law: Material, gradient: Floats) -> Floats:
         for m in range(2):
             shift = np.zeros((2, 2))
             shift[k, m] = step
-            high, low = (_work_conjugate(law, rows_of(np.linalg.inv(base + s * shift))) for s in (1.0, -1.0))
+            high, low = (
+                _work_conjugate(law, rows_of(np.asarray(np.linalg.inv(base + s * shift)))) for s in (1.0, -1.0)
+            )
             derivative[:, :, :, k, m] = (high - low) / (2.0 * step)
     spatial = np.einsum("pjJ,plL,piJkL->pijkl", base, base, derivative) / np.linalg.det(base)[:, None, None, None, None]
     angles = np.linspace(0.0, np.pi, 24, endpoint=False)
