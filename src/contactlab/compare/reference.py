@@ -26,7 +26,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.compare.profile import Profile, Window
-from contactlab.errors import RequestError, did_you_mean
+from contactlab.errors import RequestError, Where, did_you_mean
 
 FOLDER = Path(__file__).parent.parent / "data" / "references"
 
@@ -109,7 +109,7 @@ def bundled() -> dict[str, Path]:
     return {path.stem: path for path in sorted(FOLDER.glob("*.json"))}
 
 
-def load_reference(name: str, *, beside: Path | None = None) -> Reference:
+def load_reference(name: str, *, beside: Path | None = None, where: Where = "reference") -> Reference:
     """A reference by bundled name, or by the path of its JSON file (relative to `beside`).
 
     Raises RequestError when there is none or the file is not a reference.
@@ -119,7 +119,7 @@ def load_reference(name: str, *, beside: Path | None = None) -> Reference:
     if not path.is_file():
         raise RequestError(
             "there is no such reference",
-            where="reference",
+            where=where,
             got=name,
             allowed="the path of a reference's JSON file or one of " + ", ".join(known),
             hint=did_you_mean(name, known),

@@ -52,7 +52,7 @@ def compare(
     Raises RequestError when the request itself is wrong.
     """
     plan = make_plan(scene_or_study, vary, registry, changes)
-    named = load_reference(plan.study.reference, beside=plan.study.folder) if plan.study.reference else None
+    named = _named_reference(plan.study)
     workers = _checked_jobs(jobs)
     folder = claimed_folder(Path(out)) if out is not None else None
     began = perf_counter()
@@ -73,6 +73,13 @@ def compare(
     if interrupted:
         raise KeyboardInterrupt
     return table
+
+
+def _named_reference(study: Study) -> Reference | None:
+    if study.reference is None:
+        return None
+    where = f"{study.path}, key reference" if study.path else "reference"
+    return load_reference(study.reference, beside=study.folder, where=where)
 
 
 def _checked_jobs(jobs: int | None) -> int:

@@ -9,23 +9,32 @@ MISSING = "\N{EN DASH}"
 
 
 def significant(value: float, digits: int = 3) -> str:
-    """`digits` significant digits without needless zeros; powers of ten outside 1e-3 .. 1e6."""
+    """`digits` significant digits, powers of ten outside 1e-3 .. 1e6; whole numbers where `digits` is 0."""
     if math.isnan(value):
         return MISSING
     if math.isinf(value):
         return "∞" if value > 0 else "-∞"
-    if value != 0.0 and not 1e-3 <= abs(value) < 1e6:
-        mantissa, _, exponent = f"{value:.{max(0, digits - 1)}e}".partition("e")
-        return f"{mantissa}e{int(exponent)}"
-    if value == int(value) and abs(value) < 1e6:
-        return str(int(value))
-    decimals = digits - 1 - math.floor(math.log10(abs(value)))
-    return f"{value:.{max(0, decimals)}f}"
+    if value == 0.0 or digits == 0:
+        return f"{value:.0f}"
+    mantissa, _, power = f"{value:.{digits - 1}e}".partition("e")
+    exponent = int(power)
+    if not -3 <= exponent < 6:
+        return f"{mantissa}e{exponent}"
+    return f"{value:.{max(0, digits - 1 - exponent)}f}"
 
 
 def percent(value: float, digits: int = 2) -> str:
     """A share in per cent, without the sign: 0.0123 -> "1.2"."""
     return significant(100.0 * value, digits)
+
+
+def uncertain(value: float, error: float) -> str:
+    """A value to the digits that its error leaves: 60.3214, 0.002 -> "60.321 ± 0.002"."""
+    if not error > 0.0:
+        return significant(value, 6)
+    power = int(f"{error:.0e}".partition("e")[2])
+    decimals = max(0, -power)
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
 
 
 def quantity(value: Any, unit: str, digits: int) -> str:

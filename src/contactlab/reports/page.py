@@ -18,7 +18,7 @@ from contactlab.reports.colours import Style, styles
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.figures import inline_svg, save
 from contactlab.reports.findings import Finding, findings, sentence, span
-from contactlab.reports.numbers import percent, significant
+from contactlab.reports.numbers import percent, significant, uncertain
 from contactlab.reports.page_table import runs_table
 from contactlab.reports.pressure_plot import pressure_figure
 from contactlab.toml_text import write_toml
@@ -163,7 +163,7 @@ def _reference(reference: Reference | None, table: Table) -> str:
     }
     for name, scalar in reference.scalars.items():
         label = str(scalar.get("meaning", name))
-        facts[label] = f"{significant(float(scalar['value']), 6)} ± {significant(float(scalar['error']), 2)}"
+        facts[label] = uncertain(float(scalar["value"]), float(scalar["error"]))
     if reference.window is not None:
         low, high = reference.window
         facts["compared over"] = f"{low:g} < x < {high:g}"

@@ -1,0 +1,130 @@
+"""The report is one well-formed page with every run in it and nothing from elsewhere."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from contactlab.compare.table import Row, Table
+from contactlab.reports.page import draw, page, write_report
+
+VOID = {"meta", "br", "link", "img", "input", "hr"}
+
+
+class Outline(HTMLParser):
+    """Checks that tags close in order; gathers texts, links, table runs and SVG source."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.texts: list[str] = []
+        self.references: list[str] = []
+        self.identifiers: list[str] = []
+        self.runs: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        found = dict(attrs)
+        self.references += [str(found[name]) for name in ("src", "href", "xlink:href", "action") if name in found]
+        self.identifiers += [str(found["id"])] if "id" in found else []
+        if found.get("class") == "run":
+            self.runs.append("")
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.texts.append(data)
+        if self.runs and "tbody" in self.open:
+            self.runs[-1] += data
+
+
+@pytest.fixture
+def outline(table: Table) -> Outline:
+    found = Outline()
+    found.feed(page(table, draw(table)))
+    return found
+
+
+def test_tags_close_and_identifiers_are_unique(outline: Outline) -> None:
+    assert outline.open == []
+    assert len(set(outline.identifiers)) == len(outline.identifiers)
+
+
+def test_every_run_is_in_the_table_with_its_status_and_reason(outline: Outline, table: Table) -> None:
+    runs = outline.runs[: len(table)]
+    for row, text in zip(table, runs, strict=True):
+        for part in (row.algorithm, row.slave, str(row.level), row.status, row.reason):
+            assert part in text
+
+
+def test_nothing_comes_from_elsewhere(outline: Outline, table: Table) -> None:
+    assert all(reference.startswith(("#", "data:")) for reference in outline.references)
+    text = page(table, draw(table))
+    assert "@import" not in text
+    assert "url(http" not in text
+
+
+def test_it_says_what_it_compares_with_and_how_good_that_is(outline: Outline) -> None:
+    text = " ".join(outline.texts)
+    for part in (
+        "A parabola",
+        "Closed form, <by hand>.",
+        "0.10 %",
+        "666.7 ± 0.5",
+        "nobody 2005",
+        "numpy",
+        "processor",
+    ):
+        assert part in text
+
+
+def test_the_scene_and_the_study_are_in_it(outline: Outline) -> None:
+    assert 'name = "made-up"\n' in outline.texts
+    assert any('scene = "made-up"' in text and "[vary]" in text for text in outline.texts)
+
+
+def test_the_lead_names_the_most_accurate_finished_run(outline: Outline) -> None:
+    lead = next(text for text in outline.texts if "most accurate" in text)
+    assert "4 runs at level 2, 2 finished" in lead
+    assert "beta (slave disc): 1.0 %" in lead
+
+
+def test_drawings_follow_the_colours_of_the_page(table: Table) -> None:
+    text = page(table, draw(table))
+    drawings = [part.partition("</svg>")[0] for part in text.split("<svg")[1:]]
+    assert len(drawings) == 3
+    for drawing in drawings:
+        assert "var(--ink)" in drawing
+        assert "var(--muted)" in drawing
+        assert "#1c2128" not in drawing
+
+
+def test_plots_are_written_as_svg_and_png(table: Table, tmp_path: Path) -> None:
+    write_report(table, tmp_path)
+    for name in ("pressure", "error-against-cost", "bodies"):
+        ET.parse(tmp_path / f"{name}.svg")
+        assert (tmp_path / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+    assert (tmp_path / "report.html").read_text().startswith("<!DOCTYPE html>")
+
+
+def test_a_comparison_of_which_nothing_is_left_still_has_a_page(table: Table) -> None:
+    def dead(row: Row) -> Row:
+        return Row(row.name, row.algorithm, row.slave, row.level, row.varied, "failed", "gone", notes=["no pressure"])
+
+    empty = Table([dead(row) for row in table], table.study, None, table.scene)
+    found = Outline()
+    found.feed(page(empty, draw(empty)))
+    assert found.open == []
+    assert sum("gone" in text for text in found.runs) == len(table)
+    assert "There is no pressure error: no pressure." in " ".join(found.texts)
