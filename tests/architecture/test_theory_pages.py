@@ -1,0 +1,24 @@
+"""Pages of docs/theory say what the code does: their Python is run, block after block."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PAGES = sorted((Path(__file__).parents[2] / "docs" / "theory").glob("*.md"))
+_BLOCK = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_the_code_of_a_page_runs(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    names: dict[str, Any] = {"__name__": page.stem}
+    blocks = list(_BLOCK.finditer(text))
+    assert blocks, f"{page.name} has formulas without calls"
+    for block in blocks:
+        # blank lines in front make line numbers in a traceback those of the page
+        lines = "\n" * text.count("\n", 0, block.start(1))
+        exec(compile(lines + block[1], str(page), "exec"), names)
