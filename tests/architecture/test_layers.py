@@ -21,7 +21,7 @@ CORE = ROOT / "src" / "contactlab"
 LAYERS = (
     ("errors",),
     ("api", "kernels.cache"),
-    ("kernels", "mesh", "meshing"),
+    ("kernels", "api.chains", "mesh", "meshing"),
     (
         "hookspecs", "plugins", "contract", "registry", "builtin",
         "fields", "toml_text", "overrides", "scene_keys", "scene_checks", "scene",

@@ -6,6 +6,7 @@ Kernels take contiguous arrays, fill the outputs they are given and allocate not
           vectorisation), multiply-add contraction is allowed, reassociation is not, so results do
           not depend on block size; the interpreter lock is released; machine code is cached on disk.
 `point`   for functions of one point called inside kernels: always inlined.
+`section` for pieces of a long kernel: they cost no compilation of their own.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from numba.extending import intrinsic
 
 from contactlab.kernels.cache import cache_folder
 
-__all__ = ["exp", "kernel", "log", "point", "power"]
+__all__ = ["exp", "kernel", "log", "point", "power", "section"]
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
@@ -38,6 +39,11 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
 def point(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of one point that is inlined into every kernel that calls it."""
     return njit(forceinline=True, **_OPTIONS)(function)
+
+
+def section(function: Callable[..., Any]) -> Callable[..., Any]:
+    """A part of one kernel under a name of its own: written into its callers, never compiled by itself."""
+    return njit(inline="always", **_OPTIONS)(function)
 
 
 @intrinsic

@@ -8,13 +8,13 @@ T stays square and tridiagonal. `owner[k]` is the multiplier that k became, -1 i
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel
+from contactlab.api.kernel import kernel, section
 
 MERGE_BELOW = 0.05
 DROP_BELOW = 1e-6
 
 
-@kernel
+@section
 def accumulate(count, multiplier, T, following, diagonal, lower, upper, cover):
     """Sum the pieces' T into the three diagonals and the covered length of each multiplier."""
     diagonal[:] = 0.0
@@ -33,7 +33,7 @@ def accumulate(count, multiplier, T, following, diagonal, lower, upper, cover):
                     lower[multiplier[p, j]] += T[p, j, i]
 
 
-@kernel
+@section
 def settle(full, fixed, following, preceding, diagonal, lower, upper, cover, owner, next_, previous):
     """Drop and merge multipliers; link the rest in `next_` and `previous` (-1 at ends).
 
@@ -54,7 +54,7 @@ def settle(full, fixed, following, preceding, diagonal, lower, upper, cover, own
             owner[k] = owner[owner[k]]
 
 
-@kernel
+@section
 def _merge(k, fixed, diagonal, lower, upper, cover, owner, next_, previous):
     """Give row and column k to the neighbour with more cover, if there is one to take them."""
     n, p = next_[k], previous[k]
@@ -78,7 +78,7 @@ def _merge(k, fixed, diagonal, lower, upper, cover, owner, next_, previous):
         previous[n] = p
 
 
-@kernel
+@section
 def factorise(diagonal, lower, upper, owner, next_, previous, from_left, order):
     """Pivots of T eliminated from the start of each chain; `order` lists the multipliers chain by chain.
 

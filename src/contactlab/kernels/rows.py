@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel
+from contactlab.api.kernel import kernel, section
 
 
-@kernel
+@section
 def _write(k, side, sign, numbers, normal, at, node, normal_weight, tangent_weight):
     """Entries of one side of condition k; returns the next free entry."""
     start, end, weight = side

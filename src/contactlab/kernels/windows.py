@@ -8,13 +8,13 @@ stored from the beginning of `weight[k]`.
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel
+from contactlab.api.kernel import kernel, section
 
 FAR = 1e300  # gap of a multiplier that is not kept
 CUT = 1e-13  # a weight below it moves a gap by less than the round-off of the positions
 
 
-@kernel
+@section
 def fill(count, multiplier, nodes, values, owner, start, end, weight):
     """Columns of D or M (pieces, b, w) as windows of their kept multipliers.
 
@@ -47,7 +47,7 @@ def fill(count, multiplier, nodes, values, owner, start, end, weight):
     return 0
 
 
-@kernel
+@section
 def _combine(k, other, factor, scale, start, end, weight, row):
     """Row k becomes scale * (row k - factor * row other); returns 0 or the width it lacks."""
     low, high = start[other], end[other]
@@ -76,7 +76,7 @@ def _combine(k, other, factor, scale, start, end, weight, row):
     return 0
 
 
-@kernel
+@section
 def solve_windows(count, order, lower, upper, next_, previous, from_left, start, end, weight, row):
     """Turn columns into rows: forward and backward substitution with T^T, whole windows at a time.
 

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel
+from contactlab.api.kernel import kernel, section
 
 
-@kernel
+@section
 def _row_compliance(begin, end, node, weight, compliance):
     total = 0.0
     for z in range(begin, end):
@@ -20,7 +20,7 @@ def _row_compliance(begin, end, node, weight, compliance):
     return total
 
 
-@kernel
+@section
 def _row_value(begin, end, node, weight, correction):
     """Sum of weight . correction over a row, in two chains that the processor can overlap."""
     even, odd = 0.0, 0.0
@@ -36,7 +36,7 @@ def _row_value(begin, end, node, weight, correction):
     return even + odd
 
 
-@kernel
+@section
 def _push(begin, end, node, weight, amount, compliance, correction):
     for z in range(begin, end):
         n = node[z]
@@ -44,7 +44,7 @@ def _push(begin, end, node, weight, amount, compliance, correction):
         correction[n, 1] += compliance[n, 1] * weight[z, 1] * amount
 
 
-@kernel
+@section
 def _normal(k, begin, end, node, weight, gap, size, work, compliance, correction):
     """One normal update; returns the row's natural residual before it."""
     a = work[0, k]
@@ -58,7 +58,7 @@ def _normal(k, begin, end, node, weight, gap, size, work, compliance, correction
     return residual
 
 
-@kernel
+@section
 def _tangential(k, begin, end, node, weight, slip, size, measure, bound, work, compliance, correction):
     """One tangential update, clipped by the friction bound; returns the row's residual before it."""
     a = work[2, k]
@@ -75,7 +75,7 @@ def _tangential(k, begin, end, node, weight, slip, size, measure, bound, work, c
     return abs(new - y) * a / size[k]
 
 
-@kernel
+@section
 def _prepare(count, start, node, normal, tangent, slot, work, compliance, multipliers, correction):
     """Row compliances, warm start, and the corrections that belong to it; returns rows without compliance."""
     rigid = 0
@@ -96,7 +96,7 @@ def _prepare(count, start, node, normal, tangent, slot, work, compliance, multip
     return rigid
 
 
-@kernel
+@section
 def _finish(count, start, node, normal, tangent, slot, work, multipliers, force):
     """Multipliers to their slots and forces to the nodes; returns the largest correction found there."""
     largest = 0.0

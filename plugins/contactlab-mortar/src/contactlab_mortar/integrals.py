@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel, point
+from contactlab.api.kernel import point, section
 
 _POINTS = (-0.7745966692414834, 0.0, 0.7745966692414834)
 _WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
@@ -28,7 +28,7 @@ def constant_basis(xi, k):
     return 1.0 if inside else 0.0
 
 
-@kernel
+@section
 def integrate(low, high, eta_low, eta_high, length, slave_half, master_half, linear, p, D, M, T):
     """Add the part low < xi < high of a slave segment to piece p.
 

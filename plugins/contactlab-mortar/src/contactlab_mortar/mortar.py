@@ -73,7 +73,7 @@ class _Mortar(ContactAlgorithm):
 
 def _outward_normals(slave: Surface, at: SurfacePositions) -> tuple[Floats, Floats]:
     """Segment lengths (s,) and averaged nodal normals (m, 2) of the slave."""
-    from contactlab.kernels.edges import nodal_normals, segment_normals
+    from contactlab.api.chains import nodal_normals, segment_normals
 
     normal, length = np.empty((len(slave.segments), 2)), np.empty(len(slave.segments))
     segment_normals(at.slave, slave.segments, normal, length)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, point
+from contactlab.api.kernel import kernel, point, section
 from contactlab_mortar.integrals import integrate
 from contactlab_mortar.projection import master_parameter, opening, slave_parameter
 
 SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
 
 
-@kernel
+@section
 def overlap(a, b, na, nb, c, d, out):
     """Overlap of slave (a, b) with normals (na, nb) and master (c, d) into out (6,).
 
@@ -97,13 +97,16 @@ def mortar_pieces(slave, master, slave_at, master_at, normals, near, reach, dept
     return count
 
 
-@kernel
+@section
 def _integrate_halves(found, length, slave_half, master_half, linear, p, D, M, T):
     """Integrate an overlap, cut where the P0 basis jumps."""
     low, high, eta_low, eta_high = found[0], found[1], found[2], found[3]
-    if linear or high <= 0.5 or low >= 0.5:
-        integrate(low, high, eta_low, eta_high, length, slave_half, master_half, linear, p, D, M, T)
-        return
-    eta = eta_low + (0.5 - low) / (high - low) * (eta_high - eta_low)
-    integrate(low, 0.5, eta_low, eta, length, slave_half, master_half, linear, p, D, M, T)
-    integrate(0.5, high, eta, eta_high, length, slave_half, master_half, linear, p, D, M, T)
+    slope = (eta_high - eta_low) / (high - low)
+    for part in range(2):
+        begin, finish = low, high
+        if not linear:
+            begin, finish = (low, min(high, 0.5)) if part == 0 else (max(low, 0.5), high)
+        if finish <= begin or (linear and part == 1):
+            continue
+        first, last = eta_low + (begin - low) * slope, eta_low + (finish - low) * slope
+        integrate(begin, finish, first, last, length, slave_half, master_half, linear, p, D, M, T)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, point
+from contactlab.api.kernel import kernel, point, section
 
 EDGE = 1e-9  # how far, in segment lengths, a node may project beyond a segment's end
 AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex
@@ -12,7 +12,7 @@ HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker 
 SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments
 
 
-@kernel
+@section
 def _foot(p, segment, positions, segments, normal, length):
     """Gap [mm] and xi of point p on a segment's line."""
     a, b = segments[segment, 0], segments[segment, 1]
@@ -22,7 +22,7 @@ def _foot(p, segment, positions, segments, normal, length):
     return gap, along / (length[segment] * length[segment])
 
 
-@kernel
+@section
 def _nearest(p, outward, last, candidates, begin, end, positions, segments, normal, length, reach, depth, best):
     """Nearest segment that p projects onto; best = (gap, xi). Returns -1 if there is none."""
     found = -1
@@ -40,7 +40,7 @@ def _nearest(p, outward, last, candidates, begin, end, positions, segments, norm
     return found
 
 
-@kernel
+@section
 def _vertex(p, outward, candidates, begin, end, positions, segments, node_segments, normal, reach, best):
     """Nearest vertex between two segments when p projects onto neither; best = (distance, ., .)."""
     found = -1
@@ -61,7 +61,7 @@ def _vertex(p, outward, candidates, begin, end, positions, segments, node_segmen
     return found
 
 
-@kernel
+@section
 def _put(p, node, slot, slots, weight, first, second, share, nx, ny, out):
     """Write one piece: tributary length `weight`, master nodes `first`, `second` with shares 1 - share, share."""
     slave_nodes, multipliers, master_nodes, D, M, T, normals = out
@@ -76,7 +76,7 @@ def _put(p, node, slot, slots, weight, first, second, share, nx, ny, out):
     normals[k, 0], normals[k, 1] = nx, ny
 
 
-@kernel
+@section
 def _put_on_parabola(count, node, point_at, slots, weight, positions, edge, s, out):
     """Write the piece of a node held by a quadratic edge (start, end, middle), at the closest point near s."""
     slave_nodes, multipliers, master_nodes, D, M, T, normals = out
@@ -108,7 +108,7 @@ def _parabola(a, b, m, s):
     return m[0] + s * (hx + 0.5 * s * cx), m[1] + s * (hy + 0.5 * s * cy), hx + s * cx, hy + s * cy, cx, cy
 
 
-@kernel
+@section
 def _hold_at_vertex(count, p, node, slots, weight, v, positions, segments, node_segments, normal, length, depth, out):
     """A convex vertex holds along the line to the node, a concave one with both its segments."""
     before, after = node_segments[v, 0], node_segments[v, 1]
@@ -147,7 +147,7 @@ def _end_reached(share, m, segments, node_segments):
     return v if node_segments[v, 0] >= 0 and node_segments[v, 1] >= 0 else -1
 
 
-@kernel
+@section
 def _second_side(p, m, xi, positions, segments, node_segments, normal, length, reach):
     """The neighbour that holds the node too: p is in a sharp concave corner and projects onto both."""
     for side in range(2):
