@@ -15,6 +15,6 @@ A check returns nothing and raises AssertionError with what it got, what is allo
 """
 
 from contactlab.testing.assertions import NotApplicable
-from contactlab.testing.run import Outcome, checks_for, run_checks
+from contactlab.testing.run import Outcome, checks_for, run_check, run_checks
 
-__all__ = ["NotApplicable", "Outcome", "checks_for", "run_checks"]
+__all__ = ["NotApplicable", "Outcome", "checks_for", "run_check", "run_checks"]

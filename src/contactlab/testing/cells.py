@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from contactlab.api import Element, Floats, Ints, Mesh
+from contactlab.api import BlockKernels, Element, Floats, Ints, Kinematics, Mesh
 from contactlab.kernels.cells import element_kernels
 
 LAME, SHEAR = 1.5, 1.0  # of Hooke's law in checks; any positive pair serves
@@ -14,11 +14,12 @@ LAME, SHEAR = 1.5, 1.0  # of Hooke's law in checks; any positive pair serves
 
 @dataclass
 class Cells:
-    """n separate cells of one element: nodes (n a, 2) and connectivity (a, n)."""
+    """n separate cells of one element: nodes (n a, 2), connectivity (a, n), and whose kernels are used."""
 
     element: Element
     nodes: Floats
     connectivity: Ints
+    kinematics: Kinematics = "small"
 
     @property
     def mesh(self) -> Mesh:
@@ -27,7 +28,7 @@ class Cells:
 
     def part(self, begin: int, end: int) -> Cells:
         """Cells begin ... end - 1, with the nodes of all."""
-        return Cells(self.element, self.nodes, np.ascontiguousarray(self.connectivity[:, begin:end]))
+        return replace(self, connectivity=np.ascontiguousarray(self.connectivity[:, begin:end]))
 
     def gradient(self, field: Floats) -> Floats:
         """d(field)/d(position) (4, P)."""
@@ -35,16 +36,34 @@ class Cells:
 
     def force(self, stress: Floats) -> Floats:
         """Nodal forces (N, 2) of a stress (4, P)."""
-        _, scratch = self._gradient_and_scratch(self.nodes)
         force = np.zeros_like(self.nodes)
-        element_kernels(self.element).force(self.nodes, self.connectivity, stress, force, scratch)
+        self.add_force(stress, force)
         return force
+
+    def add_force(self, stress: Floats, force: Floats) -> None:
+        """Add the nodal forces of a stress (4, P) to `force` (N, 2)."""
+        _, scratch = self._gradient_and_scratch(self.nodes)
+        self.kernels.force(self.nodes, self.connectivity, stress, force, scratch)
+
+    def stabilising_force(self, displacement: Floats) -> Floats:
+        """Nodal forces (N, 2) that give stiffness to modes which the points do not see; zero for most elements."""
+        force = np.zeros_like(self.nodes)
+        if self.kernels.stabilise is not None:
+            a, n = self.connectivity.shape
+            scratch, u = np.zeros((6 * a + 6, n)), np.ascontiguousarray(displacement)
+            self.kernels.stabilise(self.nodes, u, self.connectivity, SHEAR, force, scratch)
+        return force
+
+    @property
+    def kernels(self) -> BlockKernels:
+        """The element's kernels for these kinematics."""
+        return element_kernels(self.element, self.kinematics)
 
     def _gradient_and_scratch(self, field: Floats) -> tuple[Floats, Floats]:
         a, n = self.connectivity.shape
         scratch = np.zeros((6 * a + 6, n))
         out = np.full((4, self.points), np.nan)
-        element_kernels(self.element).gradient(self.nodes, np.ascontiguousarray(field), self.connectivity, out, scratch)
+        self.kernels.gradient(self.nodes, np.ascontiguousarray(field), self.connectivity, out, scratch)
         return out, scratch
 
     @property
@@ -53,7 +72,9 @@ class Cells:
         return len(self.element.quadrature().weights) * int(self.connectivity.shape[1])
 
 
-def distorted_cells(element: Element, count: int, *, wobble: float = 0.08, seed: int = 1) -> Cells:
+def distorted_cells(
+    element: Element, count: int, *, wobble: float = 0.08, seed: int = 1, kinematics: Kinematics = "small"
+) -> Cells:
     """Cells with random aspect up to 2, any orientation, and nodes off their place by `wobble` of the half side."""
     rng = np.random.default_rng(seed)
     a = len(element.nodes)
@@ -62,9 +83,8 @@ def distorted_cells(element: Element, count: int, *, wobble: float = 0.08, seed:
     angle = rng.uniform(0.0, 2.0 * np.pi, count)
     turn = np.stack([np.cos(angle), -np.sin(angle), np.sin(angle), np.cos(angle)], axis=-1).reshape(-1, 2, 2)
     x = np.einsum("nij,naj->nai", turn, x) + rng.uniform(-5.0, 5.0, (count, 1, 2))
-    return Cells(
-        element, np.ascontiguousarray(x.reshape(-1, 2)), np.arange(count * a, dtype=np.int32).reshape(count, a).T.copy()
-    )
+    connectivity = np.arange(count * a, dtype=np.int32).reshape(count, a).T.copy()
+    return Cells(element, np.ascontiguousarray(x.reshape(-1, 2)), connectivity, kinematics)
 
 
 def hooke(gradient: Floats) -> Floats:
@@ -81,7 +101,9 @@ def cell_stiffness(cell: Cells) -> Floats:
     for j in range(size):
         unit = np.zeros(size)
         unit[j] = 1.0
-        columns.append(cell.force(hooke(cell.gradient(unit.reshape(-1, 2)))).ravel())
+        displacement = unit.reshape(-1, 2)
+        force = cell.force(hooke(cell.gradient(displacement))) + cell.stabilising_force(displacement)
+        columns.append(force.ravel())
     return np.stack(columns, axis=1)
 
 

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import get_args
+
 import numpy as np
 
-from contactlab.api import Element, Floats, Ints
-from contactlab.kernels.cells import element_kernels
+from contactlab.api import Element, Floats, Ints, Kinematics
 from contactlab.mesh import cell_measures, jacobians
-from contactlab.testing.assertions import Check, agree, identical, require, untouched
+from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.cells import cell_stiffness, distorted_cells, gauss
 
+KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 ROUND_OFF = 1e-12  # some thousand roundings of numbers of order one
 
 
@@ -108,24 +111,27 @@ def trace_is_the_shape(element: Element) -> None:
 
 
 def linear_field_is_exact(element: Element) -> None:
-    """The kernels give the exact gradient of a linear field on distorted cells."""
-    cells = distorted_cells(element, 7)
+    """The kernels give the exact gradient of a linear field on distorted cells, for laws of all kinematics."""
     slope = np.array([[0.3, -1.1], [0.7, 0.4]])
-    got = cells.gradient(cells.nodes @ slope.T)
-    expected = np.repeat(slope.reshape(4, 1), cells.points, axis=1)
-    agree(got, expected, 1e-11, "gradient of a linear field (round-off over the smallest half side of 0.4)")
+    for kinematics in KINEMATICS:
+        cells = distorted_cells(element, 7, kinematics=kinematics)
+        got = cells.gradient(cells.nodes @ slope.T)
+        expected = np.repeat(slope.reshape(4, 1), cells.points, axis=1)
+        agree(got, expected, 1e-11, f"{kinematics}: gradient of a linear field (round-off over half sides of 0.4)")
 
 
 def constant_stress_is_balanced(element: Element) -> None:
     """A constant stress gives the exact nodal forces, without resultant and without moment."""
-    cells = distorted_cells(element, 7)
-    stress = np.repeat(np.array([[1.3], [-0.4], [0.2], [0.9]]), cells.points, axis=1)
-    force = cells.force(stress)
-    agree(force, _exact_force(element, cells.nodes, cells.connectivity, stress[:, 0]), 1e-11, "nodal forces")
-    by_cell, x = force[cells.connectivity], cells.nodes[cells.connectivity]
-    agree(by_cell.sum(axis=0), np.zeros((7, 2)), 1e-11, "resultant of a cell")
-    moment = (x[..., 0] * by_cell[..., 1] - x[..., 1] * by_cell[..., 0]).sum(axis=0)
-    agree(moment, np.zeros(7), 1e-10, "moment of a cell (lever arms up to 7)")
+    for kinematics in KINEMATICS:
+        cells = distorted_cells(element, 7, kinematics=kinematics)
+        stress = np.repeat(np.array([[1.3], [-0.4], [0.2], [0.9]]), cells.points, axis=1)
+        force = cells.force(stress)
+        exact = _exact_force(element, cells.nodes, cells.connectivity, stress[:, 0])
+        agree(force, exact, 1e-11, f"{kinematics}: nodal forces")
+        by_cell, x = force[cells.connectivity], cells.nodes[cells.connectivity]
+        agree(by_cell.sum(axis=0), np.zeros((7, 2)), 1e-11, f"{kinematics}: resultant of a cell")
+        moment = (x[..., 0] * by_cell[..., 1] - x[..., 1] * by_cell[..., 0]).sum(axis=0)
+        agree(moment, np.zeros(7), 1e-10, f"{kinematics}: moment of a cell (lever arms up to 7)")
 
 
 def _exact_force(element: Element, nodes: Floats, connectivity: Ints, stress: Floats) -> Floats:
@@ -169,20 +175,27 @@ def lumped_mass(element: Element) -> None:
 def forces_are_added(element: Element) -> None:
     """The force kernel adds to what is there, also where cells share nodes, and touches no other node."""
     cells = distorted_cells(element, 3)
-    stress = np.random.default_rng(3).normal(size=(4, cells.points))
-    twice = cells.part(0, 1)
-    twice.connectivity = np.ascontiguousarray(np.repeat(twice.connectivity, 2, axis=1))
-    q = len(element.quadrature().weights)
-    single = cells.part(0, 1).force(np.ascontiguousarray(stress[:, :q]))
-    both = twice.force(np.ascontiguousarray(np.repeat(stress[:, :q], 2, axis=1)))
-    agree(both, 2.0 * single, 1e-12, "two cells on the same nodes")
-    a = len(element.nodes)
-    agree(single[a:], np.zeros((2 * a, 2)), 0.0, "nodes of other cells")
-    before = np.ones_like(cells.nodes)
-    kernels, scratch = element_kernels(element), np.zeros((6 * a + 6, 3))
-    kernels.gradient(cells.nodes, cells.nodes, cells.connectivity, np.empty((4, cells.points)), scratch)
-    kernels.force(cells.nodes, cells.connectivity, stress, before, scratch)
-    agree(before - 1.0, cells.force(stress), 1e-12, "force kernel with forces already there")
+    q, a = len(element.quadrature().weights), len(element.nodes)
+    stress = np.random.default_rng(3).normal(size=(4, q))
+    first = cells.part(0, 1)
+    single = first.force(stress)
+    agree(single[a:], np.zeros((2 * a, 2)), 0.0, "forces on nodes of other cells")
+    twice = replace(first, connectivity=np.ascontiguousarray(np.repeat(first.connectivity, 2, axis=1)))
+    agree(twice.force(np.repeat(stress, 2, axis=1)), 2.0 * single, 1e-12, "two cells on the same nodes")
+    total = np.ones_like(cells.nodes)
+    first.add_force(stress, total)
+    agree(total - 1.0, single, 1e-12, "force kernel with forces already there")
+
+
+def stabilisation_sees_no_linear_field(element: Element) -> None:
+    """Stabilising forces vanish for every linear displacement, so that patch tests are not disturbed."""
+    cells = distorted_cells(element, 5)
+    if cells.kernels.stabilise is None:
+        raise NotApplicable("the element needs no stabilising forces")
+    force = cells.stabilising_force(cells.nodes @ np.array([[0.3, 0.7], [-1.1, 0.4]]) + 0.5)
+    agree(force, np.zeros_like(force), 1e-11, "stabilising forces of a linear displacement")
+    random = np.random.default_rng(8).normal(size=cells.nodes.shape)
+    require(float((random * cells.stabilising_force(random)).sum()) > 0.0, "stabilising forces take no work")
 
 
 def any_cut_gives_the_same(element: Element) -> None:
@@ -225,6 +238,7 @@ CHECKS: tuple[Check, ...] = (
     rigid_motion_is_free,
     lumped_mass,
     forces_are_added,
+    stabilisation_sees_no_linear_field,
     any_cut_gives_the_same,
     kernels_leave_inputs_alone,
 )

@@ -21,6 +21,8 @@ USUAL: dict[str, Any] = {
     "half_width": 0.8,
     "top": 0.6,
     "strength": 348.0,
+    "prestrain": 0.02,
+    "exponent": 0.03,
     "yield_stress": 350.0,
     "hardening": 500.0,
 }

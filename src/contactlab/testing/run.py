@@ -31,10 +31,11 @@ def checks_for(kind: str) -> tuple[Check, ...]:
 
 def run_checks(kind: str, part: Any) -> list[Outcome]:
     """Every check of the kind on one part. Parts that raise anything have failed the check."""
-    return [_outcome(check, part) for check in checks_for(kind)]
+    return [run_check(check, part) for check in checks_for(kind)]
 
 
-def _outcome(check: Check, part: Any) -> Outcome:
+def run_check(check: Check, part: Any) -> Outcome:
+    """One check on one part."""
     name = getattr(check, "__name__", str(check))
     says = (check.__doc__ or name).strip().partition("\n")[0]
     try:

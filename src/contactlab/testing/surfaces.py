@@ -14,7 +14,6 @@ from contactlab.api import (
     FrictionLaw,
     GapAlgorithm,
     GapConditions,
-    Ints,
     Rows,
     Surface,
     SurfacePositions,

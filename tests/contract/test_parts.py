@@ -1,0 +1,42 @@
+"""Every installed part keeps the contract of its kind; a part that is installed is checked without being named here."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from contactlab.registry import default_registry
+from contactlab.testing import checks_for
+from contactlab.testing.assertions import Check
+from contactlab.testing.examples import example
+from contactlab.testing.run import CHECKED_KINDS
+
+
+def installed() -> list[tuple[str, str]]:
+    registry = default_registry()
+    return [(kind, name) for kind in CHECKED_KINDS for name in registry.names(kind)]
+
+
+CASES = [
+    pytest.param(kind, name, check, id=f"{kind}-{name}-{check.__name__}")
+    for kind, name in installed()
+    for check in checks_for(kind)
+]
+
+
+@pytest.mark.parametrize(("kind", "name", "check"), CASES)
+def test_part(kind: str, name: str, check: Check) -> None:
+    check(example(default_registry(), kind, name))
+
+
+@pytest.mark.parametrize(("kind", "name"), installed())
+def test_no_part_escapes_its_checks(kind: str, name: str) -> None:
+    """A new part whose fields have no usual value would be skipped silently: `USUAL` must know them."""
+    part: Any = example(default_registry(), kind, name)
+    assert len(checks_for(kind)) > 0
+    assert type(part) is default_registry().part_class(kind, name)
+
+
+def test_every_checked_kind_has_parts() -> None:
+    assert {kind for kind, _ in installed()} == set(CHECKED_KINDS)
