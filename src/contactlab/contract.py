@@ -9,7 +9,7 @@ from typing import Any
 from contactlab.api.contact import ContactAlgorithm, GapAlgorithm
 from contactlab.api.effect import Effect
 from contactlab.api.element import Element
-from contactlab.api.enforcement import Enforcement, ExplicitEnforcement
+from contactlab.api.enforcement import Enforcement, ExplicitEnforcement, ImplicitEnforcement
 from contactlab.api.friction import FrictionLaw
 from contactlab.api.integrator import Integrator
 from contactlab.api.material import Material
@@ -22,7 +22,7 @@ BASES: dict[str, tuple[type, ...]] = {
     "mesh": (MeshSource,),
     "contact": (ContactAlgorithm, GapAlgorithm),
     "friction": (FrictionLaw,),
-    "enforcement": (ExplicitEnforcement,),
+    "enforcement": (ExplicitEnforcement, ImplicitEnforcement),
     "integrator": (Integrator,),
     "effect": (Effect,),
     "recorder": (Recorder,),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 from contactlab.api.arrays import Floats, Ints
 
@@ -66,3 +66,62 @@ class ExplicitEnforcement(Enforcement):
         multipliers (1 or 2, slots) [N]  warm start in, nodal forces y out; slots without a row become 0
         force       (N, 2) [N]  contact forces on all nodes, G^T y; overwritten
         """
+
+
+@dataclass
+class Conditions:
+    """The gap conditions of all contacts at a trial state, one for each of k slots.
+
+    r is 1, or 2 with friction: normal, then tangential.
+
+    present    (k,) bool   slots without a condition have no force
+    gap        (k,) [mm]   positive when open
+    slip       (k,) [mm]   since the last accepted step; (0,) without friction
+    force      (r, k) [N]  trial multipliers y
+    anchor     (r, k) [N]  multipliers of the last augmentation, see `ImplicitEnforcement.augments`
+    measure    (k,) [mm]   length that the condition stands for
+    size       (k,) [mm]   length of the slave segments there, to scale gaps
+    bound      (3, k)      friction bound: coefficient, adhesion, cap; (3, 0) without friction
+    stiffness  (k,) [N/mm] force that one unit of gap costs the bodies' surfaces, from the stiffness of their
+                           nodes; inf where motion is prescribed on both sides
+    """
+
+    present: Any
+    gap: Floats
+    slip: Floats
+    force: Floats
+    anchor: Floats
+    measure: Floats
+    size: Floats
+    bound: Floats
+    stiffness: Floats
+
+
+@dataclass
+class Response:
+    """What an enforcement asks of the forces, linearised: by_force dy + by_gap d(gap, slip) = -residual.
+
+    residual  (r, k) [N]        how far the conditions are from holding
+    by_force  (r, r, k) [-]     d(residual of row i)/d(force j)
+    by_gap    (r, r, k) [N/mm]  d(residual of row i)/d(gap or slip j)
+    status    (k,) int8         0 open, 1 stick, 2 slip (closed without friction counts as slip)
+    """
+
+    residual: Floats
+    by_force: Floats
+    by_gap: Floats
+    status: Any
+
+
+class ImplicitEnforcement(Enforcement):
+    """For integrators that find positions and contact forces together, by Newton's method.
+
+    augments  True: after the iteration has converged the forces become the `anchor` and it goes on, until
+              closed gaps are as small as with exact multipliers
+    """
+
+    augments: ClassVar[bool] = False
+
+    @abstractmethod
+    def respond(self, conditions: Conditions, out: Response) -> None:
+        """Fill `out`. Residuals are piecewise smooth; where pieces meet either derivative will do."""

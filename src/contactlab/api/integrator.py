@@ -5,10 +5,10 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from enum import Enum
-from typing import ClassVar, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 from contactlab.api.arrays import Floats, Ints
-from contactlab.api.enforcement import Enforcement, Solve
+from contactlab.api.enforcement import Conditions, Enforcement, ImplicitEnforcement, Solve
 from contactlab.api.state import State
 
 
@@ -20,13 +20,37 @@ class StepStatus(Enum):
     gave_up = "the shortest step failed; try a smaller load increment or another enforcement"
 
 
+class Iteration(NamedTuple):
+    """One iteration of an implicit step, as it is recorded.
+
+    force     largest unbalanced nodal force over the largest force of the model
+    contact   largest violation of a contact condition, in segment lengths
+    active    closed conditions; sticking: those that stick; changed: conditions whose status changed
+    length    fraction of the computed correction that was taken
+    note      what was done beside a plain iteration, and why
+    """
+
+    force: float
+    contact: float
+    active: int
+    sticking: int
+    changed: int
+    length: float
+    note: str = ""
+
+
 class Step(NamedTuple):
-    """An attempted step: its status, Newton iterations, contact sweeps and contact residual."""
+    """An attempted step: its status, Newton iterations, contact sweeps and contact residual.
+
+    reason says why a step was not accepted; trace tells every iteration of an implicit one.
+    """
 
     status: StepStatus = StepStatus.accepted
     iterations: int = 0
     sweeps: int = 0
     residual: float = 0.0
+    reason: str = ""
+    trace: tuple[Iteration, ...] = ()
 
 
 class PrescribedMotion(Protocol):
@@ -90,6 +114,62 @@ class Equations(Protocol):
         """Largest explicit step [s] at the state's geometry, without safety factor."""
 
 
+class ImplicitContact(Protocol):
+    """All contact pairs together, as implicit integrators see them."""
+
+    enforcement: ImplicitEnforcement
+    conditions: Conditions
+
+    def evaluate(self, position: Floats) -> None:
+        """Fill `conditions` at trial positions (N, 2); slots without a condition lose their force."""
+
+    def forces(self, normal: Floats, tangential: Floats) -> None:
+        """Fill (N, 2) [N] each with the nodal forces of the trial multipliers; the second is (0, 2) without friction."""
+
+    def scale(self, flexibility: Floats) -> None:
+        """From the next `evaluate` on, stiffnesses follow from these (N, 2) [mm/N] of single nodes, 0 where held."""
+
+    def linearise(self, chosen: Ints) -> ContactSlopes:
+        """Slopes at the positions of the last `evaluate`; rows are the `chosen` slots, in increasing order."""
+
+
+class ContactSlopes(NamedTuple):
+    """Sparse slopes by the 2N degrees of freedom; one row for each chosen slot.
+
+    normal, tangent  directions of the forces: nodal forces = normal^T y_n + tangent^T y_t
+    gap, slip        derivatives of gap and slip; tangent and slip are None without friction
+    force            (2N, 2N) derivative of all nodal forces at fixed multipliers
+    """
+
+    normal: Any
+    tangent: Any
+    gap: Any
+    slip: Any
+    force: Any
+
+
+class ImplicitEquations(Equations, Protocol):
+    """What implicit integrators see beside `Equations`.
+
+    Between `begin` and `accept` everything is a trial: `internal_force` starts from the history of the
+    last accepted step, whatever was tried in between, and multipliers are those of `contact.conditions`.
+    """
+
+    contact: ImplicitContact | None  # type: ignore[assignment]
+
+    def begin(self) -> None:
+        """Take the state as the start of a step, also after it was restored."""
+
+    def stiffness(self, dt: float) -> Any:
+        """d(internal force)/d(displacement) (2N, 2N) at the last `internal_force`, a SciPy CSC array."""
+
+    def folded(self) -> bool:
+        """Whether a cell is turned inside out at the last `internal_force`."""
+
+    def accept(self) -> None:
+        """The trial becomes the state: history, multipliers and what contacts remember."""
+
+
 class Integrator(ABC):
     """Subclasses are frozen dataclasses; their fields are the TOML keys.
 
@@ -106,6 +186,10 @@ class Integrator(ABC):
     inertia: ClassVar[bool]
     explicit: ClassVar[bool]
 
+    def wished_steps(self) -> int:
+        """Equal steps that an implicit integrator first tries for the whole loading."""
+        return 20
+
     def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
         """Shapes of further state fields that the integrator needs, by name."""
         return {}
@@ -113,6 +197,8 @@ class Integrator(ABC):
     @abstractmethod
     def bind(self, equations: Equations, state: State) -> Callable[[float], Step]:
         """A function that advances `state` in place by one step of the given length [s].
+
+        A step that is not accepted leaves the state exactly as it was.
 
         Called once per run; all arrays of `state` stay where they are for the whole run.
         The state is as built (t = 0, initial velocities) or restored from a snapshot.

@@ -8,7 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import ContactAlgorithm, Enforcement, Floats, FrictionLaw, Integrator, Ints, State, Surface
+from contactlab.api import (
+    ContactAlgorithm,
+    Enforcement,
+    ExplicitEnforcement,
+    Floats,
+    FrictionLaw,
+    Integrator,
+    Ints,
+    State,
+    Surface,
+)
 from contactlab.errors import PartError, SceneError, below
 from contactlab.mesh import surface_from_edges
 from contactlab.model.body import Body
@@ -96,8 +106,8 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
 
 def build_contact(
     plans: tuple[ContactPlan, ...], reference: Floats, fixed_dof: Ints, state: State
-) -> ContactSystem | None:
-    """The contact system, None where the scene declares no contact."""
+) -> Any:
+    """The contact system that the enforcement works with, None where the scene declares no contact."""
     if not plans:
         return None
     enforcements = {plan.enforcement for plan in plans}
@@ -120,4 +130,8 @@ def build_contact(
             )
         )  # fmt: skip
         first += plan.slots
-    return ContactSystem(tuple(pairs), plans[0].enforcement, state)
+    if isinstance(plans[0].enforcement, ExplicitEnforcement):
+        return ContactSystem(tuple(pairs), plans[0].enforcement, state)
+    from contactlab.model.implicit_contact import ImplicitContactSystem
+
+    return ImplicitContactSystem(tuple(pairs), plans[0].enforcement, state)

@@ -43,7 +43,7 @@ class Model:
 
     def __post_init__(self) -> None:
         self._internal = self.state["internal_force"]
-        self._displacement, self._velocity = self.state["displacement"], self.state["velocity"]
+        self._displacement, self._velocity = self.state["displacement"], self.state.fields.get("velocity")
         self._limits: list[StableStep] | None = None
         self.seconds = 0.0
         self.initial_energy = self.kinetic_energy() if "velocity" in self.state else 0.0
@@ -53,11 +53,15 @@ class Model:
         began = perf_counter()
         np.add(self.reference, self._displacement, out=self.position)
         if self.increment is not None:
-            np.multiply(self._velocity, dt, out=self.increment)
+            self._follow(dt)
         self._internal[:] = 0.0
         for update in self.updates:
             update(dt)
         self.seconds += perf_counter() - began
+
+    def _follow(self, dt: float) -> None:
+        """Displacement increments that led here, for laws in rate form."""
+        np.multiply(self._velocity, dt, out=self.increment)
 
     def external_force(self, time: float, out: Floats) -> bool:
         """Fill `out` with all loads; False where the scene has none."""

@@ -1,0 +1,57 @@
+"""Derivatives of a contact algorithm's local pieces, from which the core linearises gaps and forces."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactlab.api.arrays import Floats, Ints
+
+
+@dataclass
+class PieceSlopes:
+    """Room for the derivatives of D, M, T and the normals by positions of surface nodes.
+
+    One entry for each piece and each coordinate that it depends on; entries that are all zero may be
+    left out. `count` and `normal_count` are in use. `moved` tells the coordinate: 2 * node + direction,
+    where node is a position in the slave surface, or m + a position in the master surface.
+
+    slave, multiplier, master  (capacity, s), (capacity, k), (capacity, r) int32, those of the piece
+    moved   (capacity,) int32
+    dD, dM  (capacity, s, k), (capacity, r, k) [-]  d(piece)/d(coordinate)
+    dT      (capacity, k, k) [-]
+    normal_of     (normal_capacity,) int32  multiplier whose normal it is
+    normal_moved  (normal_capacity,) int32
+    dnormal       (normal_capacity, 2) [1/mm]
+    """
+
+    slave: Ints
+    multiplier: Ints
+    master: Ints
+    moved: Ints
+    dD: Floats
+    dM: Floats
+    dT: Floats
+    normal_of: Ints
+    normal_moved: Ints
+    dnormal: Floats
+    count: int = 0
+    normal_count: int = 0
+
+    @classmethod
+    def allocate(cls, capacity: int, widths: tuple[int, int, int], normal_capacity: int) -> PieceSlopes:
+        """Room for `capacity` entries of pieces with `widths` (s, k, r)."""
+        s, k, r = widths
+        return cls(
+            np.zeros((capacity, s), np.int32),
+            np.zeros((capacity, k), np.int32),
+            np.zeros((capacity, r), np.int32),
+            np.zeros(capacity, np.int32),
+            np.zeros((capacity, s, k)),
+            np.zeros((capacity, r, k)),
+            np.zeros((capacity, k, k)),
+            np.zeros(normal_capacity, np.int32),
+            np.zeros(normal_capacity, np.int32),
+            np.zeros((normal_capacity, 2)),
+        )

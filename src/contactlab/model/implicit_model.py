@@ -1,0 +1,65 @@
+"""The model as implicit integrators see it: trials that may be taken back, and the stiffness."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from contactlab.kernels.tangent import smallest_determinant
+from contactlab.model.implicit_contact import ImplicitContactSystem
+from contactlab.model.model import Model
+from contactlab.model.tangent import Tangent
+
+
+@dataclass
+class ImplicitModel(Model):
+    """Implements `contactlab.api.ImplicitEquations`."""
+
+    contact: ImplicitContactSystem | None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._start = None if self.increment is None else np.zeros_like(self.increment)
+        self._tangent: Tangent | None = None
+        self._slopes = [
+            np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
+        ]
+
+    def begin(self) -> None:
+        """The state as it is becomes the start of a step."""
+        np.add(self.reference, self._displacement, out=self.position)
+        if self._start is not None:
+            self._start[:] = self._displacement
+        if self.contact is not None:
+            self.contact.begin(self.position)
+
+    def _follow(self, dt: float) -> None:
+        if self.increment is not None:
+            np.subtract(self._displacement, self._start, out=self.increment)
+
+    def stiffness(self, dt: float) -> Any:
+        """Assembled stiffness at the last `internal_force`; see `contactlab.api.ImplicitEquations`."""
+        began = perf_counter()
+        if self._tangent is None:
+            self._tangent = Tangent(len(self.reference), self.forces)
+        matrix = self._tangent.assemble(dt)
+        self.seconds += perf_counter() - began
+        return matrix
+
+    def folded(self) -> bool:
+        """Whether a cell has a point with det <= 0."""
+        return any(
+            smallest_determinant(forces.geometry, block.connectivity, slopes) <= 0.0
+            for forces, slopes in zip(self.forces, self._slopes, strict=True)
+            for block in forces.blocks
+        )
+
+    def accept(self) -> None:
+        """History and contact memory of the trial become the state's."""
+        for forces in self.forces:
+            forces.history[:] = forces.trial_history
+        if self.contact is not None:
+            self.contact.accept()
