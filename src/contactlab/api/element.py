@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import ClassVar, Literal, NamedTuple
 
 from contactlab.api.arrays import Floats
+from contactlab.api.material import Kinematics
 
 
 class Shape(NamedTuple):
@@ -24,12 +25,17 @@ class Quadrature(NamedTuple):
 
 
 class BlockKernels(NamedTuple):
-    """The two stages of an element's work on one block, outputs in place.
+    """The stages of an element's work on one block, outputs in place.
 
     gradient(geometry (N, 2), field (N, 2), connectivity (a, B), out (4, P), scratch)
         d(field)/d(geometry) at every point of the block.
     force(geometry (N, 2), connectivity (a, B), stress (4, P), force (N, 2), scratch)
         Adds the internal nodal forces of the block [N] to `force`.
+
+    stabilise(reference (N, 2), displacement (N, 2), connectivity (a, B), shear, force (N, 2), scratch)
+        For elements whose points leave modes without stiffness, None for the rest: adds the forces K u of
+        a constant symmetric K, proportional to the law's shear modulus [MPa] and zero for every linear
+        displacement. Their energy u K u/2 is booked as numerical.
 
     `scratch` is (6 a + 6, B). What `gradient` leaves there is still there when `force` is called for
     the same block and geometry; nothing else is kept between calls.
@@ -37,6 +43,7 @@ class BlockKernels(NamedTuple):
 
     gradient: Callable[..., None]
     force: Callable[..., None]
+    stabilise: Callable[..., None] | None = None
 
 
 class Element(ABC):
@@ -70,6 +77,9 @@ class Element(ABC):
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
         """Trace on a side at s in [-1, 1]: values (len(s), b) and d/ds (len(s), b), ordered as in `edges`."""
 
-    def block_kernels(self) -> BlockKernels | None:
-        """Kernels of the element's own, or None for the core's generic ones made from the tables."""
+    def block_kernels(self, kinematics: Kinematics) -> BlockKernels | None:
+        """Kernels of the element's own, or None for the core's generic ones made from the tables.
+
+        `kinematics` is the law's: it tells what `field` and `geometry` are (see `Material`).
+        """
         return None

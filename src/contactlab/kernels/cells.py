@@ -11,6 +11,7 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.api.element import BlockKernels, Element
 from contactlab.api.kernel import kernel
+from contactlab.api.material import Kinematics
 
 
 @kernel
@@ -117,6 +118,6 @@ def table_kernels(element: Element) -> BlockKernels:
     return BlockKernels(gradient, force)
 
 
-def element_kernels(element: Element) -> BlockKernels:
-    """The element's own kernels, or the generic ones."""
-    return element.block_kernels() or table_kernels(element)
+def element_kernels(element: Element, kinematics: Kinematics = "small") -> BlockKernels:
+    """The element's own kernels for laws of these kinematics, or the generic ones."""
+    return element.block_kernels(kinematics) or table_kernels(element)

@@ -33,6 +33,16 @@ class Body:
         """Quadrature points per cell."""
         return len(self.element.quadrature().weights)
 
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus [MPa] of the undeformed material."""
+        return float(self.material.density * self.material.wave_speeds()[1] ** 2)
+
+    @property
+    def dilatational_modulus(self) -> float:
+        """lambda + 2 mu [MPa] of the undeformed material."""
+        return float(self.material.density * self.material.wave_speeds()[0] ** 2)
+
     def history_shape(self) -> tuple[int, ...]:
         """Shape of the body's history in the state: (n q h,)."""
         return (len(self.cells) * self.points * self.material.history_size,)
@@ -40,25 +50,43 @@ class Body:
 
 @dataclass
 class Block:
-    """Arrays of one block of B cells; `stress` (4, P) and `gradient` (4, P) are those of the last update."""
+    """Arrays of one block of B cells; `stress` (4, P) and `gradient` (4, P) are those of the last update.
+
+    `history` is that of the last accepted step; `new_history` that of the last update, the same array
+    where every update is an accepted step.
+    """
 
     connectivity: Ints
     gradient: Floats
     stress: Floats
     history: Floats
+    new_history: Floats
 
 
 class BodyForces:
     """The staged work of one body, bound to the model's arrays once.
 
-    geometry and field are what the law's kinematics asks for: (X, u), (x, X) or (x, du).
+    geometry and field are what the law's kinematics asks for: (X, u), (x, X) or (x, du). With
+    `trial_history` updates are trials from `history` until they are accepted; explicit runs give none.
+    `shape` is (X, u) whatever the kinematics, for elements that stabilise.
     """
 
-    def __init__(self, body: Body, geometry: Floats, field: Floats, force: Floats, history: Floats) -> None:
+    def __init__(
+        self,
+        body: Body,
+        geometry: Floats,
+        field: Floats,
+        force: Floats,
+        history: Floats,
+        trial_history: Floats | None = None,
+        shape: tuple[Floats, Floats] | None = None,
+    ) -> None:
         self.body = body
-        self.kernels = element_kernels(body.element)
+        self.kernels = element_kernels(body.element, body.material.kinematics)
+        self.shape = shape
         self.geometry, self.field, self.force, self.history = geometry, field, force, history
-        self.blocks = _blocks(body, history)
+        self.trial_history = history if trial_history is None else trial_history
+        self.blocks = _blocks(body, history, self.trial_history)
         cells = max(block.connectivity.shape[1] for block in self.blocks)
         self.scratch = [self._scratch_for(block, cells) for block in self.blocks]
         self.calls: tuple[Callable[[float], None], ...] = tuple(
@@ -75,19 +103,32 @@ class BodyForces:
         return np.zeros((6 * nodes + 6, size))
 
     def _bind(self, block: Block, scratch: Floats) -> Callable[[float], None]:
-        gradient, force = self.kernels
+        gradient, force, _ = self.kernels
         stress_of, rate = self.body.material.stress, self.body.material.kinematics == "rate"
         geometry, field, nodal = self.geometry, self.field, self.force
-        conn, g, sigma, history = block.connectivity, block.gradient, block.stress, block.history
+        conn, g, sigma = block.connectivity, block.gradient, block.stress
+        history, new_history = block.history, block.new_history
 
         def update(dt: float) -> None:
             gradient(geometry, field, conn, g, scratch)
             if rate:
                 midpoint(g)
-            stress_of(g, history, dt, sigma, history)
+            stress_of(g, history, dt, sigma, new_history)
             force(geometry, conn, sigma, nodal, scratch)
 
-        return update
+        return update if self.kernels.stabilise is None else self._stabilised(update, conn, scratch)
+
+    def _stabilised(self, update: Callable[[float], None], conn: Ints, scratch: Floats) -> Callable[[float], None]:
+        stabilise, shear, nodal = self.kernels.stabilise, self.body.shear_modulus, self.force
+        assert stabilise is not None
+        assert self.shape is not None
+        reference, displacement = self.shape
+
+        def stabilised(dt: float) -> None:
+            update(dt)
+            stabilise(reference, displacement, conn, shear, nodal, scratch)
+
+        return stabilised
 
     def stress(self) -> Floats:
         """Cauchy stress of the last update, (n, q, 4)."""
@@ -99,26 +140,61 @@ class BodyForces:
         """Stored energy of the body [mJ] at the last update; nan for laws without one."""
         if not self.body.material.has_energy:
             return float("nan")
+        return self._integral(self.body.material.energy)
+
+    def dissipated_energy(self) -> float:
+        """Energy that the body's law has dissipated [mJ], by its history; 0 for laws that tell none."""
+        if not self.body.material.history_size:
+            return 0.0
+        return self._integral(self.body.material.dissipation)
+
+    def numerical_energy(self) -> float:
+        """Energy [mJ] in modes that only the element's stabilisation resists."""
+        if self.kernels.stabilise is None:
+            return 0.0
+        assert self.shape is not None
+        reference, displacement = self.shape
+        force = np.zeros_like(displacement)
+        for block, scratch in zip(self.blocks, self.scratch, strict=True):
+            self.kernels.stabilise(
+                reference, displacement, block.connectivity, self.body.shear_modulus, force, scratch
+            )
+        return float(0.5 * np.vdot(displacement, force))
+
+    def _integral(self, density: Callable[[Floats, Floats, Floats], None]) -> float:
+        """Sum over points of a density of the law per volume, at the last update."""
         rule = self.body.element.quadrature()
         total = 0.0
         for block in self.blocks:
-            energy = np.empty(block.stress.shape[1])
-            self.body.material.energy(block.gradient, block.history, energy)
-            total += float(energy @ self._volumes(block, rule.points, rule.weights))
+            values = np.empty(block.stress.shape[1])
+            density(block.gradient, block.new_history, values)
+            total += float(values @ self._volumes(block, rule.points, rule.weights))
         return total
 
     def _volumes(self, block: Block, points: Floats, weights: Floats) -> Floats:
-        """Area of every point [mm2] in the geometry the forces act on, point-major."""
-        return (self.determinants(block, points) * weights[:, None]).ravel()
+        """Volume per thickness [mm2] of every point, point-major, as the law sees it.
+
+        For "finite" laws undeformed volume times det F of the law's own gradient, which an element may
+        have averaged (F-bar); otherwise in the geometry the forces act on.
+        """
+        if self.body.material.kinematics != "finite":
+            return (self.determinants(block, points) * weights[:, None]).ravel()
+        g = block.gradient
+        undeformed = _determinants(self.body.element, points, self.field[block.connectivity]) * weights[:, None]
+        return undeformed.ravel() / (g[0] * g[3] - g[1] * g[2])
 
     def determinants(self, block: Block, points: Floats) -> Floats:
         """Jacobian determinants (q, B) of a block's cells in the geometry the forces act on."""
-        slopes = self.body.element.shape(points).gradient
-        j = np.einsum("qai,abj->qbij", slopes, self.geometry[block.connectivity])
-        return np.asarray(j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0])
+        return _determinants(self.body.element, points, self.geometry[block.connectivity])
 
 
-def _blocks(body: Body, history: Floats) -> list[Block]:
+def _determinants(element: Element, points: Floats, nodes: Floats) -> Floats:
+    """Jacobian determinants (q, B) of cells with nodal positions (a, B, 2)."""
+    j = np.einsum("qai,abj->qbij", element.shape(points).gradient, nodes)
+    return np.asarray(j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0])
+
+
+def _blocks(body: Body, history: Floats, trial_history: Floats) -> list[Block]:
     """Cells cut into blocks of about BLOCK_CELLS, equal but for the last."""
     cells, q, h = body.cells, body.points, body.material.history_size
     number = -(-len(cells) // BLOCK_CELLS)
@@ -127,7 +203,7 @@ def _blocks(body: Body, history: Floats) -> list[Block]:
     for begin in range(0, len(cells), size):
         connectivity = np.ascontiguousarray(cells[begin : begin + size].T)
         points = q * connectivity.shape[1]
-        view = history[at : at + h * points].reshape(h, points)
+        old, new = (values[at : at + h * points].reshape(h, points) for values in (history, trial_history))
         at += h * points
-        blocks.append(Block(connectivity, np.zeros((4, points)), np.zeros((4, points)), view))
+        blocks.append(Block(connectivity, np.zeros((4, points)), np.zeros((4, points)), old, new))
     return blocks

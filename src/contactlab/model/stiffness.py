@@ -2,33 +2,76 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from contactlab.api import Floats
+from contactlab.api import Floats, Ints
+from contactlab.kernels.cells import element_kernels
 from contactlab.mesh import cell_measures
 from contactlab.model.body import Body
 
+CHUNK = 1024  # cells whose stiffness is computed at a time
+
+CellForces = Callable[[Floats, Floats, Ints, Floats, Floats], None]
+"""(positions, displacement, connectivity, force, scratch): adds forces that are linear in the displacement."""
+
 
 def cell_stiffness(body: Body, positions: Floats) -> Floats:
-    """Stiffness matrices (n, 2a, 2a) [N/mm] at `positions` (N, 2), moduli from the law's wave speeds."""
-    rule = body.element.quadrature()
-    slopes = body.element.shape(rule.points).gradient
-    x = positions[body.cells]
-    j = np.einsum("qai,naj->nqji", slopes, x)
-    inverse = np.linalg.inv(j)
-    gradient = np.einsum("qai,nqij->nqaj", slopes, inverse)
-    weight = np.abs(np.linalg.det(j)) * rule.weights
-    dilatational, shear = (body.material.density * c * c for c in body.material.wave_speeds())
+    """Stiffness matrices (n, 2a, 2a) [N/mm] at `positions` (N, 2), moduli from the law's wave speeds.
+
+    Column by column through the element's own kernels for small strains, so that averaged strains and
+    stabilisation count as they do in a run.
+    """
+    kernels = element_kernels(body.element)
+    shear, lame = body.shear_modulus, body.dilatational_modulus - 2.0 * body.shear_modulus
+
+    def forces(x: Floats, u: Floats, conn: Ints, out: Floats, scratch: Floats) -> None:
+        strain = np.empty((4, body.points * conn.shape[1]))
+        kernels.gradient(x, u, conn, strain, scratch)
+        kernels.force(x, conn, _hooke(strain, lame, shear), out, scratch)
+        if kernels.stabilise is not None:
+            kernels.stabilise(x, u, conn, shear, out, scratch)
+
+    return _by_columns(body, positions, forces)
+
+
+def stabilising_stiffness(body: Body, positions: Floats) -> Floats | None:
+    """Constant stiffness (n, 2a, 2a) [N/mm] of an element's stabilisation, `positions` undeformed; None without."""
+    stabilise = element_kernels(body.element, body.material.kinematics).stabilise
+    if stabilise is None:
+        return None
+
+    def forces(x: Floats, u: Floats, conn: Ints, out: Floats, scratch: Floats) -> None:
+        stabilise(x, u, conn, body.shear_modulus, out, scratch)
+
+    return _by_columns(body, positions, forces)
+
+
+def _hooke(strain: Floats, lame: float, shear: float) -> Floats:
+    """Stress rows (4, P) from du/dx rows."""
+    xx, xy, yx, yy = strain
+    pressure = lame * (xx + yy)
+    return np.stack([pressure + 2.0 * shear * xx, pressure + 2.0 * shear * yy, pressure, shear * (xy + yx)])
+
+
+def _by_columns(body: Body, positions: Floats, forces: CellForces) -> Floats:
+    """Matrices (n, 2a, 2a) of linear cell forces: cells torn apart, one unit displacement at a time."""
     n, a = body.cells.shape
-    k = np.empty((n, a, 2, a, 2))
-    outer = np.einsum("nq,nqai,nqbj->naibj", weight, gradient, gradient)
-    # C_ijkl = lambda d_ij d_kl + mu (d_ik d_jl + d_il d_jk)
-    k[:] = (dilatational - 2.0 * shear) * outer
-    k += shear * outer.transpose(0, 1, 4, 3, 2)
-    trace = shear * np.einsum("naibi->nab", outer)
-    for i in range(2):
-        k[:, :, i, :, i] += trace
-    return k.reshape(n, 2 * a, 2 * a)
+    matrices = np.empty((n, a, 2, a, 2))
+    for begin in range(0, n, CHUNK):
+        cells = body.cells[begin : begin + CHUNK]
+        size = len(cells)
+        x = np.ascontiguousarray(positions[cells].transpose(1, 0, 2).reshape(-1, 2))
+        conn = np.arange(a * size, dtype=np.int32).reshape(a, size)
+        scratch = np.zeros((6 * a + 6, size))
+        for b in range(a):
+            for k in range(2):
+                unit, out = np.zeros_like(x), np.zeros_like(x)
+                unit[b * size : (b + 1) * size, k] = 1.0
+                forces(x, unit, conn, out, scratch)
+                matrices[begin : begin + size, :, :, b, k] = out.reshape(a, size, 2).transpose(1, 0, 2)
+    return matrices.reshape(n, 2 * a, 2 * a)
 
 
 def cell_masses(body: Body) -> Floats:
@@ -38,11 +81,7 @@ def cell_masses(body: Body) -> Floats:
 
 def cell_frequencies(body: Body, positions: Floats) -> Floats:
     """Highest circular frequency (n,) [1/s] of each cell alone; their maximum bounds the assembly's."""
-    highest = np.empty(len(body.cells))
     scale = 1.0 / np.sqrt(np.repeat(cell_masses(body), 2, axis=1))
-    for begin in range(0, len(highest), 4096):
-        part = slice(begin, begin + 4096)
-        some = Body(body.name, body.element, body.material, body.mesh, body.first, body.count, body.cells[part])
-        k = cell_stiffness(some, positions) * scale[part, :, None] * scale[part, None, :]
-        highest[part] = np.linalg.eigvalsh(k)[:, -1]
+    k = cell_stiffness(body, positions) * scale[:, :, None] * scale[:, None, :]
+    highest = np.linalg.eigvalsh(k)[:, -1]
     return np.sqrt(np.maximum(highest, 0.0))

@@ -12,25 +12,31 @@ def energies(model: Model) -> dict[str, float]:
 
     kinetic   with velocities half a step back (explicit)
     stored    strain energy of the laws that have one; nan if any law has none
+    plastic   dissipated by the laws, from their history
     internal  work of the stresses, by the ledger: stored + plastic up to O(dt^2)
-    external, damping, contact, friction, numerical: as in `contactlab.api.WORK`
+    numerical by the ledger, and stored in modes that only an element's stabilisation resists; the latter's
+              work is booked with that of the stresses and taken out of `internal` here
+    external, damping, contact, friction: as in `contactlab.api.WORK`
     error     closure of the ledger over the largest energy in it
     """
     work = model.state["work"]
     kinetic = model.kinetic_energy() if "velocity" in model.state else 0.0
     start = model.initial_energy
     stored = float(sum(forces.stored_energy() for forces in model.forces))
+    plastic = sum(forces.dissipated_energy() for forces in model.forces)
+    stabilising = sum(forces.numerical_energy() for forces in model.forces)
     total = kinetic + work[0] + work[2] + work[5] - work[1] - work[3] - work[4] - start
     scale = max(abs(kinetic) + abs(work[0]) + abs(work[1]), abs(start), 1e-300)
     return {
         "kinetic": kinetic,
         "stored": stored,
-        "internal": float(work[0]),
+        "plastic": plastic,
+        "internal": float(work[0]) - stabilising,
         "external": float(work[1]),
         "damping": float(work[2]),
         "contact": float(work[3]),
         "friction": float(work[4]),
-        "numerical": float(work[5]),
+        "numerical": float(work[5]) + stabilising,
         "slip": float(work[6]),
         "error": float(np.abs(total) / scale),
     }

@@ -106,20 +106,19 @@ def _contact(report: ContactReport) -> dict[str, Any]:
 def _balance(frame: Frame) -> dict[str, float]:
     e = frame.energies
     stored = e["stored"]
-    plastic = e["internal"] - stored if np.isfinite(stored) else float("nan")
     scale = max(abs(e["kinetic"]) + abs(e["internal"]) + abs(e["external"]), 1e-300)
     return {
         "kinetic": e["kinetic"],
         "stored": stored,
         "internal": e["internal"],
-        "plastic": plastic if abs(plastic) > 1e-3 * scale else 0.0,
+        "plastic": e["plastic"],
         "friction": -e["friction"],
         "external": e["external"],
         "damping": e["damping"],
         "contact": e["contact"],
         "numerical": e["numerical"],
         "ledger_error": e["error"],
-        "stored_against_work": abs(e["internal"] - stored) / scale,
+        "stored_against_work": abs(e["internal"] - stored - e["plastic"]) / scale,
     }
 
 

@@ -12,6 +12,20 @@ def contactlab_parts() -> list[Part]:
         Part("element", "q1", "contactlab_quads.q1:Q1", "bilinear quadrilateral, 2x2 points", "Hughes 2000, ch. 3"),
         Part(
             "element",
+            "q1-fbar",
+            "contactlab_quads.q1_fbar:Q1Fbar",
+            "bilinear quadrilateral, one dilatation per cell: does not lock",
+            "de Souza Neto, Peric, Dutko & Owen 1996",
+        ),
+        Part(
+            "element",
+            "q1-reduced",
+            "contactlab_quads.q1_reduced:Q1Reduced",
+            "bilinear quadrilateral, one point and hourglass stiffness",
+            "Flanagan & Belytschko 1981",
+        ),
+        Part(
+            "element",
             "q2",
             "contactlab_quads.q2:Q2",
             "8-node serendipity quadrilateral, 3x3 points",

@@ -7,7 +7,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from contactlab.api import BlockKernels, Element, Floats, Quadrature, Shape
+from contactlab.api import BlockKernels, Element, Floats, Kinematics, Quadrature, Shape
 
 _G = 1.0 / np.sqrt(3.0)
 
@@ -37,7 +37,7 @@ class Q1(Element):
         value = np.stack([0.5 * (1.0 - s), 0.5 * (1.0 + s)], axis=-1)
         return value, np.broadcast_to([-0.5, 0.5], value.shape).copy()
 
-    def block_kernels(self) -> BlockKernels:
+    def block_kernels(self, kinematics: Kinematics) -> BlockKernels:
         """Hand-written kernels on the coefficients of the bilinear map (see `q1_kernels`)."""
         from contactlab_quads import q1_kernels
 

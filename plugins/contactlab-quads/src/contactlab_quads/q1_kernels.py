@@ -21,7 +21,8 @@ def _coefficients(values, component, i, j, k, m):
 
 
 @kernel
-def _gather(geometry, field, connectivity, scratch):
+def gather(geometry, field, connectivity, scratch):
+    """Coefficients 1, 2, 3 of geometry x, y and field u, v into the first twelve rows of scratch."""
     first, second, third, fourth = connectivity[0], connectivity[1], connectivity[2], connectivity[3]
     for c in range(connectivity.shape[1]):
         i, j, k, m = first[c], second[c], third[c], fourth[c]
@@ -32,7 +33,8 @@ def _gather(geometry, field, connectivity, scratch):
 
 
 @kernel
-def _gradient_at(xi, eta, begin, x1, x2, x3, y1, y2, y3, u1, u2, u3, v1, v2, v3, xx, xy, yx, yy):
+def gradient_at(xi, eta, begin, x1, x2, x3, y1, y2, y3, u1, u2, u3, v1, v2, v3, xx, xy, yx, yy):
+    """d(field)/d(geometry) at one point of every cell."""
     for c in range(x1.size):
         x_xi, x_eta = x1[c] + eta * x3[c], x2[c] + xi * x3[c]
         y_xi, y_eta = y1[c] + eta * y3[c], y2[c] + xi * y3[c]
@@ -48,10 +50,10 @@ def _gradient_at(xi, eta, begin, x1, x2, x3, y1, y2, y3, u1, u2, u3, v1, v2, v3,
 @kernel
 def gradient(geometry, field, connectivity, out, scratch):
     """d(field)/d(geometry) (4, P) at the 2x2 points."""
-    _gather(geometry, field, connectivity, scratch)
+    gather(geometry, field, connectivity, scratch)
     s = scratch
     for g in range(4):
-        _gradient_at(
+        gradient_at(
             _XI[g], _ETA[g], g * connectivity.shape[1],
             s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8], s[9], s[10], s[11],
             out[0], out[1], out[2], out[3],
@@ -77,7 +79,8 @@ def _force_at(xi, eta, begin, x1, x2, x3, y1, y2, y3, sxx, syy, sxy, fx1, fx2, f
 
 
 @kernel
-def _scatter(connectivity, s, force):
+def scatter(connectivity, s, force):
+    """Add nodal forces from their coefficients in rows 6 to 11 of scratch."""
     first, second, third, fourth = connectivity[0], connectivity[1], connectivity[2], connectivity[3]
     for component in range(2):
         row = 6 + 3 * component
@@ -100,4 +103,4 @@ def force(geometry, connectivity, stress, force, scratch):
             s[0], s[1], s[2], s[3], s[4], s[5], stress[0], stress[1], stress[3],
             s[6], s[7], s[8], s[9], s[10], s[11],
         )  # fmt: skip
-    _scatter(connectivity, s, force)
+    scatter(connectivity, s, force)
