@@ -114,30 +114,37 @@ def tangent_is_the_derivative(law: Material) -> None:
     )
 
 
-def energy_belongs_to_the_stress(law: Material) -> None:
-    """The stress is the derivative of the stored energy, which is zero at rest and positive elsewhere."""
-    if not law.has_energy:
-        raise NotApplicable("the law declares no stored energy")
-    if law.kinematics == "rate":
-        raise NotApplicable("the energy of a rate law is no function of the gradient")
-    rest = np.empty(1)
+def energy_is_positive(law: Material) -> None:
+    """The stored energy is zero at rest and positive everywhere else."""
+    _require_energy(law)
+    rest = np.full(1, np.nan)
     law.energy(at_rest(law, 1), no_history(law, 1), rest)
     agree(rest, [0.0], 1e-14 * modulus(law), "energy at rest")
-    size = STRAIN if law.kinematics == "finite" else 0.01
-    gradient = gradients(law, POINTS, size)
-    energy = _energy(law, matrices(gradient))
+    energy = _energy(law, matrices(gradients(law, POINTS, 0.01)))
     require(np.all(energy > 0.0), "energy: not positive in a deformed state")
-    if law.history_size:
-        raise NotApplicable("the stored energy of a law with history is not the work of its stress")
-    work = _work_conjugate(law, gradient)
-    step, base = 1e-5, _deformation(law, gradient)
+
+
+def energy_belongs_to_the_stress(law: Material) -> None:
+    """The stress is the derivative of the stored energy."""
+    _require_energy(law)
+    # laws with history store what they do not dissipate: there the elastic range close to rest is taken
+    size, step, allowed = (1e-4, 1e-6, 1e-9) if law.history_size else (0.01, 1e-5, 1e-7)
+    gradient = gradients(law, POINTS, size if law.kinematics == "small" or law.history_size else STRAIN)
+    work, base = _work_conjugate(law, gradient), _deformation(law, gradient)
     for i in range(2):
         for j in range(2):
             shift = np.zeros((2, 2))
             shift[i, j] = step
             slope = (_energy_of(law, base + shift) - _energy_of(law, base - shift)) / (2.0 * step)
-            # truncation step^2 = 1e-10, cancellation 1e-16 energy / step
-            agree(slope, work[:, i, j], 1e-7 * modulus(law), f"dW/dF component {i}{j} against the stress")
+            # truncation is step^2 times the curvature, which is some tens of the modulus
+            agree(slope, work[:, i, j], allowed * modulus(law), f"dW/dF component {i}{j} against the stress")
+
+
+def _require_energy(law: Material) -> None:
+    if not law.has_energy:
+        raise NotApplicable("the law declares no stored energy")
+    if law.kinematics == "rate":
+        raise NotApplicable("the energy of a rate law is no function of the gradient")
 
 
 def _deformation(law: Material, gradient: Floats) -> Floats:
@@ -263,6 +270,7 @@ CHECKS: tuple[Check, ...] = (
     speeds_belong_to_the_tangent,
     objectivity,
     tangent_is_the_derivative,
+    energy_is_positive,
     energy_belongs_to_the_stress,
     stiffening_bounds_the_waves,
     any_cut_gives_the_same,

@@ -1,0 +1,26 @@
+"""What it means that a check catches a wrong part."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from contactlab.testing import run_check
+from contactlab.testing.assertions import Check
+
+Catch = Callable[[Check, Any], None]
+
+
+@pytest.fixture
+def caught() -> Catch:
+    """caught(check, part): the check must fail on the part, and say why."""
+
+    def assert_caught(check: Check, part: Any) -> None:
+        outcome = run_check(check, part)
+        assert outcome.status == "failed", f"{outcome.check} lets a wrong part pass: {outcome}"
+        assert len(outcome.reason) > 20, "a failure must say what is wrong"
+        assert outcome.says.endswith((".", ":"))
+
+    return assert_caught

@@ -1,0 +1,195 @@
+"""Every check of materials catches a planted defect, and right laws in plain NumPy pass all of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from contactlab.api import Floats, Kinematics, Material
+from contactlab.testing import NotApplicable, material
+from contactlab.testing.assertions import Check
+
+LAME, SHEAR = 1.5, 1.0
+RHO = 2.0
+SPEEDS = (float(np.sqrt((LAME + 2 * SHEAR) / RHO)), float(np.sqrt(SHEAR / RHO)))
+
+
+def hooke(xx: Floats, yy: Floats, xy: Floats) -> Floats:
+    """Stress rows of strains; xy is the tensor component."""
+    pressure = LAME * (xx + yy)
+    return np.stack([pressure + 2 * SHEAR * xx, pressure + 2 * SHEAR * yy, pressure, 2 * SHEAR * xy])
+
+
+@dataclass(frozen=True)
+class Small(Material):
+    """Hooke's law with one named flaw, or none."""
+
+    flaw: str = ""
+    density: float = RHO
+    kinematics: ClassVar[Kinematics] = "small"
+    has_energy: ClassVar[bool] = True
+
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        xx, xy, yx, yy = gradient
+        stress[:] = hooke(xx, yy, xy if self.flaw == "strain not symmetrised" else 0.5 * (xy + yx))
+        if self.flaw == "prestressed":
+            stress += 1e-6
+        if self.flaw == "depends on its neighbours" and stress.shape[1]:
+            stress += 1e-14 * gradient[0].mean()
+        if self.flaw == "asks for the largest":
+            stress *= 1.0 + 0.0 * gradient.max()
+        if self.flaw == "gradient centred in place":
+            gradient -= gradient.mean()
+        if self.flaw == "forgets a row":
+            stress[2] = np.nan
+
+    def wave_speeds(self) -> tuple[float, float]:
+        young = SHEAR * (3 * LAME + 2 * SHEAR) / (LAME + SHEAR)
+        if self.flaw == "speed of a bar":
+            return float(np.sqrt(young / RHO)), SPEEDS[1]
+        return (SPEEDS[1], SPEEDS[0]) if self.flaw == "speeds exchanged" else SPEEDS
+
+    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
+        super().tangent(gradient, history, dt, tangent)
+        if self.flaw == "tangent without coupling":
+            tangent[2] = 0.0
+
+    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+        xx, yy, xy = gradient[0], gradient[3], 0.5 * (gradient[1] + gradient[2])
+        shear = 1.0 if self.flaw == "shear energy halved" else 2.0
+        energy[:] = 0.5 * LAME * (xx + yy) ** 2 + SHEAR * (xx**2 + yy**2 + shear * xy**2)
+        if self.flaw == "energy at rest":
+            energy += 1.0
+
+
+class Unnamed(Small):
+    """Remembers a number that has no name."""
+
+    history_size: ClassVar[int] = 1
+
+
+@dataclass(frozen=True)
+class Finite(Material):
+    """The compressible neo-Hookean law from F itself, with one named flaw, or none."""
+
+    flaw: str = ""
+    density: float = RHO
+    kinematics: ClassVar[Kinematics] = "finite"
+    has_energy: ClassVar[bool] = True
+
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        f, j = self._deformation(gradient)
+        left = np.einsum("pji,pjk->pik" if self.flaw == "right Cauchy-Green tensor" else "pij,pkj->pik", f, f)
+        stress[0], stress[1] = SHEAR * (left[:, 0, 0] - 1), SHEAR * (left[:, 1, 1] - 1)
+        stress[2], stress[3] = 0.0, SHEAR * left[:, 0, 1]
+        stress[:3] += LAME * np.log(j)
+        stress /= j
+
+    @staticmethod
+    def _deformation(gradient: Floats) -> tuple[Floats, Floats]:
+        f = np.linalg.inv(np.ascontiguousarray(gradient.T).reshape(-1, 2, 2))
+        return f, np.linalg.det(f)
+
+    def wave_speeds(self) -> tuple[float, float]:
+        return SPEEDS
+
+    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+        f, j = self._deformation(gradient)
+        energy[:] = 0.5 * SHEAR * ((f**2).sum(axis=(1, 2)) - 2 - 2 * np.log(j)) + 0.5 * LAME * np.log(j) ** 2
+        if self.flaw != "energy per undeformed volume":
+            energy /= j
+
+    def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
+        if self.flaw == "never stiffens":
+            out[:] = 1.0
+            return
+        f, j = self._deformation(gradient)
+        # the moduli are at most those of the largest principal stretch, over the volume
+        stretch = np.linalg.svd(f, compute_uv=False)[:, 0]
+        out[:] = (np.maximum(stretch**2, 1.0) + np.maximum(-np.log(j), 0.0)) / np.minimum(j, 1.0)
+
+
+@dataclass(frozen=True)
+class Rate(Material):
+    """Hooke's law in rate form, turned by Hughes & Winget's rotation; its stress is its history."""
+
+    flaw: str = ""
+    density: float = RHO
+    kinematics: ClassVar[Kinematics] = "rate"
+    history_size: ClassVar[int] = 4
+    history_names: ClassVar[tuple[str, ...]] = ("xx", "yy", "zz", "xy")
+    calls: ClassVar[list[int]] = [0]
+
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        xx, xy, yx, yy = gradient
+        stress[:] = hooke(xx, yy, 0.5 * (xy + yx))
+        if self.flaw == "history written first":
+            new_history[:] = stress
+        half = np.zeros_like(xx) if self.flaw == "no rotation" else 0.25 * (yx - xy)
+        cos, sin = (1 - half**2) / (1 + half**2), 2 * half / (1 + half**2)
+        a, b, c = history[0], history[1], history[3]
+        turned = np.stack(
+            [
+                cos**2 * a + sin**2 * b - 2 * sin * cos * c,
+                sin**2 * a + cos**2 * b + 2 * sin * cos * c,
+                history[2],
+                sin * cos * (a - b) + (cos**2 - sin**2) * c,
+            ]
+        )
+        stress += turned
+        if self.flaw == "counts its calls":
+            self.calls[0] += 1
+            stress += 1e-9 * self.calls[0]
+        new_history[:] = stress
+
+    def wave_speeds(self) -> tuple[float, float]:
+        return SPEEDS
+
+
+RIGHT: tuple[Material, ...] = (Small(), Finite(), Rate())
+
+
+@pytest.mark.parametrize("check", material.CHECKS)
+@pytest.mark.parametrize("part", RIGHT, ids=lambda part: part.kinematics)
+def test_right_laws_pass(part: Material, check: Check) -> None:
+    try:
+        check(part)
+    except NotApplicable as reason:
+        declined = {material.stiffening_bounds_the_waves, material.history_in_place}
+        if part.kinematics == "rate":
+            declined = {*declined, material.energy_is_positive, material.energy_belongs_to_the_stress}
+        assert check in declined, reason
+
+
+WRONG: list[tuple[Check, Material]] = [
+    (material.declarations, Unnamed()),
+    (material.declarations, Small("speeds exchanged")),
+    (material.no_stress_at_rest, Small("prestressed")),
+    (material.speeds_belong_to_the_tangent, Small("speed of a bar")),
+    (material.objectivity, Small("strain not symmetrised")),
+    (material.objectivity, Finite("right Cauchy-Green tensor")),
+    (material.objectivity, Rate("no rotation")),
+    (material.tangent_is_the_derivative, Small("tangent without coupling")),
+    (material.energy_belongs_to_the_stress, Small("shear energy halved")),
+    (material.energy_is_positive, Small("energy at rest")),
+    (material.energy_belongs_to_the_stress, Finite("energy per undeformed volume")),
+    (material.stiffening_bounds_the_waves, Finite("never stiffens")),
+    (material.any_cut_gives_the_same, Small("depends on its neighbours")),
+    (material.no_points_at_all, Small("asks for the largest")),
+    (material.inputs_untouched, Small("gradient centred in place")),
+    (material.inputs_untouched, Small("forgets a row")),
+    (material.history_in_place, Rate("history written first")),
+    (material.same_answer_twice, Rate("counts its calls")),
+]
+
+
+@pytest.mark.parametrize(("check", "part"), WRONG)
+def test_wrong_laws_are_caught(caught: Any, check: Check, part: Material) -> None:
+    caught(check, part)
+
+
+def test_every_check_has_a_wrong_part() -> None:
+    assert {check for check, _ in WRONG} == set(material.CHECKS)
