@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.api import BLOCK_CELLS, Element, Floats, Ints, Material, Mesh
 from contactlab.kernels.cells import element_kernels, midpoint
+from contactlab.kernels.size import jacobian_determinants
 
 
 @dataclass(frozen=True)
@@ -180,18 +181,19 @@ class BodyForces:
         if self.body.material.kinematics != "finite":
             return (self.determinants(block, points) * weights[:, None]).ravel()
         g = block.gradient
-        undeformed = _determinants(self.body.element, points, self.field[block.connectivity]) * weights[:, None]
+        undeformed = self._determinants(self.field, block, points) * weights[:, None]
         return undeformed.ravel() / (g[0] * g[3] - g[1] * g[2])
 
     def determinants(self, block: Block, points: Floats) -> Floats:
         """Jacobian determinants (q, B) of a block's cells in the geometry the forces act on."""
-        return _determinants(self.body.element, points, self.geometry[block.connectivity])
+        return self._determinants(self.geometry, block, points)
 
+    def _determinants(self, positions: Floats, block: Block, points: Floats) -> Floats:
+        slopes = np.ascontiguousarray(self.body.element.shape(points).gradient)
+        out = np.empty((len(points), block.connectivity.shape[1]))
+        jacobian_determinants(positions, block.connectivity, slopes, out)
+        return out
 
-def _determinants(element: Element, points: Floats, nodes: Floats) -> Floats:
-    """Jacobian determinants (q, B) of cells with nodal positions (a, B, 2)."""
-    j = np.einsum("qai,abj->qbij", element.shape(points).gradient, nodes)
-    return np.asarray(j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0])
 
 
 def _blocks(body: Body, history: Floats, trial_history: Floats) -> list[Block]:

@@ -19,11 +19,16 @@ class StableStep:
         self.forces, self.body = forces, forces.body
         self.moving = self.body.material.kinematics != "small"
         self.size, self.before = np.empty(len(self.body.cells)), np.empty(len(self.body.cells))
-        self._refresh(positions)
-
-    def _refresh(self, positions: Floats) -> None:
         self.frequency = cell_frequencies(self.body, positions)
         inverse_size_squared(positions, self.body.cells, self.before)
+
+    def _refresh(self, positions: Floats, growth: Floats) -> None:
+        """New frequencies of the cells whose size has drifted."""
+        drifted = np.flatnonzero((growth > DRIFT) | (growth < 1.0 / DRIFT)).astype(np.int32)
+        if len(drifted):
+            self.frequency[drifted] = cell_frequencies(self.body, positions, drifted)
+            self.before[drifted] = self.size[drifted]
+            growth[drifted] = 1.0
 
     def limit(self, positions: Floats) -> float:
         """Largest stable step [s] at `positions` (N, 2)."""
@@ -31,9 +36,7 @@ class StableStep:
             return float(2.0 / self.frequency.max())
         inverse_size_squared(positions, self.body.cells, self.size)
         growth = self.size / self.before
-        if growth.max() > DRIFT or growth.min() < 1.0 / DRIFT:
-            self._refresh(positions)
-            growth[:] = 1.0
+        self._refresh(positions, growth)
         return float(2.0 / np.sqrt((self.frequency**2 * growth * self._stiffening()).max()))
 
     def _stiffening(self) -> Floats:
