@@ -10,16 +10,17 @@ import pytest
 from contactlab.testing import run_check
 from contactlab.testing.assertions import Check
 
-Catch = Callable[[Check, Any], None]
+Catch = Callable[..., None]
 
 
 @pytest.fixture
 def caught() -> Catch:
-    """caught(check, part): the check must fail on the part, and say why."""
+    """caught(check, part): the check must fail on the part, and say why; `raises` where the part itself raises."""
 
-    def assert_caught(check: Check, part: Any) -> None:
+    def assert_caught(check: Check, part: Any, *, raises: bool = False) -> None:
         outcome = run_check(check, part)
         assert outcome.status == "failed", f"{outcome.check} lets a wrong part pass: {outcome}"
+        assert outcome.reason.startswith("the part raised") == raises, outcome.reason
         assert len(outcome.reason) > 20, "a failure must say what is wrong"
         assert outcome.says.endswith((".", ":"))
 

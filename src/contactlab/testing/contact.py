@@ -224,8 +224,9 @@ def _pieces(algorithm: ContactAlgorithm, at: Chains) -> tuple[Pieces, int, int]:
     near = near_segments(sides.slave, at.slave.segments, sides.master, at.master.segments, 2.0 * reach)
     capacity = algorithm.capacity(at.slave, near)
     m = len(at.slave.nodes)
-    # a few more than promised, so that a broken promise is seen and not a crash
-    out = Pieces.allocate(capacity + 8, algorithm.widths(at.slave, at.master), m * algorithm.rows_per_node)
+    # far more room than promised: a broken promise is to be seen, and compiled code writes where it likes
+    room = capacity + 4 * len(near.master) + 4 * m
+    out = Pieces.allocate(room, algorithm.widths(at.slave, at.master), m * algorithm.rows_per_node)
     memory = np.zeros((algorithm.memory_size, m))
     with untouched(slave_positions=sides.slave, master_positions=sides.master, near=near.master):
         count = algorithm.pieces(at.slave, at.master, sides, near, reach, memory, out)

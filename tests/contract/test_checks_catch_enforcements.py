@@ -1,0 +1,146 @@
+"""Every check of enforcements and friction laws catches a planted defect, and right ones in NumPy pass all of them."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from contactlab.api import ExplicitEnforcement, Floats, FrictionBound, FrictionLaw, Rows, Solve
+from contactlab.testing import enforcement, friction
+from contactlab.testing.assertions import Check
+
+
+def dense(rows: Rows, weight: Floats, nodes: int) -> Floats:
+    """Weights (k, 2 N)."""
+    out = np.zeros((rows.count, nodes, 2))
+    for k in range(rows.count):
+        for z in range(rows.start[k], rows.start[k + 1]):
+            out[k, rows.node[z]] += weight[z]
+    return out.reshape(rows.count, 2 * nodes)
+
+
+@dataclass(frozen=True)
+class Sweeps(ExplicitEnforcement):
+    """Projected Gauss-Seidel on dense rows, with one named flaw, or none."""
+
+    flaw: str = ""
+
+    def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
+        k = rows.count
+        slots = np.arange(k) if self.flaw == "slots ignored" else rows.slot[:k]
+        normal, c = dense(rows, rows.normal_weight, len(force)), compliance.reshape(-1)
+        rubs = len(rows.tangent_weight) > 0
+        tangent = dense(rows, rows.tangent_weight, len(force)) if rubs else np.zeros_like(normal)
+        y = multipliers[0, slots].copy()
+        if self.flaw == "never below the start":
+            least = y.copy()
+        t = multipliers[1, slots].copy() if rubs else np.zeros(k)
+        if self.flaw == "gap shifted in place":
+            rows.gap -= 1e-3
+        a, b = (normal**2 * c).sum(axis=1), (tangent**2 * c).sum(axis=1)
+        y[a == 0.0] = 0.0
+        sweeps, change = 0, np.inf
+        while change > 1e-13 and sweeps < (3 if self.flaw == "stops after three sweeps" else 500) and k:
+            change, sweeps = 0.0, sweeps + 1
+            for i in range(k):
+                moved = c * (normal.T @ y + tangent.T @ t)
+                if a[i] > 0.0:
+                    new = y[i] - (rows.gap[i] + normal[i] @ moved) / a[i]
+                    new = new if self.flaw == "pulls" else max(0.0, new)
+                    if self.flaw == "never below the start":
+                        new = max(new, least[i])
+                    change, y[i] = max(change, abs(new - y[i])), new
+                if rubs and b[i] > 0.0:
+                    moved = c * (normal.T @ y + tangent.T @ t)
+                    limit = rows.bound[0, i] * y[i] * (1.1 if self.flaw == "rubs too much" else 1.0)
+                    new = float(np.clip(t[i] - (rows.slip[i] + tangent[i] @ moved) / b[i], -limit, limit))
+                    change, t[i] = max(change, abs(new - t[i])), new
+        total = (normal.T @ y + tangent.T @ t).reshape(force.shape)
+        if self.flaw == "returns early without rows" and not k:
+            return Solve(0, 0.0, 0, 0.0)
+        force[:] = force + total if self.flaw == "forces added" else total
+        multipliers[:] = 0.0
+        multipliers[0, slots] = y
+        if rubs:
+            multipliers[1, slots] = t
+        rigid = 0 if self.flaw == "rigid rows not reported" else int(np.count_nonzero(a == 0.0))
+        shift = np.abs(total if self.flaw == "force as correction" else compliance * total)
+        return Solve(sweeps, 0.0, rigid, float(shift.max(initial=0.0)))
+
+
+@pytest.mark.parametrize("check", enforcement.CHECKS)
+def test_a_right_enforcement_passes(check: Check) -> None:
+    check(Sweeps())
+
+
+WRONG: list[tuple[Check, ExplicitEnforcement]] = [
+    (enforcement.is_the_direct_solution, Sweeps("stops after three sweeps")),
+    (enforcement.conditions_hold, Sweeps("pulls")),
+    (enforcement.forces_are_the_rows, Sweeps("forces added")),
+    (enforcement.warm_start_changes_nothing, Sweeps("never below the start")),
+    (enforcement.slots_are_kept_apart, Sweeps("slots ignored")),
+    (enforcement.nothing_to_do, Sweeps("returns early without rows")),
+    (enforcement.rigid_rows_are_left_out, Sweeps("rigid rows not reported")),
+    (enforcement.correction_is_reported, Sweeps("force as correction")),
+    (enforcement.friction_keeps_its_bound, Sweeps("rubs too much")),
+    (enforcement.inputs_untouched, Sweeps("gap shifted in place")),
+]
+
+
+@pytest.mark.parametrize(("check", "part"), WRONG)
+def test_wrong_enforcements_are_caught(caught: Any, check: Check, part: ExplicitEnforcement) -> None:
+    caught(check, part)
+
+
+def test_every_check_has_a_wrong_part() -> None:
+    assert {check for check, _ in WRONG} == set(enforcement.CHECKS)
+
+
+# --- friction -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Law(FrictionLaw):
+    """A law with any numbers."""
+
+    numbers: tuple[float, float, float] = (0.2, 0.0, 0.0)
+
+    def bound(self) -> FrictionBound:
+        return FrictionBound(*self.numbers)
+
+
+class Moody(Law):
+    """Another bound in every call."""
+
+    calls: ClassVar[Any] = itertools.count()
+
+    def bound(self) -> FrictionBound:
+        return FrictionBound(0.2 + 0.001 * next(self.calls), 0.0, 0.0)
+
+
+@pytest.mark.parametrize("check", friction.CHECKS)
+@pytest.mark.parametrize("numbers", [(0.2, 0.0, 0.0), (0.0, 200.0, np.inf), (0.1, 50.0, 5.0)])
+def test_right_friction_passes(check: Check, numbers: tuple[float, float, float]) -> None:
+    check(Law(numbers))
+
+
+WRONG_FRICTION: list[tuple[Check, FrictionLaw]] = [
+    (friction.numbers_in_range, Law((np.nan, 0.0, 0.0))),
+    (friction.numbers_in_range, Law((0.2, np.inf, np.inf))),
+    (friction.bound_grows_with_pressure, Law((-0.1, 1000.0, np.inf))),
+    (friction.rubs_at_all, Law((0.0, 200.0, 0.0))),
+    (friction.same_bound_twice, Moody()),
+]
+
+
+@pytest.mark.parametrize(("check", "part"), WRONG_FRICTION)
+def test_wrong_friction_is_caught(caught: Any, check: Check, part: FrictionLaw) -> None:
+    caught(check, part)
+
+
+def test_every_check_has_a_wrong_friction_law() -> None:
+    assert {check for check, _ in WRONG_FRICTION} == set(friction.CHECKS)
