@@ -2,8 +2,8 @@
 
 T is tridiagonal along the slave chain (`diagonal`, `lower[k]` = T[k, previous], `upper[k]` =
 T[k, next]). On partial cover a multiplier that keeps less than 5 % of its length is merged into its
-neighbour, one below 1e-6 is dropped (formulation: partial cover); merging adds rows and columns, so
-T stays square and tridiagonal. `owner[k]` is the multiplier that k became, -1 if dropped.
+neighbour, one that has none and keeps less than 1e-6 is dropped (formulation: partial cover); merging
+adds rows and columns, so T stays square and tridiagonal. `owner[k]` is the multiplier that k became, -1 if dropped.
 """
 
 from __future__ import annotations
@@ -41,14 +41,18 @@ def settle(full, fixed, following, preceding, diagonal, lower, upper, cover, own
     of nodes that cannot move, which are merged whatever they cover.
     """
     for k in range(owner.size):
-        owner[k] = k if cover[k] > DROP_BELOW * full[k] else -1
+        # a hat may reach into the cover where the multiplier of its node does not: both count as touched
+        owner[k] = k if cover[k] > 0.0 or diagonal[k] + lower[k] + upper[k] > 0.0 else -1
     for k in range(owner.size):
         n, p = following[k], preceding[k]
-        next_[k] = n if owner[k] >= 0 and n >= 0 and owner[n] >= 0 and upper[k] != 0.0 else -1
-        previous[k] = p if owner[k] >= 0 and p >= 0 and owner[p] >= 0 and lower[k] != 0.0 else -1
+        next_[k] = n if owner[k] >= 0 and n >= 0 and owner[n] >= 0 and (upper[k] != 0.0 or lower[n] != 0.0) else -1
+        previous[k] = p if owner[k] >= 0 and p >= 0 and owner[p] >= 0 and (lower[k] != 0.0 or upper[p] != 0.0) else -1
     for k in range(owner.size):
         if owner[k] == k and (fixed[k] or cover[k] < MERGE_BELOW * full[k]):
             _merge(k, fixed, diagonal, lower, upper, cover, owner, next_, previous)
+    for k in range(owner.size):
+        if owner[k] == k and cover[k] < DROP_BELOW * full[k]:
+            owner[k] = -1
     for k in range(owner.size):
         while owner[k] >= 0 and owner[owner[k]] != owner[k]:
             owner[k] = owner[owner[k]]

@@ -1,0 +1,127 @@
+"""Contact on quadratic traces: coupling tables, reproduction, equal force with Q1, no saw-tooth."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contactlab.model.build import build
+from contactlab.model.surface_pair import SurfacePair
+from contactlab.registry import default_registry
+from contactlab.scene import Scene, load_scene
+from contactlab.simulation import simulate
+
+TABLES = {
+    # formulation 3.7, units of the edge length: rows (vertex, mid, vertex) traces, columns multipliers
+    "mortar-p1": np.array([[7 / 48, 1 / 24, -1 / 48], [1 / 8, 5 / 12, 1 / 8], [-1 / 48, 1 / 24, 7 / 48]]),
+    "mortar-p0": np.array([[1 / 6, 1 / 48, -1 / 48], [5 / 48, 11 / 24, 5 / 48], [-1 / 48, 1 / 48, 1 / 6]]),
+}
+
+
+def pressed_blocks(algorithm: str, slave: list[float], cells: tuple[int, int], element: str = "q2") -> Scene:
+    """Two flat blocks face to face; `slave` gives the upper block's span."""
+    law = {"use": "linear-elastic", "young": 1000.0, "poisson": 0.0, "density": 1e-9}
+    body = {"element": element, "material": "m"}
+    return Scene.from_data(
+        {
+            "name": "blocks",
+            "time": {"end": 1e-6},
+            "integrator": "central-difference",
+            "materials": {"m": law},
+            "bodies": {
+                "upper": {**body, "mesh": {"use": "rectangle", "x": slave, "y": [0.0, 0.5], "cells": [cells[0], 1]}},
+                "lower": {
+                    **body,
+                    "mesh": {"use": "rectangle", "x": [0.0, 1.0], "y": [-0.5, 0.0], "cells": [cells[1], 1]},
+                },
+            },
+            "contacts": [{"slave": "upper.bottom", "master": "lower.top", "algorithm": algorithm}],
+            "supports": [{"on": "upper.top", "ux": 0.0, "uy": 0.0}, {"on": "lower.bottom", "ux": 0.0, "uy": 0.0}],
+        }
+    )
+
+
+def updated_pair(scene: Scene) -> tuple[SurfacePair, np.ndarray]:
+    model = build(scene, default_registry())
+    assert model.contact is not None
+    pair = model.contact.pairs[0]
+    pair.update(model.position, np.zeros((1, len(pair.slave.nodes))))
+    pair.measure(model.position)
+    return pair, model.position
+
+
+def dense(pair: SurfacePair, nodes: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
+    """D or M as a full matrix."""
+    matrix = np.zeros((count, pair.slots))
+    for p in range(pair.count):
+        for i, node in enumerate(nodes[p]):
+            for j, k in enumerate(pair.pieces.multiplier[p]):
+                matrix[node, k] += values[p, i, j]
+    return matrix
+
+
+@pytest.mark.parametrize("algorithm", TABLES)
+@pytest.mark.parametrize("element", ["q2", "q2-lagrange"])
+def test_coupling_table_of_one_edge(algorithm: str, element: str) -> None:
+    """D of a single quadratic edge over a master of another mesh; exact but for round-off."""
+    pair, _ = updated_pair(pressed_blocks(algorithm, [0.0, 1.0], (1, 3), element))
+    d = dense(pair, pair.pieces.slave, pair.pieces.D, len(pair.slave.nodes))
+    assert d == pytest.approx(TABLES[algorithm], abs=1e-14)
+    assert d.sum(axis=1) == pytest.approx([1 / 6, 2 / 3, 1 / 6], abs=1e-14)
+
+
+@pytest.mark.parametrize("algorithm", TABLES)
+@pytest.mark.parametrize("span", [[0.0, 1.0], [0.13, 1.31]], ids=["full cover", "partial cover"])
+def test_rows_reproduce_constants_and_lines(algorithm: str, span: list[float]) -> None:
+    """Both sides weigh constants alike and see the same linear function (T3.2), also on partial cover.
+
+    The tolerance is the cut of the windows, 1e-13 per weight.
+    """
+    pair, _ = updated_pair(pressed_blocks(algorithm, span, (3, 4)))
+    for k in pair.order[: pair.kept]:
+        sums = []
+        for (start, end, weight), x in ((pair.slave_window, pair.at.slave), (pair.master_window, pair.at.master)):
+            w = weight[k, : end[k] - start[k]]
+            sums.append((w.sum(), w @ x[start[k] : end[k], 0]))
+        assert sums[0] == pytest.approx(sums[1], abs=1e-11)
+        assert sums[0][0] == pytest.approx(1.0, abs=1e-11)
+
+
+@pytest.mark.parametrize("algorithm", TABLES)
+def test_forces_cancel_on_partial_cover(algorithm: str) -> None:
+    """Any multipliers push both bodies with opposite resultants and no moment on a flat interface."""
+    scene = pressed_blocks(algorithm, [0.13, 1.31], (3, 4)).with_({"bodies.upper.shift": [0.0, -1e-4]})
+    model = build(scene, default_registry())
+    step = model.integrator.bind(model, model.state)
+    step(1e-9)
+    force, x = model.state["contact_force"], model.position
+    upper = np.arange(len(x)) < model.bodies[0].count
+    assert force[upper].any()
+    scale = np.abs(force).sum()
+    assert np.abs(force.sum(axis=0)).max() < 1e-12 * scale
+    assert abs(np.sum(x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0])) < 1e-11 * scale
+
+
+@pytest.mark.parametrize("algorithm", TABLES)
+def test_deep_disc_agrees_with_bilinear_elements(algorithm: str) -> None:
+    """Equal node count, level 1: the reaction within 0.5 % of Q1's, and no saw-tooth in the recovered pressure."""
+    half = {"bodies.disc.mesh.cells": [12, 3], "bodies.block.mesh.cells": [18, 3]}
+    scene = load_scene("disc-on-block").with_({"contacts.0.algorithm": algorithm, "level": 1, "record.frames": 2})
+    quadratic = {"bodies.disc.element": "q2-lagrange", "bodies.block.element": "q2-lagrange", **half}
+    bilinear = simulate(scene).summary["reactions"]["disc.top"][1]
+    results = simulate(scene.with_(quadratic))
+    assert results.status == "finished", results.reason
+    assert results.summary["reactions"]["disc.top"][1] == pytest.approx(bilinear, rel=5e-3)
+    assert saw_tooth(results.contact["contacts.0"].last) < 0.02
+
+
+def saw_tooth(curve) -> float:  # type: ignore[no-untyped-def]
+    """Mean alternation between corners and mid nodes over the largest pressure, inside the contact.
+
+    A sixteenth of the fourth difference is one for (1, -1, 1, -1 ...) and of fourth order for smooth curves;
+    with its sign alternated, what is smooth cancels in the mean.
+    """
+    p = curve.pressure
+    fourth = (p[:-4] - 4 * p[1:-3] + 6 * p[2:-2] - 4 * p[3:-1] + p[4:]) / 16.0
+    inner = np.abs(curve.x[2:-2]) < 0.4
+    return float(abs((fourth * (-1.0) ** np.arange(len(fourth)))[inner].mean()) / p.max())
