@@ -19,6 +19,7 @@ from contactlab_solids.power_law import PowerLaw
 from contactlab.api import Element, Floats, Material, Mesh
 from contactlab.kernels.cells import element_kernels, midpoint
 from contactlab.model.body import Body, BodyForces
+from contactlab.model.tangent import Tangent
 
 ELEMENTS: tuple[Element, ...] = (Q1(), Q1Fbar(), Q1Reduced(), Q2(), Q2Lagrange())
 HYPO = Hypoelastic(7000.0, 0.3, 1.0)
@@ -34,7 +35,7 @@ def names(part: object) -> str:
 class Cells:
     """Separate distorted cells of one element with a law, moved at will."""
 
-    def __init__(self, element: Element, law: Material, cells: int = CELLS) -> None:
+    def __init__(self, element: Element, law: Material, *, trial: bool = False, cells: int = CELLS) -> None:
         a = len(element.nodes)
         random = np.random.default_rng(4)
         x = element.nodes + random.uniform(-0.08, 0.08, (cells, a, 2))
@@ -49,7 +50,8 @@ class Cells:
             "rate": (self.position, self.du),
         }[law.kinematics]
         history = np.zeros(body.history_shape())
-        self.forces = BodyForces(body, geometry, field, self.force, history, shape=(self.x, self.u))
+        trial_history = np.zeros_like(history) if trial else None
+        self.forces = BodyForces(body, geometry, field, self.force, history, trial_history, (self.x, self.u))
 
     def move(self, displacement: Floats) -> Floats:
         """Nodal forces after a step to `displacement`."""
@@ -155,3 +157,29 @@ def test_increments_add_up_to_the_whole(element: Element) -> None:
         law.stress(gradient, history, 1.0, stress, history)
     # midpoint rule for ln: relative error (ln 1.5 / steps)^2 / 12 = 3e-7
     np.testing.assert_allclose(stress[0], 7000.0 * math.log(1.5), rtol=1e-6)
+
+
+@pytest.mark.parametrize("law", [LinearElastic(7000.0, 0.3, 1.0), NEO, HYPO, POWER], ids=names)
+@pytest.mark.parametrize("element", ELEMENTS, ids=names)
+def test_stiffness_is_the_derivative_of_the_forces(element: Element, law: Material) -> None:
+    """What Newton solves with, of every element and law together; symmetric wherever an energy exists."""
+    cells = Cells(element, law, trial=True, cells=2)
+    base, step = bump(cells, 0.05, 5), 1e-6
+    size = base.size
+
+    def force(displacement: Floats) -> Floats:
+        cells.u[:] = 0.0  # trials of one step from the undeformed state
+        return cells.move(displacement).ravel()
+
+    force(base)
+    stiffness = Tangent(len(cells.x), (cells.forces,)).assemble(1.0).toarray()
+    expected = np.empty((size, size))
+    for j in range(size):
+        unit = np.zeros(size)
+        unit[j] = step
+        expected[:, j] = (force(base + unit.reshape(-1, 2)) - force(base - unit.reshape(-1, 2))) / (2.0 * step)
+    scale = np.abs(expected).max()
+    # differences of forces of order E with step 1e-6: 1e-10, and (step / yield strain)^2 where points yield
+    np.testing.assert_allclose(stiffness, expected, atol=1e-7 * scale)
+    if law is not HYPO:
+        np.testing.assert_allclose(stiffness, stiffness.T, atol=1e-7 * scale)

@@ -38,7 +38,7 @@ class ExplodedCells:
             for k in range(2):
                 high = self._forces(block, dt, geometry, field, b, k, step)
                 low = self._forces(block, dt, geometry, field, b, k, -step)
-                column = ((high - low) / (2.0 * step[:, None])).reshape(nodes, cells, 2)
+                column = (high - low).reshape(nodes, cells, 2) / (2.0 * step[:, None])
                 matrices[:, :, 2 * b + k] = column.transpose(1, 0, 2).reshape(cells, 2 * nodes)
         scatter_all(matrices, pairs, pattern.place, pattern.stride, pattern.data)
 
@@ -59,7 +59,7 @@ class ExplodedCells:
             geometry[moved, k] += step
         if kinematics != "finite":
             field[moved, k] += step
-        gradient, force, _ = self.forces.kernels
+        gradient, force, stabilise = self.forces.kernels
         slopes, stress, out = np.empty_like(block.gradient), np.empty_like(block.stress), np.zeros_like(geometry)
         scratch = np.zeros((6 * nodes + 6, cells))
         gradient(geometry, field, connectivity, slopes, scratch)

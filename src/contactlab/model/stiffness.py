@@ -37,18 +37,6 @@ def cell_stiffness(body: Body, positions: Floats) -> Floats:
     return _by_columns(body, positions, forces)
 
 
-def stabilising_stiffness(body: Body, positions: Floats) -> Floats | None:
-    """Constant stiffness (n, 2a, 2a) [N/mm] of an element's stabilisation, `positions` undeformed; None without."""
-    stabilise = element_kernels(body.element, body.material.kinematics).stabilise
-    if stabilise is None:
-        return None
-
-    def forces(x: Floats, u: Floats, conn: Ints, out: Floats, scratch: Floats) -> None:
-        stabilise(x, u, conn, body.shear_modulus, out, scratch)
-
-    return _by_columns(body, positions, forces)
-
-
 def _hooke(strain: Floats, lame: float, shear: float) -> Floats:
     """Stress rows (4, P) from du/dx rows."""
     xx, xy, yx, yy = strain

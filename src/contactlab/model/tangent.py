@@ -103,6 +103,8 @@ def follows_tables(forces: BodyForces) -> bool:
     own = element.block_kernels(forces.body.material.kinematics)
     if own is None:
         return True
+    if own.stabilise is not None:
+        return False
     generic, nodes = table_kernels(element), len(element.nodes)
     draw = np.random.default_rng(1)
     geometry = element.nodes + draw.uniform(-0.1, 0.1, (nodes, 2))
