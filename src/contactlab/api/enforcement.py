@@ -6,6 +6,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, ClassVar, NamedTuple
 
+import numpy as np
+
 from contactlab.api.arrays import Floats, Ints
 
 
@@ -99,18 +101,34 @@ class Conditions:
 
 @dataclass
 class Response:
-    """What an enforcement asks of the forces, linearised: by_force dy + by_gap d(gap, slip) = -residual.
+    """What an enforcement asks of the forces of each condition, linearised.
 
-    residual  (r, k) [N]        how far the conditions are from holding
-    by_force  (r, r, k) [-]     d(residual of row i)/d(force j)
-    by_gap    (r, r, k) [N/mm]  d(residual of row i)/d(gap or slip j)
-    status    (k,) int8         0 open, 1 stick, 2 slip (closed without friction counts as slip)
+    Row i is the normal one, and with friction the tangential one; the normal one knows nothing of the other.
+
+        residual + by_force dy + by_gap d(gap or slip) = 0, and in the tangential row + cross_force dy_n + cross_gap d(gap)
+
+    residual     (r, k) [N]     how far the conditions are from holding
+    by_force     (r, k) [-]     d(residual)/d(force of its own row)
+    by_gap       (r, k) [N/mm]  d(residual)/d(gap), d(residual)/d(slip)
+    cross_force  (k,) [-]       of the tangential row by the normal force; (0,) without friction
+    cross_gap    (k,) [N/mm]    of the tangential row by the gap; (0,) without friction
+    status       (k,) int8      0 open, 1 stick, 2 slip (closed without friction counts as slip)
     """
 
     residual: Floats
     by_force: Floats
     by_gap: Floats
+    cross_force: Floats
+    cross_gap: Floats
     status: Any
+
+    @classmethod
+    def allocate(cls, rows: int, slots: int) -> Response:
+        """Zeroed room."""
+        cross = slots if rows > 1 else 0
+        return cls(
+            *(np.zeros((rows, slots)) for _ in range(3)), np.zeros(cross), np.zeros(cross), np.zeros(slots, np.int8)
+        )
 
 
 class ImplicitEnforcement(Enforcement):

@@ -104,11 +104,13 @@ def _take_off(at, scale, q, pieces, out):
 
 
 @kernel
-def differences(high_count, high, low_count, low, side, shift, ring, chain, colour, direction, scale, at, out):
+def differences(
+    high_count, high, high_nodes, low_count, low, low_nodes, shift, ring, chain, colour, direction, scale, at, out
+):  # fmt: skip
     """Append scale * (high - low) for the pieces that depend on a node of `colour` moved along `direction`.
 
-    high, low = (slave, multiplier, master, D, M, T) of both evaluations; side 0 where slave nodes were
-    moved, 2 for master nodes, whose coordinates count on from `shift`. Pieces that only one evaluation has
+    high, low = (slave, multiplier, master, D, M, T) of both evaluations; `high_nodes` and `low_nodes` are
+    their slave or master nodes, whichever were moved; coordinates count on from `shift`. Pieces that only one evaluation has
     are entries of their own. Returns the next free entry.
     """
     head = 0
@@ -118,7 +120,7 @@ def differences(high_count, high, low_count, low, side, shift, ring, chain, colo
     while tail < min(high_count, low_count) - head and _alike(high_count - 1 - tail, high, low_count - 1 - tail, low):
         tail += 1
     for p in range(high_count):
-        v = moved_node(high[side], p, ring, chain, colour)
+        v = moved_node(high_nodes, p, ring, chain, colour)
         if v < 0:
             continue
         _put(at, scale, p, high, 2 * (shift + v) + direction, out)
@@ -129,7 +131,7 @@ def differences(high_count, high, low_count, low, side, shift, ring, chain, colo
         else:
             at += 1
     for q in range(head, low_count - tail):
-        v = moved_node(low[side], q, ring, chain, colour)
+        v = moved_node(low_nodes, q, ring, chain, colour)
         if v >= 0:
             _put(at, -scale, q, low, 2 * (shift + v) + direction, out)
             at += 1

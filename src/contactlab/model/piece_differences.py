@@ -80,8 +80,8 @@ class PieceDifferences:
                 high_count = self._moved(side, colours == colour, direction, step, memory, self.high)
                 low_count = self._moved(side, colours == colour, direction, -step, memory, self.low)
                 out.count = kernels.differences(
-                    high_count, _arrays(self.high), low_count, _arrays(self.low), 2 * side, shift, RING, chain, colour,
-                    direction, 0.5 / step, out.count, entries,
+                    high_count, _arrays(self.high), _arrays(self.high)[2 * side], low_count, _arrays(self.low),
+                    _arrays(self.low)[2 * side], shift, RING, chain, colour, direction, 0.5 / step, out.count, entries,
                 )  # fmt: skip
                 out.normal_count = kernels.normal_differences(
                     self.high.normal, self.low.normal, owners, shift, RING, chain, colour, direction, 0.5 / step,

@@ -1,0 +1,58 @@
+"""Exact multipliers by a primal-dual active set, a semi-smooth Newton method on the saddle point problem."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactlab.api import Conditions, Floats, ImplicitEnforcement, Response
+from contactlab_statics.friction_bound import limits
+
+OPEN, STICK, SLIP = 0, 1, 2
+
+
+@dataclass(frozen=True)
+class ActiveSet(ImplicitEnforcement):
+    """y_n = max(0, y_n - c g), y_t = clip(y_t - c d, -bound, bound) (formulation 4.2).
+
+    The stiffness c that decides which condition is closed follows from the stiffness of the nodes; results do
+    not depend on it.
+
+    scale  factor on c [-]
+    """
+
+    scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.scale < float("inf"):
+            raise ValueError(f"scale: got {self.scale}, allowed: a factor > 0")
+
+    def respond(self, conditions: Conditions, out: Response) -> None:
+        """Closed conditions ask for no gap, open ones for no force, slipping ones for the force of the bound."""
+        stiffness = np.where(conditions.present, self.scale * conditions.stiffness, 0.0)
+        gap = np.where(conditions.present, conditions.gap, 0.0)
+        force = conditions.force[0]
+        trial = np.maximum(force - stiffness * gap, 0.0)
+        closed = conditions.present & (trial > 0.0)
+        out.residual[0] = np.where(closed, stiffness * gap, force)
+        out.by_force[0] = np.where(closed, 0.0, 1.0)
+        out.by_gap[0] = np.where(closed, stiffness, 0.0)
+        out.status[:] = np.where(closed, SLIP, OPEN)
+        if len(out.residual) > 1:
+            _tangential(conditions, stiffness, trial, closed, out)
+
+
+def _tangential(conditions: Conditions, stiffness: Floats, normal: Floats, closed: Floats, out: Response) -> None:
+    limit, growth = limits(conditions, normal)
+    force = conditions.force[1]
+    trial = force - stiffness * conditions.slip
+    stick = conditions.present & (np.abs(trial) < limit)
+    sign = np.sign(trial)
+    out.residual[1] = np.where(stick, stiffness * conditions.slip, force - sign * limit)
+    out.by_force[1] = np.where(stick, 0.0, 1.0)
+    out.by_gap[1] = np.where(stick, stiffness, 0.0)
+    follows = ~stick & closed
+    out.cross_force[:] = np.where(follows, -sign * growth, 0.0)
+    out.cross_gap[:] = np.where(follows, sign * growth * stiffness, 0.0)
+    out.status[:] = np.where(stick, STICK, np.where(limit > 0.0, SLIP, out.status))

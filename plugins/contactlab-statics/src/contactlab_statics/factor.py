@@ -1,0 +1,28 @@
+"""Sparse direct solution of the linear systems."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse.linalg import splu
+
+from contactlab.api import Floats
+
+
+class SingularSystem(ArithmeticError):
+    """The matrix has no inverse: something can move without resistance."""
+
+
+class Factor:
+    """A factorised matrix."""
+
+    def __init__(self, matrix: Any) -> None:
+        try:
+            self.lu = splu(matrix, permc_spec="COLAMD")
+        except RuntimeError as error:
+            raise SingularSystem(str(error)) from error
+
+    def solve(self, right: Floats) -> Floats:
+        """Solution for one right-hand side (n,)."""
+        return np.asarray(self.lu.solve(right))

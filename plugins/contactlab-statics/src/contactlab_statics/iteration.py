@@ -1,0 +1,164 @@
+"""Newton's iteration for one step: the same for load steps and steps in time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from contactlab.api import Floats, ImplicitEquations, Iteration, Response, State
+from contactlab_statics.convergence import Residual, contact_residual, force_scale
+from contactlab_statics.factor import SingularSystem
+from contactlab_statics.saddle import SaddleSystem
+
+DEEPEST = 1.0  # segment lengths that a correction may push a surface into the other
+SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
+FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
+
+
+class Balance(Protocol):
+    """What is in balance at the end of a step."""
+
+    def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
+        """Fill `out` (N, 2) with external and contact forces minus all others; returns the forces by kind."""
+
+    def stiffness(self, dt: float) -> Any:
+        """Derivative of minus the unbalanced forces without contact, (2N, 2N) CSC."""
+
+
+@dataclass
+class Outcome:
+    """How the iteration of a step ended; `reason` is empty if it converged."""
+
+    reason: str = ""
+    residual: Residual = Residual(0.0, 0.0)
+    trace: list[Iteration] = field(default_factory=list)
+
+
+class NewtonIteration:
+    """One run's arrays, bound once. Works on the state's displacement and multipliers in place."""
+
+    def __init__(
+        self, equations: ImplicitEquations, state: State, balance: Balance, tolerance: float, most: int
+    ) -> None:
+        self.equations, self.state, self.balance = equations, state, balance
+        self.tolerance, self.most = tolerance, most
+        self.contact = equations.contact
+        nodes = len(equations.reference)
+        self.u = state["displacement"]
+        self.held = equations.prescribed.dof
+        self.free = np.ones((nodes, 2))
+        self.free.reshape(-1)[self.held] = 0.0
+        self.system = SaddleSystem(nodes, self.held)
+        self.force = np.zeros((nodes, 2))
+        multipliers = state["multipliers"] if self.contact is not None else np.zeros((1, 0))
+        self.response = Response.allocate(*multipliers.shape)
+        self.size = float(np.ptp(equations.reference, axis=0).max())
+        self.floor = 0.0
+
+    def run(self, dt: float, target: Floats) -> Outcome:
+        """Iterate until the state is in balance with prescribed displacements `target` (p,) [mm]."""
+        outcome = Outcome()
+        self._evaluate(dt, first=True)
+        given = np.zeros(self.u.size)
+        while len(outcome.trace) < self.most:
+            given[self.held] = target - self.u.reshape(-1)[self.held]
+            try:
+                note, length, changed = self._iterate(dt, given)
+            except SingularSystem as problem:
+                outcome.reason = f"the linear system has no solution ({problem}): a body may be held by nothing"
+                return outcome
+            if length == 0.0:
+                outcome.reason = f"no fraction of the correction above {SHORTEST:.3f} can be taken: {note}"
+                return outcome
+            outcome.residual = residual = self._residual()
+            rest = float(np.abs(target - self.u.reshape(-1)[self.held]).max(initial=0.0))
+            outcome.trace.append(self._record(residual, changed, length, note))
+            if residual.largest <= self.tolerance and rest == 0.0:
+                return outcome
+            if not np.isfinite(residual.largest):
+                outcome.reason = "forces are no longer finite"
+                return outcome
+        outcome.reason = (
+            f"{self.most} iterations left residuals of {residual.force:.1e} (forces) and {residual.contact:.1e} (contact)"
+        )
+        return outcome
+
+    # --- one iteration --------------------------------------------------------------------------
+
+    def _iterate(self, dt: float, given: Floats) -> tuple[str, float, int]:
+        """Correct the state once; returns what limited the correction, the fraction taken, and status changes."""
+        before = self.response.status.copy()
+        du, dy = self.system.step(
+            self.stiffness, self.force.reshape(-1), given, self.contact, self.response
+        )
+        note, length = self._move(dt, du.reshape(self.u.shape), dy, given)
+        return note, length, int(np.count_nonzero(self.response.status != before))
+
+    def _move(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float]:
+        """Take as much of a correction as keeps cells unfolded and surfaces from passing through each other."""
+        start = self.u.copy()
+        y = self.contact.conditions.force if self.contact is not None else dy
+        y_start = y.copy()
+        length, note = self._reach(start, du)
+        while length >= SHORTEST:
+            self.u[:] = start + length * du
+            if length == 1.0:
+                self.u.reshape(-1)[self.held] = (start.reshape(-1) + given)[self.held]
+            y[:] = y_start + length * dy
+            self._evaluate(dt)
+            if not self.equations.folded() and np.isfinite(self.force).all():
+                return note, length
+            length, note = 0.5 * length, "cells fold over"
+        return note, 0.0
+
+    def _reach(self, start: Floats, du: Floats) -> tuple[float, str]:
+        """Fraction of a correction at which the first condition is pushed too deep."""
+        if self.contact is None:
+            return 1.0, ""
+        conditions, reference = self.contact.conditions, self.equations.reference
+        force = conditions.force.copy()
+        smallest = float(conditions.size[conditions.present].min(initial=np.inf))
+        if not np.isfinite(smallest):
+            smallest = self.size / 50.0
+        pieces = max(1, int(np.ceil(np.hypot(*du.T).max() / smallest)))
+        length, note = 1.0, ""
+        for piece in range(1, min(pieces, 64) + 1):
+            part = piece / min(pieces, 64)
+            self.contact.evaluate(reference + start + part * du)
+            depth = np.where(conditions.present, -conditions.gap / np.maximum(conditions.size, 1e-300), 0.0)
+            if depth.max() > DEEPEST:
+                length, note = part, "surfaces would pass through each other"
+                if depth.max() > 2.0 * DEEPEST and piece > 1:
+                    length = (piece - 1) / min(pieces, 64)
+                break
+        conditions.force[:] = force
+        return length, note
+
+    # --- evaluation -----------------------------------------------------------------------------
+
+    def _evaluate(self, dt: float, first: bool = False) -> None:
+        """Forces, stiffness, gaps and the enforcement's answer at the trial state."""
+        self.equations.internal_force(dt)
+        self.stiffness = self.balance.stiffness(dt)
+        diagonal = np.abs(self.stiffness.diagonal()).reshape(self.u.shape)
+        self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
+        if self.contact is not None:
+            flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
+            self.contact.scale(flexibility)
+            self.contact.evaluate(self.equations.position)
+            self.contact.enforcement.respond(self.contact.conditions, self.response)
+        self.parts = self.balance.unbalanced(self.force)
+
+    def _residual(self) -> Residual:
+        unbalanced = float((np.abs(self.force) * self.free).max())
+        contact = contact_residual(self.contact.conditions, self.response) if self.contact is not None else 0.0
+        return Residual(unbalanced / force_scale(list(self.parts), self.floor), contact)
+
+    def _record(self, residual: Residual, changed: int, length: float, note: str) -> Iteration:
+        status = self.response.status
+        return Iteration(
+            residual.force, residual.contact, int(np.count_nonzero(status)), int(np.count_nonzero(status == 1)), changed,
+            length, note,
+        )  # fmt: skip

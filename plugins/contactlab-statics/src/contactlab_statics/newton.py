@@ -1,0 +1,52 @@
+"""Quasi-static load steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from contactlab.api import Enforcement, ImplicitEnforcement, ImplicitEquations, Integrator, State, Step
+
+
+@dataclass(frozen=True)
+class Newton(Integrator):
+    """Equilibrium at the end of every load step, without inertia.
+
+    steps       equal load steps to try for the whole loading; failed ones are cut, easy ones grow back
+    tolerance   largest unbalanced nodal force over the largest nodal force, and largest violation of a contact
+                condition in segment lengths, at which a step is accepted
+    iterations  most iterations of a step before it is cut
+    """
+
+    steps: int = 10
+    tolerance: float = 1e-8
+    iterations: int = 25
+
+    needs: ClassVar[type[Enforcement]] = ImplicitEnforcement
+    default_enforcement: ClassVar[str] = "active-set"
+    order: ClassVar[int] = 1
+    inertia: ClassVar[bool] = False
+    explicit: ClassVar[bool] = False
+
+    def __post_init__(self) -> None:
+        if self.steps < 1:
+            raise ValueError(f"steps: got {self.steps}, allowed: at least 1")
+        if not 0.0 < self.tolerance < 1e-2:
+            raise ValueError(f"tolerance: got {self.tolerance}, allowed: 0 < tolerance < 0.01")
+        if self.iterations < 1:
+            raise ValueError(f"iterations: got {self.iterations}, allowed: at least 1")
+
+    def wished_steps(self) -> int:
+        """The steps that the scene asks for."""
+        return self.steps
+
+    def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
+        """Reactions (N, 2) [N] of supports."""
+        return {"reaction": (nodes, 2)}
+
+    def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:  # type: ignore[override]
+        """The function that makes one load step."""
+        from contactlab_statics.load_step import LoadStep
+
+        return LoadStep(equations, state, self.tolerance, self.iterations).step

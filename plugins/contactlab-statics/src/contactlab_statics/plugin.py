@@ -1,0 +1,26 @@
+"""Implicit integrators on offer, and the enforcements that work with them."""
+
+from __future__ import annotations
+
+from contactlab.api.plugin import Part, hookimpl
+
+
+@hookimpl
+def contactlab_parts() -> list[Part]:
+    """Quasi-statics, and exact multipliers by active sets."""
+    return [
+        Part(
+            "integrator",
+            "newton",
+            "contactlab_statics.newton:Newton",
+            "quasi-static load steps by Newton's method",
+            "Wriggers 2006, ch. 10; Alart & Curnier 1991",
+        ),
+        Part(
+            "enforcement",
+            "active-set",
+            "contactlab_statics.active_set:ActiveSet",
+            "exact multipliers of the saddle point problem",
+            "Hintermueller, Ito & Kunisch 2002; Alart & Curnier 1991",
+        ),
+    ]

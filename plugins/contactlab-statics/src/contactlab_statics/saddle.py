@@ -1,0 +1,204 @@
+"""One Newton step: linearised balance of forces and contact conditions in one saddle point system.
+
+    [A - dF/du   -C^T] [du]   [unbalanced]
+    [   -H        -B ] [dy] = [ residual ]
+
+Rows and columns of the second kind exist only where an enforcement's condition depends on a gap; forces
+that it gives explicitly (open: none; slip: the bound) are eliminated before.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from contactlab.api import Conditions, ContactSlopes, Floats, ImplicitContact, Ints, Response
+from contactlab_statics.factor import Factor
+
+
+@dataclass
+class Elimination:
+    """Which forces are unknowns, and what the others are.
+
+    normal, tangential  slots (int) whose forces are unknowns
+    change              (r, k) corrections of the explicit forces, those of sliding ones without the share of
+                        their unknown normal force
+    follow              (k,) d(y_t)/d(y_n) of sliding conditions
+    residual, by_force  (r, k) divided by by_gap; cross (k,) alike, of unknown tangential forces
+    """
+
+    normal: Ints
+    tangential: Ints
+    change: Floats
+    follow: Floats
+    residual: Floats
+    by_force: Floats
+    cross: Floats
+
+    @property
+    def chosen(self) -> Ints:
+        """Slots whose slopes are needed."""
+        moved = np.flatnonzero((self.change != 0.0).any(axis=0))
+        return np.unique(np.concatenate([self.normal, self.tangential, moved]))
+
+
+def eliminate(response: Response) -> Elimination:
+    """Sort conditions into unknown and explicit forces."""
+    r = response
+    rows, slots = r.residual.shape
+    unknown = r.by_gap != 0.0
+    change, residual, by_force = (np.zeros((rows, slots)) for _ in range(3))
+    np.divide(-r.residual, r.by_force, out=change, where=~unknown)
+    np.divide(r.residual, r.by_gap, out=residual, where=unknown)
+    np.divide(r.by_force, r.by_gap, out=by_force, where=unknown)
+    follow, cross = np.zeros(slots), np.zeros(slots)
+    if rows > 1:
+        # a multiple of the normal row removes the gap from the tangential one
+        share = r.cross_force - r.cross_gap * by_force[0]
+        rest = r.residual[1] - r.cross_gap * residual[0] + np.where(unknown[0], 0.0, r.cross_force * change[0])
+        share = np.where(unknown[0], share, 0.0)
+        np.divide(-rest, r.by_force[1], out=change[1], where=~unknown[1])
+        np.divide(-share, r.by_force[1], out=follow, where=~unknown[1])
+        np.divide(rest, r.by_gap[1], out=residual[1], where=unknown[1])
+        np.divide(share, r.by_gap[1], out=cross, where=unknown[1])
+    tangential = np.flatnonzero(unknown[1]) if rows > 1 else np.zeros(0, np.int64)
+    return Elimination(np.flatnonzero(unknown[0]), tangential, change, follow, residual, by_force, cross)
+
+
+class SaddleSystem:
+    """Assembles and solves Newton steps for one model."""
+
+    def __init__(self, nodes: int, held: Ints) -> None:
+        self.size = 2 * nodes
+        self.free = np.setdiff1d(np.arange(self.size), held)
+        self.held = np.asarray(held)
+        self.number = np.full(self.size, -1, np.int32)
+        self.number[self.free] = np.arange(len(self.free))
+        self._pattern: tuple[Ints, Ints, Ints] | None = None
+
+    def step(
+        self, stiffness: Any, unbalanced: Floats, given: Floats, contact: ImplicitContact | None, response: Response
+    ) -> tuple[Floats, Floats]:
+        """Corrections of displacements (2N,) and multipliers (r, k).
+
+        stiffness   (2N, 2N) CSC, always of the same pattern
+        unbalanced  (2N,) [N] external and contact forces minus internal ones
+        given       (2N,) [mm] corrections of prescribed displacements
+        """
+        moving = bool(np.any(given))
+        right = unbalanced - stiffness @ given if moving else unbalanced
+        matrix = [self._own(stiffness)]
+        change = np.zeros((0, 0))
+        lower: list[Floats] = []
+        if contact is not None:
+            plan = eliminate(response)
+            slopes = contact.linearise(plan.chosen)
+            matrix += self._border(plan, slopes)
+            right = right + _explicit_forces(plan, slopes)
+            if moving:
+                right = right + slopes.force @ given
+            lower = _conditions_right(plan, slopes, given if moving else None)
+        du, unknown = self._solve(matrix, right, lower)
+        du[self.held] = given[self.held]
+        if contact is not None:
+            change = _forces(plan, unknown)
+        return du, change
+
+    def _solve(self, parts: list[Any], right: Floats, lower: list[Floats]) -> tuple[Floats, Floats]:
+        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
+        full = np.concatenate([right[self.free], *lower])
+        matrix = coo_array((value, (row, column)), shape=(len(full), len(full))).tocsc()
+        solution = Factor(matrix).solve(full)
+        du = np.zeros(self.size)
+        du[self.free] = solution[: len(self.free)]
+        return du, solution[len(self.free) :]
+
+    def _own(self, stiffness: Any) -> tuple[Ints, Ints, Floats]:
+        """Entries of the stiffness between free degrees of freedom."""
+        if self._pattern is None:
+            column = np.repeat(np.arange(self.size, dtype=np.int32), np.diff(stiffness.indptr))
+            row, column = self.number[stiffness.indices], self.number[column]
+            inside = np.flatnonzero((row >= 0) & (column >= 0))
+            self._pattern = row[inside], column[inside], inside
+        row, column, inside = self._pattern
+        return row, column, stiffness.data[inside]
+
+    def _inside(self, matrix: csr_array) -> tuple[Ints, Ints, Floats]:
+        """Entries of a (., 2N) matrix in free columns, rows as they are."""
+        entries = matrix.tocoo()
+        column = self.number[entries.col]
+        keep = column >= 0
+        return entries.row[keep], column[keep], entries.data[keep]
+
+    def _border(self, plan: Elimination, slopes: ContactSlopes) -> list[tuple[Ints, Ints, Floats]]:
+        """Entries of contact: change of forces, columns and rows of the unknown multipliers."""
+        first = len(self.free)
+        second = first + len(plan.normal)
+        force = slopes.force.tocoo()
+        row, column = self.number[force.row], self.number[force.col]
+        keep = (row >= 0) & (column >= 0)
+        parts = [(row[keep], column[keep], -force.data[keep])]
+        at = np.searchsorted(plan.chosen, plan.normal)
+        directions = slopes.normal[at]
+        if slopes.tangent is not None:
+            directions = directions + _scaled(plan.follow[plan.normal], slopes.tangent[at])
+        parts += self._both(directions, slopes.gap[at], first, plan.by_force[0, plan.normal])
+        if len(plan.tangential):
+            at = np.searchsorted(plan.chosen, plan.tangential)
+            parts += self._both(slopes.tangent[at], slopes.slip[at], second, plan.by_force[1, plan.tangential])
+            crossed = np.flatnonzero(plan.cross[plan.tangential])
+            place = first + np.searchsorted(plan.normal, plan.tangential[crossed])
+            parts.append((second + crossed, place, -plan.cross[plan.tangential[crossed]]))
+        return parts
+
+    def _both(
+        self, directions: csr_array, slopes: csr_array, first: int, diagonal: Floats
+    ) -> list[tuple[Ints, Ints, Floats]]:
+        """Columns of one kind of multipliers, their rows, and their diagonal."""
+        row, column, value = self._inside(directions)
+        parts = [(column, first + row, -value)]
+        row, column, value = self._inside(slopes)
+        parts.append((first + row, column, -value))
+        filled = np.flatnonzero(diagonal)
+        parts.append((first + filled, first + filled, -diagonal[filled]))
+        return parts
+
+
+def _scaled(factors: Floats, matrix: csr_array) -> csr_array:
+    """Rows of a matrix times factors."""
+    return csr_array((matrix.data * np.repeat(factors, np.diff(matrix.indptr)), matrix.indices, matrix.indptr), matrix.shape)
+
+
+def _explicit_forces(plan: Elimination, slopes: ContactSlopes) -> Floats:
+    """Nodal forces (2N,) of the corrections that are known before the solution."""
+    chosen = plan.chosen
+    forces = slopes.normal.T @ plan.change[0, chosen]
+    if slopes.tangent is not None:
+        forces = forces + slopes.tangent.T @ plan.change[1, chosen]
+    return np.asarray(forces)
+
+
+def _conditions_right(plan: Elimination, slopes: ContactSlopes, given: Floats | None) -> list[Floats]:
+    """Right-hand sides of the conditions with unknown forces."""
+    lower = [plan.residual[0, plan.normal]]
+    if len(plan.tangential):
+        lower.append(plan.residual[1, plan.tangential])
+    if given is not None:
+        lower[0] = lower[0] + (slopes.gap @ given)[np.searchsorted(plan.chosen, plan.normal)]
+        if len(plan.tangential):
+            lower[1] = lower[1] + (slopes.slip @ given)[np.searchsorted(plan.chosen, plan.tangential)]
+    return lower
+
+
+def _forces(plan: Elimination, unknown: Floats) -> Floats:
+    """Corrections of all multipliers (r, k)."""
+    change = plan.change.copy()
+    normal, tangential = np.split(unknown, [len(plan.normal)])
+    change[0, plan.normal] = normal
+    if len(change) > 1:
+        change[1] += plan.follow * np.where(np.isin(np.arange(change.shape[1]), plan.normal), change[0], 0.0)
+        change[1, plan.tangential] = tangential
+    return change
