@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 
@@ -25,17 +25,22 @@ class Location:
     key        dotted path, "contacts.0.algorithm"
     lines      line numbers of the keys that the file writes out
     overrides  keys that were set from outside the file and therefore have no line in it
+    folder     where relative paths in the text start from; empty: the working folder
     """
 
     file: str = ""
     key: str = ""
     lines: Mapping[str, int] = field(default_factory=dict, repr=False, compare=False)
     overrides: frozenset[str] = field(default=frozenset(), repr=False, compare=False)
+    folder: str = field(default="", repr=False, compare=False)
+
+    def at(self, key: str) -> Location:
+        """The location of a dotted key in the same text."""
+        return replace(self, key=key)
 
     def child(self, name: str | int) -> Location:
         """The location of `name` inside this table."""
-        key = f"{self.key}.{name}" if self.key else str(name)
-        return Location(self.file, key, self.lines, self.overrides)
+        return self.at(f"{self.key}.{name}" if self.key else str(name))
 
     @property
     def line(self) -> int | None:

@@ -13,9 +13,10 @@ import re
 import types
 import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args, get_origin
 
-from contactlab.errors import NOTHING, SceneError, Where, below, did_you_mean
+from contactlab.errors import NOTHING, Location, SceneError, Where, below, did_you_mean
 
 T = TypeVar("T")
 
@@ -149,7 +150,7 @@ def _plain(value: Any) -> Any:
         return {name: _plain(item) for name, item in value.items()}
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
-    return value
+    return str(value) if isinstance(value, Path) else value
 
 
 def kind_at(cls: type, path: Sequence[str]) -> str | None:
@@ -283,10 +284,18 @@ def _scalar(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> A
     allowed = _allowed(limits.get("options", hint), limits)
     if hint in (int, float):
         return _number(hint, value, where, limits, allowed)
+    if hint is Path and isinstance(value, str | Path):
+        return _path(value, where)
     if isinstance(hint, type) and isinstance(value, hint):
         return value
     tip = "write true or false without quotes" if hint is bool and isinstance(value, str) else ""
     raise SceneError("wrong type", where=where, got=value, allowed=allowed, hint=tip)
+
+
+def _path(value: str | Path, where: Where) -> Path:
+    """Relative paths start where the text that names them lies."""
+    folder = where.folder if isinstance(where, Location) else ""
+    return (Path(folder) / value).resolve()
 
 
 def _number(hint: type, value: Any, where: Where, limits: Mapping[str, Any], allowed: str) -> float | int:
@@ -343,7 +352,7 @@ def accepts(hint: Any, limits: Mapping[str, Any]) -> str:
         return "a table {" + ", ".join(keys_of(hint)) + "}"
     if origin in _MAPPINGS or hint in _MAPPINGS:
         return f"tables by name, each {accepts(inner[1], limits)}" if inner else "a table"
-    words = {int: "a whole number", float: "a number", str: "a text", bool: "true or false"}
+    words = {int: "a whole number", float: "a number", str: "a text", bool: "true or false", Path: "a path"}
     return words.get(hint, getattr(hint, "__name__", str(hint))) + (_bounds(limits) if hint in (int, float) else "")
 
 

@@ -69,7 +69,7 @@ class Scene:
 
     def where(self, key: str) -> Location:
         """The place of a dotted key, for errors."""
-        return Location(self.origin.file, key, self.origin.lines, self.origin.overrides)
+        return self.origin.at(key)
 
     def with_(self, changes: Mapping[str, Any]) -> Scene:
         """A scene with other values at dotted keys, checked anew.
@@ -107,7 +107,7 @@ def load_scene(name_or_path: str | Path, registry: Registry | None = None) -> Sc
     path, shown = find_scene(name_or_path, registry)
     data, lines = read_toml(path, shown)
     data.setdefault("name", path.stem)
-    return Scene.from_data(data, Location(shown, lines=lines), registry)
+    return Scene.from_data(data, Location(shown, lines=lines, folder=str(path.parent.resolve())), registry)
 
 
 def bundled_scenes(registry: Registry | None = None) -> dict[str, Path]:

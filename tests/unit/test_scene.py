@@ -111,7 +111,8 @@ class TestWith:
 
     def test_another_part_drops_the_fields_of_the_old_one(self, scene: Scene) -> None:
         mesh = scene.with_({"bodies.disc.mesh": {"use": "rectangle", "x": [-1, 1], "y": [0, 1], "cells": [2, 2]}})
-        assert mesh.bodies["disc"].mesh == {"use": "rectangle", "x": [-1.0, 1.0], "y": [0.0, 1.0], "cells": [2, 2]}
+        fields = {"x": [-1.0, 1.0], "y": [0.0, 1.0], "cells": [2, 2], "grading": [1.0, 1.0]}
+        assert mesh.bodies["disc"].mesh == {"use": "rectangle", **fields}
 
     def test_fields_that_both_parts_require_stay(self, scene: Scene) -> None:
         linear = scene.with_({"materials.steel.use": "linear-elastic"})

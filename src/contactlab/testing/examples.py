@@ -20,6 +20,8 @@ USUAL: dict[str, Any] = {
     "radius": 1.0,
     "half_width": 0.8,
     "top": 0.6,
+    "radii": (1.0, 2.0),
+    "corners": ((0.0, 0.0), (2.0, 0.0), (2.2, 1.0), (-0.2, 1.1)),
     "strength": 348.0,
     "prestrain": 0.02,
     "exponent": 0.03,
