@@ -29,9 +29,9 @@ class Agreement:
 
 
 def agreements(rows: Sequence[Row]) -> list[Agreement]:
-    """All pairs of algorithms, run by run."""
+    """All pairs of algorithms whose runs carried the load to its end, run by run."""
     groups: dict[str, list[Row]] = {}
-    for row in rows:
+    for row in (row for row in rows if row.complete):
         groups.setdefault(_all_but_algorithm(row), []).append(row)
     return [_compare(a, b) for group in groups.values() for a, b in itertools.combinations(group, 2)]
 

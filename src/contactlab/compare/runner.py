@@ -19,7 +19,7 @@ from contactlab.compare.reference import Reference, load_reference, matching_ref
 from contactlab.compare.run_job import Outcome
 from contactlab.compare.study import Study
 from contactlab.compare.system import system_facts, usable_cores
-from contactlab.compare.table import Row, Table
+from contactlab.compare.table import COMPLETE, Row, Table
 from contactlab.compare.table_files import write_table
 from contactlab.errors import RequestError
 from contactlab.folders import claimed_folder
@@ -170,7 +170,13 @@ def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Reference | None)
 def _row(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> Row:
     data = job.scene.data
     reference, why = fitting_reference(data, named)
-    measures, notes = measure_run(data, outcome.summary, plan.contact, outcome.curve, reference)
+    final = outcome.curve if outcome.status in COMPLETE else None
+    measures, notes = measure_run(data, outcome.summary, plan.contact, final, reference)
+    if outcome.curve is not None and final is None:
+        notes.append(
+            f"{job.algorithm}, slave {job.slave}, level {job.scene.level}: stopped before the load was complete; "
+            "its pressure is shown and not compared"
+        )
     return Row(
         name=job.name,
         algorithm=job.algorithm,
@@ -201,7 +207,7 @@ def fitting_reference(scene: Mapping[str, Any], named: Reference | None) -> tupl
 
 
 def _pair_measures(pair: Sequence[Row]) -> dict[str, float]:
-    if len(pair) != 2:
+    if len(pair) != 2 or not all(row.complete for row in pair):
         return {}
     a, b = pair
     found = {

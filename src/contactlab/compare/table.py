@@ -19,6 +19,10 @@ if TYPE_CHECKING:
     from contactlab.compare.study import Study
 
 
+COMPLETE = ("finished", "not-converged")
+"""Statuses of runs that carried the load to its end, settled or not."""
+
+
 @dataclass(frozen=True)
 class Row:
     """One run.
@@ -60,6 +64,11 @@ class Row:
     def finished(self) -> bool:
         """True when the run came to its end."""
         return self.status == "finished"
+
+    @property
+    def complete(self) -> bool:
+        """True when the whole load was applied, settled or not: only then are pressures compared."""
+        return self.status in COMPLETE
 
     @cached_property
     def profile(self) -> Profile | None:

@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from contactlab.compare.table import Row, Table
 from contactlab.reports.colours import REFERENCE, Style, styles
-from contactlab.reports.figures import ALARM, INK, MUTED, house_style
+from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.table import other_keys
 
@@ -36,7 +36,10 @@ def cost_figure(table: Table) -> Figure:
         _scales(axes, drawn)
         _draw_uncertainty(axes, table)
         _legend(axes, table, chosen, slaves)
-        _list_missing(axes, [row for row in table.rows if not _drawable(row)])
+        if drawn:
+            _list_missing(axes, [row for row in table.rows if not _drawable(row)])
+        else:
+            note(axes, "without a reference there is no error to draw")
     return figure
 
 

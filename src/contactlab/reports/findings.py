@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from contactlab.compare.table import Row, Table
-from contactlab.reports.numbers import percent, significant
+from contactlab.reports.numbers import MISSING, percent, significant
 
 
 @dataclass(frozen=True)
@@ -47,6 +47,8 @@ def _range(values: Iterable[float]) -> tuple[float, float]:
 def span(values: tuple[float, float], unit: str) -> str:
     """A range in words: "1.2 to 3.4 %", one number where both ends are written alike."""
     write = percent if unit == "%" else significant
+    if math.isnan(values[0]):
+        return MISSING
     low, high = (write(value, 2) for value in values)
     return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
 

@@ -44,6 +44,8 @@ FAKE_RUNS = """
                          "pressure_integral": [0.0, -50.5 if chosen.swap else 50.5], "max_penetration": 1e-5}},
             "balance": {"kinetic": 1e-3, "internal": 10.0},
         }
+        if scene.level == 9:
+            return Outcome("diverged", "it blew up", summary, curve)
         if scene.level == 2:
             return Outcome("not-converged", "it never came to rest", summary, curve)
         return Outcome("finished", "", summary, curve)
@@ -52,7 +54,7 @@ FAKE_RUNS = """
 
 @pytest.fixture
 def fake_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """Runs by algorithm: node-on-segment dies or raises, others give a parabola; level 2 does not converge."""
+    """Runs by algorithm: node-on-segment dies or raises, others give a parabola; level 2 does not converge, 9 diverges."""
     place = tmp_path / "fakes"
     place.mkdir()
     (place / "fake_runs.py").write_text(textwrap.dedent(FAKE_RUNS))
