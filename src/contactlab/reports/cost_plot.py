@@ -113,10 +113,8 @@ def _draw_uncertainty(axes: Axes, table: Table) -> None:
     bottom = min(low, 0.7 * known)
     axes.axhspan(bottom, known, color=REFERENCE, alpha=0.18, linewidth=0.0, zorder=0)
     axes.set_ylim(bottom, high)
-    axes.text(
-        0.99, known, "uncertainty of the reference ", transform=axes.get_yaxis_transform(), ha="right", va="top",
-        color=MUTED, fontsize=8.5,
-    )  # fmt: skip
+    text = f"uncertainty of the reference, {percent(known)} %"
+    axes.text(0.01, 0.015, text, transform=axes.transAxes, ha="left", va="bottom", color=MUTED, fontsize=8.5)
 
 
 def _legend(axes: Axes, table: Table, chosen: dict[str, Style], slaves: Sequence[str]) -> None:

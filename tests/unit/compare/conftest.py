@@ -54,7 +54,7 @@ FAKE_RUNS = """
 
 @pytest.fixture
 def fake_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
-    """Runs by algorithm: node-on-segment dies or raises, others give a parabola; level 2 does not converge, 9 diverges."""
+    """node-on-segment dies or raises; others give a parabola, unsettled at level 2, diverged at level 9."""
     place = tmp_path / "fakes"
     place.mkdir()
     (place / "fake_runs.py").write_text(textwrap.dedent(FAKE_RUNS))
