@@ -14,16 +14,29 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from contactlab.compare.runner import compare
     from contactlab.errors import ContactlabError
+    from contactlab.interruption import Interrupted
+    from contactlab.results.load import load_results
     from contactlab.scene import Scene, load_scene
     from contactlab.simulation import simulate
 
 __version__ = "0.1.0"
 
-__all__ = ["ContactlabError", "Scene", "__version__", "compare", "load_scene", "simulate"]
+__all__ = [
+    "ContactlabError",
+    "Interrupted",
+    "Scene",
+    "__version__",
+    "compare",
+    "load_results",
+    "load_scene",
+    "simulate",
+]
 
 _HOMES = {
     "ContactlabError": "contactlab.errors",
+    "Interrupted": "contactlab.interruption",
     "Scene": "contactlab.scene",
+    "load_results": "contactlab.results.load",
     "load_scene": "contactlab.scene",
     "simulate": "contactlab.simulation",
 }

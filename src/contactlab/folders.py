@@ -11,7 +11,15 @@ from pathlib import Path
 from contactlab.errors import RequestError
 
 RUNS = Path("runs")
-RESULT_FILES = ("scene.toml", "summary.json", "history.csv", "table.json", "table.csv")
+RESULT_FILES = (
+    "scene.toml",
+    "summary.json",
+    "history.csv",
+    "results.vtkhdf",
+    "timeline.rrd",
+    "table.json",
+    "table.csv",
+)
 
 
 @contextmanager
@@ -57,6 +65,30 @@ def claimed_folder(folder: Path) -> Path:
             allowed="a new or empty folder",
             hint="name another folder; without one, contactlab run takes a fresh one under runs/",
         )
+    return _made(folder)
+
+
+def run_folder(out: Path | str | None, resume: bool) -> Path | None:
+    """The folder that a run writes to: a new or empty one, or with `resume` also that of an interrupted run."""
+    if out is None:
+        if resume:
+            raise RequestError("a run can only be taken up in its folder", where="resume", allowed="a folder as out")
+        return None
+    folder = Path(out)
+    if not resume:
+        return claimed_folder(folder)
+    over = [name for name in ("summary.json", "table.json") if (folder / name).exists()]
+    if over and not (folder / "results.vtkhdf").exists():
+        raise RequestError(
+            "the folder holds no run that could be taken up",
+            where=f"results folder {folder}",
+            got=f"{over[0]} without results.vtkhdf",
+            hint="leave record.recorders away, or name vtkhdf there",
+        )
+    return _made(folder)
+
+
+def _made(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
-from contactlab.api import Step
+from contactlab.api import Floats, Step
 from contactlab.errors import SimulationFailure
 from contactlab.model.model import Model
 
@@ -23,6 +25,14 @@ class Guards:
         self.input_speed = float(speeds.max(initial=0.0))
         self.wave_speed = max(body.material.wave_speeds()[0] for body in model.bodies)
         self.pairs = model.contact.pairs if model.contact is not None else ()
+
+    def memory(self) -> dict[str, Floats]:
+        """Everything that changes while the run goes on."""
+        return {"guards": np.array([self.loose, self.input_speed])}
+
+    def restore(self, memory: Mapping[str, Floats]) -> None:
+        """Back to where `memory` was taken."""
+        self.loose, self.input_speed = int(memory["guards"][0]), float(memory["guards"][1])
 
     def after_step(self, step: Step) -> None:
         """Count steps whose contact solve did not converge."""

@@ -97,4 +97,6 @@ class Record:
     """`[record]`: what is kept of a run."""
 
     frames: int = key(50, least=1, says="stored frames, evenly spaced over the run, the last one at its end")
-    recorders: tuple[PartSpec, ...] = part("recorder", (), says="what sees each stored frame")
+    recorders: tuple[PartSpec, ...] | None = part(
+        "recorder", None, says="what writes to the results folder beside the small text files; not written: the usual ones"
+    )

@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
+from contactlab.api import Floats
 from contactlab.errors import SimulationFailure
 from contactlab.model.model import Model
 from contactlab.results.summary import reaction_mismatch
@@ -26,12 +30,13 @@ class Schedule:
         self.model, self.pace, self.state = model, model.pace, model.state
         self.fraction_of_limit, self.fixed = scene.time.fraction, scene.time.step
         self.dt = self.first = self._first_step()
-        self.limit = self.pace.end if self.pace.end is not None else self.pace.ramp + self.pace.hold
+        self.limit = self.end = self.pace.end if self.pace.end is not None else self.pace.ramp + self.pace.hold
         self.frame_every = (self.pace.end or self.pace.ramp) / max(1, scene.record.frames)
         self.next_frame = self.frame_every
         self.next_sample = self.pace.ramp
         self.samples: deque[tuple[float, float]] = deque(maxlen=SAMPLES + 1)
         self.settled = False
+        self.stopped = False
 
     def _first_step(self) -> float:
         if self.fixed is not None:
@@ -61,8 +66,16 @@ class Schedule:
         if safe < self.dt:
             self.dt = self._even(safe)
 
+    def stop(self) -> None:
+        """End the run after the present step, as if its time were over; may be called at any moment."""
+        self.stopped = True
+        self.limit = -np.inf
+
     def frame_due(self) -> bool:
-        """Whether the state just reached is to be stored."""
+        """Whether the state just reached is to be stored: now and then, and at the end of the run."""
+        return self._interval_over() or self._over(self.end)
+
+    def _interval_over(self) -> bool:
         if self.state.time < self.next_frame * (1.0 - 1e-12):
             return False
         while self.next_frame * (1.0 - 1e-12) <= self.state.time:
@@ -70,9 +83,12 @@ class Schedule:
         return True
 
     def done(self) -> bool:
-        """Whether the run has reached its end."""
+        """Whether the run has reached its end, or was stopped."""
+        return self._over(self.limit)
+
+    def _over(self, limit: float) -> bool:
         time = self.state.time
-        if time >= self.limit - 0.5 * self.dt:
+        if time >= limit - 0.5 * self.dt:
             return True
         if self.pace.settle and time >= self.next_sample:
             self.next_sample += self.pace.period / SAMPLES
@@ -95,15 +111,30 @@ class Schedule:
         """How much of the run is done, 0 to 1; a run that waits to settle counts its ramp."""
         return min(1.0, self.state.time / (self.pace.end or self.pace.ramp))
 
+    def memory(self) -> dict[str, Floats]:
+        """Everything that changes while the run goes on."""
+        samples = np.full((SAMPLES + 1, 2), np.nan)
+        samples[: len(self.samples)] = list(self.samples) or np.zeros((0, 2))
+        numbers = (self.dt, self.first, self.next_frame, self.next_sample, self.settled, len(self.samples))
+        return {"schedule": np.array(numbers, np.float64), "schedule.samples": samples}
+
+    def restore(self, memory: Mapping[str, Floats]) -> None:
+        """Back to where `memory` was taken."""
+        numbers = memory["schedule"].tolist()
+        self.dt, self.first, self.next_frame, self.next_sample = numbers[:4]
+        self.settled = bool(numbers[4])
+        rows = memory["schedule.samples"][: int(numbers[5])].tolist()
+        self.samples = deque(((mismatch, kinetic) for mismatch, kinetic in rows), maxlen=SAMPLES + 1)
+
     def verdict(self) -> None:
         """Raise SimulationFailure("not-converged") for an `auto` run that did not settle."""
-        if not self.pace.settle or self.settled or not self.samples:
+        if not self.pace.settle or self.settled or self.stopped or not self.samples:
             return
         mismatch, kinetic = self.worst()
         raise SimulationFailure(
             "not-converged",
             f"the run did not settle within {self.pace.hold:.3g} s after the ramp: over the last period reactions "
-            f"differ by {mismatch:.1e} (allowed {SETTLED_MISMATCH:.0e}) and kinetic energy is {kinetic:.1e} of internal "
-            f"(allowed {SETTLED_KINETIC:.0e}); contact that opens and closes for ever does this, or try a longer time.ramp"
-            "",
+            f"differ by {mismatch:.1e} (allowed {SETTLED_MISMATCH:.0e}) and kinetic energy is {kinetic:.1e} of "
+            f"internal (allowed {SETTLED_KINETIC:.0e}); contact that opens and closes for ever does this, or try a "
+            "longer time.ramp",
         )

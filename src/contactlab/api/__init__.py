@@ -8,13 +8,33 @@ from contactlab.api.arrays import BLOCK_CELLS, XX, XY, YY, ZZ, Floats, Ints
 from contactlab.api.contact import ContactAlgorithm, GapAlgorithm, GapConditions, Pieces
 from contactlab.api.effect import Effect, EffectView
 from contactlab.api.element import BlockKernels, Element, Quadrature, Shape
-from contactlab.api.enforcement import Enforcement, ExplicitEnforcement, Rows, Solve
+from contactlab.api.enforcement import (
+    Conditions,
+    Enforcement,
+    ExplicitEnforcement,
+    ImplicitEnforcement,
+    Response,
+    Rows,
+    Solve,
+)
+from contactlab.api.frame import ContactCurve, Event, Frame, Layout, StoredRun
 from contactlab.api.friction import FrictionBound, FrictionLaw
-from contactlab.api.integrator import ContactEquations, Equations, Integrator, PrescribedMotion, Step, StepStatus
+from contactlab.api.integrator import (
+    ContactEquations,
+    ContactSlopes,
+    Equations,
+    ImplicitContact,
+    ImplicitEquations,
+    Integrator,
+    Iteration,
+    PrescribedMotion,
+    Step,
+    StepStatus,
+)
 from contactlab.api.material import Kinematics, Material
 from contactlab.api.mesh import Mesh, MeshSource
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
-from contactlab.api.recorder import Recorder
+from contactlab.api.recorder import Recorder, Recording
 from contactlab.api.state import WORK, State
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 
@@ -29,23 +49,33 @@ __all__ = [
     "ZZ",
     "BlockKernels",
     "Candidates",
+    "Conditions",
     "ContactAlgorithm",
+    "ContactCurve",
     "ContactEquations",
+    "ContactSlopes",
     "Effect",
     "EffectView",
     "Element",
     "Enforcement",
     "Equations",
+    "Event",
     "ExplicitEnforcement",
     "Floats",
+    "Frame",
     "FrictionBound",
     "FrictionLaw",
     "GapAlgorithm",
     "GapConditions",
+    "ImplicitContact",
+    "ImplicitEnforcement",
+    "ImplicitEquations",
     "Integrator",
     "Ints",
+    "Iteration",
     "Kind",
     "Kinematics",
+    "Layout",
     "Material",
     "Mesh",
     "MeshSource",
@@ -54,12 +84,15 @@ __all__ = [
     "PrescribedMotion",
     "Quadrature",
     "Recorder",
+    "Recording",
+    "Response",
     "Rows",
     "Shape",
     "Solve",
     "State",
     "Step",
     "StepStatus",
+    "StoredRun",
     "Surface",
     "SurfacePositions",
 ]

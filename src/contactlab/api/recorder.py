@@ -1,23 +1,79 @@
-"""Recorders: they see accepted frames and change nothing."""
+"""Recorders: they see what a run stores and change nothing."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
+
+from contactlab.api.arrays import Floats
+from contactlab.api.frame import Event, Frame, Layout, StoredRun
+
+
+class Recording(ABC):
+    """What a recorder has opened for one run. `frame` and `close` must be given.
+
+    An OSError (disk full) from any method stops the run with what is written; after any other
+    exception the run goes on without this recorder, with a warning.
+
+    keeps_state  `save` keeps what it is given, so that the run can be taken up again
+    """
+
+    keeps_state: ClassVar[bool] = False
+
+    @abstractmethod
+    def frame(self, frame: Frame) -> None:
+        """Take one stored frame."""
+
+    def steps(self, block: Floats) -> None:  # noqa: B027 - nothing is a fine answer
+        """Take the scalars of the steps since the last call (b, len(layout.steps)); the array is reused.
+
+        Called for recorders with `every_step`, before each frame and whenever the buffer is full.
+        """
+
+    def event(self, event: Event) -> None:  # noqa: B027
+        """Take an event."""
+
+    def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:  # noqa: B027
+        """Keep all that a restart needs. Called now and then, at an interrupt, and at the end."""
+
+    @abstractmethod
+    def close(self, summary: Mapping[str, Any]) -> None:
+        """Finish, also after a failed run; `summary` is the content of `summary.json`."""
 
 
 class Recorder(ABC):
-    """Subclasses are frozen dataclasses; what they open is handed back to them."""
+    """Makes recordings. Subclasses are frozen dataclasses; their fields are the TOML keys.
+
+    by_default  used where a scene names no recorders
+    every_step  its recordings want `steps`
+    """
+
+    by_default: ClassVar[bool] = False
+    every_step: ClassVar[bool] = False
 
     @abstractmethod
-    def open(self, folder: Path, model: Any, scene: Any) -> Any:
-        """Start a recording in `folder`; the returned object is given to the other calls."""
+    def open(self, folder: Path, layout: Layout) -> Recording:
+        """Start a recording in `folder`. Import what is heavy here."""
 
-    @abstractmethod
-    def record(self, recording: Any, frame: Any) -> None:
-        """Take one stored frame (`contactlab.results.Frame`)."""
+    def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
+        """Go on with an interrupted run: by default a new recording of all that `run` has stored."""
+        recording = self.open(folder, layout)
+        replay(run, recording, steps=self.every_step)
+        return recording
 
-    @abstractmethod
-    def close(self, recording: Any) -> None:
-        """Finish; called once, also after a failed run."""
+    def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:  # noqa: B027
+        """Called once after a comparison, with its folder and its runs by name."""
+
+
+def replay(run: StoredRun, recording: Recording, steps: bool) -> None:
+    """Give `recording` everything that `run` has stored."""
+    if steps:
+        for block in run.step_blocks():
+            recording.steps(block)
+    for event in run.events:
+        recording.event(event)
+    frames: Sequence[Frame] = run.frames
+    for frame in frames:
+        recording.frame(frame)

@@ -102,9 +102,15 @@ def effects_of(scene: Any, model: Model) -> list[Effect]:
         "material history": history,
         "damping": ["time.damping" if scene.time.damping else "time.end"] if model.damping else [],
         "loads and effects": [f"{len(model.loads)} calls"] if model.loads else [],
-        "recording": [f"record.recorders.{i}" for i in range(len(scene.record.recorders))],
+        "recording": _recorders(scene),
     }
     return [Effect(name, bool(keys), ", ".join(keys) or "not declared") for name, keys in rows.items()]
+
+
+def _recorders(scene: Any) -> list[str]:
+    if scene.record.recorders is None:
+        return ["the usual ones, in runs with a folder"]
+    return [f"record.recorders.{i}" for i in range(len(scene.record.recorders))]
 
 
 def used_parts(scene: Any, registry: Any) -> list[UsedPart]:

@@ -78,6 +78,11 @@ class Model:
             self._limits = [StableStep(forces, self.position) for forces in self.forces]
         return min(limit.limit(self.position) for limit in self._limits)
 
+    @property
+    def step_limits(self) -> tuple[StableStep, ...]:
+        """What `stable_step` follows, one per body; empty until it was asked for."""
+        return tuple(self._limits or ())
+
     def kinetic_energy(self) -> float:
         """1/2 v M v [mJ] with the state's velocity."""
         v = self._velocity

@@ -115,13 +115,18 @@ class SurfacePair:
             or edges.largest_move(self.at.slave, near.slave) > skin
             or edges.largest_move(self.at.master, near.master) > skin
         ):
-            reach = (REACH + 1.0) * self.size + 2.0 * skin
-            found = near_segments(self.at.slave, self.slave.segments, self.at.master, self.master.segments, reach)
-            self.near = near = Near(found, self.at.slave.copy(), self.at.master.copy())
-            capacity = self.algorithm.capacity(self.slave, found)
-            if capacity > len(self.pieces.slave):
-                self._room(capacity + capacity // 4)
+            near = self.find_near(self.at.slave, self.at.master)
         return near.candidates
+
+    def find_near(self, slave: Floats, master: Floats) -> Near:
+        """Make the near list anew, for these positions of the surfaces (m, 2)."""
+        reach = (REACH + 1.0) * self.size + 2.0 * SKIN * self.size
+        found = near_segments(slave, self.slave.segments, master, self.master.segments, reach)
+        self.near = Near(found, slave.copy(), master.copy())
+        capacity = self.algorithm.capacity(self.slave, found)
+        if capacity > len(self.pieces.slave):
+            self._room(capacity + capacity // 4)
+        return self.near
 
     def _room(self, capacity: int) -> None:
         self.pieces = Pieces.allocate(capacity, self.algorithm.widths(self.slave, self.master), self.slots)

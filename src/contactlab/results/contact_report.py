@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactlab.api import Floats, State
-from contactlab.kernels.windows import FAR
+from contactlab.api import Floats, Ints, State
 from contactlab.kernels.penetration import depths, with_midpoints
+from contactlab.kernels.windows import FAR
 from contactlab.model.surface_pair import SurfacePair
 from contactlab.results.results import ContactCurve
 
@@ -50,7 +50,18 @@ class ContactReport:
 
 
 def report_contact(pair: SurfacePair, state: State, reference: Floats, position: Floats) -> ContactReport:
-    """Evaluate `pair` at the deformed `position` (N, 2) with the state's multipliers."""
+    """Evaluate `pair` at the deformed `position` (N, 2) with the state's multipliers.
+
+    The run goes on with the near list that it had: what is looked at must not change what comes.
+    """
+    near = pair.near
+    try:
+        return _report(pair, state, reference, position)
+    finally:
+        pair.near = near
+
+
+def _report(pair: SurfacePair, state: State, reference: Floats, position: Floats) -> ContactReport:
     memory = state[f"memory.{pair.name}"].copy() if f"memory.{pair.name}" in state else np.zeros((0, 2))
     pair.update(position, memory)
     pair.measure(position)
@@ -120,11 +131,11 @@ def _bound(pair: SurfacePair, normal_force: Floats) -> Floats:
     return np.asarray(law.coefficient * normal_force + adhesion)
 
 
-def _states(pair: SurfacePair, normal_force: Floats, tangential_force: Floats, bound: Floats) -> Floats:
+def _states(pair: SurfacePair, normal_force: Floats, tangential_force: Floats, bound: Floats) -> Ints:
     pressed = (normal_force > 0.0) | (tangential_force != 0.0)
     stick = pressed & (np.abs(tangential_force) < bound * (1.0 - 1e-9))
     per_slot = np.where(stick, 1, np.where(pressed, 2, 0)).astype(np.int32)
-    return np.asarray(_slots(pair, per_slot).max(axis=0))
+    return np.asarray(per_slot.reshape(pair.algorithm.rows_per_node, -1).max(axis=0), np.int32)
 
 
 def _arc_length(positions: Floats, pair: SurfacePair) -> Floats:

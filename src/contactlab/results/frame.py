@@ -1,65 +1,100 @@
-"""One stored instant of a run."""
+"""From a model to what recorders see of it."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from typing import Any
 
-from contactlab.api import Floats
-from contactlab.results.contact_report import ContactReport, report_contact
-from contactlab.results.energies import energies
+import numpy as np
+
+from contactlab.api.arrays import XX, XY, YY, ZZ, Floats
+from contactlab.api.frame import BodyLayout, ContactLayout, Frame, Layout
+from contactlab.model.body import Block, BodyForces
 from contactlab.model.model import Model
+from contactlab.model.surface_pair import SurfacePair
+from contactlab.results.sample import Sample
+from contactlab.results.step_columns import step_columns
 
 
-@dataclass(frozen=True)
-class Frame:
-    """What recorders and `history.csv` see.
-
-    displacement (N, 2) [mm]; prescribed: largest prescribed displacement of each support [mm];
-    reactions: force (2,) [N] of each support on its body; contacts by "contacts.0"
-    """
-
-    number: int
-    step: int
-    time: float
-    displacement: Floats
-    prescribed: dict[str, Floats]
-    reactions: dict[str, Floats]
-    energies: dict[str, float]
-    contacts: dict[str, ContactReport]
-    sweeps: float
-
-    def scalars(self) -> dict[str, float]:
-        """One row of `history.csv`."""
-        row: dict[str, float] = {"step": self.step, "time": self.time}
-        for on, value in self.prescribed.items():
-            row |= {f"{on}.ux": float(value[0]), f"{on}.uy": float(value[1])}
-        for on, force in self.reactions.items():
-            row |= {f"{on}.fx": float(force[0]), f"{on}.fy": float(force[1])}
-        row |= {f"energy.{name}": value for name, value in self.energies.items()}
-        for name, contact in self.contacts.items():
-            row |= {
-                f"{name}.fx": float(contact.resultant[0]),
-                f"{name}.fy": float(contact.resultant[1]),
-                f"{name}.max_pressure": float(contact.curve.pressure.max(initial=0.0)),
-                f"{name}.max_penetration": contact.max_penetration,
-                f"{name}.active": contact.active,
-                f"{name}.sticking": contact.sticking,
-            }
-        return row | {"sweeps": self.sweeps}
-
-
-def take_frame(model: Model, number: int, sweeps: float) -> Frame:
-    """The frame of the model's present state; `sweeps` is the mean per step since the last frame."""
-    state, displacement = model.state, model.state["displacement"]
+def layout_of(model: Model, scene: Any, parts: Mapping[str, str], versions: Mapping[str, str]) -> Layout:
+    """What of a run does not change."""
     pairs = model.contact.pairs if model.contact is not None else ()
-    return Frame(
-        number=number,
-        step=state.step,
-        time=state.time,
-        displacement=displacement.copy(),
-        prescribed={s.on: displacement[s.nodes].mean(axis=0) for s in model.supports},
-        reactions=model.reactions(),
-        energies=energies(model),
-        contacts={pair.name: report_contact(pair, state, model.reference, model.position) for pair in pairs},
-        sweeps=sweeps,
+    supports = tuple(support.on for support in model.supports)
+    return Layout(
+        scene=scene.toml(),
+        title=scene.name,
+        units=scene.units,
+        nodes=model.reference.copy(),
+        bodies=tuple(
+            BodyLayout(
+                body.name,
+                scene.bodies[body.name].element["use"],
+                scene.materials[scene.bodies[body.name].material]["use"],
+                body.cells,
+                body.material.history_names,
+            )
+            for body in model.bodies
+        ),
+        contacts=tuple(_contact(pair, spec) for pair, spec in zip(pairs, scene.contacts, strict=True)),
+        supports=supports,
+        parts=parts,
+        versions=versions,
+        steps=step_columns(supports, [pair.name for pair in pairs]),
+        has_velocity="velocity" in model.state,
+        frames=scene.record.frames,
     )
+
+
+def _contact(pair: SurfacePair, spec: Any) -> ContactLayout:
+    slave, master = spec.sides
+    return ContactLayout(
+        name=pair.name,
+        label=spec.name or pair.name,
+        algorithm=spec.algorithm["use"],
+        slave=slave,
+        master=master,
+        friction=spec.friction["use"] if spec.friction else "",
+        slave_nodes=pair.slave.nodes,
+        slave_segments=pair.slave.segments,
+        master_nodes=pair.master.nodes,
+        master_segments=pair.master.segments,
+    )
+
+
+def frame_of(model: Model, sample: Sample) -> Frame:
+    """The sample with all fields of the model's present state."""
+    state = model.state
+    return Frame(
+        number=sample.number,
+        step=sample.step,
+        time=sample.time,
+        scalars=sample.scalars(),
+        curves={name: report.curve for name, report in sample.contacts.items()},
+        displacement=state["displacement"].copy(),
+        velocity=state["velocity"].copy() if "velocity" in state else np.zeros((0, 2)),
+        cells={forces.body.name: _cells(forces) for forces in model.forces},
+    )
+
+
+def _cells(forces: BodyForces) -> dict[str, Floats]:
+    """Means over the points of each cell."""
+    points, names = forces.body.points, forces.body.material.history_names
+    shown = [i for i, name in enumerate(names) if not name.startswith("stress_")]
+    stress = [_mean(block.stress, points).T for block in forces.blocks]
+    mises = [_mean(von_mises(block), points) for block in forces.blocks]
+    fields = {"stress": np.concatenate(stress), "von_mises": np.concatenate(mises)}
+    for i in shown:
+        fields[names[i]] = np.concatenate([_mean(block.history[i], points) for block in forces.blocks])
+    return fields
+
+
+def _mean(values: Floats, points: int) -> Floats:
+    """Mean over points of (..., q B), point-major."""
+    return np.asarray(values.reshape(*values.shape[:-1], points, -1).mean(axis=-2))
+
+
+def von_mises(block: Block) -> Floats:
+    """Von Mises stress [MPa] at every point (P,) of a block."""
+    s = block.stress
+    deviator = (s[XX] - s[YY]) ** 2 + (s[YY] - s[ZZ]) ** 2 + (s[ZZ] - s[XX]) ** 2
+    return np.asarray(np.sqrt(0.5 * deviator + 3.0 * s[XY] ** 2))

@@ -2,36 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from contactlab.api.arrays import Floats, Ints
+from contactlab.api.frame import ContactCurve, Event, Frame, Layout
 
-
-@dataclass(frozen=True)
-class ContactCurve:
-    """The contact surface at one instant, one entry per slave node (m,), in chain order.
-
-    s               arc length of the undeformed slave surface [mm]
-    x, y            deformed position [mm]
-    pressure        the multiplier Lambda, positive when pressed [MPa]
-    shear           positive along the slave's arc length [MPa]
-    nodal_pressure  nodal force per covered length, never negative [MPa]
-    gap             [mm], nan where the node is not covered
-    state           0 open, 1 stick, 2 slip (frictionless contact counts as slip)
-    """
-
-    s: Floats
-    x: Floats
-    y: Floats
-    pressure: Floats
-    shear: Floats
-    nodal_pressure: Floats
-    gap: Floats
-    state: Ints
-
-    COLUMNS = ("s", "x", "y", "pressure", "shear", "nodal_pressure", "gap", "state")
+__all__ = ["ContactCurve", "ContactHistory", "Results"]
 
 
 @dataclass
@@ -49,27 +30,36 @@ class ContactHistory:
         return self.curves[-1]
 
 
-@dataclass
+@dataclass(eq=False)
 class Results:
     """A finished, failed or interrupted run.
 
-    summary  the content of `summary.json` (see docs/scene-format.md)
-    history  columns of `history.csv` by name, each (frames,)
-    contact  per contact its stored curves, by "contacts.0" and by the contact's name
-    nodes    (N, 2) reference positions; displacement (N, 2) of the last frame
-    cells    cells of each body by name, in global node numbers
-    stress   Cauchy stress of each body at the last frame, (n, q, 4) xx yy zz xy [MPa]
-    folder   where the files are, None if none were written
+    summary       the content of `summary.json` (see docs/scene-format.md)
+    layout        bodies, contacts, parts and versions; what does not change in time
+    history       columns of `history.csv` by name, each (frames,)
+    contact       per contact its stored curves, by "contacts.0" and by the contact's name
+    displacement  (N, 2) [mm] and velocity (N, 2) [mm/s] ((0, 2) in statics) at the end
+    stress        Cauchy stress of each body at the end, (n, q, 4) xx yy zz xy [MPa]
+    internal_variables  of each body whose law has any, by name (n, q), at the end
+    events        what was worth a line: steps shortened, warnings
+    frames        every stored frame with its fields, read from `results.vtkhdf` when asked for; empty without files
+    folder        where the files are, None if none were written
+
+    The end is the last state that was saved: of a run without files, or one that finished, its last step.
     """
 
     summary: dict[str, Any]
+    layout: Layout
     history: dict[str, Floats]
     contact: dict[str, ContactHistory]
-    nodes: Floats
     displacement: Floats
-    cells: dict[str, Ints]
+    velocity: Floats
     stress: dict[str, Floats]
+    internal_variables: dict[str, dict[str, Floats]]
+    events: Sequence[Event] = ()
+    frames: Sequence[Frame] = ()
     folder: Path | None = None
+    step_source: Sequence[Floats] = ()
 
     @property
     def status(self) -> str:
@@ -80,3 +70,57 @@ class Results:
     def reason(self) -> str:
         """Why the run did not finish; empty when it did."""
         return str(self.summary["reason"])
+
+    @property
+    def nodes(self) -> Floats:
+        """Reference positions (N, 2) [mm]."""
+        return self.layout.nodes
+
+    @property
+    def cells(self) -> dict[str, Ints]:
+        """Cells of each body by name, in global node numbers."""
+        return {body.name: body.cells for body in self.layout.bodies}
+
+    @property
+    def steps(self) -> Mapping[str, Floats]:
+        """Scalars of every step by name, each (steps,); empty without files. Read anew at every call."""
+        blocks = list(self.step_blocks())
+        if not blocks:
+            return {}
+        values = np.concatenate(blocks)
+        return {name: values[:, i] for i, name in enumerate(self.layout.steps)}
+
+    @property
+    def step_count(self) -> int:
+        """Steps whose scalars were recorded."""
+        return sum(len(block) for block in self.step_source)
+
+    def step_blocks(self) -> Iterator[Floats]:
+        """The same (b, len(layout.steps)), some steps at a time."""
+        yield from self.step_source
+
+    def __eq__(self, other: object) -> bool:
+        """The same run to the last bit, wherever its files are."""
+        return isinstance(other, Results) and _same(_content(self), _content(other))
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def _content(results: Results) -> dict[str, Any]:
+    skipped = ("layout", "frames", "folder", "step_source")
+    own = {name: value for name, value in vars(results).items() if name not in skipped}
+    return own | {"scene": results.layout.scene, "nodes": results.nodes, "cells": results.cells, "steps": results.steps}
+
+
+def _same(a: Any, b: Any) -> bool:
+    """Equality that looks into arrays and takes nan for equal to nan."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        floats = np.issubdtype(np.asarray(a).dtype, np.floating)
+        return bool(np.array_equal(a, b, equal_nan=bool(floats)))
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(_same(value, b[key]) for key, value in a.items())
+    if isinstance(a, ContactHistory) and isinstance(b, ContactHistory):
+        return _same(a.times, b.times) and a.curves == b.curves
+    if isinstance(a, list | tuple) and isinstance(b, list | tuple):
+        return len(a) == len(b) and all(_same(x, y) for x, y in zip(a, b, strict=True))
+    return bool(a == b)

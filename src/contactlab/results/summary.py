@@ -4,77 +4,87 @@ from __future__ import annotations
 
 import resource
 import sys
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
 
+from contactlab.api.arrays import Floats
+from contactlab.api.frame import Layout
 from contactlab.model.model import Model
 from contactlab.results.contact_report import ContactReport
-from contactlab.results.frame import Frame
+from contactlab.results.sample import Sample
 
 FORMAT = 1
 
 
 @dataclass
 class Clock:
-    """Where the time of a run goes [s]."""
+    """Where the time of a run goes [s]; `before` is the cost of the parts of a run that was interrupted."""
 
     build_s: float = 0.0
     import_s: float = 0.0
     compile_s: float = 0.0
+    recording_s: float = 0.0
     wall: float = field(default_factory=perf_counter)
     cpu: float = field(default_factory=process_time)
-    run_wall_s: float = 0.0
-    run_cpu_s: float = 0.0
+    before: Mapping[str, Any] = field(default_factory=dict)
 
     def start(self) -> None:
         """The steps begin now."""
         self.wall, self.cpu = perf_counter(), process_time()
 
-    def stop(self) -> None:
-        """The steps have ended."""
-        self.run_wall_s, self.run_cpu_s = perf_counter() - self.wall, process_time() - self.cpu
+    @property
+    def run_wall_s(self) -> float:
+        """Wall time since `start`."""
+        return perf_counter() - self.wall
+
+    @property
+    def run_cpu_s(self) -> float:
+        """Processor time since `start`."""
+        return process_time() - self.cpu
 
 
 @dataclass
 class Counts:
-    """Work done: accepted steps, Newton iterations, contact sweeps, steps with a contact solve."""
+    """Work done so far: accepted steps, Newton iterations and contact sweeps; sweeps at the last stored frame."""
 
     steps: int = 0
     iterations: int = 0
     sweeps: int = 0
+    sweeps_stored: int = 0
+
+    def memory(self) -> dict[str, Floats]:
+        """The counts as an array."""
+        return {"counts": np.array([self.steps, self.iterations, self.sweeps, self.sweeps_stored], np.float64)}
+
+    def restore(self, memory: Mapping[str, Floats]) -> None:
+        """Back to where `memory` was taken."""
+        self.steps, self.iterations, self.sweeps, self.sweeps_stored = (int(n) for n in memory["counts"])
 
 
 def summarise(
-    scene: Any,
-    parts: dict[str, str],
-    versions: dict[str, str],
-    model: Model,
-    frame: Frame | None,
-    status: str,
-    reason: str,
-    counts: Counts,
-    clock: Clock,
+    layout: Layout, model: Model, sample: Sample | None, status: str, reason: str, counts: Counts, clock: Clock
 ) -> dict[str, Any]:
     """Everything of `summary.json` (docs/scene-format.md)."""
     return {
         "format": FORMAT,
-        "scene": scene.name,
+        "scene": layout.title,
         "resolved": model.pace.resolved(),
         "status": status,
         "reason": reason,
-        "parts": parts,
-        "versions": versions,
+        "parts": dict(layout.parts),
+        "versions": dict(layout.versions),
         "steps": counts.steps,
         "iterations": counts.iterations,
         "contact_sweeps": counts.sweeps,
         "cost": _cost(model, clock),
-        "reactions": {} if frame is None else {on: list(force) for on, force in frame.reactions.items()},
+        "reactions": {} if sample is None else {on: list(force) for on, force in sample.reactions.items()},
         "reaction_mismatch": reaction_mismatch(model),
-        "contacts": {} if frame is None else {name: _contact(c) for name, c in frame.contacts.items()},
-        "balance": {} if frame is None else _balance(frame),
+        "contacts": {} if sample is None else {name: _contact(c) for name, c in sample.contacts.items()},
+        "balance": {} if sample is None else _balance(sample),
     }
 
 
@@ -84,7 +94,9 @@ def reaction_mismatch(model: Model) -> float:
     largest = max((float(np.hypot(*force)) for force in reactions), default=0.0)
     if largest == 0.0 or len(reactions) < 2:
         return float("nan")
-    return float(np.hypot(*np.sum(reactions, axis=0)) / largest)
+    # a corner may belong to two supports: its force counts once
+    nodes = np.unique(np.concatenate([support.nodes for support in model.supports]))
+    return float(np.hypot(*model.state["reaction"][nodes].sum(axis=0)) / largest)
 
 
 def _contact(report: ContactReport) -> dict[str, Any]:
@@ -103,8 +115,8 @@ def _contact(report: ContactReport) -> dict[str, Any]:
     }
 
 
-def _balance(frame: Frame) -> dict[str, float]:
-    e = frame.energies
+def _balance(sample: Sample) -> dict[str, float]:
+    e = sample.energies
     stored = e["stored"]
     scale = max(abs(e["kinetic"]) + abs(e["internal"]) + abs(e["external"]), 1e-300)
     return {
@@ -125,16 +137,27 @@ def _balance(frame: Frame) -> dict[str, float]:
 def _cost(model: Model, clock: Clock) -> dict[str, Any]:
     contact = model.contact.seconds if model.contact is not None else 0.0
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return {
+    wall = clock.run_wall_s
+    cost = {
         "import_s": clock.import_s,
         "build_s": clock.build_s,
         "compile_s": clock.compile_s,
-        "run_wall_s": clock.run_wall_s,
+        "run_wall_s": wall,
         "run_cpu_s": clock.run_cpu_s,
         "phases": {
             "elements": model.seconds,
             "contact": contact,
-            "rest": max(0.0, clock.run_wall_s - model.seconds - contact),
+            "recording": clock.recording_s,
+            "rest": max(0.0, wall - model.seconds - contact - clock.recording_s),
         },
-        "peak_memory_mib": peak / 1024.0 if sys.platform != "darwin" else peak / 1048576.0,
+    }
+    unit = 1024.0 if sys.platform != "darwin" else 1048576.0
+    return _sum(cost, clock.before) | {"peak_memory_mib": peak / unit}
+
+
+def _sum(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, Any]:
+    """Costs of the parts of an interrupted run add up."""
+    return {
+        name: _sum(value, b.get(name, {})) if isinstance(value, Mapping) else value + b.get(name, 0.0)
+        for name, value in a.items()
     }

@@ -1,0 +1,179 @@
+"""What recorders see of a run: its layout, stored frames, every step's scalars, and events."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol
+
+import numpy as np
+
+from contactlab.api.arrays import Floats, Ints
+
+OPEN, STICK, SLIP = 0, 1, 2
+"""States of a slave node; frictionless contact counts as slip."""
+
+STATES = ("open", "stick", "slip")
+"""What `ContactCurve.state` means, by number."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContactCurve:
+    """The contact surface at one instant, one entry per slave node (m,), in chain order.
+
+    s               arc length of the undeformed slave surface [mm]
+    x, y            deformed position [mm]
+    pressure        the multiplier Lambda, positive when pressed [MPa]
+    shear           positive along the slave's arc length [MPa]
+    nodal_pressure  nodal force per covered length, never negative [MPa]
+    gap             [mm], nan where the node is not covered
+    state           0 open, 1 stick, 2 slip (frictionless contact counts as slip)
+    """
+
+    s: Floats
+    x: Floats
+    y: Floats
+    pressure: Floats
+    shear: Floats
+    nodal_pressure: Floats
+    gap: Floats
+    state: Ints
+
+    COLUMNS: ClassVar[tuple[str, ...]] = ("s", "x", "y", "pressure", "shear", "nodal_pressure", "gap", "state")
+
+    def __eq__(self, other: object) -> bool:
+        """The same numbers, nan equal to nan."""
+        if not isinstance(other, ContactCurve):
+            return NotImplemented
+        return all(
+            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=name != "state")
+            for name in self.COLUMNS
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+@dataclass(frozen=True)
+class BodyLayout:
+    """One body: its cells (n, a) in global node numbers, its parts, and what its law remembers.
+
+    corners first, then mid-sides, then the middle: 4, 8 or 9 nodes per cell
+    """
+
+    name: str
+    element: str
+    material: str
+    cells: Ints
+    internal_variables: tuple[str, ...] = ()
+
+    @property
+    def shown_variables(self) -> tuple[str, ...]:
+        """Internal variables in stored frames: without the stress, which laws in rate form remember."""
+        return tuple(name for name in self.internal_variables if not name.startswith("stress_"))
+
+
+@dataclass(frozen=True)
+class ContactLayout:
+    """One contact: `name` is "contacts.0", `label` what the scene calls it.
+
+    slave, master    edge sets as they act, "disc.arc"
+    *_nodes (m,)     global node numbers of each surface
+    *_segments (s, 2)  straight segments, as positions in those
+    """
+
+    name: str
+    label: str
+    algorithm: str
+    slave: str
+    master: str
+    friction: str
+    slave_nodes: Ints
+    slave_segments: Ints
+    master_nodes: Ints
+    master_segments: Ints
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What does not change in a run.
+
+    scene       the scene as a TOML file, defaults written out
+    title       the scene's name; units its label of units
+    nodes       (N, 2) reference positions [mm]
+    parts       by key of the scene: name and distribution of each part; versions of libraries
+    steps       names of the scalars of every step, see docs/results-in-paraview-and-python.md
+    has_velocity  False in statics
+    frames      stored frames that the scene asks for
+    """
+
+    scene: str
+    title: str
+    units: str
+    nodes: Floats
+    bodies: tuple[BodyLayout, ...]
+    contacts: tuple[ContactLayout, ...]
+    supports: tuple[str, ...]
+    parts: Mapping[str, str]
+    versions: Mapping[str, str]
+    steps: tuple[str, ...]
+    has_velocity: bool
+    frames: int
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """One stored instant.
+
+    scalars       the row of `history.csv`: reactions, energies, contact scalars
+    curves        of each contact, by "contacts.0"
+    displacement  (N, 2) [mm]; velocity (N, 2) [mm/s], (0, 2) in statics
+    cells         per body and cell: "stress" (n, 4) mean of the Cauchy stress xx yy zz xy and "von_mises" (n,)
+                  mean over its points [MPa], and the mean (n,) of each internal variable by name
+    """
+
+    number: int
+    step: int
+    time: float
+    scalars: Mapping[str, float]
+    curves: Mapping[str, ContactCurve]
+    displacement: Floats
+    velocity: Floats
+    cells: Mapping[str, Mapping[str, Floats]]
+
+
+Level = Literal["info", "warning", "error"]
+
+
+class Event(NamedTuple):
+    """Something worth a line: the step and time [s] when it was seen."""
+
+    step: int
+    time: float
+    level: Level
+    text: str
+
+
+class StoredRun(Protocol):
+    """A run read back from its files, as far as it went."""
+
+    layout: Layout
+    summary: dict[str, Any]
+
+    @property
+    def frames(self) -> Sequence[Frame]:
+        """All stored frames, each read when it is asked for."""
+        ...
+
+    @property
+    def events(self) -> Sequence[Event]:
+        """All events."""
+        ...
+
+    @property
+    def step_count(self) -> int:
+        """Steps in `step_blocks`."""
+        ...
+
+    def step_blocks(self) -> Iterator[Floats]:
+        """The scalars of every step (b, len(layout.steps)), block after block."""
+        ...

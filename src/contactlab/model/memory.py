@@ -1,0 +1,52 @@
+"""All that a model carries from one step to the next, for a restart that is exact to the last bit.
+
+The state comes first: what a part remembers must live there. The rest is what the core keeps beside
+it: stresses and gradients of the last update (they cannot be computed again without
+stepping the history twice), the positions that near lists were made at, and the references by
+which the stable step is followed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from contactlab.api import Floats
+from contactlab.model.model import Model
+from contactlab.model.surface_pair import SurfacePair
+
+
+def model_memory(model: Model) -> dict[str, Floats]:
+    """The arrays by name; those of the model itself, not copies. Shapes are the same at every step."""
+    memory = {f"state.{name}": field for name, field in model.state.fields.items()}
+    for forces in model.forces:
+        for number, block in enumerate(forces.blocks):
+            memory[f"stress.{forces.body.name}.{number}"] = block.stress
+            memory[f"gradient.{forces.body.name}.{number}"] = block.gradient
+    for limit in model.step_limits:
+        memory[f"frequency.{limit.body.name}"] = limit.frequency
+        memory[f"cell_size.{limit.body.name}"] = limit.before
+    for pair in model.contact.pairs if model.contact is not None else ():
+        memory |= _near_memory(pair)
+    return memory
+
+
+def restore_model(model: Model, memory: Mapping[str, Floats]) -> None:
+    """Bring the model to where `model_memory` was taken. The shapes must be those of this model."""
+    for name, array in model_memory(model).items():
+        if not name.startswith("near."):
+            array[...] = memory[name]
+    np.add(model.reference, model.state["displacement"], out=model.position)
+    for pair in model.contact.pairs if model.contact is not None else ():
+        slave, master = memory[f"near.{pair.name}.slave"], memory[f"near.{pair.name}.master"]
+        if not np.isnan(slave).any():
+            pair.find_near(slave, master)
+
+
+def _near_memory(pair: SurfacePair) -> dict[str, Floats]:
+    if pair.near is not None:
+        slave, master = pair.near.slave, pair.near.master
+    else:
+        slave, master = np.full_like(pair.at.slave, np.nan), np.full_like(pair.at.master, np.nan)
+    return {f"near.{pair.name}.slave": slave, f"near.{pair.name}.master": master}

@@ -1,0 +1,110 @@
+"""Two alternating, checksummed places for what a restart needs.
+
+One of them is always whole: a process that dies while it fills one leaves the other alone.
+"""
+
+from __future__ import annotations
+
+import json
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import h5py
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.results.growing import fixed
+
+TEXT = 65536  # bytes for the summary of the run so far
+SERIAL, FRAMES, STEPS, EVENTS, LENGTH, CHECKSUM = range(6)
+
+
+@dataclass(frozen=True)
+class Checkpoint:
+    """A saved instant: everything a restart needs, and how much of the run was stored by then.
+
+    memory   arrays by name, as `contactlab.model.memory` and the simulation named them
+    summary  content of `summary.json` for a run that ends here, as text
+    """
+
+    memory: Mapping[str, Floats]
+    summary: str
+    frames: int
+    steps: int
+    events: int
+
+
+class Slots:
+    """The group `contactlab/checkpoint` of an open file."""
+
+    def __init__(self, group: h5py.Group) -> None:
+        self.group = group
+        self.shapes: dict[str, list[int]] = json.loads(group.attrs["arrays"])
+        self.headers = [group[f"{slot}/header"] for slot in (0, 1)]
+        self.memories = [group[f"{slot}/memory"] for slot in (0, 1)]
+        self.texts = [group[f"{slot}/summary"] for slot in (0, 1)]
+        self.serial = max(int(header[SERIAL]) for header in self.headers)
+
+    @classmethod
+    def of(cls, own: h5py.Group) -> Slots | None:
+        """The slots of a file that has any."""
+        return cls(own["checkpoint"]) if "checkpoint" in own else None
+
+    @classmethod
+    def create(cls, own: h5py.Group, memory: Mapping[str, Floats]) -> Slots:
+        """Empty slots for arrays of these names and shapes."""
+        group = own.create_group("checkpoint")
+        group.attrs["arrays"] = json.dumps({name: list(array.shape) for name, array in memory.items()})
+        size = sum(array.size for array in memory.values())
+        for slot in ("0", "1"):
+            place = group.create_group(slot)
+            fixed(place, "memory", (size,), "f8")
+            fixed(place, "summary", (TEXT,), "u1")
+            fixed(place, "header", (6,), "i8")[:] = 0
+        return cls(group)
+
+    @staticmethod
+    def bytes_for(memory: Mapping[str, Floats]) -> int:
+        """Space that slots for these arrays take."""
+        return 2 * (8 * sum(array.size for array in memory.values()) + TEXT)
+
+    def write(self, memory: Mapping[str, Floats], summary: str, frames: int, steps: int, events: int) -> None:
+        """Fill the older slot; its header last."""
+        slot = (self.serial + 1) % 2
+        flat = np.concatenate([array.ravel() for array in memory.values()])
+        text = np.frombuffer(summary.encode()[:TEXT], np.uint8)
+        self.memories[slot].id.write(h5py.h5s.ALL, h5py.h5s.ALL, flat)
+        self.texts[slot][: len(text)] = text
+        self.serial += 1
+        counts = np.array([self.serial, frames, steps, events, len(text)], np.int64)
+        header = np.append(counts, _checksum(flat, text, counts))
+        self.headers[slot].id.write(h5py.h5s.ALL, h5py.h5s.ALL, header)
+
+    def newest(self, frames: int, steps: int, events: int) -> Checkpoint | None:
+        """The newest whole checkpoint that needs no more than so many frames, steps and events."""
+        for slot in sorted((0, 1), key=lambda s: -int(self.headers[s][SERIAL])):
+            found = self._read(slot)
+            if found is not None and found.frames <= frames and found.steps <= steps and found.events <= events:
+                return found
+        return None
+
+    def _read(self, slot: int) -> Checkpoint | None:
+        header, flat = self.headers[slot][:], self.memories[slot][:]
+        text = self.texts[slot][: header[LENGTH]]
+        if header[SERIAL] == 0 or header[CHECKSUM] != _checksum(flat, text, header[:CHECKSUM]):
+            return None
+        summary = text.tobytes().decode(errors="ignore")
+        return Checkpoint(self._arrays(flat), summary, *(int(header[i]) for i in (FRAMES, STEPS, EVENTS)))
+
+    def _arrays(self, flat: Floats) -> dict[str, Floats]:
+        arrays, begin = {}, 0
+        for name, shape in self.shapes.items():
+            size = int(np.prod(shape, dtype=np.int64))
+            arrays[name] = flat[begin : begin + size].reshape(shape)
+            begin += size
+        return arrays
+
+
+def _checksum(flat: Floats, text: np.ndarray, counts: np.ndarray) -> int:
+    return zlib.crc32(counts.tobytes(), zlib.crc32(text.tobytes(), zlib.crc32(flat.tobytes())))

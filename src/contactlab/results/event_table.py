@@ -1,0 +1,50 @@
+"""Events in `results.vtkhdf`: few, so they are appended one by one."""
+
+from __future__ import annotations
+
+import h5py
+
+from contactlab.api.frame import Event
+from contactlab.results.growing import GrowingFile
+
+_KINDS = {"step": "i8", "time": "f8", "level": "S8", "text": h5py.string_dtype()}
+
+
+class EventTable:
+    """The group `contactlab/events` of an open file: one dataset per field of `Event`."""
+
+    def __init__(self, growing: GrowingFile, own: h5py.Group) -> None:
+        self.growing = growing
+        self.group = own.require_group("events")
+        for name, kind in _KINDS.items():
+            if name not in self.group:
+                self.group.create_dataset(name, (0,), maxshape=(None,), dtype=kind, chunks=(64,))
+
+    @property
+    def count(self) -> int:
+        """Events stored."""
+        return len(self.group["step"])
+
+    def add(self, event: Event) -> None:
+        """Append one."""
+        count = self.count
+        self.growing.reserve(len(event.text.encode()))
+        self.cut(count + 1)
+        for name, value in zip(_KINDS, event, strict=True):
+            self.group[name][count] = value
+        self.growing.flush()
+
+    def cut(self, count: int) -> None:
+        """Have exactly `count`."""
+        for name in _KINDS:
+            self.group[name].resize(count, 0)
+
+
+def read_events(own: h5py.Group, count: int) -> list[Event]:
+    """The first `count` events of the group `contactlab`."""
+    group = own["events"]
+    columns = [group[name][:count] for name in _KINDS]
+    return [
+        Event(int(step), float(time), level.decode(), text.decode())
+        for step, time, level, text in zip(*columns, strict=True)
+    ]

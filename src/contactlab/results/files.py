@@ -1,0 +1,104 @@
+"""The text files that a run leaves: history.csv, contact.csv, summary.json, scene.toml."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contactlab.errors import RequestError
+from contactlab.results.results import ContactCurve, ContactHistory
+
+
+class HistoryFile:
+    """`history.csv`, a row per stored frame. While it is open, no other run may write to the folder."""
+
+    def __init__(self, folder: Path, rows: Sequence[Mapping[str, float]]) -> None:
+        path = folder / "history.csv"
+        self.file = path.open("a", newline="")
+        _claim(self.file, folder)
+        self.file.truncate(0)
+        self.writer: csv.DictWriter[str] | None = None
+        for row in rows:
+            self.add(row)
+
+    def add(self, row: Mapping[str, float]) -> None:
+        """Append a row; readers see it at once."""
+        if self.writer is None:
+            self.writer = csv.DictWriter(self.file, list(row))
+            self.writer.writeheader()
+        self.writer.writerow({name: _shortest(value) for name, value in row.items()})
+        self.file.flush()
+
+    def close(self) -> None:
+        """Give the folder free."""
+        self.file.close()
+
+
+def _claim(file: Any, folder: Path) -> None:
+    """Lock the file; the system lets go of it even when the process is killed."""
+    try:
+        import fcntl
+    except ImportError:
+        return
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        file.close()
+        raise RequestError(
+            "another run is writing to this folder",
+            where=f"results folder {folder}",
+            hint="wait for it, or name another folder",
+        ) from error
+
+
+def _shortest(value: float) -> float | int:
+    """Whole numbers without a decimal point, so that a run that was resumed writes the same text."""
+    return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < 2**53 else value
+
+
+def write_scene(folder: Path, text: str) -> None:
+    """`scene.toml`, the scene as run. Raises RequestError where the folder cannot be written."""
+    try:
+        (folder / "scene.toml").write_text(text, encoding="utf-8")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise RequestError(f"no results can be written here: {reason}", where=f"results folder {folder}") from error
+
+
+def write_contacts(folder: Path, contacts: Mapping[str, ContactHistory]) -> None:
+    """`contact.csv`: the last stored curve of every contact."""
+    with (folder / "contact.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(("contact", *ContactCurve.COLUMNS))
+        for name, history in contacts.items():
+            if history.curves:
+                columns = [getattr(history.last, column) for column in ContactCurve.COLUMNS]
+                writer.writerows((name, *values) for values in zip(*columns, strict=True))
+
+
+def write_summary(folder: Path, summary: Mapping[str, Any]) -> None:
+    """`summary.json`, whole or not at all."""
+    path = folder / "summary.json"
+    written = path.with_suffix(".json.new")
+    written.write_text(json.dumps(summary, indent=1))
+    written.replace(path)
+
+
+def plain(value: Any) -> Any:
+    """NumPy numbers and arrays as JSON knows them; nan and inf become null."""
+    if isinstance(value, Mapping):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [plain(item) for item in value]
+    if isinstance(value, bool | np.bool_):
+        return bool(value)
+    if isinstance(value, np.integer):
+        return int(value)
+    if isinstance(value, float | np.floating):
+        return float(value) if np.isfinite(value) else None
+    return value

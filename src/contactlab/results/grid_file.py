@@ -1,0 +1,143 @@
+"""The group `VTKHDF` of `results.vtkhdf`: a transient unstructured grid as VTK reads it.
+
+Points move, cells do not. Every array has one slab per stored frame; tables of offsets say where it
+begins. The file format is VTKHDF 2.x (VTK 9.3, ParaView 5.12 and newer).
+"""
+
+from __future__ import annotations
+
+import h5py
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.api.frame import Frame, Layout
+from contactlab.results.cell_types import connectivity
+from contactlab.results.growing import Column, GrowingFile, Number, early
+
+CHUNK_TIMES = 8192  # of the one array that grows by one with every frame
+
+
+def write_grid(grid: h5py.Group, layout: Layout) -> None:
+    """What VTK reads once: version, topology, and the body of each cell."""
+    grid.attrs["Version"] = np.array([2, 3], np.int64)
+    kind = b"UnstructuredGrid"
+    grid.attrs.create("Type", kind, dtype=h5py.string_dtype("ascii", len(kind)))
+    ids, offsets, types = connectivity(layout.bodies)
+    counts = {"NumberOfPoints": len(layout.nodes), "NumberOfCells": len(types), "NumberOfConnectivityIds": len(ids)}
+    for name, value in counts.items():
+        grid[name] = np.array([value], np.int64)
+    grid["Connectivity"], grid["Offsets"], grid["Types"] = ids, offsets, types
+    grid.create_group("PointData")
+    numbers = [np.full(len(body.cells), i, np.int32) for i, body in enumerate(layout.bodies)]
+    grid.create_group("CellData")["body"] = np.concatenate(numbers)
+    steps = grid.create_group("Steps")
+    steps.attrs["NSteps"] = np.int64(0)
+    steps.create_dataset("Values", (0,), maxshape=(None,), dtype="f8", chunks=(CHUNK_TIMES,), dcpl=early())
+    steps.create_group("PointDataOffsets")
+    steps.create_group("CellDataOffsets")
+
+
+class GridFile:
+    """The arrays of the grid that have a slab per frame. A frame is there once `count` says so."""
+
+    def __init__(self, growing: GrowingFile, layout: Layout) -> None:
+        self.growing, self.layout = growing, layout
+        grid = growing.file["VTKHDF"]
+        self.nodes, self.cells = len(layout.nodes), sum(len(body.cells) for body in layout.bodies)
+        self.count = Number(grid["Steps"], "NSteps")
+        self.times = grid["Steps/Values"]
+        self.points = Column(grid, "Points", "f8", self.nodes, (3,))
+        self.point_fields = self._point_fields(grid["PointData"])
+        self.variables = list(dict.fromkeys(name for body in layout.bodies for name in body.shown_variables))
+        self.cell_fields = {"stress": Column(grid["CellData"], "stress", "f8", self.cells, (6,))}
+        for name in ("von_mises", *self.variables):
+            self.cell_fields[name] = Column(grid["CellData"], name, "f8", self.cells)
+        self.offsets = self._offsets(grid["Steps"])
+        self._spatial, self._stress = np.zeros((self.nodes, 3)), np.zeros((self.cells, 6))
+
+    def _point_fields(self, group: h5py.Group) -> dict[str, Column]:
+        vectors = ["displacement", *(["velocity"] if self.layout.has_velocity else [])]
+        fields = {name: Column(group, name, "f8", self.nodes, (3,)) for name in vectors}
+        if self.layout.contacts:
+            fields["contact_pressure"] = Column(group, "contact_pressure", "f8", self.nodes)
+            fields["contact_state"] = Column(group, "contact_state", "u1", self.nodes)
+        if any(contact.friction for contact in self.layout.contacts):
+            fields["contact_shear"] = Column(group, "contact_shear", "f8", self.nodes)
+        return fields
+
+    def _offsets(self, steps: h5py.Group) -> list[tuple[Column, int | None]]:
+        """Tables of offsets with their stride per frame; None: all ones."""
+        n, c = self.nodes, self.cells
+        return [
+            (Column(steps, "PartOffsets", "i8"), 0),
+            (Column(steps, "PointOffsets", "i8"), n),
+            (Column(steps, "NumberOfParts", "i8"), None),
+            *((Column(steps, name, "i8", 1, (1,)), 0) for name in ("CellOffsets", "ConnectivityIdOffsets")),
+            *((Column(steps["PointDataOffsets"], name, "i8"), n) for name in self.point_fields),
+            *((Column(steps["CellDataOffsets"], name, "i8"), c) for name in self.cell_fields),
+            (Column(steps["CellDataOffsets"], "body", "i8"), 0),
+        ]
+
+    @property
+    def columns(self) -> list[Column]:
+        """Everything that room is made for."""
+        tables = [column for column, _ in self.offsets]
+        return [self.points, *self.point_fields.values(), *self.cell_fields.values(), *tables]
+
+    @property
+    def room(self) -> int:
+        """Frames that fit."""
+        return self.points.room
+
+    def fill_offsets(self, begin: int, end: int) -> None:
+        """Where frames `begin` to `end` lie in the arrays."""
+        rows = np.arange(begin, end)
+        for column, stride in self.offsets:
+            column.write(begin, np.ones_like(rows) if stride is None else stride * rows, len(rows))
+
+    def write(self, row: int, frame: Frame) -> None:
+        """Fill all fields of a frame; nobody sees it yet."""
+        spatial = self._spatial
+        spatial[:, :2] = frame.displacement
+        self.point_fields["displacement"].write(row, spatial)
+        spatial[:, :2] += self.layout.nodes
+        self.points.write(row, spatial)
+        if self.layout.has_velocity:
+            spatial[:, :2] = frame.velocity
+            self.point_fields["velocity"].write(row, spatial)
+        self._write_contacts(row, frame)
+        self._write_cells(row, frame)
+
+    def append_time(self, time: float) -> None:
+        """One more frame. VTK wants exactly as many times as frames, so this array alone has no room ahead."""
+        row = self.count.value
+        if row % CHUNK_TIMES == 0:
+            self.growing.reserve(8 * CHUNK_TIMES)
+        self.times.id.set_extent((row + 1,))
+        space = self.times.id.get_space()
+        space.select_hyperslab((row,), (1,))
+        self.times.id.write(h5py.h5s.create_simple((1,)), space, np.array([time]))
+        self.count.write(row + 1)
+
+    def cut(self, frames: int) -> None:
+        """Have exactly `frames` frames, and no room for more."""
+        self.count.write(frames)
+        self.times.id.set_extent((frames,))
+        for column in self.columns:
+            column.resize(frames)
+
+    def _write_contacts(self, row: int, frame: Frame) -> None:
+        names = {"contact_pressure": "pressure", "contact_shear": "shear", "contact_state": "state"}
+        for field in self.point_fields.keys() & names.keys():
+            values: Floats = np.zeros(self.nodes)
+            for contact in self.layout.contacts:
+                values[contact.slave_nodes] += getattr(frame.curves[contact.name], names[field])
+            self.point_fields[field].write(row, values)
+
+    def _write_cells(self, row: int, frame: Frame) -> None:
+        parts = [frame.cells[body.name] for body in self.layout.bodies]
+        self._stress[:, :4] = np.concatenate([part["stress"] for part in parts])
+        self.cell_fields["stress"].write(row, self._stress)
+        for name in ("von_mises", *self.variables):
+            values = [part[name] if name in part else np.zeros(len(part["von_mises"])) for part in parts]
+            self.cell_fields[name].write(row, np.concatenate(values))

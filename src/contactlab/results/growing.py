@@ -1,0 +1,134 @@
+"""Datasets that grow in a file which stays readable whatever happens.
+
+Space for many rows is set aside on the disk before HDF5 hears of them: a full disk is then met while
+the file is whole, and storing a row writes only where there is room already. Metadata that changes
+with every row is what a killed process can leave half written, so chunks are allocated with the
+space, and a row changes nothing but numbers.
+
+h5py's low-level calls are used where something happens at every frame: they cost a fifth.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import shutil
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+METADATA = 65536  # bytes set aside beside the rows, for chunk indices
+
+
+class GrowingFile:
+    """An HDF5 file open for writing, without a lock so that others can read it meanwhile."""
+
+    def __init__(self, path: Path, mode: str) -> None:
+        self.path = path
+        self.file = h5py.File(path, mode, locking=False)
+        self.descriptor = os.open(path, os.O_RDWR)
+
+    def reserve(self, size: int) -> None:
+        """Take `size` more bytes of disk. Raises OSError where there are none, before anything is written."""
+        self.file.flush()
+        end = os.fstat(self.descriptor).st_size
+        wanted = size + METADATA
+        try:
+            os.posix_fallocate(self.descriptor, 0, end + wanted)
+        except AttributeError:
+            if shutil.disk_usage(self.path.parent).free < wanted:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.path)) from None
+        except OSError as error:
+            if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL):
+                raise OSError(error.errno, os.strerror(error.errno or 0), str(self.path)) from error
+
+    def grow(self, columns: Iterable[Column], rows: int) -> None:
+        """Make room for `rows` more rows of each of the columns."""
+        columns = list(columns)
+        self.reserve(sum(column.row_bytes * rows for column in columns))
+        for column in columns:
+            column.resize(column.room + rows)
+        self.file.flush()
+
+    def flush(self) -> None:
+        """Everything written so far is what a reader sees."""
+        h5py.h5f.flush(self.file.id)
+
+    def close(self) -> None:
+        """Close; nothing is lost if that fails half-way."""
+        try:
+            self.file.close()
+        finally:
+            os.close(self.descriptor)
+
+
+class Column:
+    """A dataset whose rows have `height` entries of shape `shape` each, one row per stored frame or step."""
+
+    def __init__(
+        self, group: h5py.Group, name: str, dtype: Any, height: int = 1, shape: tuple[int, ...] = (), together: int = 1
+    ) -> None:
+        self.height, self.shape, self.dtype = height, shape, np.dtype(dtype)
+        if name not in group:
+            chunk = (max(1, height * together), *(max(1, n) for n in shape))
+            group.create_dataset(name, (0, *shape), maxshape=(None, *shape), dtype=dtype, chunks=chunk, dcpl=early())
+        self.dataset = group[name]
+        self.room = len(self.dataset) // max(1, height)
+
+    @property
+    def row_bytes(self) -> int:
+        """Bytes of one row."""
+        return int(self.height * np.prod(self.shape, dtype=np.int64) * self.dtype.itemsize)
+
+    def resize(self, rows: int) -> None:
+        """Have exactly `rows` rows."""
+        self.dataset.id.set_extent((rows * self.height, *self.shape))
+        self.room = rows
+
+    def write(self, row: int, values: Any, rows: int = 1) -> None:
+        """Fill `rows` rows from `row` on; there must be room."""
+        size = (rows * self.height, *self.shape)
+        data = np.ascontiguousarray(values, self.dtype).reshape(size)
+        if data.size:
+            space = self.dataset.id.get_space()
+            space.select_hyperslab((row * self.height, *(0 for _ in self.shape)), size)
+            self.dataset.id.write(h5py.h5s.create_simple(size), space, data)
+
+
+class Number:
+    """A whole number kept as an attribute, rewritten in place."""
+
+    def __init__(self, owner: h5py.HLObject, name: str) -> None:
+        if name not in owner.attrs:
+            owner.attrs[name] = np.int64(0)
+        self.attribute = h5py.h5a.open(owner.id, name.encode())
+        self._value = np.zeros((), np.int64)
+        self.attribute.read(self._value)
+
+    @property
+    def value(self) -> int:
+        """The number as last written."""
+        return int(self._value)
+
+    def write(self, value: int) -> None:
+        """Change it."""
+        self._value[...] = value
+        self.attribute.write(self._value)
+
+
+def fixed(group: h5py.Group, name: str, shape: tuple[int, ...], dtype: Any) -> h5py.Dataset:
+    """A dataset of fixed size whose space is taken at once."""
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    return group.create_dataset(name, shape, dtype=dtype, dcpl=plist)
+
+
+def early() -> Any:
+    """Creation properties of a dataset whose space is allocated when it grows."""
+    plist = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
+    plist.set_alloc_time(h5py.h5d.ALLOC_TIME_EARLY)
+    plist.set_fill_time(h5py.h5d.FILL_TIME_NEVER)
+    return plist

@@ -1,0 +1,200 @@
+"""What a run keeps while it goes on, and whom it tells."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Floats
+from contactlab.api.frame import Event, Frame, Layout, Level
+from contactlab.api.recorder import Recording
+from contactlab.errors import SimulationFailure
+from contactlab.model.model import Model
+from contactlab.plugins import one_line
+from contactlab.results.files import HistoryFile, plain, write_contacts, write_summary
+from contactlab.results.frame import frame_of
+from contactlab.results.results import ContactHistory, Results
+from contactlab.results.sample import Sample
+from contactlab.results.steps import Sample as StepSample
+from contactlab.results.steps import StepSampler
+
+
+class Journal:
+    """Samples of one run in memory; frames, steps and events go to its recordings, by the recorder's name.
+
+    `every_step` are the calls that the loop makes after each step: none if no recorder wants them.
+    With `past`, an interrupted run is taken up where it was saved.
+    """
+
+    def __init__(
+        self,
+        model: Model,
+        layout: Layout,
+        folder: Path | None,
+        recordings: Mapping[str, Recording],
+        every_step: frozenset[str],
+        past: Results | None = None,
+    ) -> None:
+        self.model, self.layout, self.folder = model, layout, folder
+        self.recordings = dict(recordings)
+        self.rows: list[dict[str, float]] = []
+        self.contact = {contact.name: ContactHistory() for contact in layout.contacts}
+        self.events: list[Event] = []
+        self.last: Sample | None = None
+        self.stepped = every_step
+        self.sampler = StepSampler(model, len(layout.steps), self._steps) if every_step else None
+        if past is not None:
+            self._take_up(past)
+        self.history_file = HistoryFile(folder, self.rows) if folder is not None else None
+
+    @property
+    def every_step(self) -> tuple[StepSample, ...]:
+        """What to call after each step, with the step and its length."""
+        return (self.sampler.sample,) if self.sampler is not None else ()
+
+    @property
+    def restartable(self) -> bool:
+        """Whether any recording keeps what a restart needs."""
+        return any(recording.keeps_state for recording in self.recordings.values())
+
+    @property
+    def last_step(self) -> int:
+        """Step of the last stored frame."""
+        return int(self.rows[-1]["step"]) if self.rows else 0
+
+    @property
+    def frames(self) -> int:
+        """Frames stored so far."""
+        return len(self.rows)
+
+    def add(self, sample: Sample) -> None:
+        """Store an instant."""
+        row = sample.scalars()
+        self.rows.append(row)
+        self.last = sample
+        for name, report in sample.contacts.items():
+            self.contact[name].times.append(sample.time)
+            self.contact[name].curves.append(report.curve)
+        if self.history_file is not None:
+            self._or_stop("history.csv", lambda file: file.add(row), self.history_file)
+        if self.sampler is not None:
+            self.sampler.flush()
+        if self.recordings:
+            frame: Frame = frame_of(self.model, sample)
+            self._tell("frame", lambda recording: recording.frame(frame))
+
+    def tell(self, level: Level, text: str) -> None:
+        """Note an event at the present step."""
+        state = self.model.state
+        event = Event(state.step, state.time, level, text)
+        self.events.append(event)
+        self._tell("event", lambda recording: recording.event(event))
+
+    def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:
+        """Let the recordings keep what a restart needs."""
+        if self.recordings:
+            if self.sampler is not None:
+                self.sampler.flush()
+            written = plain(summary)
+            self._tell("save", lambda recording: recording.save(memory, written))
+
+    def finish(self, summary: Mapping[str, Any]) -> Results:
+        """Close everything, write the last files and hand the results back."""
+        written = plain(summary)
+        if self.sampler is not None:
+            self._quietly("steps", lambda _: self.sampler.flush())  # type: ignore[union-attr]
+        self._quietly("close", lambda recording: recording.close(written))
+        self._write_files(written)
+        return self._results(written)
+
+    # --- inside -----------------------------------------------------------------------------------
+
+    def _write_files(self, summary: dict[str, Any]) -> None:
+        if self.folder is None or self.history_file is None:
+            return
+        try:
+            write_contacts(self.folder, self.contact)
+            write_summary(self.folder, summary)
+        except OSError as error:
+            text = f"contact.csv and summary.json could not be written: {error.strerror or error}"
+            warnings.warn(text, RuntimeWarning, stacklevel=4)
+        finally:
+            self.history_file.close()
+
+    def _take_up(self, past: Results) -> None:
+        columns = past.history
+        count = len(next(iter(columns.values()), ()))
+        self.rows = [{name: float(values[k]) for name, values in columns.items()} for k in range(count)]
+        for name, history in self.contact.items():
+            history.times, history.curves = list(past.contact[name].times), list(past.contact[name].curves)
+        self.events = list(past.events)
+
+    def _steps(self, block: Floats) -> None:
+        for name in self.stepped & self.recordings.keys():
+            self._one(name, "steps", lambda recording: recording.steps(block))
+
+    def _tell(self, what: str, call: Callable[[Recording], None]) -> None:
+        for name in list(self.recordings):
+            self._one(name, what, call)
+
+    def _one(self, name: str, what: str, call: Callable[[Recording], None]) -> None:
+        """One call of one recording: a full disk stops the run, any other fault only this recorder."""
+        try:
+            self._or_stop(name, call, self.recordings[name])
+        except SimulationFailure:
+            raise
+        except Exception as error:
+            del self.recordings[name]
+            text = f"the recorder {name} failed in {what} and is left out from here on: {one_line(error)}"
+            warnings.warn(text, RuntimeWarning, stacklevel=2)
+            self.tell("warning", text)
+
+    def _or_stop(self, name: str, call: Callable[[Any], None], target: Any) -> None:
+        try:
+            call(target)
+        except OSError as error:
+            place = self.folder if error.filename is None else error.filename
+            raise SimulationFailure(
+                "failed",
+                f"step {self.model.state.step}: {name} cannot write to {place}: "
+                f"{(error.strerror or str(error)).lower()}; what was stored stays readable",
+            ) from error
+
+    def _quietly(self, what: str, call: Callable[[Recording], None]) -> None:
+        """The last calls: their faults are told, but the run is over already."""
+        for name, recording in list(self.recordings.items()):
+            try:
+                call(recording)
+            except Exception as error:
+                warnings.warn(f"the recorder {name} failed in {what}: {error}", RuntimeWarning, stacklevel=2)
+
+    def _results(self, summary: dict[str, Any]) -> Results:
+        model, keys = self.model, self.rows[0] if self.rows else {}
+        stress = {forces.body.name: forces.stress() for forces in model.forces}
+        return Results(
+            summary=summary,
+            layout=self.layout,
+            history={key: np.array([float(row[key]) for row in self.rows]) for key in keys},
+            contact=self.contact | {contact.label: self.contact[contact.name] for contact in self.layout.contacts},
+            displacement=model.state["displacement"].copy(),
+            velocity=model.state["velocity"].copy() if "velocity" in model.state else np.zeros((0, 2)),
+            stress=stress,
+            internal_variables=internal_variables(model),
+            events=self.events,
+            folder=self.folder,
+        )
+
+
+def internal_variables(model: Model) -> dict[str, dict[str, Floats]]:
+    """History of each body whose law has any, by name (n, q)."""
+    found = {}
+    for forces in model.forces:
+        names, points = forces.body.material.history_names, forces.body.points
+        if names:
+            parts = [b.history.reshape(len(names), points, -1).transpose(0, 2, 1) for b in forces.blocks]
+            found[forces.body.name] = dict(zip(names, np.concatenate(parts, axis=1), strict=True))
+    return found

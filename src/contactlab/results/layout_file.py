@@ -1,0 +1,68 @@
+"""A run's layout as part of `results.vtkhdf`."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import h5py
+import numpy as np
+
+from contactlab.api.frame import BodyLayout, ContactLayout, Layout
+
+_SURFACES = ("slave_nodes", "slave_segments", "master_nodes", "master_segments")
+
+
+def write_layout(own: h5py.Group, layout: Layout) -> None:
+    """Fill `scene`, `layout` (JSON), `nodes`, `bodies` and `contacts` of the group `contactlab`."""
+    own["scene"] = layout.scene
+    own["layout"] = json.dumps(_words(layout))
+    own["nodes"] = layout.nodes
+    for body in layout.bodies:
+        own[f"bodies/{body.name}/cells"] = body.cells
+    for contact in layout.contacts:
+        for name in _SURFACES:
+            own[f"contacts/{contact.name}/{name}"] = getattr(contact, name)
+
+
+def _words(layout: Layout) -> dict[str, Any]:
+    """Everything that is no array."""
+    bodies = [
+        {"name": b.name, "element": b.element, "material": b.material, "internal_variables": b.internal_variables}
+        for b in layout.bodies
+    ]
+    contacts = [
+        {key: getattr(c, key) for key in ("name", "label", "algorithm", "slave", "master", "friction")}
+        for c in layout.contacts
+    ]
+    return {
+        "title": layout.title,
+        "units": layout.units,
+        "bodies": bodies,
+        "contacts": contacts,
+        "supports": layout.supports,
+        "parts": dict(layout.parts),
+        "versions": dict(layout.versions),
+        "steps": layout.steps,
+        "has_velocity": layout.has_velocity,
+        "frames": layout.frames,
+    }
+
+
+def read_layout(own: h5py.Group) -> Layout:
+    """The layout that `write_layout` wrote."""
+    words = json.loads(own["layout"][()])
+    bodies = tuple(
+        BodyLayout(
+            cells=own[f"bodies/{body['name']}/cells"][:],
+            **{**body, "internal_variables": tuple(body["internal_variables"])},
+        )
+        for body in words.pop("bodies")
+    )
+    contacts = tuple(
+        ContactLayout(**contact, **{name: own[f"contacts/{contact['name']}/{name}"][:] for name in _SURFACES})
+        for contact in words.pop("contacts")
+    )
+    lists = {key: tuple(words.pop(key)) for key in ("supports", "steps")}
+    nodes: np.ndarray = own["nodes"][:]
+    return Layout(scene=own["scene"][()].decode(), nodes=nodes, bodies=bodies, contacts=contacts, **lists, **words)

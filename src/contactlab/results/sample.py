@@ -1,0 +1,63 @@
+"""A model looked at: reactions, energies and contacts at one instant."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from contactlab.api import Floats
+from contactlab.model.model import Model
+from contactlab.results.contact_report import ContactReport, report_contact
+from contactlab.results.energies import energies
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What `history.csv` and the contact curves hold of one instant; no fields.
+
+    prescribed: mean displacement of each support [mm]; reactions: force (2,) [N] of each support on
+    its body; contacts by "contacts.0"; sweeps: mean per step since the last sample
+    """
+
+    number: int
+    step: int
+    time: float
+    prescribed: dict[str, Floats]
+    reactions: dict[str, Floats]
+    energies: dict[str, float]
+    contacts: dict[str, ContactReport]
+    sweeps: float
+
+    def scalars(self) -> dict[str, float]:
+        """One row of `history.csv`."""
+        row: dict[str, float] = {"step": self.step, "time": self.time}
+        for on, value in self.prescribed.items():
+            row |= {f"{on}.ux": float(value[0]), f"{on}.uy": float(value[1])}
+        for on, force in self.reactions.items():
+            row |= {f"{on}.fx": float(force[0]), f"{on}.fy": float(force[1])}
+        row |= {f"energy.{name}": value for name, value in self.energies.items()}
+        for name, contact in self.contacts.items():
+            row |= {
+                f"{name}.fx": float(contact.resultant[0]),
+                f"{name}.fy": float(contact.resultant[1]),
+                f"{name}.max_pressure": float(contact.curve.pressure.max(initial=0.0)),
+                f"{name}.max_penetration": contact.max_penetration,
+                f"{name}.active": contact.active,
+                f"{name}.sticking": contact.sticking,
+            }
+        return row | {"sweeps": self.sweeps}
+
+
+def take_sample(model: Model, number: int, sweeps: float) -> Sample:
+    """The sample of the model's present state; the model goes on as if nobody had looked."""
+    state, displacement = model.state, model.state["displacement"]
+    pairs = model.contact.pairs if model.contact is not None else ()
+    return Sample(
+        number=number,
+        step=state.step,
+        time=state.time,
+        prescribed={s.on: displacement[s.nodes].mean(axis=0) for s in model.supports},
+        reactions=model.reactions(),
+        energies=energies(model),
+        contacts={pair.name: report_contact(pair, state, model.reference, model.position) for pair in pairs},
+        sweeps=sweeps,
+    )

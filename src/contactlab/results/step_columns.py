@@ -1,0 +1,21 @@
+"""Names of the scalars of every step, in the order of their columns."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from contactlab.api.state import WORK
+
+COUNTS = ("step", "time", "dt", "sweeps", "iterations", "residual", "cost.elements", "cost.contact")
+"""Step number, time and length [s], contact sweeps, Newton iterations, contact residual, wall time of the
+step's stresses and forces and of its contact [s]."""
+
+CONTACT = ("active", "sticking", "overlap")
+"""Of each contact: conditions with a force, sticking ones, deepest gap at the end of the step [mm]."""
+
+
+def step_columns(supports: Sequence[str], contacts: Sequence[str]) -> tuple[str, ...]:
+    """Columns of a model with these supports and contacts."""
+    energies = tuple(f"energy.{name}" for name in ("kinetic", *WORK))
+    reactions = tuple(f"{on}.{component}" for on in supports for component in ("fx", "fy"))
+    return COUNTS + energies + reactions + tuple(f"{name}.{what}" for name in contacts for what in CONTACT)

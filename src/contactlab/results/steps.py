@@ -1,0 +1,112 @@
+"""Scalars of every step: sampled into a buffer, handed on in blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from contactlab.api import Floats, Rows, Step
+from contactlab.api.state import WORK
+from contactlab.kernels.bound_arrays import BoundArrays
+from contactlab.kernels.step_scalars import contact_scalars, model_scalars
+from contactlab.model.contact_system import ContactSystem
+from contactlab.model.model import Model
+
+BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step
+
+Sample = Callable[[Step, float], None]
+
+
+class StepSampler:
+    """Samples a model after each step. `sample` is what the loop calls; `flush` hands on what is left.
+
+    `take` gets blocks (b, columns) with b <= BLOCK; it must not keep the array.
+    """
+
+    def __init__(self, model: Model, columns: int, take: Callable[[Floats], None]) -> None:
+        self.rows: Floats = np.zeros((BLOCK, columns))
+        self.count = 0
+        self.take = take
+        self.sample = _without_contact(self, model) if model.contact is None else _with_contact(self, model)
+
+    def flush(self) -> None:
+        """Hand on the rows since the last time."""
+        if self.count:
+            count, self.count = self.count, 0
+            self.take(self.rows[:count])
+
+
+def _without_contact(sampler: StepSampler, model: Model) -> Sample:
+    bound, columns, works = _bound_model(sampler.rows, model), sampler.rows.shape[1], len(WORK)
+    table, elements = bound.table, model.seconds
+
+    def sample(step: Step, dt: float) -> None:
+        nonlocal elements
+        row, spent, elements = sampler.count, model.seconds - elements, model.seconds
+        model_scalars(row, table, dt, step.sweeps, step.iterations, step.residual, spent, 0.0, columns, works)
+        sampler.count = row + 1
+        if row + 1 == BLOCK:
+            sampler.flush()
+
+    sample.bound = bound  # type: ignore[attr-defined]  # keeps the addresses good
+    return sample
+
+
+def _with_contact(sampler: StepSampler, model: Model) -> Sample:
+    contact = model.contact
+    assert contact is not None
+    bound, columns, works = _bound_model(sampler.rows, model), sampler.rows.shape[1], len(WORK)
+    table, elements, solving = bound.table, model.seconds, contact.seconds
+    pairs, conditions = len(contact.pairs), contact.multipliers.shape[1]
+    rows = contact.rows
+    bound_rows = _bound_rows(sampler.rows, model, contact, rows)
+    rows_table = bound_rows.table
+
+    def sample(step: Step, dt: float) -> None:
+        nonlocal elements, solving, rows, bound_rows, rows_table
+        if contact.rows is not rows:  # they were made anew with more room
+            rows = contact.rows
+            bound_rows = _bound_rows(sampler.rows, model, contact, rows)
+            rows_table = bound_rows.table
+        row, of_elements, of_contact = sampler.count, model.seconds - elements, contact.seconds - solving
+        elements, solving = model.seconds, contact.seconds
+        column = model_scalars(
+            row, table, dt, step.sweeps, step.iterations, step.residual, of_elements, of_contact, columns, works
+        )
+        contact_scalars(row, rows_table, column, columns, rows.count, pairs, conditions)
+        sampler.count = row + 1
+        if row + 1 == BLOCK:
+            sampler.flush()
+
+    sample.bound = bound  # type: ignore[attr-defined]  # keeps the addresses good
+    return sample
+
+
+def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
+    starts, nodes = _support_nodes(model)
+    return BoundArrays(buffer, model.state.buffer, model.mass, _places(model), starts, nodes)
+
+
+def _bound_rows(buffer: Floats, model: Model, contact: ContactSystem, r: Rows) -> BoundArrays:
+    pairs = contact.pairs
+    starts = np.array([*(pair.first_slot for pair in pairs), pairs[-1].first_slot + pairs[-1].slots], np.int32)
+    of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.bound)
+    return BoundArrays(buffer, model.position, contact.multipliers, starts, *of_rows)
+
+
+_FIELDS = ("clock", "velocity", "work", "reaction")
+
+
+def _places(model: Model) -> np.ndarray:
+    """Where the fields begin in the state's buffer, -1 for those that do not exist."""
+    state = model.state
+    begins = [(state[n].ctypes.data - state.buffer.ctypes.data) // 8 if n in state else -1 for n in _FIELDS]
+    return np.array(begins, np.int64)
+
+
+def _support_nodes(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Where each support begins, and the nodes of all of them one after another."""
+    nodes = [support.nodes for support in model.supports] if "reaction" in model.state else []
+    starts = np.cumsum([0, *(len(part) for part in nodes)]).astype(np.int64)
+    return starts, np.concatenate([np.zeros(0, np.int64), *nodes]).astype(np.int64)

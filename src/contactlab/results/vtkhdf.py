@@ -1,0 +1,150 @@
+"""The recorder `vtkhdf`: all of a run in one file that ParaView opens and that survives a kill.
+
+Group `VTKHDF` is a transient unstructured grid, see `grid_file.py`. Group `contactlab` holds the same
+run for this project: history, contact curves, every step's scalars, events, provenance, and what a
+restart needs. `load.py` reads it back.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
+
+import h5py
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.api.frame import ContactCurve, ContactLayout, Event, Frame, Layout, StoredRun
+from contactlab.api.recorder import Recorder, Recording
+from contactlab.results.checkpoint_slots import Slots
+from contactlab.results.event_table import EventTable
+from contactlab.results.grid_file import GridFile, write_grid
+from contactlab.results.growing import Column, GrowingFile, Number
+from contactlab.results.layout_file import write_layout
+
+FILE = "results.vtkhdf"
+FORMAT = 1
+SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
+STEP_ROWS = 4096  # steps by which their room grows
+CHUNK_STEPS = 256
+
+
+@dataclass(frozen=True)
+class VtkHdf(Recorder):
+    """Writes `results.vtkhdf`. It has no fields: the scene's `record.frames` says how often."""
+
+    by_default: ClassVar[bool] = True
+    every_step: ClassVar[bool] = True
+
+    def open(self, folder: Path, layout: Layout) -> Recording:
+        """A new file."""
+        return VtkHdfRecording(GrowingFile(folder / FILE, "w"), layout)
+
+    def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
+        """The file as it lies, cut back to what `run` holds."""
+        recording = VtkHdfRecording(GrowingFile(folder / FILE, "r+"), layout)
+        recording.cut(len(run.frames), run.step_count, len(run.events))
+        return recording
+
+
+class VtkHdfRecording(Recording):
+    """One open file. Steps come into sight with the next frame, and a frame at once."""
+
+    keeps_state: ClassVar[bool] = True
+
+    def __init__(self, growing: GrowingFile, layout: Layout) -> None:
+        self.growing, self.layout = growing, layout
+        file = growing.file
+        if "contactlab" not in file:
+            write_grid(file.create_group("VTKHDF", track_order=True), layout)
+            file.create_group("contactlab").attrs["format"] = FORMAT
+            write_layout(file["contactlab"], layout)
+        self.own = file["contactlab"]
+        self.grid = GridFile(growing, layout)
+        self.curves = {contact.name: _curves(self.own, contact) for contact in layout.contacts}
+        self.history: Column | None = None
+        if "history" in self.own:
+            self.history = Column(self.own, "history", "f8", 1, self.own["history"].shape[1:])
+        self.step_rows = Column(self.own, "steps", "f8", 1, (len(layout.steps),), CHUNK_STEPS)
+        self.step_rows.dataset.attrs["columns"] = list(layout.steps)
+        self.step_count = Number(self.step_rows.dataset, "count")
+        self.steps_written = self.step_count.value
+        self.events = EventTable(growing, self.own)
+        self.slots = Slots.of(self.own)
+
+    def frame(self, frame: Frame) -> None:
+        """Append a frame."""
+        row = self.grid.count.value
+        if self.history is None:
+            self.history = Column(self.own, "history", "f8", 1, (len(frame.scalars),))
+            self.own["history"].attrs["columns"] = list(frame.scalars)
+        if row >= self.grid.room:
+            self._make_room(row)
+        self.grid.write(row, frame)
+        for name, column in self.curves.items():
+            curve = frame.curves[name]
+            column.write(row, np.stack([getattr(curve, key) for key in ContactCurve.COLUMNS], axis=1))
+        self.history.write(row, [float(value) for value in frame.scalars.values()])
+        self.grid.append_time(frame.time)
+        self.step_count.write(self.steps_written)
+        self.growing.flush()
+
+    def steps(self, block: Floats) -> None:
+        """Append scalars of steps."""
+        if self.steps_written + len(block) > self.step_rows.room:
+            self.growing.grow([self.step_rows], STEP_ROWS)
+        self.step_rows.write(self.steps_written, block, len(block))
+        self.steps_written += len(block)
+
+    def event(self, event: Event) -> None:
+        """Append an event."""
+        self.events.add(event)
+
+    def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:
+        """Keep what a restart needs, and let readers see everything so far."""
+        if self.slots is None:
+            self.growing.reserve(Slots.bytes_for(memory))
+            self.slots = Slots.create(self.own, memory)
+        self.step_count.write(self.steps_written)
+        self.slots.write(memory, json.dumps(summary), self.grid.count.value, self.steps_written, self.events.count)
+        self.growing.flush()
+
+    def close(self, summary: Mapping[str, Any]) -> None:
+        """Give the spare room back and write the summary."""
+        self.cut(self.grid.count.value, self.steps_written, self.events.count)
+        text = json.dumps(summary)
+        self.growing.reserve(len(text))
+        if "summary" in self.own:
+            del self.own["summary"]
+        self.own["summary"] = text
+        self.growing.close()
+
+    def cut(self, frames: int, steps: int, events: int) -> None:
+        """Have exactly so many frames, steps and events, and no spare room."""
+        self.grid.cut(frames)
+        for column in self._own_columns():
+            column.resize(frames)
+        self.step_rows.resize(steps)
+        self.steps_written = steps
+        self.step_count.write(steps)
+        self.events.cut(events)
+        self.growing.flush()
+
+    def _own_columns(self) -> list[Column]:
+        return [*self.curves.values(), *([self.history] if self.history is not None else [])]
+
+    def _make_room(self, row: int) -> None:
+        """Room for more frames; the tables that say where each one begins are filled ahead."""
+        more = max(8, row // 8) if row else self.layout.frames + SPARE_FRAMES
+        self.growing.grow([*self.grid.columns, *self._own_columns()], more)
+        self.grid.fill_offsets(row, row + more)
+
+
+def _curves(own: h5py.Group, contact: ContactLayout) -> Column:
+    shape = (len(contact.slave_nodes), len(ContactCurve.COLUMNS))
+    column = Column(own[f"contacts/{contact.name}"], "curves", "f8", 1, shape)
+    column.dataset.attrs["columns"] = list(ContactCurve.COLUMNS)
+    return column

@@ -1,0 +1,156 @@
+"""One run: a model with all that watches it, begun anew or taken up where it was saved."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from contactlab.api import Floats
+from contactlab.errors import SimulationFailure
+from contactlab.guards import Guards
+from contactlab.model.memory import model_memory, restore_model
+from contactlab.model.model import Model
+from contactlab.provenance import parts_of, versions
+from contactlab.recorders import open_recordings, recorders_of
+from contactlab.restart import changed_versions, check_memory, cost_so_far, resumed_before, saved_run, stored_results
+from contactlab.results.files import write_scene
+from contactlab.results.frame import layout_of
+from contactlab.results.journal import Journal
+from contactlab.results.results import Results
+from contactlab.results.sample import take_sample
+from contactlab.results.summary import Clock, Counts, summarise
+from contactlab.schedule import Schedule
+
+if TYPE_CHECKING:
+    from contactlab.results.checkpoint_slots import Checkpoint
+
+SAVE_EVERY = 1.0  # seconds of wall time between saved states, at least
+SAVE_SHARE = 100.0  # and so many times what one costs: saving never takes more than a hundredth of a run
+ENDS = ("finished", "diverged", "not-converged")  # runs that cannot go on: what is saved is their end
+KILLED = "the run ended without a word (killed, or still going on)"
+
+
+@dataclass
+class Run:
+    """What the loop works with. `memory` is all of it that changes in time."""
+
+    model: Model
+    schedule: Schedule
+    guards: Guards
+    counts: Counts = field(default_factory=Counts)
+    clock: Clock = field(default_factory=Clock)
+    resumed_at: list[int] = field(default_factory=list)
+    save_after: float = 0.0
+    first_step: int = 0
+    journal: Journal = field(init=False)
+
+    def begin(self) -> None:
+        """Store the initial state, unless this is a run taken up again."""
+        self.began = perf_counter()
+        if not self.journal.frames:
+            self.store()
+            self.save()
+
+    def compiled(self) -> None:
+        """The first step is done: whatever compiles is compiled."""
+        self.clock.compile_s = perf_counter() - self.began
+
+    def store(self) -> None:
+        """Store the present state as a frame, and save it for a restart."""
+        began, counts, last = perf_counter(), self.counts, self.journal.last_step
+        mean = (counts.sweeps - counts.sweeps_stored) / max(1, self.model.state.step - last)
+        counts.sweeps_stored = counts.sweeps
+        self.journal.add(take_sample(self.model, self.journal.frames, mean))
+        self.clock.recording_s += perf_counter() - began
+
+    def save(self) -> None:
+        """Save all that a restart needs; a run that is killed later looks as `KILLED` says."""
+        began = perf_counter()
+        if self.journal.restartable:
+            reason = f"{KILLED}; its state at step {self.model.state.step} is saved"
+            self.journal.save(self.memory(), self.summary("interrupted", reason))
+        now = perf_counter()
+        self.save_after = now + max(SAVE_EVERY, SAVE_SHARE * (now - began))
+        self.clock.recording_s += now - began
+
+    def save_now_and_then(self) -> None:
+        """Save, if the last time was long ago."""
+        if perf_counter() > self.save_after:
+            self.save()
+
+    def pause(self, why: str) -> str:
+        """Save the state of a run that is stopped; the reason for its summary."""
+        self.save()
+        kept = "its state is saved" if self.journal.restartable else "nothing was written to take it up again"
+        return f"{why} after step {self.model.state.step}; {kept}"
+
+    def memory(self) -> dict[str, Floats]:
+        """Arrays by name: of the model, the schedule, the guards and the counts."""
+        return model_memory(self.model) | self.schedule.memory() | self.guards.memory() | self.counts.memory()
+
+    def restore(self, checkpoint: Checkpoint, folder: Path) -> None:
+        """Back to a checkpoint. Raises RequestError where it is not one of this model."""
+        check_memory(checkpoint.memory, self.memory(), folder)
+        restore_model(self.model, checkpoint.memory)
+        for part in (self.schedule, self.guards, self.counts):
+            part.restore(checkpoint.memory)
+        self.first_step = self.counts.steps
+        self.clock.before = cost_so_far(checkpoint)
+        self.resumed_at = [*resumed_before(checkpoint), self.counts.steps]
+
+    @property
+    def energy_error(self) -> float:
+        """Of the last stored frame."""
+        return self.journal.last.energies["error"] if self.journal.last is not None else 0.0
+
+    def summary(self, status: str, reason: str) -> dict[str, Any]:
+        """The content of `summary.json` if the run ended now."""
+        journal = self.journal
+        summary = summarise(journal.layout, self.model, journal.last, status, reason, self.counts, self.clock)
+        return summary | ({"resumed_at_steps": self.resumed_at} if self.resumed_at else {})
+
+    def finish(self, status: str, reason: str) -> Results:
+        """Close the files and give the results."""
+        if self.journal.last is None and self.journal.frames:
+            # taken up at its very last frame: look at it once more for the summary
+            self.journal.last = take_sample(self.model, self.journal.frames - 1, self.journal.rows[-1]["sweeps"])
+        complete, folder = self.journal.restartable, self.journal.folder
+        if status in ENDS:
+            try:
+                self.save()
+            except SimulationFailure as failure:
+                status, reason = failure.status, failure.reason
+        results = self.journal.finish(self.summary(status, reason))
+        return stored_results(folder, results) if complete and folder is not None else results
+
+
+def begin_run(model: Model, scene: Any, registry: Any, folder: Path | None, resume: bool) -> Run:
+    """A run of `model`, whose recorders write to `folder`; with `resume` the one that is saved there.
+
+    Raises RequestError where the folder cannot be used or holds something else.
+    """
+    run = Run(model, Schedule(model, scene), Guards(model))
+    recorders = recorders_of(scene, registry) if folder is not None else {}
+    used = _with_recorders(scene, recorders)
+    layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
+    past, checkpoint = (saved_run(folder) if resume and folder is not None else None) or (None, None)
+    if past is not None and checkpoint is not None and folder is not None:
+        run.restore(checkpoint, folder)
+        for change in changed_versions(past.layout, layout):
+            warnings.warn(f"results may differ in their last digits: {change}", RuntimeWarning, stacklevel=3)
+    recordings = {}
+    if folder is not None:
+        write_scene(folder, layout.scene)
+        recordings = open_recordings(recorders, folder, layout, past)
+    every_step = frozenset(name for name, recorder in recorders.items() if recorder.every_step)
+    run.journal = Journal(model, layout, folder, recordings, every_step, past)
+    return run
+
+
+def _with_recorders(scene: Any, recorders: dict[str, Any]) -> Any:
+    """The scene with the recorders that it really has, for the list of parts."""
+    specs = tuple({"use": name.partition(" ")[0]} for name in recorders)
+    return replace(scene, record=replace(scene.record, recorders=specs))
