@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,15 +29,10 @@ class Agreement:
 
 def agreements(rows: Sequence[Row]) -> list[Agreement]:
     """All pairs of algorithms whose runs carried the load to its end, run by run."""
-    groups: dict[str, list[Row]] = {}
+    groups: dict[tuple[str, int, str], list[Row]] = {}
     for row in (row for row in rows if row.complete):
-        groups.setdefault(_all_but_algorithm(row), []).append(row)
+        groups.setdefault((row.slave, row.level, str(row.choices)), []).append(row)
     return [_compare(a, b) for group in groups.values() for a, b in itertools.combinations(group, 2)]
-
-
-def _all_but_algorithm(row: Row) -> str:
-    rest = {key: value for key, value in row.varied.items() if ".algorithm" not in key}
-    return json.dumps({**rest, "level": row.level}, sort_keys=True, default=str)
 
 
 def _compare(a: Row, b: Row) -> Agreement:

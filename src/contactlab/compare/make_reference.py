@@ -177,17 +177,32 @@ def holds_for(scene: Mapping[str, Any]) -> dict[str, Any]:
     """The keys of a scene that its quasi-static answer depends on; meshes, algorithms and time do not count."""
     keys: dict[str, Any] = {}
     for name, material in scene["materials"].items():
-        keys |= _flat(f"materials.{name}", {k: v for k, v in material.items() if k != "density"})
+        keys |= _flat(f"materials.{name}", _without(material, "density"))
     for name, body in scene["bodies"].items():
-        mesh = {k: v for k, v in body["mesh"].items() if k != "cells"}
-        keys |= _flat(f"bodies.{name}", {"material": body["material"], "mesh": mesh})
+        geometry = {field: body[field] for field in ("material", "rotate", "shift")}
+        keys |= _flat(f"bodies.{name}", {**geometry, "mesh": _without(body["mesh"], "cells", "grading")})
     for number, contact in enumerate(scene["contacts"]):
-        keys |= _flat(f"contacts.{number}", {k: contact.get(k) for k in ("slave", "master", "friction")})
+        pair = _without(contact, "algorithm", "swap", "name", "enforcement")
+        keys |= _flat(f"contacts.{number}", {"friction": None, **pair})
     for number, support in enumerate(scene["supports"]):
-        moved = {k: v["to"] if isinstance(v, Mapping) else v for k, v in support.items() if k in ("ux", "uy")}
-        ends = {f"supports.{number}.{k}{'.to' if isinstance(support[k], Mapping) else ''}": v for k, v in moved.items()}
-        keys |= {f"supports.{number}.on": support["on"], **ends}
-    return keys | {f"{table}.{len(scene[table])}": None for table in ("contacts", "supports")}
+        keys |= _flat(
+            f"supports.{number}", {name: _end(support[name]) for name in ("on", "ux", "uy") if name in support}
+        )
+    for number, load in enumerate(scene.get("loads", ())):
+        keys |= _flat(f"loads.{number}", _without(load, "name"))
+    for number, effect in enumerate(scene.get("effects", ())):
+        keys |= _flat(f"effects.{number}", effect)
+    tables = ("contacts", "supports", "loads", "effects")
+    return keys | {f"{table}.{len(scene.get(table, ()))}": None for table in tables}
+
+
+def _without(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    return {name: value for name, value in table.items() if name not in names}
+
+
+def _end(value: Any) -> Any:
+    """Where a ramp ends; the way there makes no difference to a quasi-static answer."""
+    return {"to": value["to"]} if isinstance(value, Mapping) else value
 
 
 def _flat(prefix: str, table: Mapping[str, Any]) -> dict[str, Any]:

@@ -26,6 +26,7 @@ class Job:
     name      of its folder
     scene     with the varied values set
     varied    scene keys and values that tell it from the others
+    choices   those of them that neither algorithm nor slave nor level shows
     partner   the same without the swap of slave and master: two jobs that share it are a pair
     refines   True when it is only there for the plot of error against cost
     """
@@ -33,6 +34,7 @@ class Job:
     name: str
     scene: Scene
     varied: Mapping[str, Any]
+    choices: Mapping[str, Any]
     algorithm: str
     slave: str
     partner: str
@@ -140,9 +142,11 @@ def _job(base: Scene, varied: Mapping[str, Any], contact: int, refines: bool) ->
     compared = scene.data["contacts"][contact]
     algorithm = _algorithm_label(base, varied, contact, compared)
     slave = body_of(sides(compared)[0])
-    rest = {key: value for key, value in varied.items() if key not in _names_of(base, contact, "swap")}
+    swaps, algorithms = _names_of(base, contact, "swap"), tuple(_names_of(base, contact, "algorithm"))
+    rest = {key: value for key, value in varied.items() if key not in swaps}
+    choices = {key: value for key, value in rest.items() if key != "level" and not key.startswith(algorithms)}
     partner = json.dumps({**rest, "level": scene.level}, sort_keys=True, default=str)
-    return Job(_slug(algorithm, slave, scene.level), scene, varied, algorithm, slave, partner, refines)
+    return Job(_slug(algorithm, slave, scene.level), scene, varied, choices, algorithm, slave, partner, refines)
 
 
 def _algorithm_label(base: Scene, varied: Mapping[str, Any], contact: int, compared: Mapping[str, Any]) -> str:
@@ -161,13 +165,6 @@ def _names_of(scene: Scene, contact: int, field: str) -> list[str]:
     """Both ways to write a key of the compared contact."""
     name = scene.contacts[contact].name
     return [f"contacts.{label}.{field}" for label in (contact, name) if label is not None]
-
-
-def other_keys(plan: Plan) -> list[str]:
-    """Varied keys that neither the algorithm nor the slave nor the level shows."""
-    shown = {"level", *_names_of(plan.scene, plan.contact, "swap")}
-    algorithm = tuple(_names_of(plan.scene, plan.contact, "algorithm"))
-    return [key for key in plan.study.vary if key not in shown and not key.startswith(algorithm)]
 
 
 def _slug(algorithm: str, slave: str, level: int) -> str:

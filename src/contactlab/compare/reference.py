@@ -91,7 +91,7 @@ def value_at(data: Any, key: str) -> Any:
 
 def _agree(found: Any, wanted: Any) -> bool:
     if wanted is None:
-        return found is _ABSENT or found is None
+        return found is _ABSENT or not found
     if isinstance(wanted, int | float) and isinstance(found, int | float):
         # Values are compared as written; the tolerance only forgives decimal rounding.
         return math.isclose(found, wanted, rel_tol=1e-9)

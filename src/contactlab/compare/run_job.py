@@ -49,7 +49,7 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
     for number in range(repeat):
         progress = _progress(report, number, repeat)
         try:
-            results = simulate(scene, folder if number == 0 else None, scene.registry, progress)
+            results = simulate(scene, out=folder if number == 0 else None, registry=scene.registry, progress=progress)
         except RequestError as error:
             return Outcome("refused", str(error))
         first = first or results
@@ -63,7 +63,7 @@ def warm_up(scene: Scene, report: Report) -> None:
     """A few tiny steps, so that every kernel of the scene is compiled and in the cache on disk."""
     from contactlab.simulation import simulate
 
-    simulate(scene.with_(_WARM_UP), None, scene.registry, None)
+    simulate(scene.with_(_WARM_UP), registry=scene.registry)
 
 
 def _progress(report: Report, number: int, repeat: int) -> Callable[[float, int, float, float], None]:

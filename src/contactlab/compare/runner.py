@@ -183,6 +183,7 @@ def _row(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> Row
         slave=job.slave,
         level=job.scene.level,
         varied=job.varied,
+        choices=job.choices,
         status=outcome.status,
         reason=outcome.reason,
         measures=measures,

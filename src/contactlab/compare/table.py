@@ -32,6 +32,7 @@ class Row:
     slave      body whose surface is the slave
     level      of the mesh
     varied     scene keys that the study sets, and their values
+    choices    those of them that neither algorithm nor slave nor level shows
     status     finished, diverged, not-converged, refused, interrupted or failed
     reason     why it did not finish; empty when it did
     measures   numbers by name (`columns.MEASURES`), `nan` where one has no meaning
@@ -56,6 +57,7 @@ class Row:
     system: Mapping[str, Any] = field(default_factory=dict)
     parts: Mapping[str, Any] = field(default_factory=dict)
     reference: str = ""
+    choices: Mapping[str, Any] = field(default_factory=dict)
     curve: ContactCurve | None = None
     shapes: Mapping[str, Shape] = field(default_factory=dict)
     refines: bool = False

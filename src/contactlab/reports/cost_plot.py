@@ -16,7 +16,6 @@ from contactlab.compare.table import Row, Table
 from contactlab.reports.colours import REFERENCE, Style, styles
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
-from contactlab.reports.table import other_keys
 
 _LINES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
 
@@ -49,10 +48,9 @@ def _drawable(row: Row) -> bool:
 
 def _lines(rows: Sequence[Row]) -> list[list[Row]]:
     """Rows that differ in the level alone, from coarse to fine."""
-    keys = other_keys(rows)
-    lines: dict[tuple[str, ...], list[Row]] = {}
+    lines: dict[tuple[str, str, str], list[Row]] = {}
     for row in rows:
-        lines.setdefault((row.algorithm, row.slave, *(str(row.varied.get(key)) for key in keys)), []).append(row)
+        lines.setdefault((row.algorithm, row.slave, str(row.choices)), []).append(row)
     return [sorted(line, key=lambda row: row.level) for line in lines.values()]
 
 

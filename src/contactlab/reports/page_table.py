@@ -11,13 +11,14 @@ from contactlab.compare.columns import MEASURES, Column
 from contactlab.compare.table import Row, Table
 from contactlab.reports.colours import Style
 from contactlab.reports.numbers import heading_unit, quantity
-from contactlab.reports.table import USUAL, other_keys
+from contactlab.reports.table import USUAL
 from contactlab.reports.units import Units
 
 
 def runs_table(table: Table, styles: dict[str, Style]) -> str:
     """The table as HTML; columns beyond the usual ones are shown on demand."""
-    units, keys = Units.of_label(table.scene.get("units")), other_keys(table.rows)
+    units = Units.of_label(table.scene.get("units"))
+    keys = list(dict.fromkeys(key for row in table.rows for key in row.choices))
     columns = [c for c in MEASURES if any(not math.isnan(row[c.name]) for row in table.rows)]
     usual = set(table.study.measures or USUAL)
     heads = [_text_head(name) for name in ("algorithm", "slave", *keys)]
@@ -52,7 +53,7 @@ def _run(
     row: Row, columns: Sequence[Column], keys: Sequence[str], usual: set[str], style: Style, width: int, table: Table
 ) -> str:
     cells = [_algorithm(row, style, table), _text(row.slave)]
-    cells += [_text(row.varied.get(key, "")) for key in keys]
+    cells += [_text(row.choices.get(key, "")) for key in keys]
     cells += [
         _number(row.level, str(row.level)),
         f'<td class="text"><span class="status {row.status}">{row.status}</span></td>',

@@ -16,7 +16,6 @@ from contactlab.compare.table import Row, Table
 from contactlab.reports.colours import REFERENCE, Style, styles
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
-from contactlab.reports.table import other_keys
 from contactlab.reports.units import Units
 
 _MARGIN = 0.2  # of the pressed length, shown on either side
@@ -64,7 +63,7 @@ def _in(unit: str) -> str:
 
 def _case(row: Row, rows: Sequence[Row]) -> str:
     """What tells the rows of panels apart."""
-    choices = [f"{key.rpartition('.')[2]} {row.varied.get(key)}" for key in other_keys(rows)]
+    choices = [f"{key.rpartition('.')[2]} {value}" for key, value in row.choices.items()]
     if len({r.level for r in rows}) > 1:
         choices.append(f"level {row.level}")
     return ", ".join([f"slave: {row.slave}", *choices])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from rich import box
 from rich.console import Console, Group, RenderableType
@@ -64,18 +64,12 @@ def print_table(table: Table, console: Console | None = None) -> None:
 def render(table: Table, width: int = WIDTH) -> RenderableType:
     """The table and the notes below it. Columns that do not fit into `width` stay in `table.csv`."""
     columns = [BY_NAME[name] for name in table.study.measures or USUAL]
-    keys = other_keys(table.rows)
+    keys = list(dict.fromkeys(key for row in table.rows for key in row.choices))
     for shown in range(len(columns), 0, -1):
         drawn = _draw(table, columns[:shown], keys)
         if Console(width=1000).measure(drawn).maximum <= width:
             break
     return Group(drawn, *_notes(table, [c.title for c in columns[shown:]]))
-
-
-def other_keys(rows: Iterable[Row]) -> list[str]:
-    """Varied keys that algorithm, slave and level do not show."""
-    keys = dict.fromkeys(key for row in rows for key in row.varied)
-    return [key for key in keys if key != "level" and not key.endswith((".swap", ".algorithm"))]
 
 
 def _draw(table: Table, columns: Sequence[Column], keys: Sequence[str]) -> RichTable:
@@ -97,7 +91,7 @@ def _draw(table: Table, columns: Sequence[Column], keys: Sequence[str]) -> RichT
     numbers = {row.name: number for number, row in enumerate(table.failed, start=1)}
     for row, following in zip(table.rows, [*table.rows[1:], None], strict=True):
         cells = [quantity(row[column.name], column.unit, column.digits) for column in columns]
-        chosen = [str(row.varied.get(key, "")) for key in keys]
+        chosen = [str(row.choices.get(key, "")) for key in keys]
         status = _status(row, numbers.get(row.name))
         ends = following is not None and following.refines != row.refines
         drawn.add_row(row.algorithm, row.slave, *chosen, str(row.level), status, *cells, end_section=ends)

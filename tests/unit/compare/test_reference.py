@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from contactlab.compare.make_reference import holds_for, limit, make_reference, mean_curve
+from contactlab.compare.plan import make_plan
 from contactlab.compare.profile import Profile, distance, integral
 from contactlab.compare.reference import bundled, load_reference, matching_reference
-from contactlab.compare.study import Study
+from contactlab.compare.study import Study, bundled_studies
 from contactlab.compare.table import Row, Table
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve
@@ -159,3 +160,11 @@ class TestMaking:
         assert reference.scalar("reaction") == 50.0
         assert reference.mismatch(load_scene("disc-on-block").data) == ""
         assert "supports.1.uy.to" in reference.mismatch(load_scene("disc-on-block").with_(SHALLOW).data)
+
+
+@pytest.mark.parametrize("name", list(bundled_studies()))
+def test_the_reference_of_a_bundled_study_holds_for_its_runs(name: str) -> None:
+    plan = make_plan(name)
+    assert plan.study.reference is not None
+    reference = load_reference(plan.study.reference)
+    assert [reference.mismatch(job.scene.data) for job in plan.jobs] == [""] * len(plan.jobs)
