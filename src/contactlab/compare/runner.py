@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Future, as_completed
-from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 from contactlab.compare import run_job
-from contactlab.compare.measure_run import measure_run
-from contactlab.compare.measures import mutual_difference, relative_difference
+from contactlab.compare.gather import common_reference, gather
 from contactlab.compare.plan import Job, Plan, Vary, make_plan
 from contactlab.compare.pool import ProcessDiedError, RaisedError, WorkerPool
-from contactlab.compare.reference import Reference, load_reference, matching_reference
+from contactlab.compare.reference import Reference, load_reference
 from contactlab.compare.run_job import Outcome
 from contactlab.compare.study import Study
-from contactlab.compare.system import system_facts, usable_cores
-from contactlab.compare.table import COMPLETE, Row, Table
+from contactlab.compare.system import usable_cores
+from contactlab.compare.table import Table
 from contactlab.compare.table_files import write_table
 from contactlab.errors import RequestError
 from contactlab.folders import claimed_folder
@@ -62,7 +59,7 @@ def compare(
     table = Table(
         rows=rows,
         study=plan.study,
-        reference=_reference_of(rows, named),
+        reference=common_reference(rows, named),
         scene=plan.scene.data,
         scene_text=plan.scene.toml(),
         wall_s=perf_counter() - began,
@@ -126,12 +123,23 @@ def _run_all(plan: Plan, folder: Path | None, workers: int, bars: Bars) -> tuple
 
 def _warm_up(pool: WorkerPool, jobs: Sequence[Job], bars: Bars) -> None:
     """Compile once, in one process, before several would compile the same side by side."""
-    first = {job.algorithm: job for job in reversed(jobs)}
+    first = {frozenset(_parts_used(job.scene.data)): job for job in reversed(jobs)}
     bars.say("compiling kernels")
     for job in first.values():
         # Whatever is wrong here is wrong in the run itself, and told there.
         pool.submit(run_job.warm_up, job.scene).exception()
     bars.say("")
+
+
+def _parts_used(data: Any) -> Iterator[str]:
+    """Names of all parts in a scene's data: what decides which kernels are called."""
+    if isinstance(data, Mapping):
+        if "use" in data:
+            yield str(data["use"])
+        data = list(data.values())
+    if isinstance(data, list | tuple):
+        for item in data:
+            yield from _parts_used(item)
 
 
 def _submit(pool: WorkerPool, plan: Plan, job: Job, folder: Path | None, bars: Bars) -> Future[Outcome]:
@@ -152,83 +160,3 @@ def _outcome(future: Future[Outcome], stopped: bool = False) -> Outcome:
         return Outcome("interrupted", "stopped by the user") if stopped else Outcome("failed", str(error))
     except RaisedError as error:
         return Outcome("failed", str(error), traceback=error.details)
-
-
-# --- gathering -------------------------------------------------------------------------------------
-
-
-def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Reference | None) -> list[Row]:
-    """A row per job. Pairs of rows that differ in the swap alone share their asymmetry."""
-    rows = [_row(plan, job, outcomes[job.name], named) for job in plan.jobs]
-    partners: dict[str, list[Row]] = {}
-    for job, row in zip(plan.jobs, rows, strict=True):
-        partners.setdefault(job.partner, []).append(row)
-    shared = {row.name: _pair_measures(pair) for pair in partners.values() for row in pair}
-    return [_with_measures(row, shared[row.name]) for row in rows]
-
-
-def _row(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> Row:
-    data = job.scene.data
-    reference, why = fitting_reference(data, named)
-    final = outcome.curve if outcome.status in COMPLETE else None
-    measures, notes = measure_run(data, outcome.summary, plan.contact, final, reference)
-    if outcome.curve is not None and final is None:
-        notes.append(
-            f"{job.algorithm}, slave {job.slave}, level {job.scene.level}: stopped before the load was complete; "
-            "its pressure is shown and not compared"
-        )
-    return Row(
-        name=job.name,
-        algorithm=job.algorithm,
-        slave=job.slave,
-        level=job.scene.level,
-        varied=job.varied,
-        choices=job.choices,
-        status=outcome.status,
-        reason=outcome.reason,
-        measures=measures,
-        notes=[*notes, *([why] if why else [])],
-        system=system_facts(),
-        parts=outcome.summary.get("parts", {}),
-        reference=reference.name if reference else "",
-        curve=outcome.curve,
-        shapes=outcome.shapes,
-        refines=job.refines,
-    )
-
-
-def fitting_reference(scene: Mapping[str, Any], named: Reference | None) -> tuple[Reference | None, str]:
-    """The study's reference where it holds, else a bundled one that does; and why there is none."""
-    if named is not None and not named.mismatch(scene):
-        return named, ""
-    found = matching_reference(scene)
-    if found is not None:
-        return found, ""
-    return None, f"{named.name} does not hold: {named.mismatch(scene)}" if named else "no reference fits this scene"
-
-
-def _pair_measures(pair: Sequence[Row]) -> dict[str, float]:
-    if len(pair) != 2 or not all(row.complete for row in pair):
-        return {}
-    a, b = pair
-    found = {
-        "swap_reaction_difference": relative_difference(
-            a.measures.get("reaction", math.nan), b.measures.get("reaction", math.nan)
-        )
-    }
-    if a.profile is not None and b.profile is not None:
-        found["swap_asymmetry"] = mutual_difference(a.profile, b.profile)
-    return found
-
-
-def _with_measures(row: Row, more: Mapping[str, float]) -> Row:
-    return replace(row, measures={**row.measures, **more})
-
-
-def _reference_of(rows: Iterable[Row], named: Reference | None) -> Reference | None:
-    """The reference of the report: the one that most rows compare with."""
-    names = [row.reference for row in rows if row.reference]
-    if not names:
-        return None
-    most = max(set(names), key=names.count)
-    return named if named is not None and named.name == most else load_reference(most)
