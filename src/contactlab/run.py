@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from contactlab.api import Floats
+from contactlab.api import Floats, IterationRow, Step, StepStatus
 from contactlab.errors import SimulationFailure
 from contactlab.guards import Guards
 from contactlab.model.memory import model_memory, restore_model
@@ -45,6 +46,7 @@ class Run:
     resumed_at: list[int] = field(default_factory=list)
     save_after: float = 0.0
     first_step: int = 0
+    attempt: int = 1
     journal: Journal = field(init=False)
 
     def begin(self) -> None:
@@ -57,6 +59,24 @@ class Run:
     def compiled(self) -> None:
         """The first step is done: whatever compiles is compiled."""
         self.clock.compile_s = perf_counter() - self.began
+
+    @property
+    def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
+        """What to call after each accepted step, with the step and its length."""
+        return (*self.journal.every_step, *self.schedule.every_step)
+
+    def iterated(self, step: Step) -> None:
+        """Keep the iterations of an attempted step of an implicit run."""
+        done = step.status is StepStatus.accepted
+        state, dt = self.model.state, self.schedule.dt
+        begun = (state.step if done else state.step + 1, state.time - dt if done else state.time, dt, self.attempt)
+        self.journal.iterated([IterationRow(*begun, i + 1, *row) for i, row in enumerate(step.trace)])
+        self.attempt = 1 if done else self.attempt + 1
+
+    def taken_back(self, step: Step) -> None:
+        """Go on with a shorter step. Raises SimulationFailure where there is none."""
+        self.counts.iterations += step.iterations
+        self.journal.tell("warning", self.schedule.cut(step))
 
     def store(self) -> None:
         """Store the present state as a frame, and save it for a restart."""
@@ -132,7 +152,7 @@ def begin_run(model: Model, scene: Any, registry: Any, folder: Path | None, resu
 
     Raises RequestError where the folder cannot be used or holds something else.
     """
-    run = Run(model, Schedule(model, scene), Guards(model))
+    run = Run(model, _schedule(model, scene), Guards(model))
     recorders = recorders_of(scene, registry) if folder is not None else {}
     used = _with_recorders(scene, recorders)
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
@@ -148,6 +168,14 @@ def begin_run(model: Model, scene: Any, registry: Any, folder: Path | None, resu
     every_step = frozenset(name for name, recorder in recorders.items() if recorder.every_step)
     run.journal = Journal(model, layout, folder, recordings, every_step, past)
     return run
+
+
+def _schedule(model: Model, scene: Any) -> Schedule:
+    if model.integrator.explicit:
+        return Schedule(model, scene)
+    from contactlab.load_steps import LoadSchedule
+
+    return LoadSchedule(model, scene)
 
 
 def _with_recorders(scene: Any, recorders: dict[str, Any]) -> Any:

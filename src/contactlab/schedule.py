@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
-from contactlab.api import Floats
+from contactlab.api import Floats, Step
 from contactlab.errors import SimulationFailure
 from contactlab.model.model import Model
 from contactlab.results.summary import reaction_mismatch
@@ -65,6 +65,15 @@ class Schedule:
             )
         if safe < self.dt:
             self.dt = self._even(safe)
+
+    @property
+    def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
+        """What to call after each accepted step, with the step and its length."""
+        return ()
+
+    def cut(self, step: Step) -> str:
+        """What is done about a step that failed: explicit ones never do."""
+        raise SimulationFailure("failed", f"step {self.state.step}: {step.reason or step.status.value}")
 
     def stop(self) -> None:
         """End the run after the present step, as if its time were over; may be called at any moment."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
+from contactlab.api import StepStatus
 from contactlab.errors import ContactlabError, RequestError, SimulationFailure
 from contactlab.folders import run_folder
 from contactlab.guards import EVERY
@@ -76,10 +77,15 @@ def _guarded(run: Run, interruption: Interruption, progress: Progress | None) ->
 
 def _advance(run: Run, progress: Progress | None) -> None:
     model, schedule, guards, counts = run.model, run.schedule, run.guards, run.counts
-    advance, every_step = model.integrator.bind(model, model.state), run.journal.every_step
+    advance, every_step = model.integrator.bind(model, model.state), run.every_step
     run.begin()
     while not schedule.done():
         step = advance(schedule.dt)
+        if step.trace:
+            run.iterated(step)
+        if step.status is not StepStatus.accepted:
+            run.taken_back(step)
+            continue
         if counts.steps == run.first_step:
             run.compiled()
         counts.steps += 1

@@ -17,7 +17,7 @@ from contactlab.api.enforcement import (
     Rows,
     Solve,
 )
-from contactlab.api.frame import ContactCurve, Event, Frame, Layout, StoredRun
+from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.friction import FrictionBound, FrictionLaw
 from contactlab.api.integrator import (
     ContactEquations,
@@ -73,6 +73,7 @@ __all__ = [
     "Integrator",
     "Ints",
     "Iteration",
+    "IterationRow",
     "Kind",
     "Kinematics",
     "Layout",

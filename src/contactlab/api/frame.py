@@ -153,6 +153,28 @@ class Event(NamedTuple):
     text: str
 
 
+class IterationRow(NamedTuple):
+    """One Newton iteration of an attempted step; a step that was taken back stays in the record.
+
+    step, time [s], dt [s]  the step being made, where it begins, and its length
+    attempt, number         of the step (1 unless it was taken back before), of the iteration in it
+    force, contact          residuals, see `contactlab.api.Iteration`, and so for the rest
+    """
+
+    step: int
+    time: float
+    dt: float
+    attempt: int
+    number: int
+    force: float
+    contact: float
+    active: int
+    sticking: int
+    changed: int
+    length: float
+    note: str
+
+
 class StoredRun(Protocol):
     """A run read back from its files, as far as it went."""
 
@@ -167,6 +189,11 @@ class StoredRun(Protocol):
     @property
     def events(self) -> Sequence[Event]:
         """All events."""
+        ...
+
+    @property
+    def iterations(self) -> Sequence[IterationRow]:
+        """All Newton iterations."""
         ...
 
     @property

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from contactlab.api.arrays import Floats
-from contactlab.api.frame import Event, Frame, Layout, StoredRun
+from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
 
 
 class Recording(ABC):
@@ -34,6 +34,9 @@ class Recording(ABC):
 
     def event(self, event: Event) -> None:  # noqa: B027
         """Take an event."""
+
+    def iterations(self, rows: Sequence[IterationRow]) -> None:  # noqa: B027
+        """Take the Newton iterations of one attempted step; never called in explicit runs."""
 
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:  # noqa: B027
         """Keep all that a restart needs. Called now and then, at an interrupt, and at the end."""
@@ -74,6 +77,7 @@ def replay(run: StoredRun, recording: Recording, steps: bool) -> None:
             recording.steps(block)
     for event in run.events:
         recording.event(event)
+    recording.iterations(run.iterations)
     frames: Sequence[Frame] = run.frames
     for frame in frames:
         recording.frame(frame)

@@ -32,10 +32,11 @@ def build(scene: Any, registry: Any) -> Model:
     plans = plan_contacts(scene, registry, bodies, integrator)
     state = State(_shapes(len(reference), bodies, integrator, plans))
     position, increment = reference.copy(), _increment(bodies, len(reference))
-    forces = tuple(_bind(body, reference, position, increment, state) for body in bodies)
+    explicit = integrator.explicit
+    forces = tuple(_bind(body, reference, position, increment, state, explicit) for body in bodies)
     _initial_velocity(scene, bodies, state)
     contact = build_contact(plans, reference, prescribed.dof, state)
-    model = Model(
+    model = _model_class(integrator)(
         reference=reference,
         position=position,
         mass=mass,
@@ -118,7 +119,17 @@ def _increment(bodies: tuple[Body, ...], nodes: int) -> Floats | None:
     return np.zeros((nodes, 2)) if any(b.material.kinematics == "rate" for b in bodies) else None
 
 
-def _bind(body: Body, reference: Floats, position: Floats, increment: Floats | None, state: State) -> BodyForces:
+def _model_class(integrator: Integrator) -> type[Model]:
+    if integrator.explicit:
+        return Model
+    from contactlab.model.implicit_model import ImplicitModel
+
+    return ImplicitModel
+
+
+def _bind(
+    body: Body, reference: Floats, position: Floats, increment: Floats | None, state: State, explicit: bool
+) -> BodyForces:
     geometry, field = {
         "small": (reference, state["displacement"]),
         "finite": (position, reference),
@@ -127,7 +138,9 @@ def _bind(body: Body, reference: Floats, position: Floats, increment: Floats | N
     assert field is not None
     name = f"history.{body.name}"
     history = state[name] if name in state else np.zeros(0)
-    return BodyForces(body, geometry, field, state["internal_force"], history)
+    shape = (reference, state["displacement"])
+    trial = None if explicit else np.zeros_like(history)
+    return BodyForces(body, geometry, field, state["internal_force"], history, trial, shape)
 
 
 def _initial_velocity(scene: Any, bodies: tuple[Body, ...], state: State) -> None:

@@ -11,6 +11,7 @@ from scipy.sparse import vstack
 from contactlab.api import Conditions, ContactSlopes, Floats, ImplicitEnforcement, Ints, State
 from contactlab.kernels import piece_slopes
 from contactlab.model.contact_linearisation import PairLinearisation, PairSlopes
+from contactlab.model.contact_system import allocate_rows
 from contactlab.model.surface_pair import SurfacePair
 
 
@@ -26,6 +27,8 @@ class ImplicitContactSystem:
         self.memories = [np.zeros_like(self._memory(pair)) for pair in pairs]
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
+        self.multipliers = state["multipliers"]
+        self.rows = allocate_rows(self.multipliers.shape[1], 32, self.friction)
         self.seconds = 0.0
 
     def _memory(self, pair: SurfacePair) -> Floats:
@@ -43,6 +46,19 @@ class ImplicitContactSystem:
         """What the last evaluation remembers becomes part of the state."""
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             self._memory(pair)[:] = memory
+        self._write_rows()
+
+    def _write_rows(self) -> None:
+        """Rows of the conditions that bear forces, as the scalars of every step want them."""
+        while True:
+            self.rows.count = entries = 0
+            for pair in self.pairs:
+                entries = pair.append_rows(self.rows, entries, -np.inf, self.multipliers, self.start)
+                if entries < 0:
+                    break
+            if entries >= 0:
+                return
+            self.rows = allocate_rows(self.multipliers.shape[1], 2 * len(self.rows.node) // len(self.rows.gap) + 1, self.friction)
 
     def evaluate(self, position: Floats) -> None:
         """Fill `conditions`; see `contactlab.api.ImplicitContact`."""

@@ -6,12 +6,15 @@ import csv
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 
+from contactlab.api.frame import IterationRow
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve, ContactHistory
+
+ITERATIONS = "iterations.csv"
 
 
 class HistoryFile:
@@ -37,6 +40,38 @@ class HistoryFile:
     def close(self) -> None:
         """Give the folder free."""
         self.file.close()
+
+
+class IterationFile:
+    """`iterations.csv`, a row per Newton iteration."""
+
+    def __init__(self, folder: Path, rows: Sequence[IterationRow]) -> None:
+        self.file = (folder / ITERATIONS).open("w", newline="")
+        self.writer = csv.writer(self.file)
+        self.writer.writerow(IterationRow._fields)
+        self.add(rows)
+
+    def add(self, rows: Sequence[IterationRow]) -> None:
+        """Append rows; readers see them at once."""
+        self.writer.writerows(rows)
+        self.file.flush()
+
+    def close(self) -> None:
+        """No more rows."""
+        self.file.close()
+
+
+def read_iterations(folder: Path, last_step: float) -> list[IterationRow]:
+    """Iterations of the steps up to `last_step`; none where the run made none."""
+    path = folder / ITERATIONS
+    if not path.is_file():
+        return []
+    kinds = get_type_hints(IterationRow)
+    with path.open(newline="") as file:
+        reader = csv.reader(file)
+        next(reader, None)
+        rows = [IterationRow(*(kinds[name](text) for name, text in zip(kinds, row, strict=True))) for row in reader]
+    return [row for row in rows if row.step <= last_step]
 
 
 def _claim(file: Any, folder: Path) -> None:

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.api.frame import Event, Frame, Layout, Level
+from contactlab.api.frame import Event, Frame, IterationRow, Layout, Level
 from contactlab.api.recorder import Recording
 from contactlab.errors import SimulationFailure
 from contactlab.model.model import Model
 from contactlab.plugins import one_line
-from contactlab.results.files import HistoryFile, plain, write_contacts, write_summary
+from contactlab.results.files import HistoryFile, IterationFile, plain, write_contacts, write_summary
 from contactlab.results.frame import frame_of
 from contactlab.results.results import ContactHistory, Results
 from contactlab.results.sample import Sample
@@ -44,6 +44,8 @@ class Journal:
         self.rows: list[dict[str, float]] = []
         self.contact = {contact.name: ContactHistory() for contact in layout.contacts}
         self.events: list[Event] = []
+        self.iterations: list[IterationRow] = []
+        self.iteration_file: IterationFile | None = None
         self.last: Sample | None = None
         self.stepped = every_step
         self.sampler = StepSampler(model, len(layout.steps), self._steps) if every_step else None
@@ -94,6 +96,15 @@ class Journal:
         self.events.append(event)
         self._tell("event", lambda recording: recording.event(event))
 
+    def iterated(self, rows: list[IterationRow]) -> None:
+        """Keep the Newton iterations of an attempted step."""
+        if self.folder is not None and self.iteration_file is None:
+            self.iteration_file = IterationFile(self.folder, self.iterations)
+        self.iterations += rows
+        if self.iteration_file is not None:
+            self._or_stop("iterations.csv", lambda file: file.add(rows), self.iteration_file)
+        self._tell("iterations", lambda recording: recording.iterations(rows))
+
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:
         """Let the recordings keep what a restart needs."""
         if self.recordings:
@@ -124,6 +135,8 @@ class Journal:
             warnings.warn(text, RuntimeWarning, stacklevel=4)
         finally:
             self.history_file.close()
+            if self.iteration_file is not None:
+                self.iteration_file.close()
 
     def _take_up(self, past: Results) -> None:
         columns = past.history
@@ -131,7 +144,7 @@ class Journal:
         self.rows = [{name: float(values[k]) for name, values in columns.items()} for k in range(count)]
         for name, history in self.contact.items():
             history.times, history.curves = list(past.contact[name].times), list(past.contact[name].curves)
-        self.events = list(past.events)
+        self.events, self.iterations = list(past.events), list(past.iterations)
 
     def _steps(self, block: Floats) -> None:
         for name in self.stepped & self.recordings.keys():
@@ -185,6 +198,7 @@ class Journal:
             stress=stress,
             internal_variables=internal_variables(model),
             events=self.events,
+            iterations=self.iterations,
             folder=self.folder,
         )
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, overload
@@ -14,6 +15,7 @@ from contactlab.api.frame import BodyLayout, ContactCurve, Frame, Layout
 from contactlab.errors import RequestError
 from contactlab.results.checkpoint_slots import Checkpoint, Slots
 from contactlab.results.event_table import read_events
+from contactlab.results.files import read_iterations
 from contactlab.results.layout_file import read_layout
 from contactlab.results.results import ContactHistory, Results
 
@@ -69,12 +71,14 @@ class _Reader:
         self.frames = int(file["VTKHDF/Steps"].attrs["NSteps"])
         self.steps = int(self.own["steps"].attrs["count"])
         self.events = len(self.own["events/step"])
+        self.last_step = math.inf
         slots = Slots.of(self.own)
         self.checkpoint = slots.newest(self.frames, self.steps, self.events) if slots is not None else None
 
     def limit(self, checkpoint: Checkpoint) -> None:
         """See no more than was stored when the checkpoint was made."""
         self.frames, self.steps, self.events = checkpoint.frames, checkpoint.steps, checkpoint.events
+        self.last_step = float(checkpoint.memory["state.clock"][1])
 
     def results(self) -> Results:
         contact = self._contacts()
@@ -89,6 +93,7 @@ class _Reader:
             stress=end.stress,
             internal_variables=end.internal_variables,
             events=read_events(self.own, self.events),
+            iterations=read_iterations(self.folder, self.last_step),
             frames=self._frames(),
             folder=self.folder,
             step_source=StoredSteps(self.folder, self.steps),

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
-from contactlab.api.frame import ContactCurve, Event, Frame, Layout
+from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout
 
 __all__ = ["ContactCurve", "ContactHistory", "Results"]
 
@@ -42,6 +42,7 @@ class Results:
     stress        Cauchy stress of each body at the end, (n, q, 4) xx yy zz xy [MPa]
     internal_variables  of each body whose law has any, by name (n, q), at the end
     events        what was worth a line: steps shortened, warnings
+    iterations    every Newton iteration of implicit runs, those of steps taken back included
     frames        every stored frame with its fields, read from `results.vtkhdf` when asked for; empty without files
     folder        where the files are, None if none were written
 
@@ -57,6 +58,7 @@ class Results:
     stress: dict[str, Floats]
     internal_variables: dict[str, dict[str, Floats]]
     events: Sequence[Event] = ()
+    iterations: Sequence[IterationRow] = ()
     frames: Sequence[Frame] = ()
     folder: Path | None = None
     step_source: Sequence[Floats] = ()

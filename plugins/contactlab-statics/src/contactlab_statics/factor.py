@@ -10,6 +10,9 @@ from scipy.sparse.linalg import splu
 from contactlab.api import Floats
 
 
+PIVOT = 1e-3  # a diagonal entry above this part of its column is taken as pivot, which keeps the ordering's fill
+
+
 class SingularSystem(ArithmeticError):
     """The matrix has no inverse: something can move without resistance."""
 
@@ -19,7 +22,9 @@ class Factor:
 
     def __init__(self, matrix: Any) -> None:
         try:
-            self.lu = splu(matrix, permc_spec="COLAMD")
+            self.lu = splu(
+                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=PIVOT, options={"SymmetricMode": True}
+            )
         except RuntimeError as error:
             raise SingularSystem(str(error)) from error
 
