@@ -20,6 +20,7 @@ class State:
     internal_force  (N, 2)  of the stresses at `time` [N]
     work            (7,)    energy ledger, see `WORK` [mJ]
     multipliers     (1 or 2, k)  nodal contact forces y, normal and (with friction) tangential [N]
+    multipliers_before (k,)  normal multipliers one step earlier [N]
     contact_force   (N, 2)  contact forces on the nodes over the last step [N]
     history.BODY    history of each body whose law has any, all its blocks one after another
     memory.CONTACT  what a contact algorithm remembers, where it declares anything

@@ -97,7 +97,7 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
         return {}
     rows = 2 if any(plan.friction is not None for plan in plans) else 1
     shapes: dict[str, tuple[int, ...]] = {"multipliers": (rows, sum(plan.slots for plan in plans))}
-    shapes["contact_force"] = (nodes, 2)
+    shapes |= {"multipliers_before": shapes["multipliers"][1:], "contact_force": (nodes, 2)}
     for plan in plans:
         if plan.algorithm.memory_size:
             shapes[f"memory.{plan.name}"] = (plan.algorithm.memory_size, len(plan.slave.nodes))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from contactlab.api.kernel import point, section
 
-_POINTS = (-0.7745966692414834, 0.0, 0.7745966692414834)
-_WEIGHTS = (5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
+# Gauss rules with 1, 2 and 3 points on [0, 1], one after another
+_POINTS = (0.5, 0.21132486540518713, 0.7886751345948129, 0.1127016653792583, 0.5, 0.8872983346207417)
+_WEIGHTS = (1.0, 0.5, 0.5, 5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0)
 
 
 @point
@@ -33,12 +34,14 @@ def integrate(low, high, eta_low, eta_high, length, slave_half, master_half, lin
     """Add the part low < xi < high of a slave segment to piece p.
 
     `length` [mm] of the slave segment; eta runs linearly from eta_low to eta_high. The interval must
-    not contain the break xi = 1/2 of the P0 basis. Three Gauss points are exact for the products
-    of a quadratic trace with a linear basis; two sets of linear functions need two.
+    not contain the break xi = 1/2 of the P0 basis. As many Gauss points as the products need to be
+    exact: 1 for constant times linear, 2 up to quadratic times constant or linear times linear, 3 above.
     """
     slave_nodes, master_nodes = D.shape[1], M.shape[1]
-    for g in range(3):
-        t = 0.5 * (1.0 + _POINTS[g])
+    points = max(slave_nodes, master_nodes) - (0 if linear else 1)
+    first = points * (points - 1) // 2
+    for g in range(first, first + points):
+        t = _POINTS[g]
         xi = low + t * (high - low)
         eta = eta_low + t * (eta_high - eta_low)
         weight = _WEIGHTS[g] * (high - low) * length

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, Surface, SurfacePositions
 
-DEPTH = 2.0  # segment lengths: deeper overlaps are the far side of a thin body, not contact
+DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
 
 
 class _Mortar(ContactAlgorithm):
@@ -39,20 +37,16 @@ class _Mortar(ContactAlgorithm):
         """Segment-wise D, M and T on the common abscissa; normals point from master to slave."""
         from contactlab_mortar.segments import mortar_pieces
 
-        length, outward = _outward_normals(slave, at)
-        np.negative(outward, out=out.normal)
         return mortar_pieces(
-            (slave.segments, slave.edges, slave.segment_edge),
+            (slave.segments, slave.node_segments, slave.edges, slave.segment_edge),
             (master.segments, master.edges, master.segment_edge),
             at.slave,
             at.master,
-            outward,
             (near.start, near.master),
             reach,
-            DEPTH * length.max(),
+            DEPTH,
             self.linear,
-            np.empty(6),
-            (out.slave, out.multiplier, out.master, out.D, out.M, out.T),
+            (out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
         )
 
     def normals(
@@ -68,18 +62,9 @@ class _Mortar(ContactAlgorithm):
         out: Floats,
     ) -> None:
         """Averaged slave normals, turned to point away from the master."""
-        np.negative(_outward_normals(slave, at)[1], out=out)
+        from contactlab_mortar.segments import inward_normals
 
-
-def _outward_normals(slave: Surface, at: SurfacePositions) -> tuple[Floats, Floats]:
-    """Segment lengths (s,) and averaged nodal normals (m, 2) of the slave."""
-    from contactlab.api.chains import nodal_normals, segment_normals
-
-    normal, length = np.empty((len(slave.segments), 2)), np.empty(len(slave.segments))
-    segment_normals(at.slave, slave.segments, normal, length)
-    outward = np.empty((len(slave.nodes), 2))
-    nodal_normals(slave.node_segments, normal, length, outward)
-    return length, outward
+        inward_normals(at.slave, slave.segments, slave.node_segments, out)
 
 
 @dataclass(frozen=True)

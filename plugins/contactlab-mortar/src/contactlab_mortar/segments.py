@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from contactlab.api.chains import nodal_normals, segment_normals
 from contactlab.api.kernel import kernel, point, section
 from contactlab_mortar.integrals import integrate
 from contactlab_mortar.projection import master_parameter, opening, slave_parameter
@@ -55,17 +56,30 @@ def _beside(a, tx, ty, length, tilt, c, d):
 
 
 @kernel
-def mortar_pieces(slave, master, slave_at, master_at, normals, near, reach, depth, linear, found, out):
+def inward_normals(positions, segments, node_segments, normals):
+    """Averaged slave normals (m, 2), length-weighted and turned inward; returns the longest segment [mm]."""
+    normal, length = np.empty((segments.shape[0], 2)), np.empty(segments.shape[0])
+    segment_normals(positions, segments, normal, length)
+    nodal_normals(node_segments, normal, length, normals)
+    for i in range(normals.shape[0]):
+        normals[i, 0], normals[i, 1] = -normals[i, 0], -normals[i, 1]
+    return length.max()
+
+
+@kernel
+def mortar_pieces(slave, master, slave_at, master_at, near, reach, depth, linear, out):
     """Fill the pieces; returns their number.
 
-    slave, master = (segments, edges, segment_edge); near = (start, master segments)
-    out = (slave nodes, multipliers, master nodes, D, M, T)
-    A slave segment farther than `reach` or deeper than `depth` [mm] at all its overlaps is left out.
+    slave = (segments, node_segments, edges, segment_edge), master = (segments, edges, segment_edge)
+    near = (start, master segments); out = (slave nodes, multipliers, master nodes, D, M, T, normals)
+    A slave segment farther than `reach` [mm] or deeper than `depth` segments at all its overlaps is left out.
     """
-    segments, edges, segment_edge = slave
+    segments, node_segments, edges, segment_edge = slave
     master_segments, master_edges, master_segment_edge = master
     start, candidates = near
-    slave_nodes, multipliers, master_nodes, D, M, T = out
+    slave_nodes, multipliers, master_nodes, D, M, T, inward = out
+    depth *= inward_normals(slave_at, segments, node_segments, inward)
+    normals, found = -inward, np.empty(6)
     count = 0
     for s in range(segments.shape[0]):
         i, j = segments[s, 0], segments[s, 1]
