@@ -75,6 +75,7 @@ def _parser() -> argparse.ArgumentParser:
 def _describe_run(command: argparse.ArgumentParser) -> None:
     _add_scene(command)
     _add_out(command)
+    command.add_argument("--resume", action="store_true", help="go on with the interrupted run in DIR")
 
 
 def _describe_compare(command: argparse.ArgumentParser) -> None:

@@ -23,13 +23,20 @@ RESULT_FILES = (
 
 
 @contextmanager
-def results_folder(out: Path | str | None, name: str) -> Iterator[Path]:
+def results_folder(out: Path | str | None, name: str, resume: bool = False) -> Iterator[Path]:
     """A folder to write results into: `out`, or the next free runs/NAME-NNN.
 
     It is taken away again if it is still empty after an error. Raises RequestError where `out` has
-    results or cannot be a folder.
+    results (unless they are to be resumed) or cannot be a folder.
     """
-    folder = fresh_folder(name) if out is None else claimed_folder(Path(out))
+    if out is None and resume:
+        found = sorted(RUNS.glob(f"{_plain(name)}-[0-9]*"))
+        hint = f"--out {found[-1]}" if found else "leave --resume away"
+        raise RequestError("the folder of the run is needed", where="--resume", allowed="--out DIR", hint=hint)
+    if out is None:
+        folder = fresh_folder(name)
+    else:
+        folder = _made(Path(out)) if resume else claimed_folder(Path(out))
     try:
         yield folder
     except BaseException:
@@ -40,10 +47,9 @@ def results_folder(out: Path | str | None, name: str) -> Iterator[Path]:
 
 def fresh_folder(name: str) -> Path:
     """The next free runs/NAME-NNN, made now so that nobody else takes it."""
-    plain = re.sub(r"[^\w.+-]+", "-", name).strip("-.") or "scene"
     number = 1
     while True:
-        folder = RUNS / f"{plain}-{number:03d}"
+        folder = RUNS / f"{_plain(name)}-{number:03d}"
         try:
             folder.mkdir(parents=True)
         except FileExistsError:
@@ -52,6 +58,10 @@ def fresh_folder(name: str) -> Path:
             raise _unusable(folder, error) from error
         else:
             return folder
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[^\w.+-]+", "-", name).strip("-.") or "scene"
 
 
 def claimed_folder(folder: Path) -> Path:

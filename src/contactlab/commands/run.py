@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactlab.commands.common import console, parse_settings, registry_with
@@ -20,15 +22,29 @@ EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 
 def run(options: argparse.Namespace) -> int:
     """Run the scene, show how it goes, print a short table."""
+    from contactlab.interruption import Interrupted
     from contactlab.reports.run import print_run
     from contactlab.simulation import simulate
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
-    with results_folder(options.out, scene.name) as folder, shown_progress(scene) as progress:
-        results = simulate(scene, out=folder, registry=registry, progress=progress)
-    print_run(results, scene.data, console())
+    out = console()
+    with results_folder(options.out, scene.name, options.resume) as folder, shown_progress(scene) as progress:
+        try:
+            results = simulate(scene, out=folder, registry=registry, progress=progress, resume=options.resume)
+        except Interrupted as stop:
+            results = stop.results
+    print_run(results, scene.data, out)
+    if results.status == "interrupted":
+        out.print(f"go on with: {resume_line(options, folder)}", markup=False, highlight=False, soft_wrap=True)
     return EXIT_STATUS.get(results.status, 1)
+
+
+def resume_line(options: argparse.Namespace, folder: Path) -> str:
+    """The command that takes the run up again."""
+    settings = [word for setting in options.settings for word in ("--set", setting)]
+    files = [word for file in options.files for word in ("--with", file)]
+    return shlex.join(["contactlab", "run", options.scene, *settings, *files, "--out", str(folder), "--resume"])
 
 
 @contextmanager

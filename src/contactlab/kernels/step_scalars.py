@@ -62,15 +62,15 @@ def model_scalars(row, table, dt, sweeps, iterations, residual, elements, contac
 
 @kernel
 def contact_scalars(row, table, column, columns, count, pairs, conditions):
-    """Fill active, sticking and overlap of every pair, from `column` on.
+    """Fill active, sticking and penetration of every pair, from `column` on.
 
     table       of the arrays buffer (BLOCK, columns), position (N, 2), multipliers (1 or 2, conditions),
                 pair_start (first slot of each pair, end of the last), and of the rows start, node,
                 normal_weight, slot, measure, bound
     count       rows in use
 
-    Active are conditions with a force, sticking those of them below their friction bound; overlap
-    is the deepest gap of the conditions at the end of the step [mm].
+    Active are conditions with a force, sticking those of them below their friction bound;
+    penetration is the deepest gap of the conditions at the end of the step [mm].
     """
     out = carray(pointer(table[0, 0]), (table[1, 0] // columns, columns), np.float64)[row]
     position = carray(pointer(table[0, 1]), (table[1, 1] // 2, 2), np.float64)

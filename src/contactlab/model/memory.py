@@ -38,6 +38,8 @@ def restore_model(model: Model, memory: Mapping[str, Floats]) -> None:
         if not name.startswith("near."):
             array[...] = memory[name]
     np.add(model.reference, model.state["displacement"], out=model.position)
+    for forces in model.forces:
+        forces.trial_history[:] = forces.history  # as they are after an accepted step
     for pair in model.contact.pairs if model.contact is not None else ():
         slave, master = memory[f"near.{pair.name}.slave"], memory[f"near.{pair.name}.master"]
         if not np.isnan(slave).any():

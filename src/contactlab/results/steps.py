@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from contactlab.kernels.bound_arrays import BoundArrays
 from contactlab.kernels.step_scalars import contact_scalars, model_scalars
 from contactlab.model.contact_system import ContactSystem
 from contactlab.model.model import Model
+from contactlab.model.surface_pair import SurfacePair
 
 BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step
 
@@ -28,13 +30,19 @@ class StepSampler:
         self.rows: Floats = np.zeros((BLOCK, columns))
         self.count = 0
         self.take = take
-        self.sample = _without_contact(self, model) if model.contact is None else _with_contact(self, model)
+        self.sample = _sample_of(self, model)
 
     def flush(self) -> None:
         """Hand on the rows since the last time."""
         if self.count:
             count, self.count = self.count, 0
             self.take(self.rows[:count])
+
+
+def _sample_of(sampler: StepSampler, model: Model) -> Sample:
+    if model.contact is None:
+        return _without_contact(sampler, model)
+    return _with_rows(sampler, model) if hasattr(model.contact, "rows") else _with_conditions(sampler, model)
 
 
 def _without_contact(sampler: StepSampler, model: Model) -> Sample:
@@ -53,7 +61,7 @@ def _without_contact(sampler: StepSampler, model: Model) -> Sample:
     return sample
 
 
-def _with_contact(sampler: StepSampler, model: Model) -> Sample:
+def _with_rows(sampler: StepSampler, model: Model) -> Sample:
     contact = model.contact
     assert contact is not None
     bound, columns, works = _bound_model(sampler.rows, model), sampler.rows.shape[1], len(WORK)
@@ -81,6 +89,44 @@ def _with_contact(sampler: StepSampler, model: Model) -> Sample:
 
     sample.bound = bound  # type: ignore[attr-defined]  # keeps the addresses good
     return sample
+
+
+def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
+    """Implicit steps take thousands of times as long as a sample: plain NumPy serves."""
+    contact: Any = model.contact
+    table, works = _bound_model(sampler.rows, model), len(WORK)
+    elements, solving = model.seconds, contact.seconds
+
+    def sample(step: Step, dt: float) -> None:
+        nonlocal elements, solving
+        row, of_elements, of_contact = sampler.count, model.seconds - elements, contact.seconds - solving
+        elements, solving = model.seconds, contact.seconds
+        counts = (step.sweeps, step.iterations, step.residual)
+        columns = sampler.rows.shape[1]
+        at = model_scalars(row, table.table, dt, *counts, of_elements, of_contact, columns, works)
+        for pair in contact.pairs:
+            sampler.rows[row, at : at + 3] = _conditions_of(contact.conditions, pair)
+            at += 3
+        sampler.count = row + 1
+        if row + 1 == BLOCK:
+            sampler.flush()
+
+    return sample
+
+
+def _conditions_of(conditions: Any, pair: SurfacePair) -> tuple[int, int, float]:
+    """Active, sticking and penetration of one pair."""
+    c, own = conditions, slice(pair.first_slot, pair.first_slot + pair.slots)
+    pressed, pulled = c.force[0, own], np.abs(c.force[-1, own]) if len(c.force) > 1 else np.zeros(pair.slots)
+    active = (pressed > 0.0) | (pulled > 0.0)
+    sticking = np.zeros_like(active)
+    if c.bound.shape[1]:
+        coefficient, adhesion, cap = c.bound[:, own]
+        with np.errstate(invalid="ignore"):  # no force under an infinite cap
+            capped = np.fmin(adhesion * c.measure[own], cap * pressed)
+        sticking = active & (pulled < (coefficient * pressed + capped) * (1.0 - 1e-9))
+    deepest = np.where(c.present[own], -c.gap[own], 0.0).max(initial=0.0)
+    return int(active.sum()), int(sticking.sum()), float(deepest)
 
 
 def _bound_model(buffer: Floats, model: Model) -> BoundArrays:

@@ -1,0 +1,146 @@
+"""A run that was stopped and taken up again is the run that was never stopped, to the last bit."""
+
+from __future__ import annotations
+
+import json
+import signal
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import contactlab
+from contactlab.errors import RequestError
+from contactlab.interruption import Interrupted
+from contactlab.results.results import Results
+from contactlab.schedule import Schedule
+from contactlab.simulation import simulate
+
+MakeScene = Callable[..., Any]
+Assert = Callable[[Any, Any], None]
+
+COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
+PLASTIC = {f"materials.soft.{key}": value for key, value in {
+    "use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03,
+}.items()}  # fmt: skip
+RATE = {"materials.soft.use": "hypoelastic"}
+VARIANTS: dict[str, dict[str, Any]] = {
+    "mortar-p0": {},
+    "mortar-p1": {"contacts.0.algorithm": "mortar-p1"},
+    "node-on-segment": {"contacts.0.algorithm": "node-on-segment"},
+    "swapped": {"contacts.0.swap": True},
+    "coulomb": COULOMB,
+    "coulomb, node-on-segment": {**COULOMB, "contacts.0.algorithm": "node-on-segment"},
+    "tresca": {"contacts.0.friction": {"use": "tresca", "stress": 200.0}},
+    "linear-elastic": {"materials.soft.use": "linear-elastic"},
+    "hypoelastic": {**RATE, **COULOMB},
+    "power-law": {**PLASTIC, **COULOMB},
+    "q1-fbar": {"bodies.block.element": "q1-fbar"},
+    "q1-reduced": {"bodies.block.element": "q1-reduced"},
+    "q2": {"bodies.disc.element": "q2", "bodies.block.element": "q2-lagrange"},
+    "settling": {"time.end": "auto", "time.ramp": 3e-6, "record.frames": 7},
+    "fixed step": {"time.step": 8e-9},
+    "newton": {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02},
+    "newton, friction": {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02, **COULOMB},
+    "newton, plasticity": {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02, **PLASTIC},
+}
+
+
+@contextmanager
+def stopped_at(step: int) -> Iterator[None]:
+    """Send this process a Ctrl-C after `step` steps of the next run."""
+    ask = Schedule.frame_due
+
+    def frame_due(self: Schedule) -> bool:
+        if self.state.step == step:
+            signal.raise_signal(signal.SIGINT)
+        return ask(self)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Schedule, "frame_due", frame_due)
+        yield
+
+
+def run_with_stops(scene: Any, folder: Path, stops: list[int]) -> Results:
+    """Run, stop after each of these steps, take up again."""
+    for number, step in enumerate(stops):
+        with stopped_at(step), pytest.raises(Interrupted) as stop:
+            simulate(scene, folder, resume=number > 0)
+        assert stop.value.results.status == "interrupted"
+        assert stop.value.results.summary["steps"] == step
+    return simulate(scene, folder, resume=True)
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_resumed_run_is_bit_identical(
+    name: str, small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
+) -> None:
+    scene = small_scene(VARIANTS[name])
+    whole = simulate(scene, tmp_path / "whole")
+    steps = whole.summary["steps"]
+    # early, in mid-run, and at the last step
+    stops = [min(17, steps // 4), steps // 2 + 3, steps]
+    resumed = run_with_stops(scene, tmp_path / "stopped", stops)
+    assert resumed.summary["resumed_at_steps"] == stops
+    assert_same_run(whole, resumed)
+    assert_same_files(tmp_path / "whole", tmp_path / "stopped")
+
+
+def test_stored_frames_do_not_change_the_run(small_scene: MakeScene) -> None:
+    """Looking at contacts makes and restores near lists; the run must not notice."""
+    few = simulate(small_scene({**COULOMB, "record.frames": 1}))
+    many = simulate(small_scene({**COULOMB, "record.frames": 60}))
+    assert (few.displacement == many.displacement).all()
+    assert few.contact["contacts.0"].last == many.contact["contacts.0"].last
+
+
+def test_interrupted_run_says_so_everywhere(small_scene: MakeScene, tmp_path: Path) -> None:
+    with stopped_at(40), pytest.raises(Interrupted) as stop:
+        simulate(small_scene(), tmp_path)
+    for summary in (stop.value.results.summary, json.loads((tmp_path / "summary.json").read_text())):
+        assert summary["status"] == "interrupted"
+        assert "SIGINT after step 40; its state is saved" in summary["reason"]
+    assert contactlab.load_results(tmp_path) == stop.value.results
+
+
+def test_interrupt_without_folder_still_gives_results(small_scene: MakeScene) -> None:
+    with stopped_at(40), pytest.raises(KeyboardInterrupt) as stop:
+        simulate(small_scene())
+    assert stop.value.results.summary["steps"] == 40
+    assert "nothing was written" in stop.value.results.reason
+
+
+def test_signal_handlers_are_given_back(small_scene: MakeScene) -> None:
+    before = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    simulate(small_scene({"time.end": 1e-7}))
+    assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == before
+
+
+def test_finished_run_is_read_and_not_repeated(
+    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = simulate(small_scene(), tmp_path)
+    monkeypatch.setattr("contactlab.simulation.build", lambda *_: pytest.fail("the run was repeated"))
+    assert simulate(small_scene(), tmp_path, resume=True) == whole
+
+
+def test_resume_begins_where_nothing_was_begun(small_scene: MakeScene, tmp_path: Path) -> None:
+    assert simulate(small_scene(), tmp_path / "new", resume=True).status == "finished"
+
+
+def test_another_scene_is_refused_by_key(small_scene: MakeScene, tmp_path: Path) -> None:
+    with stopped_at(40), pytest.raises(Interrupted):
+        simulate(small_scene(), tmp_path)
+    with pytest.raises(RequestError) as error:
+        simulate(small_scene({"materials.soft.young": 8000.0}), tmp_path, resume=True)
+    assert "materials.soft.young was 7000.0, now 8000.0" in str(error.value)
+    # and the run itself is still there to be taken up
+    assert simulate(small_scene(), tmp_path, resume=True).status == "finished"
+
+
+def test_run_without_a_saved_state_cannot_be_taken_up(small_scene: MakeScene, tmp_path: Path) -> None:
+    simulate(small_scene({"record.recorders": [], "time.end": 1e-7}), tmp_path)
+    with pytest.raises(RequestError, match="no run that could be taken up"):
+        simulate(small_scene({"record.recorders": [], "time.end": 1e-7}), tmp_path, resume=True)
