@@ -6,7 +6,8 @@ the plane and m = (s_xx + s_yy)/2, a cell's virtual work is
 
     sum over points of r dv [(s - m I) : grad(v) + m div0(v)],
 
-div0 being the divergence at the centre; r is 1 where the law counts volume per increment or strains are small.
+div0 being the divergence at the centre; r is 1 where the law counts volume per increment or strains are
+small. Brackets and coefficients as in `q1_kernels`.
 """
 
 from __future__ import annotations
@@ -14,18 +15,17 @@ from __future__ import annotations
 from math import sqrt
 
 from contactlab.api.kernel import kernel
-from contactlab_quads.q1_kernels import _ETA, _XI, gather, gradient_at, scatter
+from contactlab_quads.q1_kernels import at_points, component, scatter
+from contactlab_quads.q1_kernels import gradient as plain_gradient
 
-RATIO = 12  # first of the four scratch rows with r
+RATIO, DEVIATOR, SHEAR, MEAN = 12, 16, 20, 24  # first scratch rows: r, r (s_xx - s_yy)/2 and r s_xy at the points; mean
 
 
 @kernel
-def _small_at(xx, yy, begin, s, ratio):
-    """Replace the trace by that of the centre."""
-    for c in range(ratio.size):
+def _small(begin, x1, x2, y1, y2, u1, u2, v1, v2, xx, yy, ratio):
+    for c in range(x1.size):
         p = begin + c
-        x1, x2, y1, y2 = s[0, c], s[1, c], s[3, c], s[4, c]
-        trace = (s[6, c] * y2 - s[7, c] * y1 + s[10, c] * x1 - s[9, c] * x2) / (x1 * y2 - x2 * y1)
+        trace = (u1[c] * y2[c] - u2[c] * y1[c] + v2[c] * x1[c] - v1[c] * x2[c]) / (x1[c] * y2[c] - x2[c] * y1[c])
         shift = 0.5 * (trace - xx[p] - yy[p])
         xx[p] += shift
         yy[p] += shift
@@ -33,11 +33,10 @@ def _small_at(xx, yy, begin, s, ratio):
 
 
 @kernel
-def _finite_at(xx, xy, yx, yy, begin, s, ratio):
-    """Scale F^-1 so that its determinant is that of the centre; keep r = det F^-1 over that."""
-    for c in range(ratio.size):
+def _finite(begin, x1, x2, y1, y2, u1, u2, v1, v2, xx, xy, yx, yy, ratio):
+    for c in range(x1.size):
         p = begin + c
-        centre = (s[6, c] * s[10, c] - s[7, c] * s[9, c]) / (s[0, c] * s[4, c] - s[1, c] * s[3, c])
+        centre = (u1[c] * v2[c] - u2[c] * v1[c]) / (x1[c] * y2[c] - x2[c] * y1[c])
         r = (xx[p] * yy[p] - xy[p] * yx[p]) / centre
         scale = 1.0 / sqrt(r)
         xx[p], xy[p], yx[p], yy[p] = scale * xx[p], scale * xy[p], scale * yx[p], scale * yy[p]
@@ -45,13 +44,12 @@ def _finite_at(xx, xy, yx, yy, begin, s, ratio):
 
 
 @kernel
-def _rate_at(xx, xy, yx, yy, begin, s, ratio):
-    """The same for the increment: I - G is its inverse deformation gradient."""
-    for c in range(ratio.size):
+def _rate(begin, x1, x2, y1, y2, u1, u2, v1, v2, xx, xy, yx, yy, ratio):
+    for c in range(x1.size):
         p = begin + c
-        x1, x2, y1, y2 = s[0, c], s[1, c], s[3, c], s[4, c]
-        u1, u2, v1, v2 = x1 - s[6, c], x2 - s[7, c], y1 - s[9, c], y2 - s[10, c]
-        centre = (u1 * v2 - u2 * v1) / (x1 * y2 - x2 * y1)
+        # coefficients of x - u, whose gradient I - G is the inverse of the step's deformation gradient
+        a1, a2, b1, b2 = x1[c] - u1[c], x2[c] - u2[c], y1[c] - v1[c], y2[c] - v2[c]
+        centre = (a1 * b2 - a2 * b1) / (x1[c] * y2[c] - x2[c] * y1[c])
         scale = sqrt(centre / ((1.0 - xx[p]) * (1.0 - yy[p]) - xy[p] * yx[p]))
         xx[p], yy[p] = 1.0 - scale * (1.0 - xx[p]), 1.0 - scale * (1.0 - yy[p])
         xy[p], yx[p] = scale * xy[p], scale * yx[p]
@@ -59,86 +57,79 @@ def _rate_at(xx, xy, yx, yy, begin, s, ratio):
 
 
 @kernel
-def _all_points(cells, s, out):
-    for g in range(4):
-        gradient_at(
-            _XI[g], _ETA[g], g * cells,
-            s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8], s[9], s[10], s[11],
-            out[0], out[1], out[2], out[3],
-        )  # fmt: skip
-
-
-@kernel
 def small_gradient(geometry, field, connectivity, out, scratch):
     """du/dX (4, P) with the trace of the centre at every point."""
-    cells = connectivity.shape[1]
-    gather(geometry, field, connectivity, scratch)
-    _all_points(cells, scratch, out)
+    plain_gradient(geometry, field, connectivity, out, scratch)
+    s = scratch
     for g in range(4):
-        _small_at(out[0], out[3], g * cells, scratch, scratch[RATIO + g])
+        begin = g * s.shape[1]
+        _small(begin, s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10], out[0], out[3], s[RATIO + g])
 
 
 @kernel
 def finite_gradient(geometry, field, connectivity, out, scratch):
-    """F^-1 (4, P) with the determinant of the centre at every point."""
-    cells = connectivity.shape[1]
-    gather(geometry, field, connectivity, scratch)
-    _all_points(cells, scratch, out)
+    """F^-1 (4, P) scaled so that its determinant is that of the centre; r = det F^-1 over that is kept."""
+    plain_gradient(geometry, field, connectivity, out, scratch)
+    s = scratch
     for g in range(4):
-        _finite_at(out[0], out[1], out[2], out[3], g * cells, scratch, scratch[RATIO + g])
+        _finite(
+            g * s.shape[1], s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10], out[0], out[1], out[2], out[3],
+            s[RATIO + g],
+        )  # fmt: skip
 
 
 @kernel
 def rate_gradient(geometry, field, connectivity, out, scratch):
-    """d(du)/dx (4, P) with the volume ratio of the centre at every point."""
-    cells = connectivity.shape[1]
-    gather(geometry, field, connectivity, scratch)
-    _all_points(cells, scratch, out)
+    """d(du)/dx (4, P) with the step's volume ratio of the centre at every point."""
+    plain_gradient(geometry, field, connectivity, out, scratch)
+    s = scratch
     for g in range(4):
-        _rate_at(out[0], out[1], out[2], out[3], g * cells, scratch, scratch[RATIO + g])
+        _rate(
+            g * s.shape[1], s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10], out[0], out[1], out[2], out[3],
+            s[RATIO + g],
+        )  # fmt: skip
 
 
 @kernel
-def _force_at(xi, eta, begin, x1, x2, x3, y1, y2, y3, ratio, sxx, syy, sxy, fx1, fx2, fx3, fy1, fy2, fy3, mean):
-    for c in range(x1.size):
+def _split(begin, sxx, syy, sxy, ratio, deviator, shear):
+    for c in range(ratio.size):
         p = begin + c
-        x_xi, x_eta = x1[c] + eta * x3[c], x2[c] + xi * x3[c]
-        y_xi, y_eta = y1[c] + eta * y3[c], y2[c] + xi * y3[c]
-        deviator, xy = 0.5 * ratio[c] * (sxx[p] - syy[p]), ratio[c] * sxy[p]
-        mean[c] += 0.5 * ratio[c] * (sxx[p] + syy[p]) * (x_xi * y_eta - x_eta * y_xi)
-        a = deviator * y_eta - xy * x_eta
-        b = xy * x_xi - deviator * y_xi
-        fx1[c] += a
-        fx2[c] += b
-        fx3[c] += eta * a + xi * b
-        a = xy * y_eta + deviator * x_eta
-        b = -deviator * x_xi - xy * y_xi
-        fy1[c] += a
-        fy2[c] += b
-        fy3[c] += eta * a + xi * b
+        deviator[c] = 0.5 * ratio[c] * (sxx[p] - syy[p])
+        shear[c] = ratio[c] * sxy[p]
+
+
+@kernel
+def _mean(x1, x2, x3, y1, y2, y3, sxx, syy, r0, r1, r2, r3, mean):
+    """Sum of m r dv over the points, over 16 det J of the centre."""
+    n = x1.size
+    for c in range(n):
+        a, b, d, e = at_points(x1[c], x2[c], x3[c], y1[c], y2[c], y3[c])
+        total = a * r0[c] * (sxx[c] + syy[c]) + b * r1[c] * (sxx[n + c] + syy[n + c])
+        total += d * r2[c] * (sxx[2 * n + c] + syy[2 * n + c]) + e * r3[c] * (sxx[3 * n + c] + syy[3 * n + c])
+        mean[c] = 0.03125 * total / (x1[c] * y2[c] - x2[c] * y1[c])
 
 
 @kernel
 def _add_mean(mean, x1, x2, y1, y2, fx1, fx2, fy1, fy2):
     for c in range(mean.size):
-        m = mean[c] / (x1[c] * y2[c] - x2[c] * y1[c])
-        fx1[c] += m * y2[c]
-        fx2[c] -= m * y1[c]
-        fy1[c] -= m * x2[c]
-        fy2[c] += m * x1[c]
+        fx1[c] += mean[c] * y2[c]
+        fx2[c] -= mean[c] * y1[c]
+        fy1[c] -= mean[c] * x2[c]
+        fy2[c] += mean[c] * x1[c]
 
 
 @kernel
 def force(geometry, connectivity, stress, force, scratch):
-    """Add the nodal forces of `stress` (4, P); map and volume ratios are still in `scratch`."""
-    s = scratch
-    s[6:12] = 0.0
-    s[RATIO + 4] = 0.0
+    """Add the nodal forces of `stress` (4, P); coefficients and volume ratios are still in `scratch`."""
+    s, n = scratch, connectivity.shape[1]
     for g in range(4):
-        _force_at(
-            _XI[g], _ETA[g], g * connectivity.shape[1],
-            s[0], s[1], s[2], s[3], s[4], s[5], s[RATIO + g], stress[0], stress[1], stress[3],
-            s[6], s[7], s[8], s[9], s[10], s[11], s[RATIO + 4],
-        )  # fmt: skip
-    _add_mean(s[RATIO + 4], s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10])
+        _split(g * n, stress[0], stress[1], stress[3], s[RATIO + g], s[DEVIATOR + g], s[SHEAR + g])
+    _mean(
+        s[0], s[1], s[2], s[3], s[4], s[5], stress[0], stress[1], s[RATIO], s[RATIO + 1], s[RATIO + 2], s[RATIO + 3],
+        s[MEAN],
+    )  # fmt: skip
+    deviator, shear = s[DEVIATOR : DEVIATOR + 4].reshape(4 * n), s[SHEAR : SHEAR + 4].reshape(4 * n)
+    component(s, deviator, shear, 1.0, 6)
+    component(s, shear, deviator, -1.0, 9)
+    _add_mean(s[MEAN], s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10])
     scatter(connectivity, s, force)

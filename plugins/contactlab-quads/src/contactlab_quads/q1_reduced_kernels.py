@@ -1,7 +1,7 @@
 """Kernels of the bilinear quadrilateral with one point, and its stabilisation against hourglassing.
 
-With the coefficients of q1_kernels, f = f0 + f1 xi + f2 eta + f3 xi eta, the hourglass amplitude of a
-displacement u is q = u3 - x3 u_x - y3 u_y (gradient at the centre): zero for every linear field.
+With the coefficients of q1_kernels, f = (F0 + F1 xi + F2 eta + F3 xi eta)/4, the hourglass amplitude of a
+displacement u is q = (U3 - X3 u_x - Y3 u_y)/4 (gradient at the centre): zero for every linear field.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ def force(geometry, connectivity, stress, force, scratch):
     x1, x2, y1, y2 = s[0], s[1], s[3], s[4]
     fx1, fx2, fx3, fy1, fy2, fy3 = s[6], s[7], s[8], s[9], s[10], s[11]
     for c in range(connectivity.shape[1]):
-        fx1[c] = 4.0 * (sxx[c] * y2[c] - sxy[c] * x2[c])
-        fx2[c] = 4.0 * (sxy[c] * x1[c] - sxx[c] * y1[c])
-        fy1[c] = 4.0 * (sxy[c] * y2[c] - syy[c] * x2[c])
-        fy2[c] = 4.0 * (syy[c] * x1[c] - sxy[c] * y1[c])
+        fx1[c] = 0.25 * (sxx[c] * y2[c] - sxy[c] * x2[c])
+        fx2[c] = 0.25 * (sxy[c] * x1[c] - sxx[c] * y1[c])
+        fy1[c] = 0.25 * (sxy[c] * y2[c] - syy[c] * x2[c])
+        fy2[c] = 0.25 * (syy[c] * x1[c] - sxy[c] * y1[c])
         fx3[c], fy3[c] = 0.0, 0.0
     scatter(connectivity, scratch, force)
 
@@ -48,9 +48,9 @@ def stabilise(reference, displacement, connectivity, modulus, force, scratch):
     for c in range(connectivity.shape[1]):
         inverse = 1.0 / (x1[c] * y2[c] - x2[c] * y1[c])
         k = modulus * (x1[c] * x1[c] + x2[c] * x2[c] + y1[c] * y1[c] + y2[c] * y2[c]) * inverse
-        # q = f3 - along f1 - across f2 for either component, and forces go the same way back
+        # 4 q = f3 - along f1 - across f2 for either component, and forces go the same way back
         along, across = (x3[c] * y2[c] - y3[c] * x2[c]) * inverse, (y3[c] * x1[c] - x3[c] * y1[c]) * inverse
         for row in (6, 9):
-            f = k * (s[row + 2, c] - along * s[row, c] - across * s[row + 1, c])
+            f = 0.0625 * k * (s[row + 2, c] - along * s[row, c] - across * s[row + 1, c])
             s[row, c], s[row + 1, c], s[row + 2, c] = -along * f, -across * f, f
     scatter(connectivity, s, force)
