@@ -65,6 +65,8 @@ def part_table(registry: Registry) -> str:
 
 
 def _field(field: dataclasses.Field[Any]) -> str:
+    if field.default is None:
+        return f"`{field.name}` (optional)"
     return f"`{field.name}`" if is_required(field) else f"`{field.name} = {show(field.default)}`"
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import ClassVar, Literal, NamedTuple
 
 from contactlab.api.arrays import Floats
@@ -58,12 +58,18 @@ class Element(ABC):
     lumping  how the mass becomes diagonal: "row-sum" (integral of each shape function),
              "hrz" (Hinton, Rock & Zienkiewicz: consistent diagonal scaled to the total) or
              "quadrature" (nodal quadrature, for elements whose nodes are Lobatto points)
+    locks    True: too stiff where the material hardly changes its volume, and runs in which it matters say so
+    without  effects of this element ("quadratic shape functions"), each with the element that leaves it out
+    beyond   effects that this element leaves out, each with the element that has it
     """
 
     nodes: ClassVar[Floats]
     edges: ClassVar[tuple[tuple[int, ...], ...]]
     degree: ClassVar[int]
     lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]]
+    locks: ClassVar[bool] = False
+    without: ClassVar[Mapping[str, str]] = {}
+    beyond: ClassVar[Mapping[str, str]] = {}
 
     @abstractmethod
     def shape(self, points: Floats) -> Shape:

@@ -178,6 +178,7 @@ class Integrator(ABC):
     order                promised and checked on an oscillator
     inertia              False: no mass is assembled
     explicit             True: the step is bounded by the stable step
+    without              effects of this integrator ("inertia"), each with the integrator that leaves it out
     """
 
     needs: ClassVar[type[Enforcement]]
@@ -185,6 +186,7 @@ class Integrator(ABC):
     order: ClassVar[int]
     inertia: ClassVar[bool]
     explicit: ClassVar[bool]
+    without: ClassVar[Mapping[str, str]] = {}
 
     def wished_steps(self) -> int:
         """Equal steps that an implicit integrator first tries for the whole loading."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 from contactlab.api.arrays import Floats
@@ -20,13 +22,18 @@ class Material(ABC):
                    "rate"    the displacement-increment gradient referred to the middle of the step,
                              forces on the current geometry
     history_size   numbers remembered per point, all zero at the start
-    history_names  what they are called in output, one name per number
+    history_names  what they are called in output, one name per number; "equivalent_plastic_strain" for what its
+                   name says
+    without        effects of this law ("finite strain", "plasticity"), each with the law that leaves it out
+    beyond         effects that this law leaves out, each with the law that has it
     """
 
     density: float
     kinematics: ClassVar[Kinematics]
     history_size: ClassVar[int] = 0
     history_names: ClassVar[tuple[str, ...]] = ()
+    without: ClassVar[Mapping[str, str]] = {}
+    beyond: ClassVar[Mapping[str, str]] = {}
 
     @abstractmethod
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
@@ -65,6 +72,13 @@ class Material(ABC):
         raise NotImplementedError(f"{type(self).__name__} declares no stored energy")
 
     has_energy: ClassVar[bool] = False
+
+    def elastic_limit(self) -> float:
+        """Von Mises stress [MPa] beyond which the material would yield and the law does not; inf where it has none.
+
+        A run that goes beyond it says so at its end.
+        """
+        return math.inf
 
     def dissipation(self, gradient: Floats, history: Floats, dissipation: Floats) -> None:
         """Fill the energy dissipated so far, per volume like `energy`, (P,) [mJ/mm3]; the default is none."""

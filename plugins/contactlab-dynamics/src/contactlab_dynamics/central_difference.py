@@ -29,6 +29,7 @@ class CentralDifference(Integrator):
     order: ClassVar[int] = 2
     inertia: ClassVar[bool] = True
     explicit: ClassVar[bool] = True
+    without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
 
     def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
         """Last step length, and reactions (N, 2) [N] of supports at the start of the last step."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -20,6 +21,8 @@ class Q1(Element):
     edges: ClassVar[tuple[tuple[int, ...], ...]] = ((0, 1), (1, 2), (2, 3), (3, 0))
     degree: ClassVar[int] = 1
     lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]] = "row-sum"
+    locks: ClassVar[bool] = True
+    beyond: ClassVar[Mapping[str, str]] = {"quadratic shape functions": "q2", "freedom from locking": "q1-fbar"}
 
     def shape(self, points: Floats) -> Shape:
         """N_a = (1 + xi_a xi)(1 + eta_a eta)/4."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -25,6 +26,8 @@ class Q1Fbar(Element):
     edges: ClassVar[tuple[tuple[int, ...], ...]] = Q1.edges
     degree: ClassVar[int] = 1
     lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]] = "row-sum"
+    without: ClassVar[Mapping[str, str]] = {"freedom from locking": "q1"}
+    beyond: ClassVar[Mapping[str, str]] = {"quadratic shape functions": "q2"}
 
     def shape(self, points: Floats) -> Shape:
         """Bilinear, as Q1."""

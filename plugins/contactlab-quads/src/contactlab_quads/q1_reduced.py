@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -30,6 +31,7 @@ class Q1Reduced(Element):
     edges: ClassVar[tuple[tuple[int, ...], ...]] = Q1.edges
     degree: ClassVar[int] = 1
     lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]] = "row-sum"
+    beyond: ClassVar[Mapping[str, str]] = {"full integration": "q1", "quadratic shape functions": "q2"}
 
     def __post_init__(self) -> None:
         if not self.hourglass > 0.0:

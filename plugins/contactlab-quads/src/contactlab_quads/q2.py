@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -23,6 +24,7 @@ class Q2(Element):
     edges: ClassVar[tuple[tuple[int, ...], ...]] = EDGES
     degree: ClassVar[int] = 2
     lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]] = "hrz"
+    without: ClassVar[Mapping[str, str]] = {"quadratic shape functions": "q1"}
 
     def shape(self, points: Floats) -> Shape:
         """Corners (1 + a)(1 + b)(a + b - 1)/4 with a = xi_a xi, b = eta_a eta; mid-sides (1 - xi^2)(1 + b)/2."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -19,6 +20,7 @@ class Q2Lagrange(Element):
     edges: ClassVar[tuple[tuple[int, ...], ...]] = EDGES
     degree: ClassVar[int] = 2
     lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]] = "quadrature"
+    without: ClassVar[Mapping[str, str]] = {"quadratic shape functions": "q1"}
 
     def shape(self, points: Floats) -> Shape:
         """Products of the parabolas through -1, 0 and 1."""

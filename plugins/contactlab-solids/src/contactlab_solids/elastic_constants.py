@@ -13,7 +13,7 @@ class Lame(NamedTuple):
     shear: float
 
 
-def check_elastic(young: float, poisson: float, density: float) -> None:
+def check_elastic(young: float, poisson: float, density: float, yield_stress: float | None = None) -> None:
     """Raise ValueError for constants outside the thermodynamic range."""
     if not young > 0.0:
         raise ValueError(f"young: got {young}, allowed: a modulus > 0 [MPa]")
@@ -22,6 +22,13 @@ def check_elastic(young: float, poisson: float, density: float) -> None:
         raise ValueError(f"poisson: got {poisson}, allowed: -1 < poisson < 0.5{hint}")
     if not density > 0.0:
         raise ValueError(f"density: got {density}, allowed: a density > 0 [t/mm3]")
+    if yield_stress is not None and not yield_stress > 0.0:
+        raise ValueError(f"yield_stress: got {yield_stress}, allowed: a stress > 0 [MPa]")
+
+
+def elastic_limit(yield_stress: float | None) -> float:
+    """A yield stress [MPa] that an elastic law was told of; inf for none."""
+    return math.inf if yield_stress is None else yield_stress
 
 
 def lame_constants(young: float, poisson: float) -> Lame:

@@ -12,6 +12,9 @@ strain zz, equivalent plastic strain, and (power law) the rise of the yield stre
 
 The work is cut in two so that a block pays for what its points do: `trial` gives the stress of an elastic
 step and counts points; where some yield, one of the other kernels returns those and leaves the rest alone.
+Divisions and roots cost as much as twenty products each, so series stand in for functions of small
+numbers: elastic strains of metals. `trial` counts the points beyond its series, and `wide_trial` is for
+blocks with any.
 """
 
 from __future__ import annotations
@@ -20,11 +23,12 @@ from math import sqrt
 
 from contactlab.api.kernel import exp, kernel, log, point
 
-DIFFERENCE, SHEAR, STRAIN_ZZ, PLASTIC, RISE = range(5)  # history rows
+NARROW = 0.0064  # (r/D)^2 up to which eight terms of asinh are exact: elastic strains that differ by 8 %
+THIRD = 1.0 / 3.0
 
 
 @point
-def _deviator(a, b, c, d, half, cross):
+def deviator(a, b, c, d, half, cross):
     """Half difference, shear and mean of A C A^T."""
     mean = sqrt(1.0 + half * half + cross * cross)
     first, second = mean + half, mean - half
@@ -35,137 +39,218 @@ def _deviator(a, b, c, d, half, cross):
 
 
 @point
-def _mises(s_d, s_x, s_z):
-    return sqrt(2.25 * s_z * s_z + 3.0 * (s_d * s_d + s_x * s_x))
+def _asinh_over(x):
+    """asinh(s)/s for x = s^2 up to `NARROW`."""
+    p = -429.0 / 30720.0
+    p = p * x + 231.0 / 13312.0
+    p = p * x - 63.0 / 2816.0
+    p = p * x + 35.0 / 1152.0
+    p = p * x - 5.0 / 112.0
+    p = p * x + 3.0 / 40.0
+    p = p * x - 1.0 / 6.0
+    return p * x + 1.0
+
+
+@point
+def wide_factor(r, det, mean, log_j):
+    """delta/r, and its limit 1/det where the in-plane elastic strain is a pure change of area."""
+    return (log(mean + r) + log_j) / r if r > 1e-14 * mean else 1.0 / det
+
+
+@point
+def mises_squared(s_d, s_x, s_z):
+    """Square of Mises' stress."""
+    return 2.25 * s_z * s_z + 3.0 * (s_d * s_d + s_x * s_x)
 
 
 @kernel
 def trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row, reach, reach_slope):
     """Cauchy stress of an elastic step.
 
-    Returns how many points yield, and at how many the Mises stress exceeds the yield stress by more
-    than reach + reach_slope * (plastic strain). The yield stress is yield_stress + slope * history[slope_row].
+    Returns how many points yield, at how many the Mises stress exceeds the yield stress by more than
+    reach + reach_slope * (plastic strain), and at how many the elastic strains are wide. The yield stress
+    is yield_stress + slope * history[slope_row].
     """
     g_xx, g_xy, g_yx, g_yy = gradient[0], gradient[1], gradient[2], gradient[3]
     xx, yy, zz, xy = stress[0], stress[1], stress[2], stress[3]
     half, cross, strain_zz = history[0], history[1], history[2]
     plastic, rise = history[3], history[slope_row]
-    yielding, far = 0, 0
+    yielding, far, wide = 0, 0, 0
     for p in range(g_xx.size):
         a, b, c, d = g_xx[p], g_xy[p], g_yx[p], g_yy[p]
         det = a * d - b * c
+        inverse, log_j = 1.0 / det, -log(det)
+        difference, shearing, _ = deviator(a, b, c, d, half[p], cross[p])
+        square = (difference * difference + shearing * shearing) * inverse * inverse
+        factor = shear * inverse * _asinh_over(square)
+        s_d, s_x, s_z = factor * difference, factor * shearing, 2.0 * shear * (strain_zz[p] - THIRD * log_j)
+        mises = mises_squared(s_d, s_x, s_z)
+        strong = yield_stress + slope * rise[p]
+        limit = strong + reach + reach_slope * plastic[p]
+        yielding += 1 if mises > strong * strong else 0
+        far += 1 if mises > limit * limit else 0
+        wide += 1 if square > NARROW else 0
+        pressure = bulk * log_j
+        middle = pressure - 0.5 * s_z
+        xx[p], yy[p], zz[p], xy[p] = (middle + s_d) * det, (middle - s_d) * det, (pressure + s_z) * det, s_x * det
+    return yielding, far, wide
+
+
+@kernel
+def wide_trial(gradient, history, stress, shear, bulk):
+    """Cauchy stress of an elastic step of any size."""
+    for p in range(gradient.shape[1]):
+        a, b, c, d = gradient[0, p], gradient[1, p], gradient[2, p], gradient[3, p]
+        det = a * d - b * c
         log_j = -log(det)
-        difference, shearing, mean = _deviator(a, b, c, d, half[p], cross[p])
+        difference, shearing, mean = deviator(a, b, c, d, history[0, p], history[1, p])
         r = sqrt(difference * difference + shearing * shearing)
-        # delta/r, and its limit 1/det where the in-plane elastic strain is a pure change of area
-        factor = (log(mean + r) + log_j) / r if r > 1e-14 * mean else 1.0 / det
-        s_d, s_x = shear * factor * difference, shear * factor * shearing
-        s_z = 2.0 * shear * (strain_zz[p] - log_j / 3.0)
-        excess = _mises(s_d, s_x, s_z) - (yield_stress + slope * rise[p])
-        yielding += 1 if excess > 0.0 else 0
-        far += 1 if excess > reach + reach_slope * plastic[p] else 0
+        factor = shear * wide_factor(r, det, mean, log_j)
+        s_d, s_x, s_z = factor * difference, factor * shearing, 2.0 * shear * (history[2, p] - THIRD * log_j)
         middle = bulk * log_j - 0.5 * s_z
-        xx[p], yy[p] = (middle + s_d) * det, (middle - s_d) * det
-        zz[p], xy[p] = (bulk * log_j + s_z) * det, s_x * det
-    return yielding, far
+        stress[0, p], stress[1, p] = (middle + s_d) * det, (middle - s_d) * det
+        stress[2, p], stress[3, p] = (bulk * log_j + s_z) * det, s_x * det
 
 
 @point
-def _kirchhoff(p, gradient, stress):
-    """s_d, s_x, s_z, Mises' stress and pressure of tau = sigma/det F^-1 at point p."""
-    det = gradient[0][p] * gradient[3][p] - gradient[1][p] * gradient[2][p]
-    inverse = 1.0 / det
-    xx, yy, zz = stress[0][p] * inverse, stress[1][p] * inverse, stress[2][p] * inverse
-    pressure = (xx + yy + zz) / 3.0
-    s_d, s_x, s_z = 0.5 * (xx - yy), stress[3][p] * inverse, zz - pressure
-    return s_d, s_x, s_z, pressure, _mises(s_d, s_x, s_z)
+def _kirchhoff(xx, yy, zz, xy, inverse):
+    """s_d, s_x, s_z, Mises' stress and pressure of tau = sigma/det F^-1."""
+    xx, yy, zz, xy = xx * inverse, yy * inverse, zz * inverse, xy * inverse
+    pressure = THIRD * (xx + yy + zz)
+    s_d, s_z = 0.5 * (xx - yy), zz - pressure
+    return s_d, xy, s_z, sqrt(mises_squared(s_d, xy, s_z)), pressure
 
 
 @point
-def _plastic_metric(a, b, c, d, det, s_d, s_x, shear):
+def _cosh_and_sinh_over(x):
+    """cosh(s) and sinh(s)/s for x = s^2: eight terms, exact to round-off for s up to 1."""
+    p, q = 1.0 / 87178291200.0, 1.0 / 1307674368000.0
+    p, q = p * x + 1.0 / 479001600.0, q * x + 1.0 / 6227020800.0
+    p, q = p * x + 1.0 / 3628800.0, q * x + 1.0 / 39916800.0
+    p, q = p * x + 1.0 / 40320.0, q * x + 1.0 / 362880.0
+    p, q = p * x + 1.0 / 720.0, q * x + 1.0 / 5040.0
+    p, q = p * x + 1.0 / 24.0, q * x + 1.0 / 120.0
+    p, q = p * x + 0.5, q * x + 1.0 / 6.0
+    return p * x + 1.0, q * x + 1.0
+
+
+@point
+def _metric(a, b, c, d, inverse, s_d, s_x, compliance):
     """Half difference and shear of C = F^-1 B F^-T/det, B unimodular with logarithmic deviator s/(2 mu)."""
-    norm = sqrt(s_d * s_d + s_x * s_x)
-    grown = exp(norm / shear)
-    inverse = 1.0 / grown
-    cosh = 0.5 * (grown + inverse)
-    ratio = 0.5 * (grown - inverse) / norm if norm > 0.0 else 0.0
-    u, v = ratio * s_d, ratio * s_x
+    u, v = compliance * s_d, compliance * s_x
+    cosh, ratio = _cosh_and_sinh_over(u * u + v * v)
+    u, v = ratio * u, ratio * v
     half = 0.5 * (cosh * (a * a + b * b - c * c - d * d) + u * (a * a + d * d - b * b - c * c)) + v * (a * b - c * d)
     cross = cosh * (a * c + b * d) + u * (a * c - b * d) + v * (a * d + b * c)
-    return half / det, cross / det
+    return half * inverse, cross * inverse
 
 
 @point
-def _return(p, gradient, history, stress, shear, bulk, s_d, s_x, s_z, pressure, mises, step):
+def _return(p, g, history, stress, det, inverse, s_d, s_x, s_z, mises, pressure, step, shear, compliance, softness):
     """Where the plastic strain `step` is positive, scale the deviator and write what follows from it."""
-    a, b, c, d = gradient[0][p], gradient[1][p], gradient[2][p], gradient[3][p]
-    det = a * d - b * c
     keep = 1.0 - 3.0 * shear * step / mises
     s_d, s_x, s_z = keep * s_d, keep * s_x, keep * s_z
-    half, cross = _plastic_metric(a, b, c, d, det, s_d, s_x, shear)
+    half, cross = _metric(g[0, p], g[1, p], g[2, p], g[3, p], inverse, s_d, s_x, compliance)
     yields = step > 0.0
-    history[0][p] = half if yields else history[0][p]
-    history[1][p] = cross if yields else history[1][p]
-    history[2][p] = s_z / (2.0 * shear) + pressure / (3.0 * bulk) if yields else history[2][p]
-    history[3][p] = history[3][p] + step if yields else history[3][p]
+    history[0, p] = half if yields else history[0, p]
+    history[1, p] = cross if yields else history[1, p]
+    history[2, p] = 0.5 * compliance * s_z + softness * pressure if yields else history[2, p]
+    history[3, p] = history[3, p] + step if yields else history[3, p]
     middle = pressure - 0.5 * s_z
-    stress[0][p] = (middle + s_d) * det if yields else stress[0][p]
-    stress[1][p] = (middle - s_d) * det if yields else stress[1][p]
-    stress[2][p] = (pressure + s_z) * det if yields else stress[2][p]
-    stress[3][p] = s_x * det if yields else stress[3][p]
+    stress[0, p] = (middle + s_d) * det if yields else stress[0, p]
+    stress[1, p] = (middle - s_d) * det if yields else stress[1, p]
+    stress[2, p] = (pressure + s_z) * det if yields else stress[2, p]
+    stress[3, p] = s_x * det if yields else stress[3, p]
 
 
 @kernel
 def linear_return(gradient, history, stress, shear, bulk, yield_stress, hardening):
     """sigma_y = yield_stress + hardening * ep: the return is linear."""
+    compliance, softness, pace = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
     for p in range(gradient.shape[1]):
-        s_d, s_x, s_z, pressure, mises = _kirchhoff(p, gradient, stress)
-        excess = mises - (yield_stress + hardening * history[3][p])
-        step = excess / (3.0 * shear + hardening) if excess > 0.0 else 0.0
-        _return(p, gradient, history, stress, shear, bulk, s_d, s_x, s_z, pressure, mises, step)
+        det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
+        inverse = 1.0 / det
+        s_d, s_x, s_z, mises, pressure = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], inverse)
+        excess = mises - (yield_stress + hardening * history[3, p])
+        step = pace * excess if excess > 0.0 else 0.0
+        _return(
+            p, gradient, history, stress, det, inverse, s_d, s_x, s_z, mises, pressure, step,
+            shear, compliance, softness,
+        )  # fmt: skip
 
 
 @point
-def _power_steps(mises, plastic, rise, shear, yield_stress, strength, prestrain, exponent):
-    """Plastic step from the tangent at the start, then one Newton step: final for steps below the reach."""
-    start = prestrain + plastic
-    strong = yield_stress + rise
+def _near_step(mises, start, strong, shear, exponent):
+    """Plastic step where it is small against `start` = e0 + ep.
+
+    Newton from the tangent at the start, which is kept; (1 + x)^n - 1 by its binomial series.
+    """
+    inverse = 1.0 / start
+    pace = 1.0 / (3.0 * shear + exponent * strong * inverse)
+    excess = mises - strong
+    step = pace * excess
+    for _ in range(2):
+        x = step * inverse
+        rise = (exponent - 7.0) / 8.0
+        rise = rise * x + 1.0
+        rise = rise * x * ((exponent - 6.0) / 7.0) + 1.0
+        rise = rise * x * ((exponent - 5.0) / 6.0) + 1.0
+        rise = rise * x * ((exponent - 4.0) / 5.0) + 1.0
+        rise = rise * x * ((exponent - 3.0) / 4.0) + 1.0
+        rise = rise * x * ((exponent - 2.0) / 3.0) + 1.0
+        rise = rise * x * ((exponent - 1.0) / 2.0) + 1.0
+        step += pace * (excess - 3.0 * shear * step - strong * (rise * x * exponent))
+    return step
+
+
+@kernel
+def power_return(gradient, history, stress, shear, bulk, yield_stress, exponent, prestrain):
+    """sigma_y = K (e0 + ep)^n where every step of the block is within reach of the series."""
+    compliance, softness = 1.0 / shear, THIRD / bulk
+    for p in range(gradient.shape[1]):
+        det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
+        inverse = 1.0 / det
+        s_d, s_x, s_z, mises, pressure = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], inverse)
+        strong = yield_stress + history[4, p]
+        step = _near_step(mises, prestrain + history[3, p], strong, shear, exponent)
+        step = step if mises > strong else 0.0
+        history[4, p] = mises - 3.0 * shear * step - yield_stress if step > 0.0 else history[4, p]
+        _return(
+            p, gradient, history, stress, det, inverse, s_d, s_x, s_z, mises, pressure, step,
+            shear, compliance, softness,
+        )  # fmt: skip
+
+
+@point
+def _far_step(mises, start, strong, shear, strength, exponent):
+    """Plastic step of any size by Newton on mises - 3 mu step - K (start + step)^n = 0.
+
+    Convex, so that Newton from the tangent at the start only falls short and cannot overshoot.
+    """
     step = (mises - strong) / (3.0 * shear + exponent * strong / start)
-    return _newton(step, mises, start, shear, strength, exponent)
-
-
-@point
-def _newton(step, mises, start, shear, strength, exponent):
-    """One Newton step on mises - 3 mu step - K (start + step)^n = 0; convex, so it only falls short."""
-    now = start + step
-    strong = strength * exp(exponent * log(now))
-    return step + (mises - 3.0 * shear * step - strong) / (3.0 * shear + exponent * strong / now)
-
-
-@kernel
-def power_return(gradient, history, stress, shear, bulk, yield_stress, strength, prestrain, exponent):
-    """sigma_y = K (e0 + ep)^n where every step of the block is within reach of one Newton step."""
-    for p in range(gradient.shape[1]):
-        s_d, s_x, s_z, pressure, mises = _kirchhoff(p, gradient, stress)
-        rise = history[4][p]
-        step = _power_steps(mises, history[3][p], rise, shear, yield_stress, strength, prestrain, exponent)
-        step = step if mises > yield_stress + rise else 0.0
-        history[4][p] = mises - 3.0 * shear * step - yield_stress if step > 0.0 else rise
-        _return(p, gradient, history, stress, shear, bulk, s_d, s_x, s_z, pressure, mises, step)
+    for _ in range(60):
+        now = start + step
+        strong = strength * exp(exponent * log(now))
+        change = (mises - 3.0 * shear * step - strong) / (3.0 * shear + exponent * strong / now)
+        step += change
+        if abs(change) <= 1e-15 * now:
+            break
+    return step
 
 
 @kernel
-def power_return_far(gradient, history, stress, shear, bulk, yield_stress, strength, prestrain, exponent):
-    """The same with as many Newton steps as each point needs."""
+def far_power_return(gradient, history, stress, shear, bulk, yield_stress, exponent, prestrain, strength):
+    """The same for steps of any size: as many Newton steps as each point needs."""
+    compliance, softness = 1.0 / shear, THIRD / bulk
     for p in range(gradient.shape[1]):
-        s_d, s_x, s_z, pressure, mises = _kirchhoff(p, gradient, stress)
-        rise, step = history[4][p], 0.0
-        if mises > yield_stress + rise:
-            step = _power_steps(mises, history[3][p], rise, shear, yield_stress, strength, prestrain, exponent)
-            for _ in range(60):
-                before = step
-                step = _newton(step, mises, prestrain + history[3][p], shear, strength, exponent)
-                if abs(step - before) <= 1e-15 * (prestrain + step):
-                    break
-            history[4][p] = mises - 3.0 * shear * step - yield_stress
-        _return(p, gradient, history, stress, shear, bulk, s_d, s_x, s_z, pressure, mises, step)
+        det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
+        inverse = 1.0 / det
+        s_d, s_x, s_z, mises, pressure = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], inverse)
+        strong = yield_stress + history[4, p]
+        if mises > strong:
+            step = _far_step(mises, prestrain + history[3, p], strong, shear, strength, exponent)
+            history[4, p] = mises - 3.0 * shear * step - yield_stress
+            _return(
+                p, gradient, history, stress, det, inverse, s_d, s_x, s_z, mises, pressure, step,
+                shear, compliance, softness,
+            )  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import sqrt
 
 from contactlab.api.kernel import kernel, log, point
-from contactlab_solids.j2_kernels import _deviator, _mises
+from contactlab_solids.j2_kernels import deviator, mises_squared, wide_factor
 
 
 @point
@@ -28,13 +28,13 @@ def tangent(gradient, history, step, slope, out, shear, bulk):
         half, cross = history[0, p], history[1, p]
         det = a * d - b * c
         log_j = -log(det)
-        difference, shearing, mean = _deviator(a, b, c, d, half, cross)
+        difference, shearing, mean = deviator(a, b, c, d, half, cross)
         r = sqrt(difference * difference + shearing * shearing)
-        factor = (log(mean + r) + log_j) / r if r > 1e-14 * mean else 1.0 / det
+        factor = wide_factor(r, det, mean, log_j)
         bend = _curvature(r, det, mean, factor)
         s_d, s_x = shear * factor * difference, shear * factor * shearing
         s_z = 2.0 * shear * (history[2, p] - log_j / 3.0)
-        mises = _mises(s_d, s_x, s_z)
+        mises = sqrt(mises_squared(s_d, s_x, s_z))
         keep, keep_slope = 1.0, 0.0
         if step[p] > 0.0:
             keep = 1.0 - 3.0 * shear * step[p] / mises

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -33,6 +34,7 @@ class LinearHardening(Material):
     history_size: ClassVar[int] = 4
     history_names: ClassVar[tuple[str, ...]] = j2.HISTORY
     has_energy: ClassVar[bool] = True
+    without: ClassVar[Mapping[str, str]] = {"plasticity": "neo-hookean"}
 
     def __post_init__(self) -> None:
         check_elastic(self.young, self.poisson, self.density)
@@ -59,11 +61,10 @@ class LinearHardening(Material):
 
         if new_history is not history:
             new_history[:] = history
-        shear, bulk = j2.moduli(self.young, self.poisson)
-        flow = (self.yield_stress, self.hardening)
-        yielding, _ = j2_kernels.trial(gradient, new_history, stress, shear, bulk, *flow, j2.PLASTIC, np.inf, 0.0)
+        constants, flow = j2.moduli(self.young, self.poisson), (self.yield_stress, self.hardening)
+        yielding, _ = j2.elastic_trial(gradient, new_history, stress, constants, (*flow, j2.PLASTIC), (np.inf, 0.0))
         if yielding:
-            j2_kernels.linear_return(gradient, new_history, stress, shear, bulk, *flow)
+            j2_kernels.linear_return(gradient, new_history, stress, *constants, *flow)
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of F^-1), (4, 4, P)."""

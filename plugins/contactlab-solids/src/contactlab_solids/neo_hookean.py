@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds, lame_constants
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
 
 
 @dataclass(frozen=True)
@@ -18,17 +19,25 @@ class NeoHookean(Material):
     young    Young's modulus at small strain [MPa]
     poisson  Poisson's ratio at small strain, -1 < poisson < 0.5
     density  of the undeformed body [t/mm3]
+    yield_stress  where the material would yield [MPa]: not used, but a run that goes beyond it says so
     """
 
     young: float
     poisson: float
     density: float
+    yield_stress: float | None = None
 
     kinematics: ClassVar[Kinematics] = "finite"
     has_energy: ClassVar[bool] = True
+    without: ClassVar[Mapping[str, str]] = {"finite strain": "linear-elastic"}
+    beyond: ClassVar[Mapping[str, str]] = {"plasticity": "linear-hardening"}
 
     def __post_init__(self) -> None:
-        check_elastic(self.young, self.poisson, self.density)
+        check_elastic(self.young, self.poisson, self.density, self.yield_stress)
+
+    def elastic_limit(self) -> float:
+        """The yield stress [MPa]; inf where none is given."""
+        return elastic_limit(self.yield_stress)
 
     def wave_speeds(self) -> tuple[float, float]:
         """Speeds at small strain [mm/s]."""

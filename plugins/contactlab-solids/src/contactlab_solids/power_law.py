@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -11,7 +12,8 @@ from contactlab.api import Floats, Kinematics, Material
 from contactlab_solids import j2
 from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
 
-REACH = 3e-3  # plastic step over (e0 + ep) up to which one Newton step leaves an error below round-off
+REACH = 0.01  # plastic step over (e0 + ep) up to which the binomial series of the power is exact
+RISE = 4  # history row: yield stress less that of the start
 
 
 @dataclass(frozen=True)
@@ -39,6 +41,7 @@ class PowerLaw(Material):
     history_size: ClassVar[int] = 5
     history_names: ClassVar[tuple[str, ...]] = (*j2.HISTORY, "yield_stress_rise")
     has_energy: ClassVar[bool] = True
+    without: ClassVar[Mapping[str, str]] = {"plasticity": "neo-hookean"}
 
     def __post_init__(self) -> None:
         check_elastic(self.young, self.poisson, self.density)
@@ -67,15 +70,16 @@ class PowerLaw(Material):
 
         if new_history is not history:
             new_history[:] = history
-        shear, bulk = j2.moduli(self.young, self.poisson)
-        start, near = self.strength * self.prestrain**self.exponent, 3.0 * shear * REACH
-        yielding, far = j2_kernels.trial(
-            gradient, new_history, stress, shear, bulk, start, 1.0, 4, near * self.prestrain, near
+        constants = j2.moduli(self.young, self.poisson)
+        start, near = self.strength * self.prestrain**self.exponent, 3.0 * constants.shear * REACH
+        yielding, far = j2.elastic_trial(
+            gradient, new_history, stress, constants, (start, 1.0, RISE), (near * self.prestrain, near)
         )
-        if not yielding:
-            return
-        finish = j2_kernels.power_return_far if far else j2_kernels.power_return
-        finish(gradient, new_history, stress, shear, bulk, start, self.strength, self.prestrain, self.exponent)
+        law = (start, self.exponent, self.prestrain)
+        if far:
+            j2_kernels.far_power_return(gradient, new_history, stress, *constants, *law, self.strength)
+        elif yielding:
+            j2_kernels.power_return(gradient, new_history, stress, *constants, *law)
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of F^-1), (4, 4, P)."""
