@@ -1,0 +1,86 @@
+"""Runs that several tests look at are made once, whichever worker process asks first."""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+import pickle
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pytest
+
+import contactlab
+from contactlab.model.build import build
+from contactlab.registry import default_registry
+from contactlab.results.results import ContactCurve
+from contactlab.scene import Scene
+
+PERIODS = 15.0
+"""Ramp of a paced run in periods of its lowest mode: `auto` takes 50 for any scene, these settle with 15."""
+
+
+class Ran(NamedTuple):
+    """What tests need of a run."""
+
+    summary: dict[str, Any]
+    curve: ContactCurve
+    history: Mapping[str, Any]
+
+    @property
+    def status(self) -> str:
+        return str(self.summary["status"])
+
+    def reaction(self, support: str) -> tuple[float, float]:
+        fx, fy = self.summary["reactions"][support]
+        return float(fx), float(fy)
+
+
+Runs = Callable[..., Ran]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line("markers", "slow: takes ten seconds or more of one core")
+
+
+def paced(scene: Scene) -> Scene:
+    """The scene with a ramp of `PERIODS` of its own lowest mode."""
+    return scene.with_({"time.ramp": PERIODS * build(scene, default_registry()).pace.period})
+
+
+@pytest.fixture(scope="session")
+def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
+    """runs(changes, auto=False): disc-on-block with these keys, computed once per test session."""
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent  # common to all workers
+    kept: dict[str, Ran] = {}
+
+    def run(changes: Mapping[str, Any], auto: bool = False) -> Ran:
+        key = f"{json.dumps(dict(changes), sort_keys=True)} {auto}"
+        if key not in kept:
+            kept[key] = _once(folder / f"run-{abs(hash_of(key)):x}", changes, auto)
+        return kept[key]
+
+    return run
+
+
+def hash_of(key: str) -> int:
+    """The same in every process, unlike `hash`."""
+    return int.from_bytes(key.encode(), "big") % (2**61 - 1)
+
+
+def _once(path: Path, changes: Mapping[str, Any], auto: bool) -> Ran:
+    with path.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not path.exists():
+            path.write_bytes(pickle.dumps(tuple(_run(changes, auto))))
+        return Ran(*pickle.loads(path.read_bytes()))
+
+
+def _run(changes: Mapping[str, Any], auto: bool) -> Ran:
+    scene = contactlab.load_scene("disc-on-block").with_(changes)
+    results = contactlab.simulate(scene if auto else paced(scene))
+    return Ran(results.summary, results.contact["contacts.0"].last, results.history)

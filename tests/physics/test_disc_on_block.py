@@ -1,0 +1,178 @@
+"""Disc on block (Baillet & Sassi 2005, test 1), frictionless: forces, pressures, symmetry, swap of slave and master.
+
+At depth 0.01 mm against an independent high-order code, at the paper's 0.1581 mm against the project's own finer runs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.compare import measures
+from contactlab.compare.profile import Profile, integral
+from contactlab.compare.reference import Reference, load_reference
+
+SHALLOW, DEEP = -0.01, -0.1581
+MORTARS = ["mortar-p0", "mortar-p1"]
+Runs = Callable[..., Any]
+
+
+def keys(depth: float, level: int, algorithm: str, swap: bool) -> dict[str, Any]:
+    return {
+        "level": level,
+        "supports.1.uy.to": depth,
+        "contacts.0.algorithm": algorithm,
+        "contacts.0.swap": swap,
+    }
+
+
+def profile(run: Any) -> Profile:
+    return Profile.of_curve(run.curve)
+
+
+def error(run: Any, reference: Reference) -> float:
+    return measures.pressure_error(profile(run), reference.profile, reference.window)
+
+
+def asymmetry(runs: Runs, depth: float, level: int, algorithm: str) -> float:
+    """S, on the multiplier as a function of the deformed position."""
+    return measures.mutual_difference(*(profile(runs(keys(depth, level, algorithm, swap))) for swap in (False, True)))
+
+
+# --- depth 0.01 mm ----------------------------------------------------------------------------------
+
+
+def check_shallow(run: Any, force: float, pressure: float) -> None:
+    reference = load_reference("disc-on-block-shallow")
+    assert run.status == "finished", run.summary["reason"]
+    assert reference.scalar("reaction") == 60.321
+    assert run.reaction("block.bottom")[1] == pytest.approx(60.321, rel=force)
+    assert run.reaction("disc.top")[1] == pytest.approx(-60.321, rel=force)
+    assert error(run, reference) <= pressure
+
+
+@pytest.mark.parametrize("algorithm", MORTARS)
+@pytest.mark.parametrize("swap", [False, True])
+def test_shallow_on_few_cells(runs: Runs, algorithm: str, swap: bool) -> None:
+    """The half width of contact, 0.1 mm, is three or four cells; twice the bounds of half the cells, or less."""
+    check_shallow(runs(keys(SHALLOW, 2, algorithm, swap)), 0.006, 0.09)
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "swap"),
+    [
+        ("mortar-p0", False),
+        ("mortar-p1", True),
+        pytest.param("mortar-p0", True, marks=pytest.mark.slow),
+        pytest.param("mortar-p1", False, marks=pytest.mark.slow),
+    ],
+)
+def test_shallow(runs: Runs, algorithm: str, swap: bool) -> None:
+    """Force within 0.3 % and pressure within 5 %: six cells over the half width of contact."""
+    check_shallow(runs(keys(SHALLOW, 4, algorithm, swap)), 0.003, 0.05)
+
+
+@pytest.mark.parametrize("algorithm", MORTARS)
+@pytest.mark.slow
+def test_shallow_converges(runs: Runs, algorithm: str) -> None:
+    """Halving the cells takes a third or more off the pressure error and half off the force error."""
+    reference = load_reference("disc-on-block-shallow")
+    coarse, fine = (runs(keys(SHALLOW, level, algorithm, False)) for level in (2, 4))
+    assert error(fine, reference) < 0.67 * error(coarse, reference)
+    forces = [abs(run.reaction("block.bottom")[1] - 60.321) for run in (coarse, fine)]
+    assert forces[1] < 0.5 * forces[0]
+
+
+@pytest.mark.parametrize("algorithm", MORTARS)
+@pytest.mark.slow
+def test_shallow_swap(runs: Runs, algorithm: str) -> None:
+    assert asymmetry(runs, SHALLOW, 4, algorithm) < 0.03
+
+
+# --- the paper's depth ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("algorithm", MORTARS)
+@pytest.mark.parametrize("swap", [False, True])
+def test_deep(runs: Runs, algorithm: str, swap: bool) -> None:
+    run = runs(keys(DEEP, 2, algorithm, swap))
+    assert run.status == "finished", run.summary["reason"]
+    assert error(run, load_reference("disc-on-block-deep")) <= 0.03
+    sideways, upwards = run.reaction("block.bottom")
+    assert abs(sideways) < 1e-6 * upwards
+    assert abs(run.summary["contacts"]["contacts.0"]["resultant"][0]) < 1e-6 * upwards
+    # settled: one side's force is the other's (the criterion of the run itself)
+    assert upwards == pytest.approx(-run.reaction("disc.top")[1], rel=5e-4)
+
+
+@pytest.mark.parametrize("level", [2, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("algorithm", MORTARS)
+def test_deep_swap(runs: Runs, algorithm: str, level: int) -> None:
+    assert asymmetry(runs, DEEP, level, algorithm) <= 0.012
+
+
+@pytest.mark.parametrize("swap", [False, True])
+def test_both_multipliers_give_the_same_force(runs: Runs, swap: bool) -> None:
+    """P0 and P1 differ by their weights alone, which a smooth pressure hardly sees."""
+    forces = [runs(keys(DEEP, 2, algorithm, swap)).reaction("block.bottom")[1] for algorithm in MORTARS]
+    assert forces[0] == pytest.approx(forces[1], rel=2e-3)
+
+
+def test_node_on_segment_is_asymmetric_or_does_not_finish(runs: Runs) -> None:
+    """The defect that mortar contact is for: exchange of slave and master matters five times as much, or more."""
+    both = [runs(keys(DEEP, 2, "node-on-segment", swap)) for swap in (False, True)]
+    for run in both:
+        assert run.status == "finished" or len(run.summary["reason"]) > 40
+    if all(run.status == "finished" for run in both):
+        worst = max(asymmetry(runs, DEEP, 2, algorithm) for algorithm in MORTARS)
+        assert measures.mutual_difference(*map(profile, both)) > 5.0 * worst
+
+
+def test_auto_pace_and_a_short_ramp_agree(runs: Runs) -> None:
+    """What `end = "auto"` chose is slow enough: a ramp three times as fast gives the same pressure."""
+    changes = keys(DEEP, 2, "mortar-p0", False)
+    auto, short = runs(changes, auto=True), runs(changes)
+    assert auto.status == "finished"
+    assert measures.mutual_difference(profile(auto), profile(short)) < 5e-4
+    assert auto.summary["steps"] > 2 * short.summary["steps"]
+    ramp, period = (auto.summary["resolved"][key] for key in ("ramp", "period"))
+    assert ramp == pytest.approx(50.0 * period)
+
+
+# --- what must hold in any of these runs ------------------------------------------------------------
+
+
+CASES = [(depth, algorithm, swap) for depth in (SHALLOW, DEEP) for algorithm in MORTARS for swap in (False, True)]
+
+
+@pytest.mark.parametrize(("depth", "algorithm", "swap"), CASES)
+def test_contact_conditions_hold(runs: Runs, depth: float, algorithm: str, swap: bool) -> None:
+    """The weak cone to round-off; gaps of pressed nodes to the tolerance of the sweeps, 1e-10 segment lengths."""
+    contact = runs(keys(depth, 2, algorithm, swap)).summary["contacts"]["contacts.0"]
+    assert contact["cone_violation"] <= 1e-12
+    assert contact["complementarity"] < 1e-9
+    assert contact["max_penetration"] < 0.01 * 1.6 / 48  # of a segment, between the nodes
+    assert -0.1 < contact["most_negative"] <= 0.0  # the edge of contact: allowed and small
+
+
+@pytest.mark.parametrize(("depth", "algorithm", "swap"), CASES)
+def test_pressure_is_symmetric_and_carries_the_force(runs: Runs, depth: float, algorithm: str, swap: bool) -> None:
+    run = runs(keys(depth, 2, algorithm, swap))
+    assert measures.mirror_asymmetry(profile(run)) < 1e-6
+    upwards = run.reaction("block.bottom")[1]
+    assert integral(profile(run)) == pytest.approx(upwards, rel=2e-3)  # linear interpolants of P0 pressures too
+    assert np.all(run.curve.nodal_pressure >= 0.0)
+
+
+@pytest.mark.parametrize(("depth", "algorithm", "swap"), CASES)
+def test_run_was_quasi_static_and_its_ledger_closes(runs: Runs, depth: float, algorithm: str, swap: bool) -> None:
+    balance = runs(keys(depth, 2, algorithm, swap)).summary["balance"]
+    assert balance["kinetic"] < 1e-3 * balance["internal"]
+    assert balance["ledger_error"] < 1e-9
+    # booked and stored energy belong to times half a step apart, at rest the same
+    assert balance["stored_against_work"] < 1e-4
+    assert balance["friction"] == 0.0
+    assert balance["numerical"] == 0.0
