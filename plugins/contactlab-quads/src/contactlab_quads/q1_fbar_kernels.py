@@ -22,37 +22,34 @@ RATIO, DEVIATOR, SHEAR, MEAN = 12, 16, 20, 24  # first scratch rows: r, r (s_xx 
 
 
 @kernel
-def _small(begin, x1, x2, y1, y2, u1, u2, v1, v2, xx, yy, ratio):
+def _small(x1, x2, y1, y2, u1, u2, v1, v2, xx, yy, ratio):
     for c in range(x1.size):
-        p = begin + c
         trace = (u1[c] * y2[c] - u2[c] * y1[c] + v2[c] * x1[c] - v1[c] * x2[c]) / (x1[c] * y2[c] - x2[c] * y1[c])
-        shift = 0.5 * (trace - xx[p] - yy[p])
-        xx[p] += shift
-        yy[p] += shift
+        shift = 0.5 * (trace - xx[c] - yy[c])
+        xx[c] += shift
+        yy[c] += shift
         ratio[c] = 1.0
 
 
 @kernel
-def _finite(begin, x1, x2, y1, y2, u1, u2, v1, v2, xx, xy, yx, yy, ratio):
+def _finite(x1, x2, y1, y2, u1, u2, v1, v2, xx, xy, yx, yy, ratio):
     for c in range(x1.size):
-        p = begin + c
         centre = (u1[c] * v2[c] - u2[c] * v1[c]) / (x1[c] * y2[c] - x2[c] * y1[c])
-        r = (xx[p] * yy[p] - xy[p] * yx[p]) / centre
+        r = (xx[c] * yy[c] - xy[c] * yx[c]) / centre
         scale = 1.0 / sqrt(r)
-        xx[p], xy[p], yx[p], yy[p] = scale * xx[p], scale * xy[p], scale * yx[p], scale * yy[p]
+        xx[c], xy[c], yx[c], yy[c] = scale * xx[c], scale * xy[c], scale * yx[c], scale * yy[c]
         ratio[c] = r
 
 
 @kernel
-def _rate(begin, x1, x2, y1, y2, u1, u2, v1, v2, xx, xy, yx, yy, ratio):
+def _rate(x1, x2, y1, y2, u1, u2, v1, v2, xx, xy, yx, yy, ratio):
     for c in range(x1.size):
-        p = begin + c
         # coefficients of x - u, whose gradient I - G is the inverse of the step's deformation gradient
         a1, a2, b1, b2 = x1[c] - u1[c], x2[c] - u2[c], y1[c] - v1[c], y2[c] - v2[c]
         centre = (a1 * b2 - a2 * b1) / (x1[c] * y2[c] - x2[c] * y1[c])
-        scale = sqrt(centre / ((1.0 - xx[p]) * (1.0 - yy[p]) - xy[p] * yx[p]))
-        xx[p], yy[p] = 1.0 - scale * (1.0 - xx[p]), 1.0 - scale * (1.0 - yy[p])
-        xy[p], yx[p] = scale * xy[p], scale * yx[p]
+        scale = sqrt(centre / ((1.0 - xx[c]) * (1.0 - yy[c]) - xy[c] * yx[c]))
+        xx[c], yy[c] = 1.0 - scale * (1.0 - xx[c]), 1.0 - scale * (1.0 - yy[c])
+        xy[c], yx[c] = scale * xy[c], scale * yx[c]
         ratio[c] = 1.0
 
 
@@ -60,42 +57,39 @@ def _rate(begin, x1, x2, y1, y2, u1, u2, v1, v2, xx, xy, yx, yy, ratio):
 def small_gradient(geometry, field, connectivity, out, scratch):
     """du/dX (4, P) with the trace of the centre at every point."""
     plain_gradient(geometry, field, connectivity, out, scratch)
-    s = scratch
+    s, n = scratch, connectivity.shape[1]
     for g in range(4):
-        begin = g * s.shape[1]
-        _small(begin, s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10], out[0], out[3], s[RATIO + g])
+        xx, yy = out[0, g * n : (g + 1) * n], out[3, g * n : (g + 1) * n]
+        _small(s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10], xx, yy, s[RATIO + g])
 
 
 @kernel
 def finite_gradient(geometry, field, connectivity, out, scratch):
     """F^-1 (4, P) scaled so that its determinant is that of the centre; r = det F^-1 over that is kept."""
     plain_gradient(geometry, field, connectivity, out, scratch)
-    s = scratch
+    s, n = scratch, connectivity.shape[1]
     for g in range(4):
-        _finite(
-            g * s.shape[1], s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10], out[0], out[1], out[2], out[3],
-            s[RATIO + g],
-        )  # fmt: skip
+        xx, xy = out[0, g * n : (g + 1) * n], out[1, g * n : (g + 1) * n]
+        yx, yy = out[2, g * n : (g + 1) * n], out[3, g * n : (g + 1) * n]
+        _finite(s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10], xx, xy, yx, yy, s[RATIO + g])
 
 
 @kernel
 def rate_gradient(geometry, field, connectivity, out, scratch):
     """d(du)/dx (4, P) with the step's volume ratio of the centre at every point."""
     plain_gradient(geometry, field, connectivity, out, scratch)
-    s = scratch
+    s, n = scratch, connectivity.shape[1]
     for g in range(4):
-        _rate(
-            g * s.shape[1], s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10], out[0], out[1], out[2], out[3],
-            s[RATIO + g],
-        )  # fmt: skip
+        xx, xy = out[0, g * n : (g + 1) * n], out[1, g * n : (g + 1) * n]
+        yx, yy = out[2, g * n : (g + 1) * n], out[3, g * n : (g + 1) * n]
+        _rate(s[0], s[1], s[3], s[4], s[6], s[7], s[9], s[10], xx, xy, yx, yy, s[RATIO + g])
 
 
 @kernel
-def _split(begin, sxx, syy, sxy, ratio, deviator, shear):
+def _split(sxx, syy, sxy, ratio, deviator, shear):
     for c in range(ratio.size):
-        p = begin + c
-        deviator[c] = 0.5 * ratio[c] * (sxx[p] - syy[p])
-        shear[c] = ratio[c] * sxy[p]
+        deviator[c] = 0.5 * ratio[c] * (sxx[c] - syy[c])
+        shear[c] = ratio[c] * sxy[c]
 
 
 @kernel
@@ -123,7 +117,9 @@ def force(geometry, connectivity, stress, force, scratch):
     """Add the nodal forces of `stress` (4, P); coefficients and volume ratios are still in `scratch`."""
     s, n = scratch, connectivity.shape[1]
     for g in range(4):
-        _split(g * n, stress[0], stress[1], stress[3], s[RATIO + g], s[DEVIATOR + g], s[SHEAR + g])
+        xx, yy = stress[0, g * n : (g + 1) * n], stress[1, g * n : (g + 1) * n]
+        xy = stress[3, g * n : (g + 1) * n]
+        _split(xx, yy, xy, s[RATIO + g], s[DEVIATOR + g], s[SHEAR + g])
     _mean(
         s[0], s[1], s[2], s[3], s[4], s[5], stress[0], stress[1], s[RATIO], s[RATIO + 1], s[RATIO + 2], s[RATIO + 3],
         s[MEAN],

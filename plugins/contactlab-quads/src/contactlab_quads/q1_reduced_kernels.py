@@ -40,17 +40,22 @@ def force(geometry, connectivity, stress, force, scratch):
 
 
 @kernel
-def stabilise(reference, displacement, connectivity, modulus, force, scratch):
-    """Add k q gamma, k = modulus A (b_x.b_x + b_y.b_y), on the undeformed geometry."""
-    gather(reference, displacement, connectivity, scratch)
-    s = scratch
-    x1, x2, x3, y1, y2, y3 = s[0], s[1], s[2], s[3], s[4], s[5]
-    for c in range(connectivity.shape[1]):
+def _resist(modulus, x1, x2, x3, y1, y2, y3, u1, u2, u3):
+    """Replace a component's coefficients by those of its hourglass force."""
+    for c in range(x1.size):
         inverse = 1.0 / (x1[c] * y2[c] - x2[c] * y1[c])
         k = modulus * (x1[c] * x1[c] + x2[c] * x2[c] + y1[c] * y1[c] + y2[c] * y2[c]) * inverse
-        # 4 q = f3 - along f1 - across f2 for either component, and forces go the same way back
+        # 4 q = u3 - along u1 - across u2, and forces go the same way back
         along, across = (x3[c] * y2[c] - y3[c] * x2[c]) * inverse, (y3[c] * x1[c] - x3[c] * y1[c]) * inverse
-        for row in (6, 9):
-            f = 0.0625 * k * (s[row + 2, c] - along * s[row, c] - across * s[row + 1, c])
-            s[row, c], s[row + 1, c], s[row + 2, c] = -along * f, -across * f, f
+        f = 0.0625 * k * (u3[c] - along * u1[c] - across * u2[c])
+        u1[c], u2[c], u3[c] = -along * f, -across * f, f
+
+
+@kernel
+def stabilise(reference, displacement, connectivity, modulus, force, scratch):
+    """Add k q gamma, k = modulus A (b_x.b_x + b_y.b_y), on the undeformed geometry."""
+    s = scratch
+    gather(reference, displacement, connectivity, s)
+    _resist(modulus, s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], s[8])
+    _resist(modulus, s[0], s[1], s[2], s[3], s[4], s[5], s[9], s[10], s[11])
     scatter(connectivity, s, force)

@@ -113,12 +113,17 @@ def wide_trial(gradient, history, stress, shear, bulk):
 
 
 @point
-def _kirchhoff(xx, yy, zz, xy, inverse):
-    """s_d, s_x, s_z, Mises' stress and pressure of tau = sigma/det F^-1."""
-    xx, yy, zz, xy = xx * inverse, yy * inverse, zz * inverse, xy * inverse
-    pressure = THIRD * (xx + yy + zz)
-    s_d, s_z = 0.5 * (xx - yy), zz - pressure
-    return s_d, xy, s_z, sqrt(mises_squared(s_d, xy, s_z)), pressure
+def _kirchhoff(xx, yy, zz, xy, det):
+    """s_d, s_x, s_z, Mises' stress, its inverse, and pressure of tau = sigma/det F^-1; then 1/det.
+
+    One division for all. A point without stress gets nan, does not yield, and keeps what it has.
+    """
+    mean = THIRD * (xx + yy + zz)
+    s_d, s_z = 0.5 * (xx - yy), zz - mean
+    cauchy = sqrt(mises_squared(s_d, xy, s_z))
+    both = 1.0 / (det * cauchy)
+    inverse = both * cauchy
+    return inverse * s_d, inverse * xy, inverse * s_z, inverse * cauchy, both * det * det, inverse * mean, inverse
 
 
 @point
@@ -146,9 +151,8 @@ def _metric(a, b, c, d, inverse, s_d, s_x, compliance):
 
 
 @point
-def _return(p, g, history, stress, det, inverse, s_d, s_x, s_z, mises, pressure, step, shear, compliance, softness):
-    """Where the plastic strain `step` is positive, scale the deviator and write what follows from it."""
-    keep = 1.0 - 3.0 * shear * step / mises
+def _return(p, g, history, stress, det, inverse, s_d, s_x, s_z, pressure, step, keep, compliance, softness):
+    """Where the plastic strain `step` is positive, `keep` that part of the deviator and write what follows."""
     s_d, s_x, s_z = keep * s_d, keep * s_x, keep * s_z
     half, cross = _metric(g[0, p], g[1, p], g[2, p], g[3, p], inverse, s_d, s_x, compliance)
     yields = step > 0.0
@@ -169,37 +173,30 @@ def linear_return(gradient, history, stress, shear, bulk, yield_stress, hardenin
     compliance, softness, pace = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
     for p in range(gradient.shape[1]):
         det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
-        inverse = 1.0 / det
-        s_d, s_x, s_z, mises, pressure = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], inverse)
+        s_d, s_x, s_z, mises, over, pressure, inverse = _kirchhoff(
+            stress[0, p], stress[1, p], stress[2, p], stress[3, p], det
+        )
         excess = mises - (yield_stress + hardening * history[3, p])
         step = pace * excess if excess > 0.0 else 0.0
-        _return(
-            p, gradient, history, stress, det, inverse, s_d, s_x, s_z, mises, pressure, step,
-            shear, compliance, softness,
-        )  # fmt: skip
+        keep = 1.0 - 3.0 * shear * step * over
+        _return(p, gradient, history, stress, det, inverse, s_d, s_x, s_z, pressure, step, keep, compliance, softness)
 
 
 @point
-def _near_step(mises, start, strong, shear, exponent):
+def _near_step(mises, start, strong, shear, exponent, b2, b3, b4, b5, b6, b7, b8):
     """Plastic step where it is small against `start` = e0 + ep.
 
-    Newton from the tangent at the start, which is kept; (1 + x)^n - 1 by its binomial series.
+    Newton from the tangent at the start, which is kept; b are the binomial coefficients of (1 + x)^n.
     """
-    inverse = 1.0 / start
-    pace = 1.0 / (3.0 * shear + exponent * strong * inverse)
+    slope = 3.0 * shear * start + exponent * strong
+    both = 1.0 / (start * slope)
+    inverse, pace = both * slope, both * start * start
     excess = mises - strong
     step = pace * excess
     for _ in range(2):
         x = step * inverse
-        rise = (exponent - 7.0) / 8.0
-        rise = rise * x + 1.0
-        rise = rise * x * ((exponent - 6.0) / 7.0) + 1.0
-        rise = rise * x * ((exponent - 5.0) / 6.0) + 1.0
-        rise = rise * x * ((exponent - 4.0) / 5.0) + 1.0
-        rise = rise * x * ((exponent - 3.0) / 4.0) + 1.0
-        rise = rise * x * ((exponent - 2.0) / 3.0) + 1.0
-        rise = rise * x * ((exponent - 1.0) / 2.0) + 1.0
-        step += pace * (excess - 3.0 * shear * step - strong * (rise * x * exponent))
+        rise = ((((((b8 * x + b7) * x + b6) * x + b5) * x + b4) * x + b3) * x + b2) * x + exponent
+        step += pace * (excess - 3.0 * shear * step - strong * (rise * x))
     return step
 
 
@@ -207,18 +204,25 @@ def _near_step(mises, start, strong, shear, exponent):
 def power_return(gradient, history, stress, shear, bulk, yield_stress, exponent, prestrain):
     """sigma_y = K (e0 + ep)^n where every step of the block is within reach of the series."""
     compliance, softness = 1.0 / shear, THIRD / bulk
+    b2 = 0.5 * exponent * (exponent - 1.0)
+    b3 = b2 * (exponent - 2.0) / 3.0
+    b4 = b3 * (exponent - 3.0) / 4.0
+    b5 = b4 * (exponent - 4.0) / 5.0
+    b6 = b5 * (exponent - 5.0) / 6.0
+    b7 = b6 * (exponent - 6.0) / 7.0
+    b8 = b7 * (exponent - 7.0) / 8.0
     for p in range(gradient.shape[1]):
         det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
-        inverse = 1.0 / det
-        s_d, s_x, s_z, mises, pressure = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], inverse)
+        s_d, s_x, s_z, mises, over, pressure, inverse = _kirchhoff(
+            stress[0, p], stress[1, p], stress[2, p], stress[3, p], det
+        )
         strong = yield_stress + history[4, p]
-        step = _near_step(mises, prestrain + history[3, p], strong, shear, exponent)
+        start = prestrain + history[3, p]
+        step = _near_step(mises, start, strong, shear, exponent, b2, b3, b4, b5, b6, b7, b8)
         step = step if mises > strong else 0.0
         history[4, p] = mises - 3.0 * shear * step - yield_stress if step > 0.0 else history[4, p]
-        _return(
-            p, gradient, history, stress, det, inverse, s_d, s_x, s_z, mises, pressure, step,
-            shear, compliance, softness,
-        )  # fmt: skip
+        keep = 1.0 - 3.0 * shear * step * over
+        _return(p, gradient, history, stress, det, inverse, s_d, s_x, s_z, pressure, step, keep, compliance, softness)
 
 
 @point
@@ -244,13 +248,14 @@ def far_power_return(gradient, history, stress, shear, bulk, yield_stress, expon
     compliance, softness = 1.0 / shear, THIRD / bulk
     for p in range(gradient.shape[1]):
         det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
-        inverse = 1.0 / det
-        s_d, s_x, s_z, mises, pressure = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], inverse)
+        s_d, s_x, s_z, mises, over, pressure, inverse = _kirchhoff(
+            stress[0, p], stress[1, p], stress[2, p], stress[3, p], det
+        )
         strong = yield_stress + history[4, p]
         if mises > strong:
             step = _far_step(mises, prestrain + history[3, p], strong, shear, strength, exponent)
             history[4, p] = mises - 3.0 * shear * step - yield_stress
+            keep = 1.0 - 3.0 * shear * step * over
             _return(
-                p, gradient, history, stress, det, inverse, s_d, s_x, s_z, mises, pressure, step,
-                shear, compliance, softness,
-            )  # fmt: skip
+                p, gradient, history, stress, det, inverse, s_d, s_x, s_z, pressure, step, keep, compliance, softness
+            )
