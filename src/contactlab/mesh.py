@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -66,6 +67,15 @@ def _quadrature_areas(mesh: Mesh, element: Element) -> Floats:
     order = 1 if np.all(np.abs(element.nodes) == 1.0) else 2
     one = np.where(np.abs(element.nodes) < 0.5, 4.0 / 3.0, 1.0 / 3.0) if order == 2 else np.ones_like(element.nodes)
     return jacobians(mesh, element, element.nodes) * one.prod(axis=1)
+
+
+def outer_edges(cells: Ints, element: Element) -> Ints:
+    """Straight segments (e, 2) of the sides that belong to one of the `cells` (n, a) only, the body on their left."""
+    sides = np.concatenate([cells[:, list(edge)] for edge in element.edges])
+    _, number, count = np.unique(np.sort(sides[:, :2], axis=1), axis=0, return_inverse=True, return_counts=True)
+    outer = sides[count[number.ravel()] == 1]
+    path = [0, *range(2, outer.shape[1]), 1]
+    return np.concatenate([outer[:, [a, b]] for a, b in pairwise(path)])
 
 
 def surface_from_edges(edges: Ints) -> Surface:

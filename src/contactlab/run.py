@@ -14,6 +14,7 @@ from contactlab.errors import SimulationFailure
 from contactlab.guards import Guards
 from contactlab.model.memory import model_memory, restore_model
 from contactlab.model.model import Model
+from contactlab.needs.watch import Watch
 from contactlab.provenance import parts_of, versions
 from contactlab.recorders import open_recordings, recorders_of
 from contactlab.restart import changed_versions, check_memory, cost_so_far, resumed_before, saved_run, stored_results
@@ -41,6 +42,7 @@ class Run:
     model: Model
     schedule: Schedule
     guards: Guards
+    watch: Watch
     counts: Counts = field(default_factory=Counts)
     clock: Clock = field(default_factory=Clock)
     resumed_at: list[int] = field(default_factory=list)
@@ -84,6 +86,8 @@ class Run:
         mean = (counts.sweeps - counts.sweeps_stored) / max(1, self.model.state.step - last)
         counts.sweeps_stored = counts.sweeps
         self.journal.add(take_sample(self.model, self.journal.frames, mean))
+        for need in self.watch.look():
+            self.journal.tell("warning", str(need))
         self.clock.recording_s += perf_counter() - began
 
     def save(self) -> None:
@@ -108,14 +112,21 @@ class Run:
         return f"{why} after step {self.model.state.step}; {kept}"
 
     def memory(self) -> dict[str, Floats]:
-        """Arrays by name: of the model, the schedule, the guards and the counts."""
-        return model_memory(self.model) | self.schedule.memory() | self.guards.memory() | self.counts.memory()
+        """Arrays by name: of the model, and of everything that follows it."""
+        memory = model_memory(self.model)
+        for part in self._followers:
+            memory |= part.memory()
+        return memory
+
+    @property
+    def _followers(self) -> tuple[Any, ...]:
+        return self.schedule, self.guards, self.counts, self.watch
 
     def restore(self, checkpoint: Checkpoint, folder: Path) -> None:
         """Back to a checkpoint. Raises RequestError where it is not one of this model."""
         check_memory(checkpoint.memory, self.memory(), folder)
         restore_model(self.model, checkpoint.memory)
-        for part in (self.schedule, self.guards, self.counts):
+        for part in self._followers:
             part.restore(checkpoint.memory)
         self.first_step = self.counts.steps
         self.clock.before = cost_so_far(checkpoint)
@@ -130,6 +141,7 @@ class Run:
         """The content of `summary.json` if the run ended now."""
         journal = self.journal
         summary = summarise(journal.layout, self.model, journal.last, status, reason, self.counts, self.clock)
+        summary["warnings"] = self.watch.warnings()
         return summary | ({"resumed_at_steps": self.resumed_at} if self.resumed_at else {})
 
     def finish(self, status: str, reason: str) -> Results:
@@ -152,7 +164,7 @@ def begin_run(model: Model, scene: Any, registry: Any, folder: Path | None, resu
 
     Raises RequestError where the folder cannot be used or holds something else.
     """
-    run = Run(model, _schedule(model, scene), Guards(model))
+    run = Run(model, _schedule(model, scene), Guards(model), Watch(scene, model))
     recorders = recorders_of(scene, registry) if folder is not None else {}
     used = _with_recorders(scene, recorders)
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))

@@ -28,7 +28,7 @@ LAYERS = (
     ),
     ("model",),
     ("results",),
-    ("folders", "provenance", "guards", "schedule", "load_steps", "simulation", "model.explain"),
+    ("folders", "provenance", "guards", "schedule", "load_steps", "needs", "simulation", "model.explain"),
     ("reports", "compare"),
     ("testing", "commands", "cli"),
 )  # fmt: skip
