@@ -35,6 +35,7 @@ from contactlab.api.material import Kinematics, Material
 from contactlab.api.mesh import Mesh, MeshSource
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
 from contactlab.api.recorder import Recorder, Recording
+from contactlab.api.slopes import PieceSlopes
 from contactlab.api.state import WORK, State
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 
@@ -81,6 +82,7 @@ __all__ = [
     "Mesh",
     "MeshSource",
     "Part",
+    "PieceSlopes",
     "Pieces",
     "PrescribedMotion",
     "Quadrature",

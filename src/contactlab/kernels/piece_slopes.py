@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from contactlab.api.kernel import kernel
 
+JUMP = 2.0  # a change that is larger than that to the other side by this factor is a kink or a jump
+
 
 @kernel
 def _ends(nodes, p, size):
@@ -139,14 +141,21 @@ def differences(
 
 
 @kernel
-def normal_differences(high, low, owners, shift, ring, chain, colour, direction, scale, at, out):
+def normal_differences(high, middle, low, owners, shift, ring, chain, colour, direction, scale, at, out):
     """Append scale * (high - low) of the normals (k, 2); `owners` (k, b) are surface nodes of each multiplier.
 
+    Where a normal jumps, as between two segments, the side without the jump is taken.
     out = (normal_of, normal_moved, dnormal). Returns the next free entry.
     """
     normal_of, normal_moved, dnormal = out
     for k in range(high.shape[0]):
+        ahead = max(abs(high[k, 0] - middle[k, 0]), abs(high[k, 1] - middle[k, 1]))
+        behind = max(abs(middle[k, 0] - low[k, 0]), abs(middle[k, 1] - low[k, 1]))
         x, y = scale * (high[k, 0] - low[k, 0]), scale * (high[k, 1] - low[k, 1])
+        if ahead > JUMP * behind:
+            x, y = 2.0 * scale * (middle[k, 0] - low[k, 0]), 2.0 * scale * (middle[k, 1] - low[k, 1])
+        elif behind > JUMP * ahead:
+            x, y = 2.0 * scale * (high[k, 0] - middle[k, 0]), 2.0 * scale * (high[k, 1] - middle[k, 1])
         if (x == 0.0 and y == 0.0) or owners[k, 0] < 0:
             continue
         v = moved_node(owners, k, ring, chain, colour)

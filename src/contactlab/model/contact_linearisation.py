@@ -18,7 +18,7 @@ from scipy.sparse import coo_array, csr_array
 from contactlab.api import Floats, Ints
 from contactlab.api.slopes import PieceSlopes
 from contactlab.kernels import coupling, piece_slopes, windows
-from contactlab.model.piece_differences import PieceDifferences
+from contactlab.model.piece_differences import PieceDerivatives
 from contactlab.model.surface_pair import SurfacePair
 
 CUT = 1e-10  # weights and tractions below it do not change how Newton's method converges
@@ -45,7 +45,7 @@ class PairLinearisation:
 
     def __init__(self, pair: SurfacePair, nodes: int) -> None:
         self.pair, self.size = pair, 2 * nodes
-        self.differences = PieceDifferences(pair)
+        self.derivatives = PieceDerivatives(pair)
         k = pair.slots
         self.window = room(k, 16)
         self.slip = np.zeros(k if pair.friction is not None else 0)
@@ -67,7 +67,7 @@ class PairLinearisation:
 
     def slopes(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairSlopes:
         """Slopes of the `chosen` multipliers (c,) where all have forces y (k,) [N]."""
-        pair, pieces = self.pair, self.differences.slopes(memory)
+        pair, pieces = self.pair, self.derivatives.slopes(memory)
         normal, tangent = pair.pieces.normal, turned(pair.pieces.normal)
         traction = self._tractions(y_n, y_t)
         inverse = self._inverse_transposed(chosen)

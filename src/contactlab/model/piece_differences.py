@@ -11,16 +11,18 @@ from contactlab.kernels import piece_slopes as kernels
 from contactlab.model.surface_pair import REACH, SurfacePair
 
 STEP = 1e-5  # segment lengths; central differences of smooth pieces then err by about 1e-10
+OWN_ENTRIES = 16  # room for derivatives that an algorithm gives, for each node and multiplier of a piece
 RING = 2  # further nodes on either side of a piece that averaged normals may bring in
 
 
-class PieceDifferences:
-    """Moves the nodes of one colour at a time and compares the pieces."""
+class PieceDerivatives:
+    """The algorithm's own derivatives, or what follows from moving the nodes of one colour at a time."""
 
     def __init__(self, pair: SurfacePair) -> None:
         self.pair = pair
         self.links = _links(pair.slave), _links(pair.master)
-        self.high, self.low = self._spare(), self._spare()
+        self.high: Pieces | None = None
+        self.low: Pieces | None = None
         self.out = self._room(256, 256)
         self.follows_master: bool | None = None
 
@@ -33,19 +35,32 @@ class PieceDifferences:
 
     def slopes(self, memory: Floats) -> PieceSlopes:
         """Derivatives of the pair's pieces at its present positions; the same object every call."""
-        pair, out = self.pair, self.out
-        if len(self.high.slave) < len(pair.pieces.slave):
+        pair = self.pair
+        self._make_room(OWN_ENTRIES * pair.count * sum(pair.algorithm.widths(pair.slave, pair.master)), 20 * pair.slots)
+        assert pair.near is not None
+        if pair.algorithm.slopes(
+            pair.slave, pair.master, pair.at, pair.near.candidates, memory, pair.pieces, pair.count, self.out
+        ):
+            return self.out
+        return self._differences(memory)
+
+    def _make_room(self, entries: int, normals: int) -> None:
+        if entries > len(self.out.moved) or normals > len(self.out.normal_moved):
+            self.out = self._room(entries + entries // 4, normals)
+
+    def _differences(self, memory: Floats) -> PieceSlopes:
+        pair = self.pair
+        if self.high is None or self.low is None or len(self.high.slave) < len(pair.pieces.slave):
             self.high, self.low = self._spare(), self._spare()
-        out.count = out.normal_count = 0
         owners = self._owners(memory)
         # every piece depends on at most so many coordinates; unmatched pieces stand twice
         width = 2 * sum(_period(nodes[: pair.count]) for nodes in (pair.pieces.slave, pair.pieces.master))
         entries, normals = 2 * (pair.count + 8) * width, 2 * pair.slots * sum(_period(o) for o in owners)
-        if entries > len(out.moved) or normals > len(out.normal_moved):
-            self.out = out = self._room(entries, normals)
+        self._make_room(entries, normals)
+        self.out.count = self.out.normal_count = 0
         for side in range(2):
             self._side(side, owners[side], memory)
-        return out
+        return self.out
 
     def _owners(self, memory: Floats) -> tuple[Ints, Ints]:
         """Surface nodes on either side that the normal of each multiplier may depend on."""
@@ -84,7 +99,7 @@ class PieceDifferences:
                     _arrays(self.low)[2 * side], shift, RING, chain, colour, direction, 0.5 / step, out.count, entries,
                 )  # fmt: skip
                 out.normal_count = kernels.normal_differences(
-                    self.high.normal, self.low.normal, owners, shift, RING, chain, colour, direction, 0.5 / step,
+                    self.high.normal, pair.pieces.normal, self.low.normal, owners, shift, RING, chain, colour, direction, 0.5 / step,
                     out.normal_count, normals,
                 )  # fmt: skip
 

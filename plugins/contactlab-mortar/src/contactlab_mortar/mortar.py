@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, Surface, SurfacePositions
+from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, PieceSlopes, Surface, SurfacePositions
 
 DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
 
@@ -48,6 +48,33 @@ class _Mortar(ContactAlgorithm):
             self.linear,
             (out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
         )
+
+    def slopes(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        memory: Floats,
+        pieces: Pieces,
+        count: int,
+        out: PieceSlopes,
+    ) -> bool:
+        """Derivatives of overlaps, integrals and averaged normals."""
+        from contactlab_mortar.slopes import mortar_slopes
+
+        out.count, out.normal_count = mortar_slopes(
+            (slave.segments, slave.node_segments, slave.edges, slave.segment_edge),
+            (master.segments, master.edges, master.segment_edge),
+            at.slave,
+            at.master,
+            (near.start, near.master),
+            self.linear,
+            (count, pieces.multiplier, pieces.master, pieces.normal),
+            (out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT,
+             out.normal_of, out.normal_moved, out.dnormal),
+        )  # fmt: skip
+        return True
 
     def normals(
         self,

@@ -47,7 +47,9 @@ def _tangential(conditions: Conditions, stiffness: Floats, normal: Floats, close
     limit, growth = limits(conditions, normal)
     force = conditions.force[1]
     trial = force - stiffness * conditions.slip
-    stick = conditions.present & (np.abs(trial) < limit)
+    # a slip that would turn round within an iteration has met its solution in between: it sticks
+    turns = (trial * force < 0.0) & (np.abs(trial) >= limit)
+    stick = conditions.present & ((np.abs(trial) < limit) | turns)
     sign = np.sign(trial)
     out.residual[1] = np.where(stick, stiffness * conditions.slip, force - sign * limit)
     out.by_force[1] = np.where(stick, 0.0, 1.0)

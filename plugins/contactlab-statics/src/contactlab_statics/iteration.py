@@ -60,9 +60,11 @@ class NewtonIteration:
     def run(self, dt: float, target: Floats) -> Outcome:
         """Iterate until the state is in balance with prescribed displacements `target` (p,) [mm]."""
         outcome = Outcome()
-        self._evaluate(dt, first=True)
+        self.floor = 0.0
+        self.equations.internal_force(dt)
         given = np.zeros(self.u.size)
         while len(outcome.trace) < self.most:
+            self._linearise(dt)
             given[self.held] = target - self.u.reshape(-1)[self.held]
             try:
                 note, length, changed = self._iterate(dt, given)
@@ -138,15 +140,25 @@ class NewtonIteration:
 
     # --- evaluation -----------------------------------------------------------------------------
 
-    def _evaluate(self, dt: float, first: bool = False) -> None:
-        """Forces, stiffness, gaps and the enforcement's answer at the trial state."""
-        self.equations.internal_force(dt)
+    def _linearise(self, dt: float) -> None:
+        """Stiffness at the trial state, and the contact stiffnesses that follow from it."""
+        first = self.floor == 0.0
         self.stiffness = self.balance.stiffness(dt)
         diagonal = np.abs(self.stiffness.diagonal()).reshape(self.u.shape)
         self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
         if self.contact is not None:
             flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
             self.contact.scale(flexibility)
+        if first:
+            self._balance()
+
+    def _evaluate(self, dt: float) -> None:
+        """Forces, gaps and the enforcement's answer at the trial state."""
+        self.equations.internal_force(dt)
+        self._balance()
+
+    def _balance(self) -> None:
+        if self.contact is not None:
             self.contact.evaluate(self.equations.position)
             self.contact.enforcement.respond(self.contact.conditions, self.response)
         self.parts = self.balance.unbalanced(self.force)
