@@ -28,7 +28,10 @@ LAYERS = (
     ),
     ("model",),
     ("results",),
-    ("folders", "provenance", "guards", "schedule", "load_steps", "needs", "simulation", "model.explain"),
+    (
+        "folders", "provenance", "guards", "schedule", "load_steps", "needs", "interruption", "recorders", "restart",
+        "run", "simulation", "model.explain",
+    ),
     ("reports", "compare"),
     ("testing", "commands", "cli"),
 )  # fmt: skip
