@@ -1,0 +1,172 @@
+"""Only what a scene declares is imported, allocated and called, and `explain` says exactly that."""
+
+from __future__ import annotations
+
+import gc
+import json
+import re
+import subprocess
+import sys
+import tracemalloc
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.model.arrays import held_arrays
+from contactlab.model.build import build
+from contactlab.model.explain import explain
+from contactlab.registry import default_registry
+from contactlab.scene import Scene, load_scene
+
+TANGENTIAL = re.compile(r"contact\.(rows\.(tangent_weight|slip|bound)|pairs\.\d+\.(bound|before|began\..*))")
+COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
+PLASTIC = {"materials.soft": {"use": "linear-hardening", "young": 7000.0, "poisson": 0.3, "density": 2.7e-9,
+                              "yield_stress": 100.0, "hardening": 50.0}}  # fmt: skip
+
+
+def scene(changes: dict[str, Any] | None = None) -> Scene:
+    return load_scene("disc-on-block").with_(changes or {})
+
+
+def without_contact() -> Scene:
+    data = scene().data
+    data["contacts"] = []
+    return Scene.from_data(data)
+
+
+def names(scene: Scene) -> list[str]:
+    return [array.name for array in held_arrays(build(scene, default_registry()))]
+
+
+def tangential(found: Iterable[str]) -> set[str]:
+    return {name for name in found if TANGENTIAL.fullmatch(name)}
+
+
+def declared(scene: Scene) -> dict[str, bool]:
+    return {effect.effect: effect.called_for for effect in explain(scene, default_registry()).effects}
+
+
+# --- what explain says ------------------------------------------------------------------------------
+
+
+def test_frictionless_elastic_scene_lists_nothing_tangential_and_no_history() -> None:
+    found = explain(scene(), default_registry())
+    listed = [array.name for array in found.arrays]
+    assert tangential(listed) == set()
+    assert [name for name in listed if "history" in name] == []
+    multipliers = next(array for array in found.arrays if array.name == "state.multipliers")
+    assert multipliers.shape == "1 x 25"  # one row: normal forces alone
+    assert declared(scene()) | {"friction": False, "material history": False, "contact": True} == declared(scene())
+
+
+@pytest.mark.parametrize(
+    ("changes", "effect"),
+    [
+        (COULOMB, "friction"),
+        (PLASTIC, "material history"),
+        ({"bodies.disc.velocity": [0.0, -1.0]}, "initial velocity"),
+    ],
+)
+def test_a_key_calls_for_its_effect_and_no_other(changes: dict[str, Any], effect: str) -> None:
+    before, after = declared(scene()), declared(scene(changes))
+    assert {name for name in before if before[name] != after[name]} == {effect}
+    assert after[effect]
+
+
+def test_friction_brings_its_arrays() -> None:
+    plain, rough = set(names(scene())), set(names(scene(COULOMB)))
+    assert plain < rough
+    assert {"contact.rows.tangent_weight", "contact.rows.slip", "contact.rows.bound"} <= rough - plain
+    assert tangential(rough) == rough - plain
+
+
+def test_history_is_as_large_as_the_law_says() -> None:
+    model = build(scene(PLASTIC), default_registry())
+    law = model.bodies[1].material
+    assert law.history_size > 0
+    cells = len(model.bodies[1].cells)
+    assert model.state["history.block"].size == law.history_size * 4 * cells
+    assert "history.disc" not in model.state
+
+
+def test_without_contacts_nothing_of_contact_is_held_or_called() -> None:
+    bare = without_contact()
+    found = explain(bare, default_registry())
+    assert [name for name in names(bare) if name.startswith("contact") or "multipliers" in name] == []
+    assert [call for call in found.calls_per_step if "contact" in call.call] == []
+    assert build(bare, default_registry()).contact is None
+    assert "contactlab_mortar" not in found.modules
+
+
+# --- what is really there ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("changes", [{}, COULOMB, PLASTIC])
+def test_no_array_escapes_the_list(changes: dict[str, Any]) -> None:
+    """NumPy's own allocations that outlive `build` are, to the byte, those that are listed."""
+    build(scene(changes), default_registry())  # compiles kernels, whose constants are no arrays of a model
+    wanted = scene(changes)
+    gc.collect()
+    tracemalloc.start(8)
+    try:
+        model = build(wanted, default_registry())
+        gc.collect()
+        traced = tracemalloc.take_snapshot().filter_traces([tracemalloc.DomainFilter(True, np.lib.tracemalloc_domain)])
+    finally:
+        tracemalloc.stop()
+    really = sum(trace.size for trace in traced.traces)
+    listed = sum(array.bytes for array in held_arrays(model))
+    # scalars that NumPy keeps for itself, and tables of a handful of numbers inside parts
+    assert abs(really - listed) <= 0.02 * really, f"{really} bytes are held, {listed} are listed"
+
+
+PROBE = """
+import json, sys
+import contactlab
+from contactlab.scene import Scene
+scene = Scene.from_data(json.loads(sys.argv[1]))
+results = contactlab.simulate(scene)
+assert results.status == "finished", results.reason
+print(json.dumps(sorted(sys.modules)))
+"""
+
+SHORT = {
+    "time.end": 2e-7,
+    "supports.1.uy.to": -1e-5,
+    "bodies.disc.mesh.cells": [8, 2],
+    "bodies.block.mesh.cells": [12, 2],
+}
+
+
+def imported(scene: Scene) -> set[str]:
+    """Modules of a fresh process that has run the scene for a few steps."""
+    done = subprocess.run(
+        [sys.executable, "-c", PROBE, json.dumps(scene.data)], capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return set(json.loads(done.stdout.splitlines()[-1]))
+
+
+def working(modules: Iterable[str]) -> set[str]:
+    """Plugin packages of which more than the light entry point was imported."""
+    return {
+        name.partition(".")[0]
+        for name in modules
+        if name.startswith("contactlab_") and "." in name and not name.endswith(".plugin")
+    }
+
+
+@pytest.mark.parametrize("changes", [{}, {"contacts.0.algorithm": "node-on-segment"}, COULOMB])
+def test_a_run_imports_the_packages_that_explain_lists(changes: dict[str, Any]) -> None:
+    wanted = scene(SHORT | changes)
+    listed = {name for name in explain(wanted, default_registry()).modules if name.startswith("contactlab_")}
+    assert working(imported(wanted)) == listed
+
+
+def test_a_run_without_contact_or_report_imports_neither() -> None:
+    found = imported(without_contact().with_(SHORT))
+    assert working(found) == {"contactlab_dynamics", "contactlab_quads", "contactlab_solids"}
+    for heavy in ("matplotlib", "rich", "rerun", "meshio"):
+        assert heavy not in found, f"{heavy} was imported by a run that draws nothing"
