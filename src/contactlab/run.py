@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from contactlab.api import Floats, IterationRow, Step, StepStatus
+from contactlab.api import Floats, IterationRow, Layout, Step, StepStatus
 from contactlab.errors import SimulationFailure
 from contactlab.guards import Guards
 from contactlab.model.memory import model_memory, restore_model
@@ -18,7 +18,7 @@ from contactlab.needs.watch import Watch
 from contactlab.provenance import parts_of, versions
 from contactlab.recorders import open_recordings, recorders_of
 from contactlab.restart import changed_versions, check_memory, cost_so_far, resumed_before, saved_run, stored_results
-from contactlab.results.files import write_scene
+from contactlab.results.files import HistoryFile, write_scene
 from contactlab.results.frame import layout_of
 from contactlab.results.journal import Journal
 from contactlab.results.results import Results
@@ -168,18 +168,28 @@ def begin_run(model: Model, scene: Any, registry: Any, folder: Path | None, resu
     recorders = recorders_of(scene, registry) if folder is not None else {}
     used = _with_recorders(scene, recorders)
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
-    past, checkpoint = (saved_run(folder) if resume and folder is not None else None) or (None, None)
-    if past is not None and checkpoint is not None and folder is not None:
-        run.restore(checkpoint, folder)
-        for change in changed_versions(past.layout, layout):
-            warnings.warn(f"results may differ in their last digits: {change}", RuntimeWarning, stacklevel=3)
-    recordings = {}
-    if folder is not None:
-        write_scene(folder, layout.scene)
-        recordings = open_recordings(recorders, folder, layout, past)
     every_step = frozenset(name for name, recorder in recorders.items() if recorder.every_step)
-    run.journal = Journal(model, layout, folder, recordings, every_step, past)
+    if folder is None:
+        run.journal = Journal(model, layout, {}, every_step)
+        return run
+    claimed = HistoryFile(folder)
+    past = _take_up(run, layout, folder) if resume else None
+    write_scene(folder, layout.scene)
+    recordings = open_recordings(recorders, folder, layout, past)
+    run.journal = Journal(model, layout, recordings, every_step, claimed, past)
     return run
+
+
+def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
+    """Bring the run to where the one in the folder was saved, and give that back; None where nothing was."""
+    saved = saved_run(folder)
+    if saved is None:
+        return None
+    past, checkpoint = saved
+    run.restore(checkpoint, folder)
+    for change in changed_versions(past.layout, layout):
+        warnings.warn(f"results may differ in their last digits: {change}", RuntimeWarning, stacklevel=4)
+    return past
 
 
 def _schedule(model: Model, scene: Any) -> Schedule:

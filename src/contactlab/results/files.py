@@ -18,14 +18,23 @@ ITERATIONS = "iterations.csv"
 
 
 class HistoryFile:
-    """`history.csv`, a row per stored frame. While it is open, no other run may write to the folder."""
+    """`history.csv`, a row per stored frame. While it is open, no other run may write to the folder.
 
-    def __init__(self, folder: Path, rows: Sequence[Mapping[str, float]]) -> None:
-        path = folder / "history.csv"
-        self.file = path.open("a", newline="")
+    Raises RequestError where another run has it open, or where nothing can be written.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        try:
+            self.file = (folder / "history.csv").open("a", newline="")
+        except OSError as error:
+            raise _unwritable(folder, error) from error
         _claim(self.file, folder)
-        self.file.truncate(0)
         self.writer: csv.DictWriter[str] | None = None
+
+    def begin(self, rows: Sequence[Mapping[str, float]]) -> None:
+        """Hold these rows and no others."""
+        self.file.truncate(0)
         for row in rows:
             self.add(row)
 
@@ -101,8 +110,12 @@ def write_scene(folder: Path, text: str) -> None:
     try:
         (folder / "scene.toml").write_text(text, encoding="utf-8")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise RequestError(f"no results can be written here: {reason}", where=f"results folder {folder}") from error
+        raise _unwritable(folder, error) from error
+
+
+def _unwritable(folder: Path, error: OSError) -> RequestError:
+    reason = (error.strerror or str(error)).lower()
+    return RequestError(f"no results can be written here: {reason}", where=f"results folder {folder}")
 
 
 def write_contacts(folder: Path, contacts: Mapping[str, ContactHistory]) -> None:

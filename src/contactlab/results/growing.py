@@ -24,12 +24,22 @@ METADATA = 65536  # bytes set aside beside the rows, for chunk indices
 
 
 class GrowingFile:
-    """An HDF5 file open for writing, without a lock so that others can read it meanwhile."""
+    """An HDF5 file open for writing, without a lock so that others can read it meanwhile.
 
-    def __init__(self, path: Path, mode: str) -> None:
+    A new file has another name until `publish`: half of a beginning is nothing that anyone could read.
+    """
+
+    def __init__(self, path: Path, new: bool) -> None:
         self.path = path
-        self.file = h5py.File(path, mode, locking=False)
-        self.descriptor = os.open(path, os.O_RDWR)
+        self.present = path.with_name(path.name + ".new") if new else path
+        self.file = h5py.File(self.present, "w" if new else "r+", locking=False)
+        self.descriptor = os.open(self.present, os.O_RDWR)
+
+    def publish(self) -> None:
+        """Everything so far is whole: the file gets its name."""
+        self.flush()
+        if self.present != self.path:
+            self.present = self.present.replace(self.path)
 
     def reserve(self, size: int) -> None:
         """Take `size` more bytes of disk. Raises OSError where there are none, before anything is written."""

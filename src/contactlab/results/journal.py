@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -34,12 +33,13 @@ class Journal:
         self,
         model: Model,
         layout: Layout,
-        folder: Path | None,
         recordings: Mapping[str, Recording],
         every_step: frozenset[str],
+        history_file: HistoryFile | None = None,
         past: Results | None = None,
     ) -> None:
-        self.model, self.layout, self.folder = model, layout, folder
+        self.model, self.layout = model, layout
+        self.folder = history_file.folder if history_file is not None else None
         self.recordings = dict(recordings)
         self.rows: list[dict[str, float]] = []
         self.contact = {contact.name: ContactHistory() for contact in layout.contacts}
@@ -51,7 +51,9 @@ class Journal:
         self.sampler = StepSampler(model, len(layout.steps), self._steps) if every_step else None
         if past is not None:
             self._take_up(past)
-        self.history_file = HistoryFile(folder, self.rows) if folder is not None else None
+        self.history_file = history_file
+        if history_file is not None:
+            history_file.begin(self.rows)
 
     @property
     def every_step(self) -> tuple[StepSample, ...]:

@@ -41,11 +41,11 @@ class VtkHdf(Recorder):
 
     def open(self, folder: Path, layout: Layout) -> Recording:
         """A new file."""
-        return VtkHdfRecording(GrowingFile(folder / FILE, "w"), layout)
+        return VtkHdfRecording(GrowingFile(folder / FILE, new=True), layout)
 
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
         """The file as it lies, cut back to what `run` holds."""
-        recording = VtkHdfRecording(GrowingFile(folder / FILE, "r+"), layout)
+        recording = VtkHdfRecording(GrowingFile(folder / FILE, new=False), layout)
         recording.cut(len(run.frames), run.step_count, len(run.events))
         return recording
 
@@ -90,7 +90,7 @@ class VtkHdfRecording(Recording):
         self.history.write(row, [float(value) for value in frame.scalars.values()])
         self.grid.append_time(frame.time)
         self.step_count.write(self.steps_written)
-        self.growing.flush()
+        self.growing.publish()
 
     def steps(self, block: Floats) -> None:
         """Append scalars of steps."""

@@ -1,0 +1,181 @@
+"""A run that is killed at any moment leaves files that open, loses no stored frame, and can go on exactly."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import h5py
+import numpy as np
+import pytest
+
+import contactlab
+from contactlab.simulation import simulate
+
+pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="children that are killed are made by fork")
+
+MakeScene = Callable[..., Any]
+Assert = Callable[[Any, Any], None]
+
+KILLS = 20
+
+
+class Zygote:
+    """Runs scenes in processes that begin within a millisecond; see zygote.py."""
+
+    def __init__(self) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, str(Path(__file__).with_name("zygote.py"))],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+
+    def run(
+        self,
+        scene: Any,
+        folder: Path,
+        resume: bool = False,
+        lives: float = 0.0,
+        watch: Callable[[int, int], None] = lambda pid, frames: None,
+    ) -> Outcome:
+        """Run to the end, or for `lives` seconds. `watch` gets the process and the number of frames so far."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        self.process.stdin.write(json.dumps([scene.toml(), str(folder), resume, lives]) + "\n")
+        self.process.stdin.flush()
+        told: dict[str, str] = {}
+        frames = 0
+        for line in self.process.stdout:
+            word, _, value = line.strip().partition(" ")
+            told[word] = value
+            if word == "frame":
+                frames += 1
+                watch(int(told["pid"]), frames)
+            if word == "exit":
+                return Outcome(frames, int(value), float(told.get("cpu", "nan")))
+        raise AssertionError("the zygote has died")
+
+    def close(self) -> None:
+        """End it."""
+        assert self.process.stdin is not None
+        self.process.stdin.close()
+        self.process.wait()
+
+
+class Outcome(NamedTuple):
+    """Frames reported as stored (without the first), exit status, processor time [s]."""
+
+    frames: int
+    status: int
+    cpu: float
+
+
+@pytest.fixture(scope="module")
+def zygote() -> Iterator[Zygote]:
+    made = Zygote()
+    yield made
+    made.close()
+
+
+@pytest.fixture(scope="module")
+def scene(small_scene: MakeScene) -> Any:
+    return small_scene({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "record.frames": 40})
+
+
+def test_kill_at_random_moments(
+    scene: Any, zygote: Zygote, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
+) -> None:
+    done = zygote.run(scene, tmp_path / "whole")
+    assert done.status == 0
+    whole = contactlab.load_results(tmp_path / "whole")
+    chance = random.Random(1818)
+    seen: list[int] = []
+    for number in range(KILLS):
+        folder = tmp_path / f"run-{number}"
+        killed = zygote.run(scene, folder, lives=chance.uniform(0.1, 0.95) * done.cpu)
+        if killed.status == -signal.SIGPROF:
+            seen.append(killed.frames)
+            check_files(folder, killed.frames)
+        assert zygote.run(scene, folder, resume=True).status == 0
+        assert_same_run(whole, contactlab.load_results(folder))
+        assert_same_files(tmp_path / "whole", folder)
+    assert len(seen) >= KILLS // 2, "most runs ended before they were killed: nothing was shown"
+    assert len(set(seen)) >= 5, "kills came at the same few moments"
+
+
+def check_files(folder: Path, frames: int) -> None:
+    """As it lies, the file has every frame that was reported, whole, in h5py and in VTK."""
+    if frames == 0:
+        return  # killed before the file was begun, perhaps
+    with h5py.File(folder / "results.vtkhdf") as file:
+        stored = int(file["VTKHDF/Steps"].attrs["NSteps"])
+        times = file["VTKHDF/Steps/Values"][:]
+        assert len(times) == stored
+    # frame 0 is stored before any is reported
+    assert stored >= frames + 1
+    results = contactlab.load_results(folder)
+    assert results.status == "interrupted"
+    assert "without a word (killed" in results.reason
+    assert len(results.frames) == stored
+    for frame in results.frames:
+        assert frame.time == times[frame.number]
+        assert np.isfinite(frame.displacement).all()
+        # the steps that led to a frame are stored with it
+        assert frame.step <= len(results.steps["step"])
+        curve = frame.curves["contacts.0"]
+        assert np.array_equal(curve.x, (results.nodes + frame.displacement)[results.layout.contacts[0].slave_nodes, 0])
+    check_vtk(folder / "results.vtkhdf", times)
+
+
+def check_vtk(path: Path, times: Any) -> None:
+    """VTK sees the same times and the same points at the last one."""
+    hdf = pytest.importorskip("vtkmodules.vtkIOHDF", reason="VTK is not installed (extra: test)")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    reader = hdf.vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == len(times)
+    reader.SetStep(len(times) - 1)
+    reader.Update()
+    grid = reader.GetOutputDataObject(0)
+    results = contactlab.load_results(path.parent)
+    points = vtk_to_numpy(grid.GetPoints().GetData())[:, :2]
+    assert np.array_equal(points, results.nodes + results.frames[-1].displacement)
+
+
+def test_sigterm_and_ctrl_c_save_the_last_state(scene: Any, zygote: Zygote, tmp_path: Path) -> None:
+    for number in (signal.SIGTERM, signal.SIGINT):
+        folder = tmp_path / number.name
+
+        def stop(pid: int, frames: int, number: signal.Signals = number) -> None:
+            if frames == 2:
+                os.kill(pid, number)
+
+        assert zygote.run(scene, folder, watch=stop).status == 130
+        results = contactlab.load_results(folder)
+        assert results.status == "interrupted"
+        assert results.reason.startswith(f"stopped by {number.name} after step {results.summary['steps']}")
+        assert len(results.steps["step"]) == results.summary["steps"]
+
+
+def test_two_runs_cannot_write_to_one_folder(scene: Any, zygote: Zygote, tmp_path: Path) -> None:
+    refused = []
+
+    def try_too(pid: int, frames: int) -> None:
+        if frames == 1:
+            os.kill(pid, signal.SIGSTOP)
+            with pytest.raises(contactlab.ContactlabError) as error:
+                simulate(scene, tmp_path, resume=True)
+            refused.append(str(error.value))
+            os.kill(pid, signal.SIGCONT)
+
+    assert zygote.run(scene, tmp_path, watch=try_too).status == 0
+    assert "another run is writing to this folder" in refused[0]
+    assert contactlab.load_results(tmp_path).status == "finished"

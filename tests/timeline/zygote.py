@@ -1,0 +1,77 @@
+"""A process that runs scenes in children of its own: they begin at once, compiled, and may be killed.
+
+Reads lines of JSON from standard input: [scene TOML, folder, resume, lives], where a child that does
+not live for ever (0) dies after so many seconds of processor time, at once and without a chance to tidy
+up, as by kill -9; unlike the clock on the wall that does not depend on what else the machine does.
+Answers: "pid N", "frame" whenever one was stored, "cpu SECONDS" and "exit STATUS".
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import sys
+import traceback
+import warnings
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import process_time
+
+import contactlab.run
+from contactlab.interruption import Interrupted
+from contactlab.scene import Scene
+from contactlab.simulation import simulate
+from contactlab.toml_text import parse_toml
+
+SAVE_EVERY = 0.01  # seconds: some ten saved states in a run, so that it is killed while it writes them, too
+
+
+def tell(*words: object) -> None:
+    """One line to the test, at once."""
+    sys.stdout.write(" ".join(str(word) for word in words) + "\n")
+    sys.stdout.flush()
+
+
+def run(text: str, folder: str, resume: bool, lives: float) -> int:
+    """Simulate; the exit status is that of the command line."""
+    warnings.simplefilter("ignore")
+    contactlab.run.SAVE_EVERY, contactlab.run.SAVE_SHARE = SAVE_EVERY, 0.0
+    signal.setitimer(signal.ITIMER_PROF, lives)
+    scene = Scene.from_data(parse_toml(text, "scene.toml"))
+    try:
+        results = simulate(scene, Path(folder), progress=lambda *_: tell("frame"), resume=resume)
+    except Interrupted:
+        return 130
+    return 0 if results.status == "finished" else 1
+
+
+@cache
+def warm_up(text: str) -> None:
+    """Let every kernel of the scene be loaded here, so that children find it loaded."""
+    with TemporaryDirectory() as folder:
+        simulate(Scene.from_data(parse_toml(text, "scene.toml")), folder)
+
+
+def main() -> None:
+    """Serve until standard input ends."""
+    for line in sys.stdin:
+        warm_up(json.loads(line)[0])
+        child = os.fork()
+        if child == 0:
+            status = 3
+            try:
+                status = run(*json.loads(line))
+            except Exception:
+                traceback.print_exc()
+            finally:
+                tell("cpu", process_time())
+                os._exit(status)
+        tell("pid", child)
+        _, status = os.waitpid(child, 0)
+        tell("exit", os.waitstatus_to_exitcode(status))
+
+
+if __name__ == "__main__":
+    main()
