@@ -137,10 +137,10 @@ def _missing_key(cls: type, field: dataclasses.Field[Any], hint: Any, where: Whe
 
 
 def as_data(instance: Any) -> dict[str, Any]:
-    """A dataclass as a plain nested dict; keys whose value is None are left out."""
+    """A dataclass as a plain nested dict; keys without a value, or with an empty table, are left out."""
     names = keys_of(type(instance))
     values = {name: getattr(instance, name) for name in names}
-    return {name: _plain(value) for name, value in values.items() if value is not None}
+    return {name: _plain(value) for name, value in values.items() if value is not None and value != {}}
 
 
 def _plain(value: Any) -> Any:
@@ -173,7 +173,7 @@ def _steps(hint: Any) -> Iterator[Any]:
     """A type and what it holds, outermost first: a mapping or list takes one step of a path each."""
     while True:
         if get_origin(hint) in (typing.Union, types.UnionType) and hint != PartSpec | None:
-            hint = next((option for option in get_args(hint) if dataclasses.is_dataclass(option)), None)
+            hint = next((option for option in get_args(hint) if dataclasses.is_dataclass(option) or get_args(option)), None)
         yield hint
         inner = get_args(hint)
         if not inner:

@@ -8,7 +8,7 @@ from typing import Any
 
 from contactlab.errors import SceneError, did_you_mean, show
 
-NAMED_LISTS = ("contacts", "supports")
+NAMED_LISTS = ("contacts", "supports", "loads")
 """Lists of tables whose entries can be reached by their `name`, too."""
 
 Switch = Callable[[str, Mapping[str, Any], str], dict[str, Any]]
@@ -93,7 +93,7 @@ def _step(holder: Any, name: str, path: list[str]) -> Any:
     )
 
 
-_BY_NAME = (["bodies"], ["materials"])
+_BY_NAME = (["bodies"], ["materials"], ["rigid"])
 
 
 def _no_such_entry(path: list[str], entries: Mapping[str, Any]) -> SceneError:

@@ -23,6 +23,8 @@ def part_specs(scene: Any) -> Iterator[tuple[str, str, str]]:
             spec = getattr(contact, key)
             if spec is not None:
                 yield f"contacts.{number}.{key}", kind, spec["use"]
+    for number, spec in enumerate(scene.effects):
+        yield f"effects.{number}", "effect", spec["use"]
     for number, spec in enumerate(scene.record.recorders or ()):
         yield f"record.recorders.{number}", "recorder", spec["use"]
 

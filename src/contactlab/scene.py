@@ -15,7 +15,7 @@ from contactlab.errors import Location, SceneError, did_you_mean
 from contactlab.fields import PartSpec, as_data, hidden, is_required, key, keys_of, kind_at, part, read_table
 from contactlab.overrides import changed
 from contactlab.registry import Registry, default_registry
-from contactlab.scene_keys import Body, Contact, Record, Support, Time
+from contactlab.scene_keys import Body, Contact, Load, Record, Rigid, Support, Time
 from contactlab.toml_text import read_toml, write_toml
 
 
@@ -39,7 +39,10 @@ class Scene:
     materials: Mapping[str, PartSpec] = part("material", says="the material laws by name")
     bodies: Mapping[str, Body] = key(says="the bodies by name")
     contacts: tuple[Contact, ...] = key((), says="contact pairs")
+    rigid: Mapping[str, Rigid] = key({}, says="rigid surfaces by name")
     supports: tuple[Support, ...] = key((), says="prescribed displacements")
+    loads: tuple[Load, ...] = key((), says="forces spread over edge sets")
+    effects: tuple[PartSpec, ...] = part("effect", (), says="gravity, springs, dampers: what else pushes on nodes")
     record: Record = key(Record(), says="what is kept of a run")
 
     origin: Location = hidden(Location())

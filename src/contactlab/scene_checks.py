@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from contactlab.errors import Location, SceneError, did_you_mean
-from contactlab.scene_keys import Contact, Support
+from contactlab.scene_keys import Contact, Load, Support
 
 if TYPE_CHECKING:
     from contactlab.scene import Scene
@@ -15,8 +15,10 @@ if TYPE_CHECKING:
 def check(scene: Scene) -> None:
     """Raise SceneError for the first contradiction."""
     _check_bodies(scene)
+    _check_rigid(scene)
     _check_contacts(scene)
     _check_supports(scene)
+    _check_loads(scene)
     _check_duration(scene)
 
 
@@ -51,29 +53,64 @@ def _check_bodies(scene: Scene) -> None:
             )
 
 
+def _check_rigid(scene: Scene) -> None:
+    touched = {target for contact in scene.contacts for side in contact.targets for target in side}
+    for name in scene.rigid:
+        where = scene.where(f"rigid.{name}")
+        if name in scene.bodies:
+            raise SceneError("a body has this name, too", where=where, got=name, allowed="a name that is not taken")
+        if name not in touched:
+            raise SceneError(
+                "no contact names this rigid surface",
+                where=where,
+                got=name,
+                hint=f'take the table out, or write master = "{name}" at a contact',
+            )
+
+
 def _check_contacts(scene: Scene) -> None:
     _check_names(scene, "contacts", scene.contacts)
     pairs: dict[frozenset[str], int] = {}
     for number, contact in enumerate(scene.contacts):
         where = scene.where(f"contacts.{number}")
-        for side in ("slave", "master"):
-            _check_target(scene, getattr(contact, side), where.child(side), needs_edges=True)
-        if contact.slave == contact.master:
+        sides = [_check_side(scene, contact, side, where.child(side)) for side in ("slave", "master")]
+        common = set(sides[0]) & set(sides[1])
+        if common:
             raise SceneError(
                 "slave and master are the same edge set",
                 where=where.child("master"),
-                got=contact.master,
+                got=sorted(common)[0],
                 allowed="two different edge sets",
             )
-        pair = frozenset((contact.slave, contact.master))
-        if pair in pairs:
+        for pair in (frozenset((s, m)) for s in sides[0] for m in sides[1]):
+            if pair in pairs:
+                raise SceneError(
+                    f"contacts.{pairs[pair]} already joins these edge sets",
+                    where=where,
+                    got=sorted(pair),
+                    allowed="each pair of edge sets once",
+                )
+            pairs[pair] = number
+
+
+def _check_side(scene: Scene, contact: Contact, side: str, where: Location) -> tuple[str, ...]:
+    """The edge sets of `slave` or `master` as written. A rigid surface carries no multipliers."""
+    written = getattr(contact, side)
+    targets = (written,) if isinstance(written, str) else tuple(written)
+    acts_as_slave = (side == "slave") != contact.swap
+    if not targets or len(set(targets)) < len(targets):
+        raise SceneError("an edge set is needed here, each once", where=where, got=list(targets))
+    for target in targets:
+        if target not in scene.rigid:
+            _check_target(scene, target, where, needs_edges=True)
+        elif acts_as_slave:
             raise SceneError(
-                f"contacts.{pairs[pair]} already joins these edge sets",
+                "a rigid surface cannot be the slave: its nodes cannot give way to any multiplier",
                 where=where,
-                got=[contact.slave, contact.master],
-                allowed="each pair of edge sets once",
+                got=target,
+                hint="make it the master" + (", swap = false" if contact.swap else ""),
             )
-        pairs[pair] = number
+    return targets
 
 
 def _check_supports(scene: Scene) -> None:
@@ -82,10 +119,10 @@ def _check_supports(scene: Scene) -> None:
     for number, support in enumerate(scene.supports):
         where = scene.where(f"supports.{number}")
         _check_target(scene, support.on, where.child("on"), needs_edges=False)
-        given = [component for component in ("ux", "uy") if getattr(support, component) is not None]
+        given = ["ux", "uy"] if support.turn else [c for c in ("ux", "uy") if getattr(support, c) is not None]
         if not given:
             raise SceneError(
-                "this support holds nothing", where=where, allowed="ux, uy or both", hint="add ux = 0.0 or uy = 0.0"
+                "this support holds nothing", where=where, allowed="ux, uy, turn", hint="add ux = 0.0 or uy = 0.0"
             )
         for component in given:
             first = taken.setdefault((support.on, component), number)
@@ -98,8 +135,22 @@ def _check_supports(scene: Scene) -> None:
                 )
 
 
+def _check_loads(scene: Scene) -> None:
+    _check_names(scene, "loads", scene.loads)
+    for number, load in enumerate(scene.loads):
+        _check_target(scene, load.on, scene.where(f"loads.{number}.on"), needs_edges=True)
+
+
 def _check_target(scene: Scene, target: str, where: Location, needs_edges: bool) -> None:
     body, edge_set = split_target(target)
+    if target in scene.rigid:
+        raise SceneError(
+            "a rigid surface moves as its own table says",
+            where=where,
+            got=target,
+            allowed="an edge set of a body",
+            hint=f"write ux, uy or turn under [rigid.{target}]",
+        )
     if body not in scene.bodies:
         raise SceneError(
             "no body of this name is declared",
@@ -118,7 +169,7 @@ def _check_target(scene: Scene, target: str, where: Location, needs_edges: bool)
         )
 
 
-def _check_names(scene: Scene, table: str, entries: Sequence[Contact | Support]) -> None:
+def _check_names(scene: Scene, table: str, entries: Sequence[Contact | Support | Load]) -> None:
     """Names must tell entries apart and not look like their numbers or like paths."""
     seen: dict[str, int] = {}
     for number, entry in enumerate(entries):

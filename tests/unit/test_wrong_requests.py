@@ -53,7 +53,7 @@ WRONG = {
     "zero density": edit("density = 2.7e-9", "density = 0", "key materials.steel.density", "> 0"),
     "poisson one half": edit("poisson = 0.3", "poisson = 0.5", "key materials.steel.poisson", "0.5", "poisson < 0.5"),
     "unknown algorithm": edit('"mortar-p0"', '"mortar-p2"', "key contacts.0.algorithm", "mortar-p0, mortar-p1", "did you mean", at="algorithm ="),
-    "unknown element": edit('element = "q1"', 'element = "q9"', "key bodies.disc.element", '"q1"', at='element = "q9"'),
+    "unknown element": edit('element = "q1"', 'element = "q9"', "key bodies.disc.element", "q1, q1-fbar", at='element = "q9"'),
     "unknown integrator": edit('"central-difference"', '"central-diference"', "key integrator", '"central-difference"', at="[integrator]"),
     "part of another kind": edit('element = "q1"', 'element = "mortar-p0"', "key bodies.disc.element", "kind contact"),
     "part without use": edit('use = "arc-block", ', "", "key bodies.disc.mesh", '"use" is missing', at="mesh = {"),

@@ -6,21 +6,33 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from typing import NamedTuple
 
-from contactlab.api.arrays import Floats
+from contactlab.api.arrays import Floats, Ints
 
 
 class EffectView(NamedTuple):
-    """What an effect may see: reference positions (N, 2) [mm], mass (N,) [t], displacement (N, 2)
-    and velocity (N, 2), the last two always current."""
+    """What an effect may see. Arrays are read-only and always current.
+
+    reference     (N, 2) undeformed positions [mm]
+    mass          (N,) lumped [t]; 0 for nodes of rigid surfaces, (0,) without inertia
+    displacement  (N, 2) [mm]
+    velocity      (N, 2) [mm/s], half a step back in explicit runs; zero without inertia
+    bodies        names of all bodies
+    nodes         nodes (k,) of "body" or "body.edge_set"; a wrong name ends in an error at the effect's key `on`
+    """
 
     reference: Floats
     mass: Floats
     displacement: Floats
     velocity: Floats
+    bodies: tuple[str, ...]
+    nodes: Callable[[str], Ints]
 
 
 class Effect(ABC):
-    """Gravity, springs, follower pressure ... Subclasses are frozen dataclasses."""
+    """Gravity, springs, dampers ... Subclasses are frozen dataclasses.
+
+    Their fields are the TOML keys; a ValueError that `bind` raises is reported at the effect.
+    """
 
     @abstractmethod
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:

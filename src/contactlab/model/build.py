@@ -7,13 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import WORK, Element, Floats, Integrator, Material, MeshSource, State
+from contactlab.api import WORK, Element, Floats, Integrator, Material, Mesh, MeshSource, State
 from contactlab.errors import SceneError
 from contactlab.mesh import inverted_cells, moved, nodal_measure
 from contactlab.model.body import Body, BodyForces
+from contactlab.model.checks import check_supported
 from contactlab.model.contacts import build_contact, contact_shapes, plan_contacts
+from contactlab.model.edge_sets import with_parts
+from contactlab.model.effects import build_effects
+from contactlab.model.initial_gap import adjusted_bodies, check_ramp_steps, positions_of
+from contactlab.model.loads import build_loads
 from contactlab.model.model import Model
 from contactlab.model.pace import find_pace
+from contactlab.model.rigid import RigidSurface, build_rigid
 from contactlab.model.supports import plan_supports
 
 
@@ -24,18 +30,21 @@ def build(scene: Any, registry: Any) -> Model:
     """
     integrator = registry.make("integrator", scene.integrator, scene.where("integrator"))
     bodies = build_bodies(scene, registry)
-    reference = np.concatenate([body.mesh.nodes for body in bodies])
-    mass = _masses(bodies, integrator)
-    supports = plan_supports(scene, bodies)
+    rigid = build_rigid(scene, bodies)
+    plans = plan_contacts(scene, registry, bodies, rigid, integrator)
+    bodies = adjusted_bodies(bodies, rigid, plans)
+    reference = positions_of(bodies, rigid)
+    mass = _masses(bodies, rigid, integrator)
+    supports = plan_supports(scene, bodies, rigid, reference)
+    check_supported(scene, bodies, supports, integrator)
     pace = find_pace(scene, bodies, reference, mass, supports, integrator)
     prescribed = supports.bind(pace.ramp)
-    plans = plan_contacts(scene, registry, bodies, integrator)
     state = State(_shapes(len(reference), bodies, integrator, plans))
     position, increment = reference.copy(), _increment(bodies, len(reference))
     explicit = integrator.explicit
     forces = tuple(_bind(body, reference, position, increment, state, explicit) for body in bodies)
-    _initial_velocity(scene, bodies, state)
-    contact = build_contact(plans, reference, prescribed.dof, state)
+    _initial_velocity(scene, bodies, reference, mass, state)
+    contact = build_contact(plans, bodies, reference, prescribed.dof, state, pace.ramp)
     model = _model_class(integrator)(
         reference=reference,
         position=position,
@@ -50,10 +59,15 @@ def build(scene: Any, registry: Any) -> Model:
         supports=supports.sets,
         pace=pace,
         updates=tuple(call for body in forces for call in body.calls),
-        loads=(),
+        loads=(
+            *build_loads(scene, bodies, reference, position, pace.ramp),
+            *build_effects(scene, registry, bodies, reference, mass, state),
+        ),
         increment=increment,
     )
     model.internal_force(0.0)
+    if integrator.explicit and any(plan.start.overlap == "ramp" for plan in plans):
+        check_ramp_steps(plans, pace.ramp, scene.time.step or scene.time.fraction * model.stable_step())
     return model
 
 
@@ -79,7 +93,8 @@ def _body(scene: Any, registry: Any, name: str, spec: Any, material: Material, f
     element: Element = registry.make("element", spec.element, scene.where(f"bodies.{name}.element"))
     where = scene.where(f"bodies.{name}.mesh")
     source: MeshSource = registry.make("mesh", spec.mesh, where)
-    mesh = moved(source.mesh(element, scene.level), spec.rotate, spec.shift)
+    mesh = moved(_meshed(source, element, scene.level, where), spec.rotate, spec.shift)
+    mesh = with_parts(mesh, spec.sets, scene.where(f"bodies.{name}.sets"))
     if not len(mesh.cells):
         raise SceneError("the mesh has no cells", where=where)
     folded = inverted_cells(mesh, element)
@@ -94,18 +109,24 @@ def _body(scene: Any, registry: Any, name: str, spec: Any, material: Material, f
     return Body(name, element, material, mesh, first, len(mesh.nodes), (mesh.cells + first).astype(np.int32))
 
 
-def _masses(bodies: tuple[Body, ...], integrator: Integrator) -> Floats:
+def _meshed(source: MeshSource, element: Element, level: int, where: Any) -> Mesh:
+    try:
+        return source.mesh(element, level)
+    except ValueError as problem:
+        raise SceneError(f"no mesh can be made: {problem}", where=where) from problem
+
+
+def _masses(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator) -> Floats:
     if not integrator.inertia:
         return np.zeros(0)
-    return np.concatenate([body.material.density * nodal_measure(body.mesh, body.element) for body in bodies])
+    own = [body.material.density * nodal_measure(body.mesh, body.element) for body in bodies]
+    return np.concatenate([*own, *(np.zeros(surface.count) for surface in rigid)])
 
 
 # --- state --------------------------------------------------------------------------------------
 
 
-def _shapes(
-    nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: Any
-) -> Mapping[str, tuple[int, ...]]:
+def _shapes(nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: Any) -> Mapping[str, tuple[int, ...]]:
     shapes: dict[str, tuple[int, ...]] = {"clock": (2,), "displacement": (nodes, 2)}
     if integrator.inertia:
         shapes["velocity"] = (nodes, 2)
@@ -143,8 +164,12 @@ def _bind(
     return BodyForces(body, geometry, field, state["internal_force"], history, trial, shape)
 
 
-def _initial_velocity(scene: Any, bodies: tuple[Body, ...], state: State) -> None:
+def _initial_velocity(scene: Any, bodies: tuple[Body, ...], reference: Floats, mass: Floats, state: State) -> None:
     if "velocity" not in state:
         return
     for body, spec in zip(bodies, scene.bodies.values(), strict=True):
-        state["velocity"][body.first : body.first + body.count] = spec.velocity
+        own = slice(body.first, body.first + body.count)
+        state["velocity"][own] = spec.velocity
+        if spec.spin:
+            arm = reference[own] - mass[own] @ reference[own] / mass[own].sum()
+            state["velocity"][own] += spec.spin * np.stack([-arm[:, 1], arm[:, 0]], axis=1)

@@ -8,7 +8,7 @@ import numpy as np
 
 from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve, State
 from contactlab.kernels.rows import tangential_work
-from contactlab.model.surface_pair import SurfacePair
+from contactlab.model.gap_pair import Pair
 
 MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
 GROW = 1.5
@@ -17,7 +17,7 @@ GROW = 1.5
 class ContactSystem:
     """The pairs and the enforcement they share. Implements `contactlab.api.ContactEquations`."""
 
-    def __init__(self, pairs: tuple[SurfacePair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
+    def __init__(self, pairs: tuple[Pair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         self.pairs, self.enforcement, self.state = pairs, enforcement, state
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)

@@ -13,8 +13,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from contactlab.api import Floats
+from contactlab.model.gap_pair import Pair
 from contactlab.model.model import Model
-from contactlab.model.surface_pair import SurfacePair
 
 
 def model_memory(model: Model) -> dict[str, Floats]:
@@ -46,7 +46,7 @@ def restore_model(model: Model, memory: Mapping[str, Floats]) -> None:
             pair.find_near(slave, master)
 
 
-def _near_memory(pair: SurfacePair) -> dict[str, Floats]:
+def _near_memory(pair: Pair) -> dict[str, Floats]:
     if pair.near is not None:
         slave, master = pair.near.slave, pair.near.master
     else:

@@ -71,6 +71,4 @@ def find_pace(
 
 def _directions(supports: SupportPlan) -> Floats:
     """Unit vectors (d, 2) along which supports move; both axes where none does."""
-    moved = [supports.dof[supports.scale != 0.0] % 2 == c for c in range(2)]
-    axes = [c for c in range(2) if moved[c].any()] or [0, 1]
-    return np.eye(2)[axes]
+    return np.eye(2)[[c for c in range(2) if supports.moving[c]] or [0, 1]]

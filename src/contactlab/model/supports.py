@@ -1,126 +1,207 @@
-"""Prescribed motion: supports, their ramps, and the degrees of freedom they hold."""
+"""Prescribed motion: supports and rigid surfaces, and the degrees of freedom they hold."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from contactlab.api import Floats, Ints
 from contactlab.errors import SceneError, below
 from contactlab.model.body import Body
-from contactlab.model.edge_sets import edge_set
+from contactlab.model.edge_sets import nodes_of
+from contactlab.model.ramps import Course, course_of
+from contactlab.model.rigid import RigidSurface
 
-Ramp = Callable[[float], float]
-
-
-def parabola(duration: float) -> Ramp:
-    """d(t) = 1 - (1 - t/T)^2: starts at speed 2/T and ends with none (Baillet & Sassi 2005, 5.1)."""
-
-    def value(time: float) -> float:
-        rest = 1.0 - min(time, duration) / duration
-        return 1.0 - rest * rest
-
-    return value
-
-
-def linear(duration: float) -> Ramp:
-    """d(t) = t/T, then constant."""
-    return lambda time: min(time, duration) / duration
-
-
-def constant(duration: float) -> Ramp:
-    """The full value from the start."""
-    return lambda time: 1.0
-
-
-RAMPS: dict[str, Callable[[float], Ramp]] = {"parabola": parabola, "linear": linear, "constant": constant}
+Values = Callable[[float], Floats]
 
 
 @dataclass(frozen=True)
 class SupportedSet:
-    """The nodes of one support, for reactions: `on` as written in the scene."""
+    """The nodes of one support or rigid surface, for reactions: `on` as written in the scene."""
 
     on: str
     nodes: Ints
 
 
+class Shift(NamedTuple):
+    """One value in time that all its nodes share."""
+
+    course: Course
+    size: int = 1
+
+    def bind(self, ramp_time: float) -> Values:
+        """The value (1,) at a time."""
+        ramp = self.course.bind(ramp_time)
+        return lambda time: np.asarray(ramp(time))
+
+
+class Rotation(NamedTuple):
+    """Displacements of nodes that turn about a centre, which itself may move: x and y of every node.
+
+    offsets  (n, 2) [mm] from the centre to the nodes before the run
+    angle    [rad]
+    """
+
+    offsets: tuple[tuple[float, float], ...]
+    angle: Course
+    ux: Course
+    uy: Course
+
+    @property
+    def size(self) -> int:
+        """Two values for each node."""
+        return 2 * len(self.offsets)
+
+    def bind(self, ramp_time: float) -> Values:
+        """Displacements (2 n,) [mm] at a time."""
+        courses = (self.angle, self.ux, self.uy)
+        angle, ux, uy = ((course.to, course.bind(ramp_time)) for course in courses)
+        x, y = np.array(self.offsets).T
+
+        def values(time: float) -> Floats:
+            turned = angle[0] * angle[1](time)
+            # cos - 1 without cancellation, so that a small turn keeps all its digits
+            sin, less = math.sin(turned), -2.0 * math.sin(0.5 * turned) ** 2
+            out = np.empty((len(x), 2))
+            out[:, 0] = less * x - sin * y + ux[0] * ux[1](time)
+            out[:, 1] = less * y + sin * x + uy[0] * uy[1](time)
+            return out.reshape(-1)
+
+        return values
+
+
+Motion = Shift | Rotation
+
+
 class Prescribed:
     """Implements `contactlab.api.PrescribedMotion`: displacement = scale * ramp value."""
 
-    def __init__(self, dof: Ints, scale: Floats, ramp: Ints, ramps: tuple[Ramp, ...]) -> None:
-        self.dof, self.scale, self.ramp, self.ramps = dof, scale, ramp, ramps
-        self._values = np.zeros(max(1, len(ramps)))
+    def __init__(self, dof: Ints, scale: Floats, ramp: Ints, motions: tuple[tuple[int, int, Values], ...]) -> None:
+        self.dof, self.scale, self.ramp, self.motions = dof, scale, ramp, motions
+        self._values = np.zeros(max(1, *(end for _, end, _ in motions)) if motions else 1)
 
     def values(self, time: float) -> Floats:
         """Ramp values at `time` [s]; the same array every call."""
-        for i, ramp in enumerate(self.ramps):
-            self._values[i] = ramp(time)
+        for begin, end, value in self.motions:
+            self._values[begin:end] = value(time)
         return self._values
 
 
 @dataclass(frozen=True)
 class SupportPlan:
-    """All supports of a scene before the pace of the run is known.
+    """All prescribed motion of a scene before the pace of the run is known.
 
     dof, scale, ramp  as in `contactlab.api.PrescribedMotion`
-    motions           shape and duration [s] of each ramp; None: the run's ramp time
+    motions           whose values follow one another in the ramp values
+    moving            (2,) whether anything is moved along x, along y
     """
 
     dof: Ints
     scale: Floats
     ramp: Ints
-    motions: tuple[tuple[str, float | None], ...]
+    motions: tuple[Motion, ...]
     sets: tuple[SupportedSet, ...]
+    moving: tuple[bool, bool]
 
     def bind(self, ramp_time: float) -> Prescribed:
         """The prescribed motion when ramps that name no duration take `ramp_time` [s]."""
-        ramps = tuple(RAMPS[shape](ramp_time if duration is None else duration) for shape, duration in self.motions)
-        return Prescribed(self.dof, self.scale, self.ramp, ramps)
+        ends = np.cumsum([motion.size for motion in self.motions])
+        bound = [
+            (int(end) - motion.size, int(end), motion.bind(ramp_time))
+            for end, motion in zip(ends, self.motions, strict=True)
+        ]
+        return Prescribed(self.dof, self.scale, self.ramp, tuple(bound))
 
 
-def plan_supports(scene: Any, bodies: tuple[Body, ...]) -> SupportPlan:
+def plan_supports(
+    scene: Any, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], reference: Floats
+) -> SupportPlan:
     """Which degrees of freedom the scene prescribes; SceneError where two supports disagree."""
-    held: dict[int, tuple[float, int]] = {}
-    motions: list[tuple[str, float | None]] = []
-    sets = []
+    plan = _Plan(reference)
     for number, spec in enumerate(scene.supports):
         where = scene.where(f"supports.{number}")
-        nodes = _support_nodes(bodies, spec.on, below(where, "on"))
-        sets.append(SupportedSet(spec.on, nodes))
-        for component, motion in enumerate((spec.ux, spec.uy)):
-            if motion is None:
-                continue
-            to = motion if isinstance(motion, int | float) else motion.to
-            motions.append(("constant", 1.0) if motion is to else (motion.ramp, motion.duration))
-            for dof in 2 * nodes + component:
-                _hold(held, int(dof), to, len(motions) - 1, below(where, ("ux", "uy")[component]))
-    order = sorted(held)
-    return SupportPlan(
-        np.array(order, np.int32),
-        np.array([held[dof][0] for dof in order], np.float64),
-        np.array([held[dof][1] for dof in order], np.int32),
-        tuple(motions),
-        tuple(sets),
-    )
+        plan.add(spec.on, nodes_of(bodies, spec.on, below(where, "on")), spec, where)
+    for surface in rigid:
+        plan.add(surface.name, surface.nodes, scene.rigid[surface.name], scene.where(f"rigid.{surface.name}"))
+    return plan.finished()
 
 
-def _hold(held: dict[int, tuple[float, int]], dof: int, to: float, ramp: int, where: Any) -> None:
-    if dof in held and held[dof][0] != to:
-        raise SceneError(
-            f"node {dof // 2} is given two different displacements in {'xy'[dof % 2]}",
-            where=where,
-            got=f"{to:g} after {held[dof][0]:g}",
-            hint="let supports overlap only where they agree",
+class _Held(NamedTuple):
+    scale: float
+    place: int
+    course: Course | None
+
+
+class _Plan:
+    """Supports as they are read, one after another."""
+
+    def __init__(self, reference: Floats) -> None:
+        self.reference = reference
+        self.held: dict[int, _Held] = {}
+        self.motions: list[Motion] = []
+        self.sets: list[SupportedSet] = []
+        self.places = 0
+        self.moving = [False, False]
+
+    def add(self, on: str, nodes: Ints, spec: Any, where: Any) -> None:
+        """Hold or move `nodes` as the table at `where` says."""
+        self.sets.append(SupportedSet(on, nodes))
+        if spec.turn is not None:
+            self._turn(nodes, spec, where)
+            return
+        for component, value in enumerate((spec.ux, spec.uy)):
+            if value is not None:
+                course = course_of(value)
+                self.moving[component] |= course.moves
+                place = self._append(Shift(course))
+                for dof in (2 * nodes + component).tolist():
+                    self._hold(dof, _Held(course.to, place, course), below(where, ("ux", "uy")[component]))
+
+    def _turn(self, nodes: Ints, spec: Any, where: Any) -> None:
+        turn, courses = spec.turn, [course_of(0.0 if value is None else value) for value in (spec.ux, spec.uy)]
+        angle = course_of(turn)._replace(to=math.radians(turn.to))
+        offsets = self.reference[nodes] - np.asarray(turn.about)
+        place = self._append(Rotation(tuple(map(tuple, offsets.tolist())), angle, *courses))
+        self.moving = [True, True]
+        for k, node in enumerate(nodes.tolist()):
+            for component in range(2):
+                self._hold(2 * node + component, _Held(1.0, place + 2 * k + component, None), below(where, "turn"))
+
+    def _append(self, motion: Motion) -> int:
+        """Where the motion's values begin."""
+        begin = self.places
+        self.motions.append(motion)
+        self.places += motion.size
+        return begin
+
+    def _hold(self, dof: int, new: _Held, where: Any) -> None:
+        old = self.held.setdefault(dof, new)
+        if old is not new and (new.course is None or old.course != new.course):
+            raise SceneError(
+                f"node {dof // 2} is given two different displacements in {'xy'[dof % 2]}",
+                where=where,
+                got=f"{_words(new)} after {_words(old)}",
+                hint="let supports overlap only where they agree",
+            )
+
+    def finished(self) -> SupportPlan:
+        """All of it, in the order of the degrees of freedom."""
+        order = sorted(self.held)
+        return SupportPlan(
+            np.array(order, np.int32),
+            np.array([self.held[dof].scale for dof in order], np.float64),
+            np.array([self.held[dof].place for dof in order], np.int32),
+            tuple(self.motions),
+            tuple(self.sets),
+            (self.moving[0], self.moving[1]),
         )
-    held.setdefault(dof, (to, ramp))
 
 
-def _support_nodes(bodies: tuple[Body, ...], on: str, where: Any) -> Ints:
-    for body in bodies:
-        if body.name == on:
-            return np.arange(body.first, body.first + body.count, dtype=np.int32)
-    _, edges = edge_set(bodies, on, where)
-    return np.unique(edges)
+def _words(held: _Held) -> str:
+    if held.course is None:
+        return "a rotation"
+    return f"{held.course.to:g}" if held.course.shape == "constant" else f"{held.course.to:g} ({held.course.shape})"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import Candidates, ContactAlgorithm, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
+from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.kernels import coupling, edges, rows, windows
 from contactlab.kernels.search import near_segments
@@ -40,7 +41,7 @@ class SurfacePair:
         reference: Floats,
         first_slot: int,
         friction: FrictionLaw | None,
-        fixed: Floats,
+        fixed: Flags,
     ) -> None:
         self.name = name
         self.algorithm, self.slave, self.master = algorithm, slave, master
@@ -65,6 +66,16 @@ class SurfacePair:
         self.count = 0
         self._room(0)
         self._prepare_friction()
+
+    @property
+    def rows_per_node(self) -> int:
+        """Multipliers that a slave node can carry."""
+        return self.algorithm.rows_per_node
+
+    @property
+    def normals(self) -> Floats:
+        """Unit vectors (k, 2) of all multipliers, from the master towards the slave, of the last update."""
+        return self.pieces.normal
 
     def _prepare_friction(self) -> None:
         """Tangential arrays, only where friction is declared."""

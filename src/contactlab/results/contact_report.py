@@ -9,7 +9,7 @@ import numpy as np
 from contactlab.api import Floats, Ints, State
 from contactlab.kernels.penetration import depths, with_midpoints
 from contactlab.kernels.windows import FAR
-from contactlab.model.surface_pair import SurfacePair
+from contactlab.model.gap_pair import Pair
 from contactlab.results.results import ContactCurve
 
 
@@ -49,7 +49,7 @@ class ContactReport:
         return found
 
 
-def report_contact(pair: SurfacePair, state: State, reference: Floats, position: Floats) -> ContactReport:
+def report_contact(pair: Pair, state: State, reference: Floats, position: Floats) -> ContactReport:
     """Evaluate `pair` at the deformed `position` (N, 2) with the state's multipliers.
 
     The run goes on with the near list that it had: what is looked at must not change what comes.
@@ -61,14 +61,14 @@ def report_contact(pair: SurfacePair, state: State, reference: Floats, position:
         pair.near = near
 
 
-def _report(pair: SurfacePair, state: State, reference: Floats, position: Floats) -> ContactReport:
+def _report(pair: Pair, state: State, reference: Floats, position: Floats) -> ContactReport:
     memory = state[f"memory.{pair.name}"].copy() if f"memory.{pair.name}" in state else np.zeros((0, 2))
     pair.update(position, memory)
     pair.measure(position)
     y = state["multipliers"][:, pair.first_slot : pair.first_slot + pair.slots]
     normal_force, tangential_force = y[0], (y[1] if pair.friction is not None else np.zeros_like(y[0]))
     pressure, shear = _per_node(pair, pair.tractions(normal_force)), _per_node(pair, pair.tractions(tangential_force))
-    resultant = normal_force @ pair.pieces.normal + tangential_force @ _tangents(pair)
+    resultant = normal_force @ pair.normals + tangential_force @ _tangents(pair)
     bound = _bound(pair, normal_force)
     largest = max(float(normal_force.max(initial=0.0)), 1e-300)
     gaps = np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0)
@@ -100,30 +100,30 @@ def _report(pair: SurfacePair, state: State, reference: Floats, position: Floats
     )
 
 
-def _slots(pair: SurfacePair, values: Floats) -> Floats:
-    return values.reshape(pair.algorithm.rows_per_node, -1)
+def _slots(pair: Pair, values: Floats) -> Floats:
+    return values.reshape(pair.rows_per_node, -1)
 
 
-def _per_node(pair: SurfacePair, values: Floats) -> Floats:
+def _per_node(pair: Pair, values: Floats) -> Floats:
     """Multipliers of several slots of a node add up."""
     return np.asarray(_slots(pair, values).sum(axis=0))
 
 
-def _per_length(pair: SurfacePair, forces: Floats) -> Floats:
+def _per_length(pair: Pair, forces: Floats) -> Floats:
     return np.divide(forces, pair.cover, out=np.zeros_like(forces), where=forces > 0.0)
 
 
-def _node_gap(pair: SurfacePair) -> Floats:
+def _node_gap(pair: Pair) -> Floats:
     gaps = _slots(pair, pair.gaps[:, 0]).min(axis=0)
     return np.where(gaps < FAR, gaps, np.nan)
 
 
-def _tangents(pair: SurfacePair) -> Floats:
-    normal = pair.pieces.normal
+def _tangents(pair: Pair) -> Floats:
+    normal = pair.normals
     return np.stack([normal[:, 1], -normal[:, 0]], axis=1)
 
 
-def _bound(pair: SurfacePair, normal_force: Floats) -> Floats:
+def _bound(pair: Pair, normal_force: Floats) -> Floats:
     if pair.friction is None:
         return np.zeros_like(normal_force)
     law = pair.friction.bound()
@@ -131,14 +131,14 @@ def _bound(pair: SurfacePair, normal_force: Floats) -> Floats:
     return np.asarray(law.coefficient * normal_force + adhesion)
 
 
-def _states(pair: SurfacePair, normal_force: Floats, tangential_force: Floats, bound: Floats) -> Ints:
+def _states(pair: Pair, normal_force: Floats, tangential_force: Floats, bound: Floats) -> Ints:
     pressed = (normal_force > 0.0) | (tangential_force != 0.0)
     stick = pressed & (np.abs(tangential_force) < bound * (1.0 - 1e-9))
     per_slot = np.where(stick, 1, np.where(pressed, 2, 0)).astype(np.int32)
-    return np.asarray(per_slot.reshape(pair.algorithm.rows_per_node, -1).max(axis=0), np.int32)
+    return np.asarray(per_slot.reshape(pair.rows_per_node, -1).max(axis=0), np.int32)
 
 
-def _arc_length(positions: Floats, pair: SurfacePair) -> Floats:
+def _arc_length(positions: Floats, pair: Pair) -> Floats:
     """Arc length along the undeformed slave chain; separate chains follow one another."""
     s = np.zeros(len(positions))
     for a, b in pair.slave.segments:
@@ -147,7 +147,7 @@ def _arc_length(positions: Floats, pair: SurfacePair) -> Floats:
     return s
 
 
-def _integral(pair: SurfacePair, pressure: Floats, shear: Floats) -> Floats:
+def _integral(pair: Pair, pressure: Floats, shear: Floats) -> Floats:
     """Force on the slave: pressure against the outward normal, shear along the chain."""
     a, b = pair.slave.segments.T
     edge = pair.at.slave[b] - pair.at.slave[a]
@@ -156,7 +156,7 @@ def _integral(pair: SurfacePair, pressure: Floats, shear: Floats) -> Floats:
     return np.asarray(mean_pressure @ inward + mean_shear @ edge)
 
 
-def _penetration(pair: SurfacePair) -> tuple[float, str]:
+def _penetration(pair: Pair) -> tuple[float, str]:
     at, slave, master = pair.at, pair.slave.segments, pair.master.segments
     into_master = depths(with_midpoints(at.slave, slave), at.master, master, pair.size).max(initial=0.0)
     into_slave = depths(with_midpoints(at.master, master), at.slave, slave, pair.size).max(initial=0.0)

@@ -10,8 +10,8 @@ import numpy as np
 from contactlab.api.arrays import XX, XY, YY, ZZ, Floats
 from contactlab.api.frame import BodyLayout, ContactLayout, Frame, Layout
 from contactlab.model.body import Block, BodyForces
+from contactlab.model.gap_pair import Pair
 from contactlab.model.model import Model
-from contactlab.model.surface_pair import SurfacePair
 from contactlab.results.sample import Sample
 from contactlab.results.step_columns import step_columns
 
@@ -45,7 +45,7 @@ def layout_of(model: Model, scene: Any, parts: Mapping[str, str], versions: Mapp
     )
 
 
-def _contact(pair: SurfacePair, spec: Any) -> ContactLayout:
+def _contact(pair: Pair, spec: Any) -> ContactLayout:
     slave, master = spec.sides
     return ContactLayout(
         name=pair.name,

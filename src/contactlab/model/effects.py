@@ -1,0 +1,41 @@
+"""Effects of a scene, bound to the arrays of a model."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import EffectView, Floats, State
+from contactlab.errors import SceneError, below
+from contactlab.model.body import Body
+from contactlab.model.edge_sets import nodes_of
+from contactlab.model.loads import Load
+
+
+def build_effects(
+    scene: Any, registry: Any, bodies: tuple[Body, ...], reference: Floats, mass: Floats, state: State
+) -> tuple[Load, ...]:
+    """One call for each of the scene's effects."""
+    displacement = state["displacement"]
+    velocity = state["velocity"] if "velocity" in state else np.zeros_like(displacement)
+    reference, mass, displacement, velocity = map(_read_only, (reference, mass, displacement, velocity))
+    names = tuple(body.name for body in bodies)
+    loads = []
+    for number, spec in enumerate(scene.effects):
+        where = scene.where(f"effects.{number}")
+        effect = registry.make("effect", spec, where)
+        nodes = partial(nodes_of, bodies, where=below(where, "on"))
+        view = EffectView(reference, mass, displacement, velocity, names, nodes)
+        try:
+            loads.append(effect.bind(view))
+        except ValueError as problem:
+            raise SceneError(str(problem), where=where) from problem
+    return tuple(loads)
+
+
+def _read_only(array: Floats) -> Floats:
+    view = array.view()
+    view.flags.writeable = False
+    return view

@@ -1,0 +1,107 @@
+"""Values that change in time, as scenes write them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+Ramp = Callable[[float], float]
+"""Fraction of the final value at a time [s]."""
+
+
+class Course(NamedTuple):
+    """A value in time before the pace of the run is known.
+
+    to        final value
+    shape     one of `SHAPES`, or "table" with `points`
+    duration  [s]; None: the run's ramp time
+    begin     [s]; zero until then
+    points    (time after `begin` [s], fraction) of a table
+    """
+
+    to: float
+    shape: str = "constant"
+    duration: float | None = None
+    begin: float = 0.0
+    points: tuple[tuple[float, float], ...] = ()
+
+    def bind(self, ramp_time: float) -> Ramp:
+        """The fraction in time when a ramp that names no duration takes `ramp_time` [s]."""
+        if self.shape == "table":
+            return _table(self.points, self.begin)
+        shape, duration = SHAPES[self.shape], ramp_time if self.duration is None else self.duration
+        return _shifted(shape(duration), self.begin)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the value is ever another than zero."""
+        return self.to != 0.0
+
+
+def course_of(value: Any) -> Course:
+    """The course of a number (there from the start) or of a table of the scene."""
+    if isinstance(value, int | float):
+        return Course(float(value))
+    return Course(value.to, value.ramp, value.duration, value.begin, getattr(value, "points", ()))
+
+
+def parabola(duration: float) -> Ramp:
+    """d(t) = 1 - (1 - t/T)^2: starts at speed 2/T and ends with none (Baillet & Sassi 2005, 5.1)."""
+
+    def value(time: float) -> float:
+        rest = 1.0 - min(time, duration) / duration
+        return 1.0 - rest * rest
+
+    return value
+
+
+def linear(duration: float) -> Ramp:
+    """d(t) = t/T, then constant."""
+    return lambda time: min(time, duration) / duration
+
+
+def smooth(duration: float) -> Ramp:
+    """d(t) = 3 (t/T)^2 - 2 (t/T)^3: no speed at either end."""
+
+    def value(time: float) -> float:
+        s = min(time, duration) / duration
+        return s * s * (3.0 - 2.0 * s)
+
+    return value
+
+
+def constant(duration: float) -> Ramp:
+    """The full value from the start."""
+    return lambda time: 1.0
+
+
+SHAPES: dict[str, Callable[[float], Ramp]] = {
+    "parabola": parabola,
+    "linear": linear,
+    "smooth": smooth,
+    "constant": constant,
+}
+
+
+def _shifted(ramp: Ramp, begin: float) -> Ramp:
+    if begin == 0.0:
+        return ramp
+    return lambda time: ramp(time - begin) if time >= begin else 0.0
+
+
+def _table(points: tuple[tuple[float, float], ...], begin: float) -> Ramp:
+    times, values = np.array(points).T
+    first, last, length = float(values[0]), float(values[-1]), len(times)
+
+    def value(time: float) -> float:
+        k = int(np.searchsorted(times, time - begin, side="right"))
+        if k == 0:
+            return first
+        if k == length:
+            return last
+        share = (time - begin - times[k - 1]) / (times[k] - times[k - 1])
+        return float(values[k - 1] + share * (values[k] - values[k - 1]))
+
+    return value
