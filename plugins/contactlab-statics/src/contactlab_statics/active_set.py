@@ -10,6 +10,7 @@ from contactlab.api import Conditions, Floats, ImplicitEnforcement, Response
 from contactlab_statics.friction_bound import limits
 
 OPEN, STICK, SLIP = 0, 1, 2
+TOUCHING = 1e-9  # segment lengths
 
 
 @dataclass(frozen=True)
@@ -34,7 +35,8 @@ class ActiveSet(ImplicitEnforcement):
         gap = np.where(conditions.present, conditions.gap, 0.0)
         force = conditions.force[0]
         trial = np.maximum(force - stiffness * gap, 0.0)
-        closed = conditions.present & (trial > 0.0)
+        # surfaces that touch without a force yet are taken for closed: bodies may be held by nothing else
+        closed = conditions.present & (force - stiffness * (gap - TOUCHING * conditions.size) > 0.0)
         out.residual[0] = np.where(closed, stiffness * gap, force)
         out.by_force[0] = np.where(closed, 0.0, 1.0)
         out.by_gap[0] = np.where(closed, stiffness, 0.0)
