@@ -1,0 +1,140 @@
+"""What must not matter: the orientation of a scene, its numbering, the order of its bodies, its units.
+
+Short dynamic runs of disc-on-block with friction. The answers agree to round-off, magnified by some
+hundred steps and by contact solves that stop at 1e-10 of a segment; 1e-8 of the largest value leaves
+room for both and for nothing else.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from contactlab import meshing
+from contactlab.api import Element, Mesh
+from contactlab.results.results import Results
+from contactlab.scene import Scene, load_scene
+from contactlab.simulation import simulate
+
+SAME = 1e-8
+DEPTH = 0.02
+ALGORITHMS = ("node-on-segment", "mortar-p0", "mortar-p1")
+
+
+def short_scene(algorithm: str) -> Scene:
+    return load_scene("disc-on-block").with_(
+        {
+            "level": 1,
+            "time.end": 8e-7,
+            "time.step": 3e-9,
+            "contacts.0.algorithm": algorithm,
+            "contacts.0.friction": {"use": "coulomb", "mu": 0.2},
+            # off the centre, so that no symmetry hides anything
+            "bodies.disc.shift": [0.0113, 0.0],
+            "supports.1.ux": {"ramp": "linear", "to": 0.3 * DEPTH},
+            "supports.1.uy": {"ramp": "linear", "to": -DEPTH},
+            "record.frames": 1,
+        }
+    )
+
+
+def answers(results: Results) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Reaction of the top, pressures and shears of the last frame."""
+    assert results.status == "finished", results.reason
+    curve = results.contact["contacts.0"].last
+    return np.array(results.summary["reactions"]["disc.top"]), curve.pressure, curve.shear
+
+
+def assert_same(found: np.ndarray, wanted: np.ndarray) -> None:
+    assert np.abs(found - wanted).max() <= SAME * np.abs(wanted).max()
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_a_turned_scene_gives_turned_answers(algorithm: str) -> None:
+    """The whole scene turned by 30 degrees: reactions turn, pressures and shears stay."""
+    scene = short_scene(algorithm)
+    cos, sin = math.cos(math.radians(30.0)), math.sin(math.radians(30.0))
+    turn = np.array([[cos, -sin], [sin, cos]])
+    moved, shift = turn @ [0.3 * DEPTH, -DEPTH], turn @ [0.0113, 0.0]
+    turned = scene.with_(
+        {
+            "bodies.disc.rotate": 30.0,
+            "bodies.block.rotate": 30.0,
+            "bodies.disc.shift": shift.tolist(),
+            "supports.1.ux": {"ramp": "linear", "to": float(moved[0])},
+            "supports.1.uy": {"ramp": "linear", "to": float(moved[1])},
+        }
+    )
+    first, second = answers(simulate(scene)), answers(simulate(turned))
+    assert_same(second[0], turn @ first[0])
+    assert_same(second[1], first[1])
+    assert_same(second[2], first[2])
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_other_units_give_the_same_numbers(algorithm: str) -> None:
+    """mm, N, t to m, kN, t: lengths by 1e-3, stresses by 1e3 (kPa), densities by 1e9; N/mm is kN/m."""
+    scene = short_scene(algorithm)
+    data = scene.data
+    for law in data["materials"].values():
+        law["young"] *= 1e3
+        law["density"] *= 1e9
+    disc, block = data["bodies"]["disc"]["mesh"], data["bodies"]["block"]["mesh"]
+    for key in ("radius", "half_width", "top"):
+        disc[key] *= 1e-3
+    for key in ("x", "y"):
+        block[key] = [1e-3 * value for value in block[key]]
+    data["bodies"]["disc"]["shift"] = [1e-3 * value for value in data["bodies"]["disc"]["shift"]]
+    for motion in ("ux", "uy"):
+        data["supports"][1][motion]["to"] *= 1e-3
+    first, second = answers(simulate(scene)), answers(simulate(Scene.from_data(data)))
+    assert_same(second[0], first[0])
+    assert_same(second[1] / 1e3, first[1])
+    assert_same(second[2] / 1e3, first[2])
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_the_order_of_the_bodies_does_not_matter(algorithm: str) -> None:
+    scene = short_scene(algorithm)
+    data = scene.data
+    data["bodies"] = dict(reversed(data["bodies"].items()))
+    for found, wanted in zip(
+        answers(simulate(Scene.from_data(data))), answers(simulate(scene)), strict=True
+    ):
+        assert_same(found, wanted)
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_numbering_does_not_matter(algorithm: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nodes, cells and the edges of sets in random order."""
+    scene = short_scene(algorithm)
+    wanted = answers(simulate(scene))
+    for name in ("Rectangle", "ArcBlock"):
+        source = getattr(meshing, name)
+        monkeypatch.setattr(source, "mesh", shuffled(source.mesh))
+    results = simulate(scene)
+    found = answers(results)
+    assert_same(found[0], wanted[0])
+    # the chain starts where its edges do, whatever their order: curves are comparable node by node
+    assert_same(found[1], wanted[1])
+    assert_same(found[2], wanted[2])
+
+
+def shuffled(make: Callable[[object, Element, int], Mesh]) -> Callable[[object, Element, int], Mesh]:
+    """A mesh generator whose numbering is a random permutation, the same in every call."""
+
+    def mesh(self: object, element: Element, level: int) -> Mesh:
+        random = np.random.default_rng(5)
+        plain = make(self, element, level)
+        to = random.permutation(len(plain.nodes)).astype(np.int32)
+        nodes = np.empty_like(plain.nodes)
+        nodes[to] = plain.nodes
+        cells = np.ascontiguousarray(to[plain.cells][random.permutation(len(plain.cells))])
+        edges = {name: to[some][random.permutation(len(some))] for name, some in plain.edges.items()}
+        return replace(plain, nodes=nodes, cells=cells, edges=edges)
+
+    return mesh
