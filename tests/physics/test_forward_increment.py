@@ -49,9 +49,7 @@ class Walls:
 def particles(walls: Walls, mass: Floats, velocity: Floats, stiffness: Floats | None = None) -> Oscillator:
     """Nodes at (0, 0), (1, 0) ... behind walls, on springs if stiffness is given."""
     springs = np.zeros(len(mass)) if stiffness is None else stiffness
-    model = Oscillator(CentralDifference(), mass, springs, velocity=np.asarray(velocity, float))
-    model.contact = walls
-    return model
+    return Oscillator(CentralDifference(), mass, springs, velocity=np.asarray(velocity, float), contact=walls)
 
 
 def test_a_node_stops_at_a_wall() -> None:

@@ -37,16 +37,19 @@ class Oscillator:
         damping: float = 0.0,
         prescribed: Ramp | None = None,
         force: Floats | None = None,
+        contact: ContactEquations | None = None,
     ) -> None:
         n = len(mass)
         self.mass, self.stiffness, self.damping = np.asarray(mass, float), np.asarray(stiffness, float), damping
         self.reference = np.stack([np.arange(n, dtype=float), np.zeros(n)], axis=1)
         self.position = self.reference.copy()
         self.prescribed: PrescribedMotion = prescribed or Ramp(np.zeros(0, np.int32), np.zeros(0))
-        self.contact: ContactEquations | None = None
+        self.contact = contact
         self._force = force
         shapes: dict[str, tuple[int, ...]] = {"clock": (2,), "displacement": (n, 2), "velocity": (n, 2)}
         shapes |= {"internal_force": (n, 2), "work": (len(WORK),)}
+        if contact is not None:
+            shapes["contact_force"] = (n, 2)
         self.state = State(shapes | dict(integrator.memory(n)))
         self.state["velocity"][:] = 0.0 if velocity is None else velocity
         self.state["displacement"][:] = 0.0 if displacement is None else displacement
