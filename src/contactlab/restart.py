@@ -11,6 +11,7 @@ import numpy as np
 
 from contactlab.api.frame import Layout
 from contactlab.errors import RequestError
+from contactlab.results.files import write_contacts, write_summary
 from contactlab.results.results import Results
 from contactlab.toml_text import parse_toml
 
@@ -34,7 +35,13 @@ def finished_results(folder: Path, scene: Any) -> Results | None:
 
     _same_scene(saved[0].layout.scene, scene, folder)
     results = load_results(folder)
-    return None if results.status in RESUMABLE else results
+    if results.status in RESUMABLE:
+        return None
+    if not (folder / "summary.json").exists():
+        # it was killed between its last two files
+        write_contacts(folder, {contact.name: results.contact[contact.name] for contact in results.layout.contacts})
+        write_summary(folder, results.summary)
+    return results
 
 
 def saved_run(folder: Path) -> tuple[Results, Checkpoint] | None:

@@ -120,9 +120,10 @@ def check_files(folder: Path, frames: int) -> None:
     # frame 0 is stored before any is reported
     assert stored >= frames + 1
     results = contactlab.load_results(folder)
-    assert results.status == "interrupted"
-    assert "without a word (killed" in results.reason
     assert len(results.frames) == stored
+    if results.status != "finished":  # killed after its last frame it may be complete
+        assert results.status == "interrupted"
+        assert "without a word (killed" in results.reason
     for frame in results.frames:
         assert frame.time == times[frame.number]
         assert np.isfinite(frame.displacement).all()
