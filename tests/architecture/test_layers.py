@@ -30,7 +30,7 @@ LAYERS = (
     ("results",),
     (
         "folders", "provenance", "guards", "schedule", "load_steps", "needs", "interruption", "recorders", "restart",
-        "run", "simulation", "model.explain",
+        "run", "simulation", "rehearsal", "model.explain",
     ),
     ("reports", "compare"),
     ("testing", "commands", "cli"),

@@ -1,36 +1,37 @@
-"""Every array that a model really holds, found by walking it."""
+"""Every array that something really holds, found by walking it."""
 
 from __future__ import annotations
 
+import functools
+import types
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from contactlab.model.model import Model
+DEPTH = 12
+COMPILERS = ("numba", "llvmlite")  # kernels hold no arrays of a model
+OPAQUE = (type, types.ModuleType, types.BuiltinFunctionType, str, bytes, int, float, bool, type(None), np.generic)
 
 
 class HeldArray(NamedTuple):
-    """An array of a model: where it hangs, its shape, and the bytes that are its own."""
+    """An array: where it hangs, its shape, and the bytes that are its own."""
 
     name: str
     shape: str
     bytes: int
 
 
-def held_arrays(model: Model) -> list[HeldArray]:
-    """All arrays reachable from the model, each piece of memory once, in the order of the model's fields."""
-    seen: set[int] = set()
-    found: list[HeldArray] = []
-    for name, field in model.state.fields.items():
-        seen.add(id(field))
-        found.append(_held(f"state.{name}", field))
-    seen.add(id(model.state.buffer))
-    base = model.state.buffer
-    for name, array in _walk("", model, seen, depth=6):
-        if array.base is base or any(array is f for f in model.state.fields.values()):
-            continue
-        found.append(_held(name, array))
+def held_arrays(model: Any, *others: Any) -> list[HeldArray]:
+    """All arrays reachable from a model and from `others`, each piece of memory once.
+
+    Fields of the model's state come first; `others` are what an integrator has bound, say. Arrays of
+    classes and modules are not counted, all runs share them; empty ones are not listed.
+    """
+    found = [_held(f"state.{name}", field) for name, field in model.state.fields.items()]
+    seen = {id(model.state.buffer)}
+    for value in (model, *others):
+        found += [_held(name, array) for name, array in _walk("", value, seen, DEPTH)]
     return found
 
 
@@ -39,28 +40,58 @@ def _held(name: str, array: np.ndarray) -> HeldArray:
 
 
 def _walk(name: str, value: Any, seen: set[int], depth: int) -> Iterator[tuple[str, np.ndarray]]:
-    if id(value) in seen or depth < 0:
-        return
     if isinstance(value, np.ndarray):
-        seen.add(id(value))
-        owner = value if value.base is None else value.base
-        if isinstance(owner, np.ndarray) and owner is not value:
-            if id(owner) in seen:
-                return
+        owner = _owner(value)
+        if id(owner) not in seen:
             seen.add(id(owner))
-        if value.size:
-            yield name, value
-        return
-    for key, child in _children(value):
+            if owner.size:
+                yield name, owner
+            if owner.dtype == object:
+                yield from _inside(name, {str(k): item for k, item in enumerate(owner.flat)}, seen, depth)
+    elif depth > 0 and id(value) not in seen and not _opaque(value):
         seen.add(id(value))
-        yield from _walk(f"{name}.{key}" if name else key, child, seen, depth - 1)
+        yield from _inside(name, _children(value), seen, depth)
 
 
-def _children(value: Any) -> Iterator[tuple[str, Any]]:
+def _opaque(value: Any) -> bool:
+    return isinstance(value, OPAQUE) or type(value).__module__.partition(".")[0] in COMPILERS
+
+
+def _inside(name: str, children: Mapping[str, Any], seen: set[int], depth: int) -> Iterator[tuple[str, np.ndarray]]:
+    for key, child in children.items():
+        yield from _walk(f"{name}.{key}".strip("."), child, seen, depth - 1)
+
+
+def _owner(array: np.ndarray) -> np.ndarray:
+    """The array whose memory a view shows."""
+    while isinstance(array.base, np.ndarray):
+        array = array.base
+    return array
+
+
+def _children(value: Any) -> Mapping[str, Any]:
     if isinstance(value, Mapping):
-        yield from ((str(key), child) for key, child in value.items())
-    elif isinstance(value, tuple | list):
+        return {str(key): child for key, child in value.items()}
+    if isinstance(value, tuple | list | set | frozenset):
         names = getattr(value, "_fields", None) or range(len(value))
-        yield from ((str(key), child) for key, child in zip(names, value, strict=True))
-    elif type(value).__module__.startswith("contactlab") and hasattr(value, "__dict__"):
-        yield from vars(value).items()
+        return {str(key): child for key, child in zip(names, value, strict=True)}
+    if isinstance(value, types.MethodType):
+        return {"": value.__self__}
+    if isinstance(value, types.FunctionType):
+        return _closure(value)
+    if isinstance(value, functools.partial):
+        return {"": (value.func, value.args, value.keywords)}
+    return getattr(value, "__dict__", {})
+
+
+def _closure(function: types.FunctionType) -> Mapping[str, Any]:
+    cells = zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    return {name: cell.cell_contents for name, cell in cells if not _empty(cell)} | vars(function)
+
+
+def _empty(cell: types.CellType) -> bool:
+    try:
+        cell.cell_contents  # noqa: B018 - asks whether it has any
+    except ValueError:
+        return True
+    return False

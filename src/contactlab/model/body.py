@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import BLOCK_CELLS, Element, Floats, Ints, Material, Mesh
 from contactlab.kernels.cells import element_kernels, midpoint
 from contactlab.kernels.size import jacobian_determinants
+
+if TYPE_CHECKING:
+    from contactlab.model.rigid import RigidSurface
 
 
 @dataclass(frozen=True)
@@ -47,6 +51,11 @@ class Body:
     def history_shape(self) -> tuple[int, ...]:
         """Shape of the body's history in the state: (n q h,)."""
         return (len(self.cells) * self.points * self.material.history_size,)
+
+
+def positions_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floats:
+    """Positions (N, 2) [mm] of all nodes before the run."""
+    return np.concatenate([*(body.mesh.nodes for body in bodies), *(surface.points for surface in rigid)])
 
 
 @dataclass

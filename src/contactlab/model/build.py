@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contactlab.api import WORK, Element, Floats, Integrator, Material, Mesh, MeshSource, State
 from contactlab.errors import SceneError
 from contactlab.mesh import inverted_cells, moved, nodal_measure
-from contactlab.model.body import Body, BodyForces
+from contactlab.model.body import Body, BodyForces, positions_of
 from contactlab.model.checks import check_supported
-from contactlab.model.contacts import build_contact, contact_shapes, plan_contacts
 from contactlab.model.edge_sets import with_parts
-from contactlab.model.effects import build_effects
-from contactlab.model.initial_gap import adjusted_bodies, check_ramp_steps, positions_of
-from contactlab.model.loads import build_loads
 from contactlab.model.model import Model
 from contactlab.model.pace import find_pace
-from contactlab.model.rigid import RigidSurface, build_rigid
 from contactlab.model.supports import plan_supports
+
+if TYPE_CHECKING:
+    from contactlab.model.rigid import RigidSurface
 
 
 def build(scene: Any, registry: Any) -> Model:
@@ -30,9 +28,8 @@ def build(scene: Any, registry: Any) -> Model:
     """
     integrator = registry.make("integrator", scene.integrator, scene.where("integrator"))
     bodies = build_bodies(scene, registry)
-    rigid = build_rigid(scene, bodies)
-    plans = plan_contacts(scene, registry, bodies, rigid, integrator)
-    bodies = adjusted_bodies(bodies, rigid, plans)
+    rigid = _rigid_surfaces(scene, bodies)
+    plans, bodies = _contact_plans(scene, registry, bodies, rigid, integrator)
     reference = positions_of(bodies, rigid)
     mass = _masses(bodies, rigid, integrator)
     supports = plan_supports(scene, bodies, rigid, reference)
@@ -44,7 +41,7 @@ def build(scene: Any, registry: Any) -> Model:
     explicit = integrator.explicit
     forces = tuple(_bind(body, reference, position, increment, state, explicit) for body in bodies)
     _initial_velocity(scene, bodies, reference, mass, state)
-    contact = build_contact(plans, bodies, reference, prescribed.dof, state, pace.ramp)
+    contact = _contact(plans, bodies, reference, prescribed.dof, state, pace.ramp)
     model = _model_class(integrator)(
         reference=reference,
         position=position,
@@ -60,15 +57,65 @@ def build(scene: Any, registry: Any) -> Model:
         pace=pace,
         updates=tuple(call for body in forces for call in body.calls),
         loads=(
-            *build_loads(scene, bodies, reference, position, pace.ramp),
-            *build_effects(scene, registry, bodies, reference, mass, state),
+            *_loads(scene, bodies, reference, position, pace.ramp),
+            *_effects(scene, registry, bodies, reference, mass, state),
         ),
         increment=increment,
     )
     model.internal_force(0.0)
     if integrator.explicit and any(plan.start.overlap == "ramp" for plan in plans):
+        from contactlab.model.initial_gap import check_ramp_steps
+
         check_ramp_steps(plans, pace.ramp, scene.time.step or scene.time.fraction * model.stable_step())
     return model
+
+
+# --- what a scene may do without is imported where it is declared --------------------------------
+
+
+def _rigid_surfaces(scene: Any, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:
+    if not scene.rigid:
+        return ()
+    from contactlab.model.rigid import build_rigid
+
+    return build_rigid(scene, bodies)
+
+
+def _contact_plans(
+    scene: Any, registry: Any, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator
+) -> tuple[tuple[Any, ...], tuple[Body, ...]]:
+    """The contacts, and the bodies with slave nodes moved where a contact asks for it."""
+    if not scene.contacts:
+        return (), bodies
+    from contactlab.model.contacts import plan_contacts
+    from contactlab.model.initial_gap import adjusted_bodies
+
+    plans = plan_contacts(scene, registry, bodies, rigid, integrator)
+    return plans, adjusted_bodies(bodies, rigid, plans)
+
+
+def _contact(plans: tuple[Any, ...], *arguments: Any) -> Any:
+    if not plans:
+        return None
+    from contactlab.model.contacts import build_contact
+
+    return build_contact(plans, *arguments)
+
+
+def _loads(scene: Any, *arguments: Any) -> Any:
+    if not scene.loads:
+        return ()
+    from contactlab.model.loads import build_loads
+
+    return build_loads(scene, *arguments)
+
+
+def _effects(scene: Any, *arguments: Any) -> Any:
+    if not scene.effects:
+        return ()
+    from contactlab.model.effects import build_effects
+
+    return build_effects(scene, *arguments)
 
 
 # --- bodies -------------------------------------------------------------------------------------
@@ -131,7 +178,10 @@ def _shapes(nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans:
     if integrator.inertia:
         shapes["velocity"] = (nodes, 2)
     shapes |= {"internal_force": (nodes, 2), "work": (len(WORK),)}
-    shapes |= contact_shapes(plans, nodes)
+    if plans:
+        from contactlab.model.contacts import contact_shapes
+
+        shapes |= contact_shapes(plans, nodes)
     shapes |= {f"history.{body.name}": body.history_shape() for body in bodies if body.material.history_size}
     return shapes | dict(integrator.memory(nodes))
 

@@ -23,12 +23,12 @@ from contactlab.api import (
 from contactlab.api.arrays import Flags
 from contactlab.errors import PartError, SceneError, below
 from contactlab.mesh import surface_from_edges
-from contactlab.model.body import Body
+from contactlab.model.body import Body, positions_of
 from contactlab.model.contact_checks import check_facing, refuse_held_slave
 from contactlab.model.contact_system import ContactSystem
 from contactlab.model.edge_sets import edge_set
 from contactlab.model.gap_pair import GapPair, Pair
-from contactlab.model.initial_gap import EasedGaps, positions_of, refuse_overlap
+from contactlab.model.initial_gap import EasedGaps, refuse_overlap
 from contactlab.model.rigid import RigidSurface
 from contactlab.model.surface_pair import SurfacePair
 

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contactlab.kernels.tangent import smallest_determinant
-from contactlab.model.implicit_contact import ImplicitContactSystem
 from contactlab.model.model import Model
 from contactlab.model.tangent import Tangent
+
+if TYPE_CHECKING:
+    from contactlab.model.implicit_contact import ImplicitContactSystem
 
 
 @dataclass

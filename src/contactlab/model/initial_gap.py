@@ -13,7 +13,7 @@ from contactlab.errors import SceneError, below
 from contactlab.kernels.penetration import depths, with_midpoints
 from contactlab.kernels.windows import FAR
 from contactlab.mesh import inverted_cells
-from contactlab.model.body import Body
+from contactlab.model.body import Body, positions_of
 from contactlab.model.contact_checks import check_overlap, overlap_error
 from contactlab.model.ramps import smooth
 from contactlab.model.rigid import RigidSurface
@@ -22,11 +22,6 @@ ROUND = 1e-6  # segment lengths: pushing so little out in one step costs a milli
 SETTLED = 1e-12  # segment lengths left after an adjustment
 ROUNDS = 60
 FEWEST_STEPS = 100
-
-
-def positions_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floats:
-    """Positions (N, 2) [mm] of all nodes before the run."""
-    return np.concatenate([*(body.mesh.nodes for body in bodies), *(surface.points for surface in rigid)])
 
 
 def adjusted_bodies(

@@ -8,13 +8,16 @@ which the stable step is followed.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
 from collections.abc import Mapping
 
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.model.gap_pair import Pair
 from contactlab.model.model import Model
+
+if TYPE_CHECKING:
+    from contactlab.model.gap_pair import Pair
 
 
 def model_memory(model: Model) -> dict[str, Floats]:

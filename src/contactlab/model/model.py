@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
@@ -10,10 +11,12 @@ import numpy as np
 
 from contactlab.api import Floats, Integrator, State
 from contactlab.model.body import Body, BodyForces
-from contactlab.model.contact_system import ContactSystem
 from contactlab.model.pace import Pace
 from contactlab.model.stable_step import StableStep
 from contactlab.model.supports import Prescribed, SupportedSet
+
+if TYPE_CHECKING:
+    from contactlab.model.contact_system import ContactSystem
 
 
 @dataclass

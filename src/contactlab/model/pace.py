@@ -11,7 +11,6 @@ import numpy as np
 from contactlab.api import Floats, Integrator
 from contactlab.errors import SceneError
 from contactlab.model.body import Body
-from contactlab.model.frequency import loaded_frequency
 from contactlab.model.supports import SupportPlan
 
 PERIODS = 50.0  # ramp in periods of the lowest mode that the loading excites
@@ -54,6 +53,8 @@ def find_pace(
         return Pace(end, ramp, 0.0, end, time.damping or 0.0, False)
     if not integrator.inertia:
         return Pace(1.0, 1.0, 0.0, 1.0, 0.0, False)
+    from contactlab.model.frequency import loaded_frequency
+
     directions = _directions(supports)
     frequency = min(loaded_frequency(body, positions, mass, supports.dof, directions) for body in bodies)
     if not math.isfinite(frequency):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,9 @@ from contactlab.errors import SceneError, below
 from contactlab.model.body import Body
 from contactlab.model.edge_sets import nodes_of
 from contactlab.model.ramps import Course, course_of
-from contactlab.model.rigid import RigidSurface
+
+if TYPE_CHECKING:
+    from contactlab.model.rigid import RigidSurface
 
 Values = Callable[[float], Floats]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,8 +18,10 @@ from contactlab.results.files import HistoryFile, IterationFile, plain, write_co
 from contactlab.results.frame import frame_of
 from contactlab.results.results import ContactHistory, Results
 from contactlab.results.sample import Sample
-from contactlab.results.steps import Sample as StepSample
-from contactlab.results.steps import StepSampler
+
+if TYPE_CHECKING:
+    from contactlab.results.steps import Sample as StepSample
+    from contactlab.results.steps import StepSampler
 
 
 class Journal:
@@ -48,7 +50,7 @@ class Journal:
         self.iteration_file: IterationFile | None = None
         self.last: Sample | None = None
         self.stepped = every_step
-        self.sampler = StepSampler(model, len(layout.steps), self._steps) if every_step else None
+        self.sampler = self._every_step_sampler() if every_step else None
         if past is not None:
             self._take_up(past)
         self.history_file = history_file
@@ -125,6 +127,11 @@ class Journal:
         return self._results(written)
 
     # --- inside -----------------------------------------------------------------------------------
+
+    def _every_step_sampler(self) -> StepSampler:
+        from contactlab.results.steps import StepSampler
+
+        return StepSampler(self.model, len(self.layout.steps), self._steps)
 
     def _write_files(self, summary: dict[str, Any]) -> None:
         if self.folder is None or self.history_file is None:

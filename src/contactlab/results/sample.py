@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from contactlab.api import Floats
 from contactlab.model.model import Model
-from contactlab.results.contact_report import ContactReport, report_contact
 from contactlab.results.energies import energies
+
+if TYPE_CHECKING:
+    from contactlab.results.contact_report import ContactReport
 
 
 @dataclass(frozen=True)
@@ -50,7 +53,6 @@ class Sample:
 def take_sample(model: Model, number: int, sweeps: float) -> Sample:
     """The sample of the model's present state; the model goes on as if nobody had looked."""
     state, displacement = model.state, model.state["displacement"]
-    pairs = model.contact.pairs if model.contact is not None else ()
     return Sample(
         number=number,
         step=state.step,
@@ -58,6 +60,15 @@ def take_sample(model: Model, number: int, sweeps: float) -> Sample:
         prescribed={s.on: displacement[s.nodes].mean(axis=0) for s in model.supports},
         reactions=model.reactions(),
         energies=energies(model),
-        contacts={pair.name: report_contact(pair, state, model.reference, model.position) for pair in pairs},
+        contacts=_contacts(model),
         sweeps=sweeps,
     )
+
+
+def _contacts(model: Model) -> dict[str, ContactReport]:
+    if model.contact is None:
+        return {}
+    from contactlab.results.contact_report import report_contact
+
+    pairs, state = model.contact.pairs, model.state
+    return {pair.name: report_contact(pair, state, model.reference, model.position) for pair in pairs}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,9 +11,11 @@ from contactlab.api import Floats, Rows, Step
 from contactlab.api.state import WORK
 from contactlab.kernels.bound_arrays import BoundArrays
 from contactlab.kernels.step_scalars import contact_scalars, model_scalars
-from contactlab.model.contact_system import ContactSystem
 from contactlab.model.model import Model
-from contactlab.model.surface_pair import SurfacePair
+
+if TYPE_CHECKING:
+    from contactlab.model.contact_system import ContactSystem
+    from contactlab.model.surface_pair import SurfacePair
 
 BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step
 

@@ -7,15 +7,17 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from time import perf_counter, process_time
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import Layout
 from contactlab.model.model import Model
-from contactlab.results.contact_report import ContactReport
 from contactlab.results.sample import Sample
+
+if TYPE_CHECKING:
+    from contactlab.results.contact_report import ContactReport
 
 FORMAT = 1
 

@@ -1,0 +1,204 @@
+"""The first steps of a run in a process of its own: what they import, compile, allocate and cost.
+
+Nothing but a fresh process can tell that apart from what was there already. Its files go to a folder that is thrown
+away; beside them it leaves machine code in the cache, where the run itself will find it.
+"""
+
+from __future__ import annotations
+
+import json
+import pickle
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter, thread_time
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from contactlab.errors import SimulationFailure
+
+if TYPE_CHECKING:
+    from contactlab.run import Run
+
+STEPS = 40  # after the first one; enough to tell what a step costs
+PATIENCE = 0.5  # seconds after which fewer must do
+_FAR_END = "from contactlab.rehearsal import main; main()"
+
+
+class KernelCalls(NamedTuple):
+    """A compiled kernel that was called: how often in a step on average, and whether it had to be compiled now."""
+
+    kernel: str
+    per_step: float
+    compiled: bool
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """What the first steps brought with them.
+
+    modules  imported modules of the project and of plugins, and top-level names of other libraries
+    arrays   (name, shape, bytes) of every array that the model and the bound integrator hold
+    import_s, build_s, first_step_s  wall time [s]; step_s  CPU time of each further step [s]
+    steps    further steps that were made
+    """
+
+    kernels: Sequence[KernelCalls]
+    modules: Sequence[str]
+    arrays: Sequence[tuple[str, str, int]]
+    import_s: float
+    build_s: float
+    first_step_s: float
+    step_s: float
+    steps: int
+
+
+def rehearse(scene: Any) -> Rehearsal:
+    """Make the first steps of `scene`. Raises SimulationFailure where they fail."""
+    request = pickle.dumps((sys.path, pickle.dumps(scene)))
+    done = subprocess.run([sys.executable, "-c", _FAR_END], input=request, capture_output=True, check=False)
+    if done.returncode:
+        last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no word"]
+        raise SimulationFailure("failed", f"the first steps: {last[0]}")
+    found = json.loads(done.stdout.splitlines()[-1])
+    found["kernels"] = [KernelCalls(*row) for row in found["kernels"]]
+    found["arrays"] = [tuple(row) for row in found["arrays"]]
+    return Rehearsal(**found)
+
+
+# --- in the other process ------------------------------------------------------------------------
+
+
+def main() -> None:
+    """Read a pickled scene from standard input, rehearse it, and print what was found as JSON."""
+    sys.path[:], scene = pickle.load(sys.stdin.buffer)
+    print(json.dumps(asdict(_rehearsed(lambda: pickle.loads(scene)))))
+
+
+def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
+    began = perf_counter()
+    kernels = count_kernel_calls()
+    scene = load()
+    from contactlab.model.build import build
+    from contactlab.run import begin_run
+
+    loaded = perf_counter()
+    with TemporaryDirectory() as folder:
+        model = build(scene, scene.registry)
+        run = begin_run(model, scene, scene.registry, Path(folder), resume=False)
+        built = perf_counter()
+        advance = model.integrator.bind(model, model.state)
+        _steps(run, advance, 1)
+        first = perf_counter()
+        before, cpu = Counter(kernels.calls), thread_time()
+        made = _steps(run, advance, STEPS)
+        cost = (thread_time() - cpu) / max(1, made)
+        rows = kernels.rows(before, max(1, made))
+        run.guards.look()
+        run.schedule.follow()
+        run.store()
+        arrays = held(model, advance)
+        run.finish("interrupted", "rehearsed")
+    return Rehearsal(
+        kernels=[*rows, *(row for row in kernels.rows({}, 1) if row.kernel not in {r.kernel for r in rows})],
+        modules=imported_modules(),
+        arrays=arrays,
+        import_s=loaded - began,
+        build_s=built - loaded,
+        first_step_s=first - built,
+        step_s=cost,
+        steps=made,
+    )
+
+
+def _steps(run: Run, advance: Callable[[float], Any], most: int) -> int:
+    """Accepted steps, as the loop of a run makes them; how many."""
+    from contactlab.api import StepStatus
+
+    made, until = 0, perf_counter() + PATIENCE
+    if not run.journal.frames:
+        run.begin()
+    while made < most and not run.schedule.done() and (perf_counter() < until or not made):
+        step = advance(run.schedule.dt)
+        if step.status is not StepStatus.accepted:
+            run.taken_back(step)
+            continue
+        made += 1
+        run.guards.after_step(step)
+        for sample in run.every_step:
+            sample(step, run.schedule.dt)
+    return made
+
+
+def held(model: Any, advance: Any) -> list[tuple[str, str, int]]:
+    """Every array of a model and of the integrator bound to it."""
+    from contactlab.model.arrays import held_arrays
+
+    return [tuple(array) for array in held_arrays(model, advance)]
+
+
+def imported_modules() -> list[str]:
+    """Modules outside the standard library: those of libraries by their top-level name, or by the part of SciPy."""
+    names = set()
+    for name in list(sys.modules):
+        top, *inner = name.split(".")
+        if top in sys.stdlib_module_names or top.startswith(("_", "cython")):
+            continue
+        if top.startswith("contactlab"):
+            names.add(name)
+        elif top == "scipy":
+            # numba asks for SciPy's version: only what is inside it weighs anything
+            names |= {f"scipy.{part}" for part in inner[:1] if part == "sparse"}
+        else:
+            names.add(top)
+    return sorted(names - {"contactlab.rehearsal"})
+
+
+@dataclass(frozen=True)
+class KernelCounter:
+    """Calls from Python of kernels, by module and name, in the order of their first call."""
+
+    calls: Counter[str]
+    kernels: dict[str, Any]
+
+    def rows(self, before: Mapping[str, int], steps: int) -> list[KernelCalls]:
+        """Every kernel that was called at all, with its calls in each of `steps` steps since `before`."""
+        return [
+            KernelCalls(name, (calls - before.get(name, 0)) / steps, bool(self.kernels[name].stats.cache_misses))
+            for name, calls in self.calls.items()
+        ]
+
+
+def count_kernel_calls() -> KernelCounter:
+    """Count the calls of every kernel that is defined from now on."""
+    from numba.core.registry import CPUDispatcher
+
+    from contactlab.api import kernel
+
+    counter = KernelCounter(Counter(), {})
+
+    class Counted(CPUDispatcher):  # type: ignore[misc]
+        def __call__(self, *arguments: Any, **named: Any) -> Any:
+            counter.calls[_name(self)] += 1
+            return super().__call__(*arguments, **named)
+
+    plain = kernel.njit
+
+    def njit(**options: Any) -> Callable[[Any], Any]:
+        def decorate(function: Any) -> Any:
+            dispatcher = plain(**options)(function)
+            dispatcher.__class__ = Counted
+            counter.kernels[_name(dispatcher)] = dispatcher
+            return dispatcher
+
+        return decorate
+
+    kernel.njit = njit
+    return counter
+
+
+def _name(dispatcher: Any) -> str:
+    return f"{dispatcher.py_func.__module__}.{dispatcher.py_func.__name__}"
