@@ -151,6 +151,8 @@ def _reaction(table: Table, levels: Sequence[int]) -> dict[str, Any]:
 def _description(name: str, table: Table, levels: Sequence[int], error: float) -> dict[str, Any]:
     algorithms = ", ".join(dict.fromkeys(row.algorithm for row in table.rows))
     slaves = ", ".join(dict.fromkeys(row.slave for row in table.rows))
+    choices = dict.fromkeys(f"; {key} {value}" for row in table.rows for key, value in row.choices.items())
+    more = "".join(choices)
     versions = ", ".join(f"{k} {v}" for k, v in table.rows[0].system.items() if k in ("contactlab", "numpy", "numba"))
     return {
         "format": 1,
@@ -166,7 +168,7 @@ def _description(name: str, table: Table, levels: Sequence[int], error: float) -
             "meaning": f"relative L2 norm; the larger of the spread of the runs at level {levels[-1]} and the change "
             f"of their mean from level {levels[-2]}",
         },
-        "origin": f"This project's own runs at levels {', '.join(map(str, levels))}: {algorithms}; slaves {slaves}. "
+        "origin": f"This project's own runs at levels {', '.join(map(str, levels))}: {algorithms}; slaves {slaves}{more}. "
         f"Pressure: mean of the runs at level {levels[-1]}. Made with {versions} by "
         f"python -m contactlab.compare.make_reference {name}.",
         "holds_for": holds_for(table.scene),
