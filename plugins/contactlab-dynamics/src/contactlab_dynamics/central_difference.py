@@ -46,38 +46,42 @@ class _Leapfrog:
     def __init__(self, equations: Equations, state: State) -> None:
         nodes = len(equations.reference)
         self.equations, self.state = equations, state
-        self.inverse_mass = np.divide(1.0, equations.mass, out=np.zeros(nodes), where=equations.mass > 0.0)
-        self.free = np.ones((nodes, 2))
-        self.free.reshape(-1)[equations.prescribed.dof] = 0.0
-        self.compliance: Floats = np.zeros((nodes, 2))
+        inverse_mass = np.divide(1.0, equations.mass, out=np.zeros(nodes), where=equations.mass > 0.0)
+        self.mobility: Floats = np.repeat(inverse_mass, 2).reshape(-1, 2)
+        self.mobility.reshape(-1)[equations.prescribed.dof] = 0.0
+        self.before = np.zeros(len(equations.prescribed.dof))
+        self.trial, self.external = np.zeros((nodes, 2)), np.zeros((nodes, 2))
+        self.products = np.zeros(512)
+        touching = equations.contact is not None
+        self.compliance, self.predicted = (np.zeros((nodes if touching else 0, 2)) for _ in range(2))
         self.compliance_dt = 0.0
-        self.predicted, self.trial, self.external = (np.zeros((nodes, 2)) for _ in range(3))
-        self.contact = state["contact_force"] if "contact_force" in state else np.zeros((nodes, 2))
+        self.contact = state["contact_force"] if touching else np.zeros((0, 2))
 
     def step(self, dt: float) -> Step:
         """Advance the state by dt."""
         from contactlab_dynamics import leapfrog
 
-        equations, state, alpha = self.equations, self.state, self.equations.damping
+        equations, state = self.equations, self.state
         clock, last = state["clock"], state["last_dt"]
         # at the start only half a step of acceleration leads from v_0 to v_{1/2}
         mean_dt = 0.5 * (last[0] + dt)
-        equations.external_force(clock[0], self.external)
+        loaded = equations.external_force(clock[0], self.external)
         prescribed = equations.prescribed
-        leapfrog.predict(
-            equations.reference, state["displacement"], state["velocity"], state["internal_force"], self.external,
-            self.inverse_mass, alpha, dt, mean_dt, prescribed.dof, prescribed.scale, prescribed.ramp,
-            prescribed.values(clock[0] + dt), self.trial, self.predicted,
+        forces = (
+            state["displacement"], state["velocity"], state["internal_force"], self.external, loaded, self.mobility,
+            equations.damping, dt, mean_dt, prescribed.dof, prescribed.scale, prescribed.ramp,
+            prescribed.values(clock[0] + dt),
         )  # fmt: skip
         done = Step()
-        if equations.contact is not None:
-            self._set_compliance(dt, mean_dt, alpha)
-            solve = equations.contact.solve(self.predicted, equations.position, self.compliance, self.contact)
-            done = Step(sweeps=solve.sweeps, residual=solve.residual)
-        leapfrog.correct(
-            equations.mass, self.external, self.contact, self.compliance, alpha, dt, mean_dt, prescribed.dof,
-            self.trial, state["displacement"], state["velocity"], state["internal_force"], state["reaction"],
-            state["work"],
+        if equations.contact is None:
+            leapfrog.move(*forces, self.before, self.trial)
+        else:
+            leapfrog.predict(equations.reference, *forces, self.trial, self.predicted)
+            done = self._contact(equations.contact, dt, mean_dt)
+        leapfrog.book(
+            equations.mass, self.external, loaded, self.contact, equations.contact is not None,
+            state["internal_force"], equations.damping, mean_dt, prescribed.dof, self.before, state["velocity"],
+            self.trial, state["reaction"], state["work"], self.products,
         )  # fmt: skip
         if equations.contact is not None:
             self._book_friction(equations.contact, mean_dt)
@@ -86,6 +90,18 @@ class _Leapfrog:
         clock[1] += 1.0
         equations.internal_force(dt)
         return done
+
+    def _contact(self, contact: ContactEquations, dt: float, mean_dt: float) -> Step:
+        """Contact forces of the step, and with them its end."""
+        from contactlab_dynamics import leapfrog
+
+        self._set_compliance(dt, mean_dt, self.equations.damping)
+        solve = contact.solve(self.predicted, self.equations.position, self.compliance, self.contact)
+        leapfrog.correct(
+            self.contact, self.compliance, dt, self.equations.prescribed.dof, self.before, self.trial,
+            self.state["displacement"], self.state["velocity"],
+        )  # fmt: skip
+        return Step(sweeps=solve.sweeps, residual=solve.residual)
 
     def _book_friction(self, contact: ContactEquations, mean_dt: float) -> None:
         """Move the tangential share of the contact work to its own entries (`trial` holds mean velocities)."""
@@ -99,4 +115,4 @@ class _Leapfrog:
         factor = dt * mean_dt / (1.0 + 0.5 * alpha * mean_dt)
         if factor != self.compliance_dt:
             self.compliance_dt = factor
-            np.multiply(self.free, factor * self.inverse_mass[:, None], out=self.compliance)
+            np.multiply(self.mobility, factor, out=self.compliance)
