@@ -13,6 +13,7 @@ import sys
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter, thread_time
@@ -21,6 +22,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from contactlab.errors import SimulationFailure
 
 if TYPE_CHECKING:
+    from contactlab.model.arrays import HeldArray
     from contactlab.run import Run
 
 STEPS = 40  # after the first one; enough to tell what a step costs
@@ -41,14 +43,14 @@ class Rehearsal:
     """What the first steps brought with them.
 
     modules  imported modules of the project and of plugins, and top-level names of other libraries
-    arrays   (name, shape, bytes) of every array that the model and the bound integrator hold
+    arrays   every array that the model, the bound integrator and the recorders of every step hold
     import_s, build_s, first_step_s  wall time [s]; step_s  CPU time of each further step [s]
     steps    further steps that were made
     """
 
     kernels: Sequence[KernelCalls]
     modules: Sequence[str]
-    arrays: Sequence[tuple[str, str, int]]
+    arrays: Sequence[HeldArray]
     import_s: float
     build_s: float
     first_step_s: float
@@ -63,9 +65,11 @@ def rehearse(scene: Any) -> Rehearsal:
     if done.returncode:
         last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no word"]
         raise SimulationFailure("failed", f"the first steps: {last[0]}")
+    from contactlab.model.arrays import HeldArray
+
     found = json.loads(done.stdout.splitlines()[-1])
     found["kernels"] = [KernelCalls(*row) for row in found["kernels"]]
-    found["arrays"] = [tuple(row) for row in found["arrays"]]
+    found["arrays"] = [HeldArray(*row) for row in found["arrays"]]
     return Rehearsal(**found)
 
 
@@ -82,6 +86,7 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
     began = perf_counter()
     kernels = count_kernel_calls()
     scene = load()
+    from contactlab.model.arrays import held_arrays
     from contactlab.model.build import build
     from contactlab.run import begin_run
 
@@ -90,7 +95,7 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
         model = build(scene, scene.registry)
         run = begin_run(model, scene, scene.registry, Path(folder), resume=False)
         built = perf_counter()
-        advance = model.integrator.bind(model, model.state)
+        advance = model.integrator.bind(model, model.state)  # type: ignore[arg-type]
         _steps(run, advance, 1)
         first = perf_counter()
         before, cpu = Counter(kernels.calls), thread_time()
@@ -100,7 +105,7 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
         run.guards.look()
         run.schedule.follow()
         run.store()
-        arrays = held(model, advance)
+        arrays = held_arrays(model, integrator=advance, recording=run.journal.sampler)
         run.finish("interrupted", "rehearsed")
     return Rehearsal(
         kernels=[*rows, *(row for row in kernels.rows({}, 1) if row.kernel not in {r.kernel for r in rows})],
@@ -131,13 +136,6 @@ def _steps(run: Run, advance: Callable[[float], Any], most: int) -> int:
         for sample in run.every_step:
             sample(step, run.schedule.dt)
     return made
-
-
-def held(model: Any, advance: Any) -> list[tuple[str, str, int]]:
-    """Every array of a model and of the integrator bound to it."""
-    from contactlab.model.arrays import held_arrays
-
-    return [tuple(array) for array in held_arrays(model, advance)]
 
 
 def imported_modules() -> list[str]:
@@ -176,16 +174,15 @@ def count_kernel_calls() -> KernelCounter:
     """Count the calls of every kernel that is defined from now on."""
     from numba.core.registry import CPUDispatcher
 
-    from contactlab.api import kernel
-
+    module: Any = import_module("contactlab.api.kernel")
     counter = KernelCounter(Counter(), {})
 
-    class Counted(CPUDispatcher):  # type: ignore[misc]
+    class Counted(CPUDispatcher):
         def __call__(self, *arguments: Any, **named: Any) -> Any:
             counter.calls[_name(self)] += 1
             return super().__call__(*arguments, **named)
 
-    plain = kernel.njit
+    plain = module.njit
 
     def njit(**options: Any) -> Callable[[Any], Any]:
         def decorate(function: Any) -> Any:
@@ -196,7 +193,7 @@ def count_kernel_calls() -> KernelCounter:
 
         return decorate
 
-    kernel.njit = njit
+    module.njit = njit
     return counter
 
 

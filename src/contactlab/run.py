@@ -164,7 +164,7 @@ def begin_run(model: Model, scene: Any, registry: Any, folder: Path | None, resu
 
     Raises RequestError where the folder cannot be used or holds something else.
     """
-    run = Run(model, _schedule(model, scene), Guards(model), Watch(scene, model))
+    run = Run(model, schedule_of(model, scene), Guards(model), Watch(scene, model))
     recorders = recorders_of(scene, registry) if folder is not None else {}
     used = _with_recorders(scene, recorders)
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
@@ -192,7 +192,8 @@ def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
     return past
 
 
-def _schedule(model: Model, scene: Any) -> Schedule:
+def schedule_of(model: Model, scene: Any) -> Schedule:
+    """The schedule that suits the scene's integrator."""
     if model.integrator.explicit:
         return Schedule(model, scene)
     from contactlab.load_steps import LoadSchedule

@@ -30,7 +30,7 @@ LAYERS = (
     ("results",),
     (
         "folders", "provenance", "guards", "schedule", "load_steps", "needs", "interruption", "recorders", "restart",
-        "run", "simulation", "rehearsal", "model.explain",
+        "run", "simulation", "rehearsal", "model.explain", "model.effect_table",
     ),
     ("reports", "compare"),
     ("testing", "commands", "cli"),

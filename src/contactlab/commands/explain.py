@@ -12,13 +12,14 @@ from contactlab.scene import load_scene
 
 
 def explain(options: argparse.Namespace) -> int:
-    """Print the explanation of the scene as tables; nothing is run."""
+    """Print the explanation of the scene as tables; but for the first steps, which are thrown away, nothing is run."""
     from contactlab.model.explain import explain as explanation_of
+    from contactlab.rehearsal import rehearse
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
     shown = console()
-    for title, content in plain(explanation_of(scene, registry)).items():
+    for title, content in plain(explanation_of(scene, registry, rehearse(scene))).items():
         shown.print(section(title.replace("_", " "), content))
     return 0
 

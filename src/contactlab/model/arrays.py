@@ -22,16 +22,17 @@ class HeldArray(NamedTuple):
     bytes: int
 
 
-def held_arrays(model: Any, *others: Any) -> list[HeldArray]:
+def held_arrays(model: Any, **others: Any) -> list[HeldArray]:
     """All arrays reachable from a model and from `others`, each piece of memory once.
 
-    Fields of the model's state come first; `others` are what an integrator has bound, say. Arrays of
-    classes and modules are not counted, all runs share them; empty ones are not listed.
+    Fields of the model's state come first; `others` are what an integrator has bound, say, under the name
+    by which its arrays are told. Arrays of classes and modules are not counted, all runs share them; empty
+    ones are not listed.
     """
     found = [_held(f"state.{name}", field) for name, field in model.state.fields.items()]
     seen = {id(model.state.buffer)}
-    for value in (model, *others):
-        found += [_held(name, array) for name, array in _walk("", value, seen, DEPTH)]
+    for name, value in ({"": model} | others).items():
+        found += [_held(place, array) for place, array in _walk(name, value, seen, DEPTH)]
     return found
 
 

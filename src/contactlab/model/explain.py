@@ -1,23 +1,23 @@
-"""What a scene calls for and what it does not, read off the model that `build` makes of it."""
+"""What a scene calls for and what it does not, read off the model that `build` makes of it.
+
+What only a process of its own can tell (kernels, imported modules, seconds) comes from a rehearsal.
+"""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from contactlab.api import GapAlgorithm
 from contactlab.model.arrays import HeldArray, held_arrays
 from contactlab.model.build import build
+from contactlab.model.effect_table import Effect, effects_of
 from contactlab.model.model import Model
 
-NANOSECONDS_PER_POINT = 12.0  # of a Q1 update on one core of 2025, to turn counts into an order of magnitude
-
-
-class Effect(NamedTuple):
-    """An effect of mechanics, whether the scene calls for it, and by which key."""
-
-    effect: str
-    called_for: bool
-    by: str
+if TYPE_CHECKING:
+    from contactlab.rehearsal import KernelCalls, Rehearsal
 
 
 class UsedPart(NamedTuple):
@@ -29,10 +29,18 @@ class UsedPart(NamedTuple):
 
 
 class Call(NamedTuple):
-    """Calls made in every step."""
+    """Calls of parts, and how often they are made: in every step, or in every iteration of an implicit one."""
 
     call: str
-    per_step: int
+    times: int
+    per: str
+
+
+class Imported(NamedTuple):
+    """A package and what of it is imported."""
+
+    package: str
+    modules: str
 
 
 @dataclass(frozen=True)
@@ -47,100 +55,129 @@ class Explanation:
     stable_step: float
     step: float
     estimated_steps: int
+    seconds_to_first_step: float
+    seconds_per_step: float
     estimated_seconds: float
     array_bytes: int
     effects: list[Effect]
     parts: list[UsedPart]
-    calls_per_step: list[Call]
+    calls: list[Call]
+    kernels: list[KernelCalls]
     arrays: list[HeldArray]
-    modules: list[str]
+    modules: list[Imported]
 
 
-def explain(scene: Any, registry: Any) -> Explanation:
-    """Build the model of `scene` and read off what it holds and calls; nothing is run."""
-    from contactlab.schedule import Schedule
+def explain(scene: Any, registry: Any, rehearsed: Rehearsal | None = None) -> Explanation:
+    """Build the model of `scene` and read off what it holds and calls.
 
+    Without a rehearsal there are no kernels and no seconds, modules are the packages of the scene's
+    parts, and arrays are those before the first step.
+    """
     model = build(scene, registry)
-    schedule = Schedule(model, scene)
+    schedule = _schedule(model, scene)
     duration = model.pace.end if model.pace.end is not None else model.pace.ramp + model.pace.period
     steps = max(1, round(duration / schedule.dt))
-    points = sum(len(body.cells) * body.points for body in model.bodies)
-    arrays = held_arrays(model)
+    bound = model.integrator.bind(model, model.state)  # type: ignore[arg-type]
+    arrays = held_arrays(model, integrator=bound)
+    seconds = _seconds(rehearsed, steps)
+    if rehearsed is not None:
+        arrays = list(rehearsed.arrays)
     return Explanation(
         name=scene.name,
         nodes=len(model.reference),
         cells=sum(len(body.cells) for body in model.bodies),
-        quadrature_points=points,
+        quadrature_points=sum(len(body.cells) * body.points for body in model.bodies),
         contact_multipliers=model.state["multipliers"].shape[1] if "multipliers" in model.state else 0,
-        stable_step=model.stable_step() if model.integrator.explicit else float("nan"),
+        stable_step=model.stable_step() if model.integrator.explicit else math.nan,
         step=schedule.dt,
         estimated_steps=steps,
-        estimated_seconds=steps * points * NANOSECONDS_PER_POINT * 1e-9 * (1.5 if model.contact else 1.0),
+        seconds_to_first_step=seconds[0],
+        seconds_per_step=seconds[1],
+        estimated_seconds=seconds[0] + steps * seconds[1],
         array_bytes=sum(array.bytes for array in arrays),
-        effects=effects_of(scene, model),
+        effects=effects_of(scene, registry, model),
         parts=used_parts(scene, registry),
-        calls_per_step=calls_per_step(model),
+        calls=list(calls_of(model)),
+        kernels=list(rehearsed.kernels) if rehearsed is not None else [],
         arrays=arrays,
-        modules=modules_of(scene, registry),
+        modules=_modules(rehearsed.modules if rehearsed is not None else packages_of(scene, registry)),
     )
 
 
-def effects_of(scene: Any, model: Model) -> list[Effect]:
-    """Every effect the project knows, called for or not."""
-    laws = {name: body.material.kinematics for name, body in zip(scene.bodies, model.bodies, strict=True)}
-    finite = [f"bodies.{name}.material" for name, kinematics in laws.items() if kinematics != "small"]
-    history = [f"bodies.{b.name}.material" for b in model.bodies if b.material.history_size]
-    contacts = [f"contacts.{i}" for i in range(len(scene.contacts))]
-    friction = [f"contacts.{i}.friction" for i, c in enumerate(scene.contacts) if c.friction is not None]
-    moving = [f"bodies.{name}.velocity" for name, body in scene.bodies.items() if any(body.velocity)]
-    rows = {
-        "inertia": ["integrator"] if model.integrator.inertia else [],
-        "initial velocity": moving,
-        "contact": contacts,
-        "friction": friction,
-        "finite strain": finite,
-        "material history": history,
-        "damping": ["time.damping" if scene.time.damping else "time.end"] if model.damping else [],
-        "loads and effects": [f"{len(model.loads)} calls"] if model.loads else [],
-        "recording": _recorders(scene),
-    }
-    return [Effect(name, bool(keys), ", ".join(keys) or "not declared") for name, keys in rows.items()]
+def _schedule(model: Model, scene: Any) -> Any:
+    from contactlab.run import schedule_of
+
+    return schedule_of(model, scene)
 
 
-def _recorders(scene: Any) -> list[str]:
-    if scene.record.recorders is None:
-        return ["the usual ones, in runs with a folder"]
-    return [f"record.recorders.{i}" for i in range(len(scene.record.recorders))]
+def _seconds(rehearsed: Rehearsal | None, steps: int) -> tuple[float, float]:
+    """Until the first step is done, and of each further one."""
+    if rehearsed is None:
+        return math.nan, math.nan
+    return rehearsed.import_s + rehearsed.build_s + rehearsed.first_step_s, rehearsed.step_s
 
 
 def used_parts(scene: Any, registry: Any) -> list[UsedPart]:
     """The scene's parts, and what its integrator adds where the scene names nothing."""
     from contactlab.provenance import part_specs
 
-    return [UsedPart(key, name, str(registry.offer(kind, name).origin)) for key, kind, name in part_specs(scene)]
+    specs = list(part_specs(scene))
+    own = registry.part_class("integrator", scene.integrator["use"]).default_enforcement
+    for number, contact in enumerate(scene.contacts):
+        if contact.enforcement is None:
+            specs.append((f"contacts.{number}.enforcement, the integrator's own", "enforcement", own))
+    return [UsedPart(key, name, str(registry.offer(kind, name).origin)) for key, kind, name in specs]
 
 
-def calls_per_step(model: Model) -> list[Call]:
-    """Block calls of the bodies and calls of contact and loads."""
+def calls_of(model: Model) -> Iterator[Call]:
+    """Calls across the contract that the model has bound."""
+    per = "step" if model.integrator.explicit else "iteration"
+    counts = _body_calls(model) | _contact_calls(model)
+    yield from (Call(name, count, per) for name, count in counts.items() if count)
+    if model.loads:
+        yield Call("loads and effects", len(model.loads), "step")
+    yield Call("integrator", 1, "step")
+
+
+def _body_calls(model: Model) -> dict[str, int]:
     blocks = sum(len(forces.blocks) for forces in model.forces)
     rate = sum(len(forces.blocks) for forces in model.forces if forces.body.material.kinematics == "rate")
-    pairs = len(model.contact.pairs) if model.contact is not None else 0
-    rows = {
+    stabilised = sum(len(forces.blocks) for forces in model.forces if forces.kernels.stabilise is not None)
+    return {
         "element gradient": blocks,
         "increment to midpoint": rate,
         "material stress": blocks,
         "element force": blocks,
-        "node update (predict, correct)": 2 if model.integrator.inertia else 0,
-        "contact pieces, coupling, rows": pairs,
-        "contact solve": 1 if pairs else 0,
-        "loads and effects": len(model.loads),
+        "element stabilisation": stabilised,
     }
-    return [Call(name, count) for name, count in rows.items() if count]
 
 
-def modules_of(scene: Any, registry: Any) -> list[str]:
+def _contact_calls(model: Model) -> dict[str, int]:
+    if model.contact is None:
+        return {}
+    pairs = model.contact.pairs
+    finished = [pair for pair in pairs if isinstance(pair.algorithm, GapAlgorithm)]
+    rough = [pair for pair in pairs if pair.friction is not None]
+    return {
+        "contact pieces": len(pairs) - len(finished),
+        "contact normals": len([pair for pair in rough if pair not in finished]),
+        "contact conditions": len(finished) + len([pair for pair in rough if pair in finished]),
+        "contact enforcement": 1,
+    }
+
+
+def packages_of(scene: Any, registry: Any) -> list[str]:
     """Import packages of the plugins that the scene brings in, beside the core."""
     from contactlab.provenance import part_specs
 
     targets = {registry.offer(kind, name).part.target for _, kind, name in part_specs(scene)}
     return sorted({target.partition(":")[0].partition(".")[0] for target in targets} | {"numba", "numpy"})
+
+
+def _modules(names: Any) -> list[Imported]:
+    """Modules gathered by package."""
+    inside: dict[str, list[str]] = {}
+    for name in names:
+        package, _, module = name.partition(".")
+        inside.setdefault(package, []).extend([module] if module else [])
+    return [Imported(package, ", ".join(modules)) for package, modules in inside.items()]
