@@ -88,7 +88,7 @@ def run_folder(out: Path | str | None, resume: bool) -> Path | None:
     if not resume:
         return claimed_folder(folder)
     over = [name for name in ("summary.json", "table.json") if (folder / name).exists()]
-    if over and not (folder / "results.vtkhdf").exists():
+    if over and not list(folder.glob("results.vtkhdf*")):
         raise RequestError(
             "the folder holds no run that could be taken up",
             where=f"results folder {folder}",

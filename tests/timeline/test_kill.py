@@ -42,12 +42,13 @@ class Zygote:
         folder: Path,
         resume: bool = False,
         lives: float = 0.0,
+        largest: int = 0,
         watch: Callable[[int, int], None] = lambda pid, frames: None,
     ) -> Outcome:
         """Run to the end, or for `lives` seconds. `watch` gets the process and the number of frames so far."""
         assert self.process.stdin is not None
         assert self.process.stdout is not None
-        self.process.stdin.write(json.dumps([scene.toml(), str(folder), resume, lives]) + "\n")
+        self.process.stdin.write(json.dumps([scene.toml(), str(folder), resume, lives, largest]) + "\n")
         self.process.stdin.flush()
         told: dict[str, str] = {}
         frames = 0
@@ -180,3 +181,27 @@ def test_two_runs_cannot_write_to_one_folder(scene: Any, zygote: Zygote, tmp_pat
     assert zygote.run(scene, tmp_path, watch=try_too).status == 0
     assert "another run is writing to this folder" in refused[0]
     assert contactlab.load_results(tmp_path).status == "finished"
+
+
+@pytest.mark.parametrize("share", [0.1, 0.35, 0.6, 0.8, 0.95])
+def test_full_disk_keeps_what_was_written(
+    share: float, small_scene: MakeScene, zygote: Zygote, tmp_path: Path, assert_same_run: Assert
+) -> None:
+    # few frames are asked for, more are stored during the hold: room is made several times
+    scene = small_scene({"time.end": "auto", "time.ramp": 2e-6, "time.hold": 1e-5, "record.frames": 5})
+    assert zygote.run(scene, tmp_path / "whole").status == 0
+    whole = contactlab.load_results(tmp_path / "whole")
+    folder, size = tmp_path / "full", (tmp_path / "whole/results.vtkhdf").stat().st_size
+    stopped = zygote.run(scene, folder, largest=int(share * size))
+    assert stopped.status == 1
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["status"] == "failed"
+    assert f"cannot write to {folder}" in summary["reason"]
+    assert "file too large" in summary["reason"]
+    if (folder / "results.vtkhdf").exists():
+        stored = contactlab.load_results(folder)
+        assert len(stored.frames) >= stopped.frames + 1
+        for frame, expected in zip(stored.frames, whole.frames, strict=False):
+            assert np.array_equal(frame.displacement, expected.displacement)
+    assert zygote.run(scene, folder, resume=True).status == 0
+    assert_same_run(whole, contactlab.load_results(folder))

@@ -1,8 +1,9 @@
 """A process that runs scenes in children of its own: they begin at once, compiled, and may be killed.
 
-Reads lines of JSON from standard input: [scene TOML, folder, resume, lives], where a child that does
+Reads lines of JSON from standard input: [scene TOML, folder, resume, lives, largest]. A child that does
 not live for ever (0) dies after so many seconds of processor time, at once and without a chance to tidy
-up, as by kill -9; unlike the clock on the wall that does not depend on what else the machine does.
+up, as by kill -9; unlike the clock on the wall that does not depend on what else the machine does. With
+`largest` no file may become larger than so many bytes: to a program that is a full disk.
 Answers: "pid N", "frame" whenever one was stored, "cpu SECONDS" and "exit STATUS".
 """
 
@@ -10,6 +11,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import sys
 import traceback
@@ -34,11 +36,13 @@ def tell(*words: object) -> None:
     sys.stdout.flush()
 
 
-def run(text: str, folder: str, resume: bool, lives: float) -> int:
+def run(text: str, folder: str, resume: bool, lives: float, largest: int) -> int:
     """Simulate; the exit status is that of the command line."""
     warnings.simplefilter("ignore")
     contactlab.run.SAVE_EVERY, contactlab.run.SAVE_SHARE = SAVE_EVERY, 0.0
     signal.setitimer(signal.ITIMER_PROF, lives)
+    if largest:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
     scene = Scene.from_data(parse_toml(text, "scene.toml"))
     try:
         results = simulate(scene, Path(folder), progress=lambda *_: tell("frame"), resume=resume)

@@ -24,6 +24,7 @@ def run(options: argparse.Namespace) -> int:
     """Run the scene, show how it goes, print a short table."""
     from contactlab.interruption import Interrupted
     from contactlab.reports.run import print_run
+    from contactlab.restart import FILE, RESUMABLE
     from contactlab.simulation import simulate
 
     registry = registry_with(options.files)
@@ -35,7 +36,7 @@ def run(options: argparse.Namespace) -> int:
         except Interrupted as stop:
             results = stop.results
     print_run(results, scene.data, out)
-    if results.status == "interrupted":
+    if results.status in RESUMABLE and (folder / FILE).exists():
         out.print(f"go on with: {resume_line(options, folder)}", markup=False, highlight=False, soft_wrap=True)
     return EXIT_STATUS.get(results.status, 1)
 

@@ -41,11 +41,11 @@ class GrowingFile:
         if self.present != self.path:
             self.present = self.present.replace(self.path)
 
-    def reserve(self, size: int) -> None:
+    def reserve(self, size: int, metadata: int = METADATA) -> None:
         """Take `size` more bytes of disk. Raises OSError where there are none, before anything is written."""
         self.file.flush()
         end = os.fstat(self.descriptor).st_size
-        wanted = size + METADATA
+        wanted = size + metadata
         try:
             os.posix_fallocate(self.descriptor, 0, end + wanted)
         except AttributeError:

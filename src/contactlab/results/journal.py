@@ -49,6 +49,7 @@ class Journal:
         self.iterations: list[IterationRow] = []
         self.iteration_file: IterationFile | None = None
         self.last: Sample | None = None
+        self.full = False
         self.stepped = every_step
         self.sampler = self._every_step_sampler() if every_step else None
         if past is not None:
@@ -179,11 +180,13 @@ class Journal:
         try:
             call(target)
         except OSError as error:
+            self.full = True
             place = self.folder if error.filename is None else error.filename
             raise SimulationFailure(
                 "failed",
                 f"step {self.model.state.step}: {name} cannot write to {place}: "
-                f"{(error.strerror or str(error)).lower()}; what was stored stays readable",
+                f"{(error.strerror or str(error)).lower()}; what was stored stays readable, and the run can be "
+                "resumed when there is room",
             ) from error
 
     def _quietly(self, what: str, call: Callable[[Recording], None]) -> None:
@@ -192,6 +195,8 @@ class Journal:
             try:
                 call(recording)
             except Exception as error:
+                if self.full and isinstance(error, OSError):
+                    continue  # that the disk is full is known
                 warnings.warn(f"the recorder {name} failed in {what}: {error}", RuntimeWarning, stacklevel=2)
 
     def _results(self, summary: dict[str, Any]) -> Results:

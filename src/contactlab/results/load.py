@@ -105,10 +105,24 @@ class _Reader:
             text = self.own["summary"][()].decode()
         elif self.checkpoint is not None:
             text = self.checkpoint.summary
+        elif (self.folder / "summary.json").is_file():
+            text = (self.folder / "summary.json").read_text()
         else:
-            raise RequestError("the run stopped before anything was saved", where=str(self.folder / FILE))
+            return self._unsaved_summary()
         summary: dict[str, Any] = json.loads(text)
         return summary
+
+    def _unsaved_summary(self) -> dict[str, Any]:
+        """What can be said of a run that was killed before it saved its first state."""
+        return {
+            "format": 1,
+            "scene": self.layout.title,
+            "status": "interrupted",
+            "reason": "the run ended without a word before its first state was saved",
+            "parts": dict(self.layout.parts),
+            "versions": dict(self.layout.versions),
+            "steps": self.steps,
+        }
 
     def _history(self) -> dict[str, Floats]:
         if "history" not in self.own:
@@ -139,13 +153,17 @@ class _End:
 
     def __init__(self, layout: Layout, checkpoint: Checkpoint | None, frames: StoredFrames) -> None:
         memory: Mapping[str, Floats] = checkpoint.memory if checkpoint is not None else {}
-        nodes = len(layout.nodes)
-        self.displacement = memory.get("state.displacement", np.zeros((nodes, 2))).copy()
-        self.velocity = memory.get("state.velocity", np.zeros((0, 2))).copy()
+        last = frames[-1] if not memory and len(frames) else None
+        self.displacement = last.displacement if last else memory.get("state.displacement", _no_field(layout)).copy()
+        self.velocity = last.velocity if last else memory.get("state.velocity", np.zeros((0, 2))).copy()
         self.stress = {body.name: _points(memory, "stress", body) for body in layout.bodies} if memory else {}
         self.internal_variables = {
             body.name: _variables(memory, body) for body in layout.bodies if body.internal_variables and memory
         }
+
+
+def _no_field(layout: Layout) -> Floats:
+    return np.zeros_like(layout.nodes)
 
 
 def _blocks(memory: Mapping[str, Floats], what: str, body: BodyLayout) -> list[Floats]:

@@ -28,8 +28,9 @@ from contactlab.results.layout_file import write_layout
 FILE = "results.vtkhdf"
 FORMAT = 1
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
-STEP_ROWS = 4096  # steps by which their room grows
+STEP_ROWS = 1024  # steps by which their room grows, at least
 CHUNK_STEPS = 256
+SUMMARY_METADATA = 8192  # bytes for the one dataset that is added at the end
 
 
 @dataclass(frozen=True)
@@ -95,7 +96,7 @@ class VtkHdfRecording(Recording):
     def steps(self, block: Floats) -> None:
         """Append scalars of steps."""
         if self.steps_written + len(block) > self.step_rows.room:
-            self.growing.grow([self.step_rows], STEP_ROWS)
+            self.growing.grow([self.step_rows], max(STEP_ROWS, self.steps_written // 8))
         self.step_rows.write(self.steps_written, block, len(block))
         self.steps_written += len(block)
 
@@ -114,13 +115,15 @@ class VtkHdfRecording(Recording):
 
     def close(self, summary: Mapping[str, Any]) -> None:
         """Give the spare room back and write the summary."""
-        self.cut(self.grid.count.value, self.steps_written, self.events.count)
-        text = json.dumps(summary)
-        self.growing.reserve(len(text))
-        if "summary" in self.own:
-            del self.own["summary"]
-        self.own["summary"] = text
-        self.growing.close()
+        try:
+            self.cut(self.grid.count.value, self.steps_written, self.events.count)
+            text = json.dumps(summary)
+            self.growing.reserve(len(text), metadata=SUMMARY_METADATA)
+            if "summary" in self.own:
+                del self.own["summary"]
+            self.own["summary"] = text
+        finally:
+            self.growing.close()
 
     def cut(self, frames: int, steps: int, events: int) -> None:
         """Have exactly so many frames, steps and events, and no spare room."""
