@@ -168,8 +168,8 @@ def _description(name: str, table: Table, levels: Sequence[int], error: float) -
             "meaning": f"relative L2 norm; the larger of the spread of the runs at level {levels[-1]} and the change "
             f"of their mean from level {levels[-2]}",
         },
-        "origin": f"This project's own runs at levels {', '.join(map(str, levels))}: {algorithms}; slaves {slaves}{more}. "
-        f"Pressure: mean of the runs at level {levels[-1]}. Made with {versions} by "
+        "origin": f"This project's own runs at levels {', '.join(map(str, levels))}: {algorithms}; "
+        f"slaves {slaves}{more}. Pressure: mean of the runs at level {levels[-1]}. Made with {versions} by "
         f"python -m contactlab.compare.make_reference {name}.",
         "holds_for": holds_for(table.scene),
     }
