@@ -173,7 +173,13 @@ def test_return_lands_on_the_yield_surface(size: float) -> None:
     """Mises' Kirchhoff stress equals the yield stress after any step; the plastic strain never falls."""
     random = np.random.default_rng(3)
     points = 200
-    for law in (PAPER, PowerLaw(70000.0, 0.3, 1e-9, 500.0, 1e-4, 0.5), LinearHardening(7e4, 0.3, 1e-9, 300.0, 2e4)):
+    laws = (
+        PAPER,
+        PowerLaw(70000.0, 0.3, 1e-9, 500.0, 1e-4, 0.5),
+        LinearHardening(7e4, 0.3, 1e-9, 300.0, 2e4),
+        LinearHardening(7e4, 0.3, 1e-9, 12000.0),  # elastic strains of 20 %
+    )
+    for law in laws:
         history, stress = np.zeros((law.history_size, points)), np.empty((4, points))
         rows = np.tile([[1.0], [0.0], [0.0], [1.0]], points)
         for _ in range(20):
@@ -192,7 +198,19 @@ def test_return_lands_on_the_yield_surface(size: float) -> None:
             assert (mises <= strength * (1.0 + 1e-9)).all()
             if size > 0.1:
                 break  # a random walk of this size would fold the point over
-        assert size < 1e-3 or (history[3] > 0.0).any()
+        assert size < 0.1 or (history[3] > 0.0).any()
+
+
+def test_short_and_long_steps_meet() -> None:
+    """Series for small strains and steps against the general functions: a thousand steps or one, straight path."""
+    for law in (PAPER, LinearHardening(70000.0, 0.3, 2.7e-9, 400.0, 100.0)):
+        for end in (np.diag([1.04, 0.96]), np.diag([0.8, 1.1])):
+            powers = [np.diag(np.diag(end) ** (n / 1000)) for n in range(1001)]
+            many, many_history = follow(law, powers)
+            one, one_history = follow(law, [np.eye(2), end])
+            # stretching is proportional but for the yield point, which falls inside a step
+            np.testing.assert_allclose(one, many, rtol=0.0, atol=1e-3 * np.abs(many).max())
+            assert one_history[3] == pytest.approx(many_history[3], rel=1e-3)
 
 
 def test_work_is_stored_or_dissipated() -> None:

@@ -14,7 +14,7 @@ The work is cut in two so that a block pays for what its points do: `trial` give
 step and counts points; where some yield, one of the other kernels returns those and leaves the rest alone.
 Divisions and roots cost as much as twenty products each, so series stand in for functions of small
 numbers: elastic strains of metals. `trial` counts the points beyond its series, and `wide_trial` is for
-blocks with any.
+blocks with any; so do the steps of the power law.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from math import sqrt
 from contactlab.api.kernel import exp, kernel, log, point
 
 NARROW = 0.0064  # (r/D)^2 up to which eight terms of asinh are exact: elastic strains that differ by 8 %
+SLIGHT = 0.03  # |D - 1| up to which eleven terms of the logarithm are exact
+WEAK = 0.3  # Mises stress over shear modulus up to which five terms of cosh are exact
 THIRD = 1.0 / 3.0
 
 
@@ -52,6 +54,25 @@ def _asinh_over(x):
 
 
 @point
+def _log_and_inverse(det):
+    """ln(det) and 1/det for det within `SLIGHT` of 1."""
+    x = det - 1.0
+    p = 1.0 / 11.0
+    p = 1.0 / 10.0 - p * x
+    p = 1.0 / 9.0 - p * x
+    p = 1.0 / 8.0 - p * x
+    p = 1.0 / 7.0 - p * x
+    p = 1.0 / 6.0 - p * x
+    p = 1.0 / 5.0 - p * x
+    p = 1.0 / 4.0 - p * x
+    p = 1.0 / 3.0 - p * x
+    p = 0.5 - p * x
+    square = x * x
+    fourth = square * square
+    return x - square * p, (1.0 - x) * (1.0 + square) * (1.0 + fourth) * (1.0 + fourth * fourth)
+
+
+@point
 def wide_factor(r, det, mean, log_j):
     """delta/r, and its limit 1/det where the in-plane elastic strain is a pure change of area."""
     return (log(mean + r) + log_j) / r if r > 1e-14 * mean else 1.0 / det
@@ -63,13 +84,23 @@ def mises_squared(s_d, s_x, s_z):
     return 2.25 * s_z * s_z + 3.0 * (s_d * s_d + s_x * s_x)
 
 
+@point
+def _elastic(det, log_j, factor, difference, shearing, strain_zz, shear, bulk):
+    """Cauchy stress rows and the square of Mises' Kirchhoff stress."""
+    s_d, s_x, s_z = factor * difference, factor * shearing, 2.0 * shear * (strain_zz - THIRD * log_j)
+    pressure = bulk * log_j
+    middle = pressure - 0.5 * s_z
+    mises = mises_squared(s_d, s_x, s_z)
+    return (middle + s_d) * det, (middle - s_d) * det, (pressure + s_z) * det, s_x * det, mises
+
+
 @kernel
 def trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row, reach, reach_slope):
     """Cauchy stress of an elastic step.
 
     Returns how many points yield, at how many the Mises stress exceeds the yield stress by more than
-    reach + reach_slope * (plastic strain), and at how many the elastic strains are wide. The yield stress
-    is yield_stress + slope * history[slope_row].
+    reach + reach_slope * (plastic strain) or is not weak, and at how many the elastic strains are wide.
+    The yield stress is yield_stress + slope * history[slope_row].
     """
     g_xx, g_xy, g_yx, g_yy = gradient[0], gradient[1], gradient[2], gradient[3]
     xx, yy, zz, xy = stress[0], stress[1], stress[2], stress[3]
@@ -79,26 +110,25 @@ def trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row
     for p in range(g_xx.size):
         a, b, c, d = g_xx[p], g_xy[p], g_yx[p], g_yy[p]
         det = a * d - b * c
-        inverse, log_j = 1.0 / det, -log(det)
+        log_det, inverse = _log_and_inverse(det)
         difference, shearing, _ = deviator(a, b, c, d, half[p], cross[p])
         square = (difference * difference + shearing * shearing) * inverse * inverse
         factor = shear * inverse * _asinh_over(square)
-        s_d, s_x, s_z = factor * difference, factor * shearing, 2.0 * shear * (strain_zz[p] - THIRD * log_j)
-        mises = mises_squared(s_d, s_x, s_z)
+        xx[p], yy[p], zz[p], xy[p], mises = _elastic(
+            det, -log_det, factor, difference, shearing, strain_zz[p], shear, bulk
+        )
         strong = yield_stress + slope * rise[p]
-        limit = strong + reach + reach_slope * plastic[p]
+        limit = min(strong + reach + reach_slope * plastic[p], WEAK * shear)
         yielding += 1 if mises > strong * strong else 0
         far += 1 if mises > limit * limit else 0
-        wide += 1 if square > NARROW else 0
-        pressure = bulk * log_j
-        middle = pressure - 0.5 * s_z
-        xx[p], yy[p], zz[p], xy[p] = (middle + s_d) * det, (middle - s_d) * det, (pressure + s_z) * det, s_x * det
+        wide += 0 if square <= NARROW and abs(det - 1.0) <= SLIGHT else 1
     return yielding, far, wide
 
 
 @kernel
-def wide_trial(gradient, history, stress, shear, bulk):
-    """Cauchy stress of an elastic step of any size."""
+def wide_trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row, reach, reach_slope):
+    """The same for elastic strains of any size."""
+    yielding, far = 0, 0
     for p in range(gradient.shape[1]):
         a, b, c, d = gradient[0, p], gradient[1, p], gradient[2, p], gradient[3, p]
         det = a * d - b * c
@@ -106,10 +136,14 @@ def wide_trial(gradient, history, stress, shear, bulk):
         difference, shearing, mean = deviator(a, b, c, d, history[0, p], history[1, p])
         r = sqrt(difference * difference + shearing * shearing)
         factor = shear * wide_factor(r, det, mean, log_j)
-        s_d, s_x, s_z = factor * difference, factor * shearing, 2.0 * shear * (history[2, p] - THIRD * log_j)
-        middle = bulk * log_j - 0.5 * s_z
-        stress[0, p], stress[1, p] = (middle + s_d) * det, (middle - s_d) * det
-        stress[2, p], stress[3, p] = (bulk * log_j + s_z) * det, s_x * det
+        stress[0, p], stress[1, p], stress[2, p], stress[3, p], mises = _elastic(
+            det, log_j, factor, difference, shearing, history[2, p], shear, bulk
+        )
+        strong = yield_stress + slope * history[slope_row, p]
+        limit = min(strong + reach + reach_slope * history[3, p], WEAK * shear)
+        yielding += 1 if mises > strong * strong else 0
+        far += 1 if mises > limit * limit else 0
+    return yielding, far
 
 
 @point
@@ -127,12 +161,9 @@ def _kirchhoff(xx, yy, zz, xy, det):
 
 
 @point
-def _cosh_and_sinh_over(x):
-    """cosh(s) and sinh(s)/s for x = s^2: eight terms, exact to round-off for s up to 1."""
-    p, q = 1.0 / 87178291200.0, 1.0 / 1307674368000.0
-    p, q = p * x + 1.0 / 479001600.0, q * x + 1.0 / 6227020800.0
-    p, q = p * x + 1.0 / 3628800.0, q * x + 1.0 / 39916800.0
-    p, q = p * x + 1.0 / 40320.0, q * x + 1.0 / 362880.0
+def _weak_cosh(x):
+    """cosh(s) and sinh(s)/s for x = s^2 of weak stresses."""
+    p, q = 1.0 / 40320.0, 1.0 / 362880.0
     p, q = p * x + 1.0 / 720.0, q * x + 1.0 / 5040.0
     p, q = p * x + 1.0 / 24.0, q * x + 1.0 / 120.0
     p, q = p * x + 0.5, q * x + 1.0 / 6.0
@@ -140,10 +171,17 @@ def _cosh_and_sinh_over(x):
 
 
 @point
-def _metric(a, b, c, d, inverse, s_d, s_x, compliance):
-    """Half difference and shear of C = F^-1 B F^-T/det, B unimodular with logarithmic deviator s/(2 mu)."""
-    u, v = compliance * s_d, compliance * s_x
-    cosh, ratio = _cosh_and_sinh_over(u * u + v * v)
+def _any_cosh(x):
+    """The same for any stress."""
+    s = sqrt(x)
+    grown = exp(s)
+    inverse = 1.0 / grown
+    return 0.5 * (grown + inverse), 0.5 * (grown - inverse) / s if s > 1e-8 else 1.0
+
+
+@point
+def _metric(a, b, c, d, inverse, u, v, cosh, ratio):
+    """Half difference and shear of C = F^-1 B F^-T/det, B unimodular with logarithmic deviator u, v."""
     u, v = ratio * u, ratio * v
     half = 0.5 * (cosh * (a * a + b * b - c * c - d * d) + u * (a * a + d * d - b * b - c * c)) + v * (a * b - c * d)
     cross = cosh * (a * c + b * d) + u * (a * c - b * d) + v * (a * d + b * c)
@@ -151,10 +189,17 @@ def _metric(a, b, c, d, inverse, s_d, s_x, compliance):
 
 
 @point
-def _return(p, g, history, stress, det, inverse, s_d, s_x, s_z, pressure, step, keep, compliance, softness):
-    """Where the plastic strain `step` is positive, `keep` that part of the deviator and write what follows."""
+def _return(p, g, history, stress, det, tau, step, shear, compliance, softness, weak):
+    """Where the plastic strain `step` is positive, take it from the trial `tau` and write what follows.
+
+    `weak` is a constant where this is called: only one of the two functions is compiled in.
+    """
+    s_d, s_x, s_z, _, over, pressure, inverse = tau
+    keep = 1.0 - 3.0 * shear * step * over
     s_d, s_x, s_z = keep * s_d, keep * s_x, keep * s_z
-    half, cross = _metric(g[0, p], g[1, p], g[2, p], g[3, p], inverse, s_d, s_x, compliance)
+    u, v = compliance * s_d, compliance * s_x
+    cosh, ratio = _weak_cosh(u * u + v * v) if weak else _any_cosh(u * u + v * v)
+    half, cross = _metric(g[0, p], g[1, p], g[2, p], g[3, p], inverse, u, v, cosh, ratio)
     yields = step > 0.0
     history[0, p] = half if yields else history[0, p]
     history[1, p] = cross if yields else history[1, p]
@@ -167,19 +212,25 @@ def _return(p, g, history, stress, det, inverse, s_d, s_x, s_z, pressure, step, 
     stress[3, p] = s_x * det if yields else stress[3, p]
 
 
+@point
+def _linear_point(p, g, history, stress, shear, compliance, softness, yield_stress, hardening, pace, weak):
+    det = g[0, p] * g[3, p] - g[1, p] * g[2, p]
+    tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
+    excess = tau[3] - (yield_stress + hardening * history[3, p])
+    step = pace * excess if excess > 0.0 else 0.0
+    _return(p, g, history, stress, det, tau, step, shear, compliance, softness, weak)
+
+
 @kernel
-def linear_return(gradient, history, stress, shear, bulk, yield_stress, hardening):
-    """sigma_y = yield_stress + hardening * ep: the return is linear."""
-    compliance, softness, pace = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
-    for p in range(gradient.shape[1]):
-        det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
-        s_d, s_x, s_z, mises, over, pressure, inverse = _kirchhoff(
-            stress[0, p], stress[1, p], stress[2, p], stress[3, p], det
-        )
-        excess = mises - (yield_stress + hardening * history[3, p])
-        step = pace * excess if excess > 0.0 else 0.0
-        keep = 1.0 - 3.0 * shear * step * over
-        _return(p, gradient, history, stress, det, inverse, s_d, s_x, s_z, pressure, step, keep, compliance, softness)
+def linear_return(gradient, history, stress, shear, bulk, yield_stress, hardening, weak):
+    """sigma_y = yield_stress + hardening * ep: the return is linear. `weak`: so are all stresses of the block."""
+    c, s, pace = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
+    if weak:
+        for p in range(gradient.shape[1]):
+            _linear_point(p, gradient, history, stress, shear, c, s, yield_stress, hardening, pace, True)
+    else:
+        for p in range(gradient.shape[1]):
+            _linear_point(p, gradient, history, stress, shear, c, s, yield_stress, hardening, pace, False)
 
 
 @point
@@ -193,11 +244,12 @@ def _near_step(mises, start, strong, shear, exponent, b2, b3, b4, b5, b6, b7, b8
     inverse, pace = both * slope, both * start * start
     excess = mises - strong
     step = pace * excess
-    for _ in range(2):
-        x = step * inverse
-        rise = ((((((b8 * x + b7) * x + b6) * x + b5) * x + b4) * x + b3) * x + b2) * x + exponent
-        step += pace * (excess - 3.0 * shear * step - strong * (rise * x))
-    return step
+    # the first correction takes two terms of the series, the second all
+    x = step * inverse
+    step -= pace * strong * ((b3 * x + b2) * x * x)
+    x = step * inverse
+    rise = ((((((b8 * x + b7) * x + b6) * x + b5) * x + b4) * x + b3) * x + b2) * x + exponent
+    return step + pace * (excess - 3.0 * shear * step - strong * (rise * x))
 
 
 @kernel
@@ -213,16 +265,12 @@ def power_return(gradient, history, stress, shear, bulk, yield_stress, exponent,
     b8 = b7 * (exponent - 7.0) / 8.0
     for p in range(gradient.shape[1]):
         det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
-        s_d, s_x, s_z, mises, over, pressure, inverse = _kirchhoff(
-            stress[0, p], stress[1, p], stress[2, p], stress[3, p], det
-        )
-        strong = yield_stress + history[4, p]
-        start = prestrain + history[3, p]
+        tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
+        mises, strong, start = tau[3], yield_stress + history[4, p], prestrain + history[3, p]
         step = _near_step(mises, start, strong, shear, exponent, b2, b3, b4, b5, b6, b7, b8)
         step = step if mises > strong else 0.0
         history[4, p] = mises - 3.0 * shear * step - yield_stress if step > 0.0 else history[4, p]
-        keep = 1.0 - 3.0 * shear * step * over
-        _return(p, gradient, history, stress, det, inverse, s_d, s_x, s_z, pressure, step, keep, compliance, softness)
+        _return(p, gradient, history, stress, det, tau, step, shear, compliance, softness, True)
 
 
 @point
@@ -248,14 +296,9 @@ def far_power_return(gradient, history, stress, shear, bulk, yield_stress, expon
     compliance, softness = 1.0 / shear, THIRD / bulk
     for p in range(gradient.shape[1]):
         det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
-        s_d, s_x, s_z, mises, over, pressure, inverse = _kirchhoff(
-            stress[0, p], stress[1, p], stress[2, p], stress[3, p], det
-        )
-        strong = yield_stress + history[4, p]
+        tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
+        mises, strong = tau[3], yield_stress + history[4, p]
         if mises > strong:
             step = _far_step(mises, prestrain + history[3, p], strong, shear, strength, exponent)
             history[4, p] = mises - 3.0 * shear * step - yield_stress
-            keep = 1.0 - 3.0 * shear * step * over
-            _return(
-                p, gradient, history, stress, det, inverse, s_d, s_x, s_z, pressure, step, keep, compliance, softness
-            )
+            _return(p, gradient, history, stress, det, tau, step, shear, compliance, softness, False)
