@@ -11,7 +11,7 @@ from __future__ import annotations
 from contactlab.api.kernel import kernel, section
 
 FAR = 1e300  # gap of a multiplier that is not kept
-CUT = 1e-13  # a weight below it moves a gap by less than the round-off of the positions
+CUT = 1e-14  # a weight below it moves a gap by less than the round-off of the positions
 
 
 @section
