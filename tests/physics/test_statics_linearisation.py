@@ -1,0 +1,110 @@
+"""Slopes of gaps, slips and contact forces against differences of the conditions themselves."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from contactlab_mortar.mortar import MortarP1
+
+import contactlab
+from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, Surface, SurfacePositions
+from contactlab.model.build import build
+from contactlab.model.implicit_model import ImplicitModel
+
+STEP = 1e-6  # mm; central differences of gaps then err by 1e-9, of forces of some hundred newtons per mm by 1e-7
+
+
+@dataclass(frozen=True)
+class Foreign(ContactAlgorithm):
+    """Mortar contact of somebody who gives no derivatives."""
+
+    passes_patch_test: ClassVar[bool] = True
+
+    def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
+        return MortarP1().widths(slave, master)
+
+    def capacity(self, slave: Surface, near: Candidates) -> int:
+        return MortarP1().capacity(slave, near)
+
+    def pieces(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        reach: float,
+        memory: Floats,
+        out: Pieces,
+    ) -> int:
+        return MortarP1().pieces(slave, master, at, near, reach, memory, out)
+
+
+def pressed_model(changes: dict[str, Any]) -> tuple[ImplicitModel, Floats]:
+    """Disc pressed into the block by 0.05 mm with all nodes shaken, so that nothing is symmetric, and positions."""
+    scene = contactlab.load_scene("disc-on-block").with_({"integrator": "newton", "level": 1} | changes)
+    model = build(scene, scene.registry)
+    assert isinstance(model, ImplicitModel)
+    assert model.contact is not None
+    draw, disc = np.random.default_rng(1), slice(0, model.bodies[0].count)
+    start, end = (model.reference + draw.uniform(-size, size, model.reference.shape) for size in (3e-3, 2e-3))
+    start[disc, 1] -= 0.045
+    end[disc, 1] -= 0.05
+    model.contact.begin(start)
+    return model, end
+
+
+def evaluate(model: ImplicitModel, position: Floats, forces: Floats, chosen: Floats) -> list[Floats]:
+    """Gaps, slips (with friction) and nodal forces at a position, multipliers held."""
+    contact = model.contact
+    assert contact is not None
+    c = contact.conditions
+    contact.evaluate(position)
+    c.force[:] = forces
+    normal, tangential = np.zeros_like(position), np.zeros((len(position) if len(c.slip) else 0, 2))
+    contact.forces(normal, tangential)
+    total = normal + tangential if len(tangential) else normal
+    return [c.gap[chosen].copy(), c.slip[chosen].copy() if len(c.slip) else np.zeros(0), total.ravel()]
+
+
+CASES = {
+    "mortar-p0": {"contacts.0.algorithm": "mortar-p0"},
+    "mortar-p1": {"contacts.0.algorithm": "mortar-p1"},
+    "node-on-segment": {"contacts.0.algorithm": "node-on-segment"},
+    "q2": {"contacts.0.algorithm": "mortar-p1", "bodies.disc.element": "q2", "bodies.block.element": "q2"},
+    "foreign": {"contacts.0.algorithm": "mortar-p1"},
+}
+
+
+@pytest.mark.parametrize("friction", [False, True], ids=["frictionless", "friction"])
+@pytest.mark.parametrize("swap", [False, True], ids=["disc-slave", "block-slave"])
+@pytest.mark.parametrize("name", CASES)
+def test_slopes(name: str, swap: bool, friction: bool) -> None:
+    changes: dict[str, Any] = CASES[name] | {"contacts.0.swap": swap}
+    if friction:
+        changes["contacts.0.friction"] = {"use": "coulomb", "mu": 0.3}
+    model, position = pressed_model(changes)
+    contact = model.contact
+    assert contact is not None
+    if name == "foreign":
+        contact.pairs[0].algorithm = Foreign()
+    contact.evaluate(position)
+    c, draw = contact.conditions, np.random.default_rng(2)
+    chosen = np.flatnonzero(c.present & (c.gap < 0.0))
+    assert len(chosen) >= 8
+    c.force[0, chosen] = draw.uniform(1.0, 3.0, len(chosen))
+    if friction:
+        c.force[1, chosen] = draw.uniform(-1.0, 1.0, len(chosen))
+    forces = c.force.copy()
+    slopes = contact.linearise(chosen)
+    move = draw.uniform(-1.0, 1.0, position.shape)
+    high, low = (evaluate(model, position + sign * STEP * move, forces, chosen) for sign in (1.0, -1.0))
+    gap, slip, force = ((a - b) / (2.0 * STEP) for a, b in zip(high, low, strict=True))
+    np.testing.assert_allclose(slopes.gap @ move.ravel(), gap, atol=1e-7, rtol=0.0)
+    np.testing.assert_allclose(slopes.force @ move.ravel(), force, atol=1e-5, rtol=0.0)
+    if friction:
+        np.testing.assert_allclose(slopes.slip @ move.ravel(), slip, atol=1e-7, rtol=0.0)
+    own = slopes.normal.T @ forces[0, chosen] + (slopes.tangent.T @ forces[1, chosen] if friction else 0.0)
+    np.testing.assert_allclose(own, evaluate(model, position, forces, chosen)[2], atol=1e-9, rtol=0.0)
