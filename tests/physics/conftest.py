@@ -52,7 +52,7 @@ def paced(scene: Scene) -> Scene:
 
 @pytest.fixture(scope="session")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> Runs:
-    """runs(changes, auto=False): disc-on-block with these keys, computed once per test session."""
+    """runs(changes, auto=False): disc-on-block with these keys, computed once however many tests ask."""
     folder = tmp_path_factory.getbasetemp()
     if "PYTEST_XDIST_WORKER" in os.environ:
         folder = folder.parent  # common to all workers

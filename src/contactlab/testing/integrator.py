@@ -26,7 +26,10 @@ def declarations(integrator: Integrator) -> None:
         isinstance(integrator.needs, type) and issubclass(integrator.needs, Enforcement), "needs: not an Enforcement"
     )
     require(bool(integrator.default_enforcement), "default_enforcement: not named")
-    require(isinstance(integrator.order, int) and integrator.order >= 1, f"order: got {integrator.order!r}, allowed: a whole number of at least 1")
+    require(
+        isinstance(integrator.order, int) and integrator.order >= 1,
+        f"order: got {integrator.order!r}, allowed: a whole number of at least 1",
+    )
 
 
 def _exact(time: float, damping: float) -> Floats:
