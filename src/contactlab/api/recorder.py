@@ -51,10 +51,12 @@ class Recorder(ABC):
 
     by_default  used where a scene names no recorders
     every_step  its recordings want `steps`
+    shown_file  name of the file that `show` opens; empty where there is nothing to show
     """
 
     by_default: ClassVar[bool] = False
     every_step: ClassVar[bool] = False
+    shown_file: ClassVar[str] = ""
 
     @abstractmethod
     def open(self, folder: Path, layout: Layout) -> Recording:
@@ -67,7 +69,14 @@ class Recorder(ABC):
         return recording
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:  # noqa: B027
-        """Called once after a comparison, with its folder and its runs by name."""
+        """Called once after a comparison, with its folder and its runs by what tells them apart."""
+
+    def show(self, file: Path, png: Path | None, step: int | None) -> None:
+        """Let a person look at `file`, or write a picture of it to `png`: at `step`, or at its end.
+
+        Raises RuntimeError, saying what to install, where this machine cannot show it.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has nothing to show")
 
 
 def replay(run: StoredRun, recording: Recording, steps: bool) -> None:

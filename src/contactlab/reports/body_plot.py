@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from contactlab.api.arrays import Floats
+from contactlab.api.colours import FIELD
+from contactlab.api.units import Units
 from contactlab.compare.shape import Shape
 from contactlab.compare.table import Row, Table
 from contactlab.reports.figures import FAINT, INK, MUTED, house_style
-from contactlab.reports.units import Units
 
 _WIDTH = 8.6  # inches
 _BESIDE, _BELOW = 1.5, 0.7  # inches for the colour bar and for the labels
@@ -36,7 +38,8 @@ def body_figure(table: Table) -> Figure | None:
         size = _WIDTH, float(np.clip((_WIDTH - _BESIDE) * height / width + _BELOW, 2.4, 7.5))
         figure = Figure(figsize=size, layout="constrained")
         axes = figure.subplots()
-        cells = PolyCollection(list(corners), array=stress, cmap="cividis", edgecolors="face", linewidths=0.2)
+        colours = LinearSegmentedColormap.from_list("field", FIELD)
+        cells = PolyCollection(list(corners), array=stress, cmap=colours, edgecolors="face", linewidths=0.2)
         cells.set_clim(0.0, top)
         axes.add_collection(cells)
         outlines = [line for shape in row.shapes.values() for line in outline(shape)]

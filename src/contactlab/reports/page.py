@@ -9,12 +9,12 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from contactlab.api.colours import Style, styles
 from contactlab.compare.agreement import Agreement, agreements
 from contactlab.compare.columns import MEASURES
 from contactlab.compare.reference import Reference
 from contactlab.compare.table import Table
 from contactlab.reports.body_plot import body_figure, shown_row
-from contactlab.reports.colours import Style, styles
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.figures import inline_svg, save
 from contactlab.reports.findings import Finding, findings, sentence, span

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
+from contactlab.api.colours import Style
+from contactlab.api.units import Units
 from contactlab.compare.columns import MEASURES, Column
 from contactlab.compare.table import Row, Table
-from contactlab.reports.colours import Style
 from contactlab.reports.numbers import heading_unit, quantity
 from contactlab.reports.table import USUAL
-from contactlab.reports.units import Units
 
 
 def runs_table(table: Table, styles: dict[str, Style]) -> str:

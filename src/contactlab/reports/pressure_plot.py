@@ -11,12 +11,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from contactlab.api.colours import REFERENCE, Style, styles
+from contactlab.api.units import Units
 from contactlab.compare.reference import Reference
 from contactlab.compare.table import Row, Table
-from contactlab.reports.colours import REFERENCE, Style, styles
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
-from contactlab.reports.units import Units
 
 _MARGIN = 0.2  # of the pressed length, shown on either side
 _DASHES = (0, (4, 1.5))

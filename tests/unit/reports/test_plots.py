@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
+from contactlab.api.colours import STYLES, styles
 from contactlab.compare.shape import Shape, von_mises
 from contactlab.compare.table import Table
 from contactlab.reports.body_plot import body_figure, outline
-from contactlab.reports.colours import STYLES, styles
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.pressure_plot import pressure_figure
 

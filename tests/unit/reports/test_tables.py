@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from contactlab.api.units import Units
 from contactlab.compare.table import Table
 from contactlab.reports.findings import findings, span
 from contactlab.reports.numbers import percent, significant, uncertain
 from contactlab.reports.run import render_run
 from contactlab.reports.table import WIDTH, print_table, render
-from contactlab.reports.units import Units
 from contactlab.results.results import ContactCurve, ContactHistory, Results
 
 

@@ -1,5 +1,6 @@
-"""One colour and one marker per contact algorithm, the same in every picture.
+"""The colours of every picture: of algorithms, of the states of a slave node, of fields.
 
+An algorithm has one colour and one marker, the same in every report, plot and recording.
 The colours are those of Okabe and Ito ("Color universal design", 2008) that stand out on white and
 on black; readers with any colour vision can tell them apart, and the markers tell them apart in
 grey. No algorithm is named here: a name always leads to the same colour.
@@ -23,7 +24,12 @@ class Style:
     @property
     def rgb(self) -> tuple[int, int, int]:
         """Red, green and blue, 0 to 255."""
-        return int(self.colour[1:3], 16), int(self.colour[3:5], 16), int(self.colour[5:7], 16)
+        return rgb(self.colour)
+
+
+def rgb(colour: str) -> tuple[int, int, int]:
+    """Red, green and blue, 0 to 255, of "#rrggbb"."""
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
 
 
 STYLES: Final = (
@@ -36,6 +42,16 @@ STYLES: Final = (
 )
 REFERENCE: Final = "#8A8F98"
 """Grey of reference solutions."""
+
+STATES: Final = ("#9AA0A6", "#56B4E9", "#D55E00")
+"""Of a slave node that is open, sticks, slips (by `contactlab.api.frame.STATES`)."""
+
+FIELD: Final = (
+    "#00224e", "#002e6a", "#1a386f", "#32436d", "#434e6c", "#535a6d", "#61656f", "#6f7073", "#7d7c78",
+    "#8b8778", "#9a9376", "#aaa073", "#bbad6d", "#ccba64", "#ddc858", "#efd748", "#fee838",
+)  # fmt: skip
+"""From the lowest value of a field to the highest, evenly spaced: "cividis" by Nunez, Anderton and Renslow (2018),
+which reads the same for all readers and in grey."""
 
 _SALT: Final = 1818  # any number gives fixed colours; this one keeps common names apart
 
