@@ -125,7 +125,7 @@ def test_both_multipliers_give_the_same_force(runs: Runs, swap: bool) -> None:
 
 @pytest.mark.parametrize("algorithm", MORTARS)
 def test_the_choice_of_slave_hardly_changes_the_force(runs: Runs, algorithm: str) -> None:
-    """T3.5 allows 0.5 %; at this depth the force is set by the block, not by the interface."""
+    """0.5 % is the usual allowance; at this depth the force is set by the block, not by the interface."""
     forces = [runs(keys(DEEP, 2, algorithm, swap)).reaction("block.bottom")[1] for swap in (False, True)]
     assert forces[0] == pytest.approx(forces[1], rel=5e-3)
 

@@ -53,7 +53,7 @@ def particles(walls: Walls, mass: Floats, velocity: Floats, stiffness: Floats | 
 
 
 def test_a_node_stops_at_a_wall() -> None:
-    """T2.1: the force removes the penetration in one step, m depth/dt^2, and the node rests after the next."""
+    """the force removes the penetration in one step, m depth/dt^2, and the node rests after the next."""
     mass, height, speed = 3.0, 0.0523, 2.0
     walls = Walls([[[0.0, 1.0]]], [height])
     model = particles(walls, np.array([mass]), [[0.0, -speed]])
@@ -90,7 +90,7 @@ def test_the_impulse_is_the_momentum(phase: float) -> None:
 
 
 def test_two_equal_nodes_stop_each_other() -> None:
-    """T2.3: head-on with v and -v both stop; momentum is exact."""
+    """head-on with v and -v both stop; momentum is exact."""
     walls = Walls([[[-1.0, 0.0], [1.0, 0.0]]], [-0.5])
     model = particles(walls, np.array([2.0, 2.0]), [[3.0, 0.0], [-3.0, 0.0]])
     for _ in range(30):
@@ -109,7 +109,7 @@ def test_unequal_nodes_share_their_momentum() -> None:
 
 
 def test_a_node_in_a_notch_meets_both_walls() -> None:
-    """T2.5: two rows on one node, walls at right angles: both gaps are closed, neither pulls."""
+    """two rows on one node, walls at right angles: both gaps are closed, neither pulls."""
     slope = np.sqrt(0.5)
     walls = Walls([[[slope, slope]], [[-slope, slope]]], [0.1, 0.1])
     model = particles(walls, np.array([1.0]), [[0.7, -4.0]])
@@ -143,7 +143,7 @@ def test_node_on_segment_sees_both_walls_of_a_notch() -> None:
 
 @pytest.mark.parametrize("seed", range(6))
 def test_sweeps_find_the_direct_solution(seed: int) -> None:
-    """T2.6: 50 coupled rows with gaps of either sign, against the active sets of Lawson & Hanson."""
+    """50 coupled rows with gaps of either sign, against the active sets of Lawson & Hanson."""
     count = 50
     normal = coupled_normals(count, seed)
     rng = np.random.default_rng(seed)

@@ -56,7 +56,7 @@ def sliding_block(mu: float, speed: float, pressure: float, algorithm: str, rota
 
 
 def test_a_node_stops_when_friction_has_taken_its_momentum() -> None:
-    """T2.4: mass m at speed v0 under a load N stops after m v0/(mu N), within one step, and then stays put."""
+    """mass m at speed v0 under a load N stops after m v0/(mu N), within one step, and then stays put."""
     mass, speed, load, mu, dt = 2.0, 3.0, 5.0, 0.4, 1e-3
     position, velocity = np.zeros(2), np.array([speed, 0.0])
     compliance = np.full((1, 2), dt * dt / mass)

@@ -12,7 +12,7 @@ from contactlab.scene import Scene, load_scene
 from contactlab.simulation import simulate
 
 TABLES = {
-    # formulation 3.7, units of the edge length: rows (vertex, mid, vertex) traces, columns multipliers
+    # units of the edge length: rows (vertex, mid, vertex) traces, columns multipliers
     "mortar-p1": np.array([[7 / 48, 1 / 24, -1 / 48], [1 / 8, 5 / 12, 1 / 8], [-1 / 48, 1 / 24, 7 / 48]]),
     "mortar-p0": np.array([[1 / 6, 1 / 48, -1 / 48], [5 / 48, 11 / 24, 5 / 48], [-1 / 48, 1 / 48, 1 / 6]]),
 }
@@ -73,7 +73,7 @@ def test_coupling_table_of_one_edge(algorithm: str, element: str) -> None:
 @pytest.mark.parametrize("algorithm", TABLES)
 @pytest.mark.parametrize("span", [[0.0, 1.0], [0.13, 1.31]], ids=["full cover", "partial cover"])
 def test_rows_reproduce_constants_and_lines(algorithm: str, span: list[float]) -> None:
-    """Both sides weigh constants alike and see the same linear function (T3.2), also on partial cover.
+    """Both sides weigh constants alike and see the same linear function, also on partial cover.
 
     The tolerance is the cut of the windows, 1e-13 per weight.
     """

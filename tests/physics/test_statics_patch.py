@@ -1,4 +1,4 @@
-"""Patch tests of whole static runs: flat, inclined, with traction and partial cover (hard cases 4, 5 and 14)."""
+"""Patch tests of whole static runs: flat, inclined, with traction and partial cover."""
 
 from __future__ import annotations
 

@@ -67,4 +67,4 @@ WORK = ("internal", "external", "damping", "contact", "friction", "numerical", "
 by loads and supports, by damping (dissipated), by normal contact forces on the nodes, by friction
 forces (negative when they dissipate), by forces that only stabilise the discretisation; the last is
 the sum of -y_t d over the slip d at the end of each step, which never falls: `friction` differs from
-its negative by what sliding that reverses keeps of the slip before (formulation 2.3)."""
+its negative by what sliding that reverses keeps of the slip before (docs/theory/forward-increment.md)."""

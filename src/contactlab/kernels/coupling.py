@@ -2,7 +2,7 @@
 
 T is tridiagonal along the slave chain (`diagonal`, `lower[k]` = T[k, previous], `upper[k]` =
 T[k, next]). On partial cover a multiplier that keeps less than 5 % of its length is merged into its
-neighbour, one that has none and keeps less than 1e-6 is dropped (formulation: partial cover); merging
+neighbour, one that has none and keeps less than 1e-6 is dropped (docs/theory/rows.md); merging
 adds rows and columns, so T stays square and tridiagonal. `owner[k]` is the multiplier that k became, -1 if dropped.
 """
 

@@ -54,7 +54,7 @@ def write_rows(
 def write_slips(first, last, first_slot, start, node, tangent_weight, slot, gaps, normals, before, current, slip):
     """Slip of the step in rows first ... last - 1: tangent times separation now minus at its start.
 
-    Each term has the tangent of its own time and both have the same weights (formulation 3.3), so that a
+    Each term has the tangent of its own time and both have the same weights (docs/theory/rows.md), so that a
     rigid rotation of the pair gives none. `before` (k, 2) are the normals and `current` (N, 2) the
     positions at the start of the step.
     """

@@ -1,4 +1,4 @@
-"""The explicit step limit, followed while the geometry changes (formulation 1.3)."""
+"""The explicit step limit, followed while the geometry changes (docs/theory/explicit-scheme.md)."""
 
 from __future__ import annotations
 

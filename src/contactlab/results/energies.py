@@ -1,4 +1,4 @@
-"""The energy ledger of a run (formulation 1.5)."""
+"""The energy ledger of a run (docs/theory/explicit-scheme.md)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Explicit central differences with contact forces in the same step (formulation 1.1 and 2.1)."""
+"""Explicit central differences with contact forces in the same step (docs/theory/explicit-scheme.md)."""
 
 from __future__ import annotations
 

@@ -9,7 +9,7 @@ from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve
 
 @dataclass(frozen=True)
 class ForwardIncrement(ExplicitEnforcement):
-    """Multipliers at t_n, gap conditions at t_{n+1}: y >= 0, g >= 0, y g = 0 (formulation 2.1).
+    """Multipliers at t_n, gap conditions at t_{n+1}: y >= 0, g >= 0, y g = 0 (docs/theory/forward-increment.md).
 
     tolerance  natural residual in segment lengths at which the sweeps stop
     sweeps     most sweeps in a step; a residual left over is reported

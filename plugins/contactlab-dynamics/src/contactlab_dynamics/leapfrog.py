@@ -1,4 +1,4 @@
-"""Node updates of the central-difference scheme, with the energy ledger (formulation 1.1 and 1.5).
+"""Node updates of the central-difference scheme, with the energy ledger (docs/theory/explicit-scheme.md).
 
 A step without contact is `move`, one with contact `predict` and, when the contact forces are known,
 `correct`; both end with `book`. Fields are taken as flat arrays of degrees of freedom, `mobility` being the

@@ -37,6 +37,6 @@ def lame_constants(young: float, poisson: float) -> Lame:
 
 
 def elastic_wave_speeds(young: float, poisson: float, density: float) -> tuple[float, float]:
-    """Dilatational and shear speed [mm/s] in plane strain (formulation: c_p^2 = (lambda + 2 mu)/rho)."""
+    """Dilatational and shear speed [mm/s] in plane strain (c_p^2 = (lambda + 2 mu)/rho)."""
     lame, shear = lame_constants(young, poisson)
     return math.sqrt((lame + 2.0 * shear) / density), math.sqrt(shear / density)

@@ -15,7 +15,7 @@ TOUCHING = 1e-9  # segment lengths
 
 @dataclass(frozen=True)
 class ActiveSet(ImplicitEnforcement):
-    """y_n = max(0, y_n - c g), y_t = clip(y_t - c d, -bound, bound) (formulation 4.2).
+    """y_n = max(0, y_n - c g), y_t = clip(y_t - c d, -bound, bound).
 
     The stiffness c that decides which condition is closed follows from the stiffness of the nodes; results do
     not depend on it.
