@@ -13,6 +13,9 @@ from contactlab.api.element import Element
 from contactlab.api.mesh import Mesh
 from contactlab.api.surface import Surface
 
+CORNER = 0.5
+"""Cosine of the turn (60 degrees) from which a contact surface has a corner."""
+
 
 def moved(mesh: Mesh, rotate: float, shift: tuple[float, float]) -> Mesh:
     """The mesh turned by `rotate` degrees about the origin, then shifted [mm]."""
@@ -99,17 +102,60 @@ def surface_from_edges(edges: Ints) -> Surface:
             segments.append((position[path[half]], position[path[half + 1]]))
             segment_edge.append((number, half))
         local.append([position[node] for node in (start, end, *inner)])
-    neighbours = np.full((len(nodes), 2), -1, np.int32)
-    for s, (a, b) in enumerate(segments):
-        neighbours[a, 1] = s
-        neighbours[b, 0] = s
+    joined = np.array(segments, np.int32).reshape(-1, 2)
     return Surface(
         np.array(nodes, np.int32),
-        np.array(segments, np.int32).reshape(-1, 2),
-        neighbours,
+        joined,
+        _neighbours(len(nodes), joined),
         np.array(local, np.int32).reshape(-1, edges.shape[1]),
         np.array(segment_edge, np.int32).reshape(-1, 2),
     )
+
+
+def split_at_corners(surface: Surface, positions: Floats) -> Surface:
+    """The surface cut where it turns by more than `CORNER`: the node there ends one chain and begins the next.
+
+    positions  (N, 2) [mm] of all nodes. Such a node counts once for each flank, with the normal of that flank:
+    an average of both belongs to neither.
+    """
+    a, b = (positions[surface.nodes[surface.segments[:, i]]] for i in range(2))
+    along = (b - a) / np.hypot(*(b - a).T)[:, None]
+    into, out = surface.node_segments.T
+    inner = np.flatnonzero((into >= 0) & (out >= 0))
+    sharp = inner[np.einsum("ci,ci->c", along[into[inner]], along[out[inner]]) < CORNER]
+    if not len(sharp):
+        return surface
+    copy = {int(node): len(surface.nodes) + i for i, node in enumerate(sharp)}
+    segments, edges = surface.segments.copy(), surface.edges.copy()
+    for node, second in copy.items():
+        # the second flank begins with the copy
+        segments[out[node], 0] = second
+        edge = edges[surface.segment_edge[out[node], 0]]
+        edge[edge == node] = second
+    nodes = np.concatenate([surface.nodes, surface.nodes[sharp]])
+    return _in_chain_order(Surface(nodes, segments, _neighbours(len(nodes), segments), edges, surface.segment_edge))
+
+
+def _in_chain_order(surface: Surface) -> Surface:
+    """The same surface with its nodes numbered along each chain."""
+    order: list[int] = []
+    seen: set[int] = set()
+    for segment in surface.segments.tolist():
+        order += [node for node in segment if node not in seen]
+        seen.update(segment)
+    place = np.argsort(np.array(order)).astype(np.int32)
+    segments = place[surface.segments]
+    return Surface(
+        surface.nodes[order], segments, _neighbours(len(order), segments), place[surface.edges], surface.segment_edge
+    )
+
+
+def _neighbours(nodes: int, segments: Ints) -> Ints:
+    """Segment that ends and segment that starts at each node (m, 2), -1 for none."""
+    found = np.full((nodes, 2), -1, np.int32)
+    found[segments[:, 0], 1] = np.arange(len(segments))
+    found[segments[:, 1], 0] = np.arange(len(segments))
+    return found
 
 
 def _chain_order(edges: Ints) -> list[int]:

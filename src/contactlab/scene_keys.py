@@ -194,7 +194,7 @@ class Rigid:
     )
     arc: Arc | None = key(None, says="an arc in place of a line")
     segment: float | None = key(
-        None, unit="mm", above=0.0, says="longest segment; not written: half the longest segment of what it touches"
+        None, unit="mm", above=0.0, says="longest segment; not written: that of the edge sets it touches"
     )
     ux: float | Ramp = key(0.0, unit="mm", says="displacement along x")
     uy: float | Ramp = key(0.0, unit="mm", says="displacement along y")

@@ -22,7 +22,7 @@ from contactlab.api import (
 )
 from contactlab.api.arrays import Flags
 from contactlab.errors import PartError, SceneError, below
-from contactlab.mesh import surface_from_edges
+from contactlab.mesh import split_at_corners, surface_from_edges
 from contactlab.model.body import Body, positions_of
 from contactlab.model.contact_checks import check_facing, refuse_held_slave
 from contactlab.model.contact_system import ContactSystem
@@ -134,7 +134,7 @@ def _plan(
         name,
         spec.name or name,
         algorithm,
-        _surface(slave, bodies, rigid, below(where, slave_key)),
+        split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions_of(bodies, rigid)),
         _surface(master, bodies, rigid, below(where, master_key)),
         registry.make("friction", spec.friction, below(where, "friction")) if spec.friction else None,
         enforcement,

@@ -47,7 +47,7 @@ def build_rigid(scene: Any, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...
     for name, spec in scene.rigid.items():
         facing = _facing(scene, bodies, name)
         longest = max((_longest(edges, bodies) for edges in facing), default=math.inf)
-        segment = spec.segment if spec.segment is not None else 0.5 * longest
+        segment = spec.segment if spec.segment is not None else longest
         width = facing[0].shape[1] if facing else 2
         points, closed = _chain(spec, segment, width - 1)
         surfaces.append(RigidSurface(name, points, first, _edges(first, len(points), closed, width)))

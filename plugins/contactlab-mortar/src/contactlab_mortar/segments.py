@@ -9,6 +9,7 @@ from contactlab.api.kernel import kernel, point, section
 from contactlab_mortar.integrals import integrate
 from contactlab_mortar.projection import master_parameter, opening, slave_parameter
 
+FACING = 0.25  # cosine by which normals must be opposed: flanks of a corner are no partners
 SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
 
 
@@ -21,10 +22,12 @@ def overlap(a, b, na, nb, c, d, out):
     """
     ex, ey, fx, fy = b[0] - a[0], b[1] - a[1], d[0] - c[0], d[1] - c[1]
     nx, ny, mx, my = na[0], na[1], nb[0] - na[0], nb[1] - na[1]
-    if ex * fx + ey * fy >= 0.0:
+    if ex * fx + ey * fy > -FACING * np.sqrt((ex * ex + ey * ey) * (fx * fx + fy * fy)):
         return False
     first = slave_parameter(a[0], a[1], ex, ey, nx, ny, mx, my, c[0], c[1])
     second = slave_parameter(a[0], a[1], ex, ey, nx, ny, mx, my, d[0], d[1])
+    if np.isnan(first) or np.isnan(second):
+        return False
     low, high = max(0.0, min(first, second)), min(1.0, max(first, second))
     if not high - low > SMALLEST:
         return False
@@ -66,6 +69,16 @@ def inward_normals(positions, segments, node_segments, normals):
     return length.max()
 
 
+@point
+def _passes(found, length, starts, ends):
+    """Whether the end of a chain slips past the end of the other: deeper behind it than both overlap.
+
+    That is the far flank of a corner whose near flank carries the contact.
+    """
+    at_end = (starts and found[0] == 0.0) or (ends and found[1] == 1.0)
+    return at_end and -min(found[4], found[5]) > 2.0 * (found[1] - found[0]) * length
+
+
 @kernel
 def mortar_pieces(slave, master, slave_at, master_at, near, reach, depth, linear, out):
     """Fill the pieces; returns their number.
@@ -96,7 +109,7 @@ def mortar_pieces(slave, master, slave_at, master_at, near, reach, depth, linear
             if not overlap(a, b, normals[i], normals[j], c, d, found):
                 continue
             least = min(found[4], found[5])
-            if least < -depth:
+            if least < -depth or _passes(found, length, node_segments[i, 0] < 0, node_segments[j, 1] < 0):
                 continue
             close = close or least <= reach
             slave_nodes[count] = edges[segment_edge[s, 0]]

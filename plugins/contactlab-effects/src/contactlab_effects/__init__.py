@@ -1,0 +1,1 @@
+"""Gravity, springs and dampers for contactlab."""

@@ -1,0 +1,46 @@
+"""Gravity."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactlab.api import Effect, EffectView, Floats
+
+
+@dataclass(frozen=True)
+class Gravity(Effect):
+    """Weight m g of every node.
+
+    acceleration  along x and y [mm/s2]; on earth [0, -9810] in mm and s
+    on            bodies that have weight; empty: all
+    ramp          time in which it rises from nothing, without a jolt [s]; 0: there from the start
+    """
+
+    acceleration: tuple[float, float]
+    on: tuple[str, ...] = ()
+    ramp: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.ramp < math.inf:
+            raise ValueError(f"ramp: got {self.ramp}, allowed: a time of at least 0 [s]")
+
+    def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
+        """Weights are computed once."""
+        nodes = np.unique(np.concatenate([view.nodes(name) for name in self.on or view.bodies]))
+        if not len(view.mass):
+            raise ValueError("gravity needs an integrator that assembles masses")
+        weight = view.mass[nodes, None] * np.asarray(self.acceleration)
+
+        def pull(time: float, force: Floats) -> None:
+            force[nodes] += weight if time >= self.ramp else _smooth(time / self.ramp) * weight
+
+        return pull
+
+
+def _smooth(s: float) -> float:
+    """3 s^2 - 2 s^3: no slope at either end."""
+    return s * s * (3.0 - 2.0 * s)

@@ -1,0 +1,18 @@
+"""Effects on offer."""
+
+from __future__ import annotations
+
+from contactlab.api.plugin import Part, hookimpl
+
+
+@hookimpl
+def contactlab_parts() -> list[Part]:
+    """Forces on nodes that come neither from stresses nor from contact."""
+    return [
+        Part("effect", "gravity", "contactlab_effects.gravity:Gravity", "weight of all bodies or of some"),
+        Part("effect", "spring", "contactlab_effects.spring:Spring", "springs from nodes to the ground"),
+        Part(
+            "effect", "vibration-damping", "contactlab_effects.damping:VibrationDamping",
+            "damping of all motion but the rigid one of each body",
+        ),
+    ]  # fmt: skip
