@@ -43,7 +43,7 @@ class Rehearsal:
     """What the first steps brought with them.
 
     modules  imported modules of the project and of plugins, and top-level names of other libraries
-    arrays   every array that the model, the bound integrator and the recorders of every step hold
+    arrays   every array that the model, the bound integrator and what follows the run hold
     import_s, build_s, first_step_s  wall time [s]; step_s  CPU time of each further step [s]
     steps    further steps that were made
     """
@@ -90,6 +90,7 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
     from contactlab.model.build import build
     from contactlab.run import begin_run
 
+    import_module("contactlab.simulation")  # as a run does
     loaded = perf_counter()
     with TemporaryDirectory() as folder:
         model = build(scene, scene.registry)
@@ -105,7 +106,7 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
         run.guards.look()
         run.schedule.follow()
         run.store()
-        arrays = held_arrays(model, integrator=advance, recording=run.journal.sampler)
+        arrays = held_arrays(model, integrator=advance, run=run)
         run.finish("interrupted", "rehearsed")
     return Rehearsal(
         kernels=[*rows, *(row for row in kernels.rows({}, 1) if row.kernel not in {r.kernel for r in rows})],

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,8 +29,10 @@ from contactlab.model.contact_system import ContactSystem
 from contactlab.model.edge_sets import edge_set
 from contactlab.model.gap_pair import GapPair, Pair
 from contactlab.model.initial_gap import EasedGaps, refuse_overlap
-from contactlab.model.rigid import RigidSurface
 from contactlab.model.surface_pair import SurfacePair
+
+if TYPE_CHECKING:
+    from contactlab.model.rigid import RigidSurface
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,7 +11,9 @@ from contactlab.api import EffectView, Floats, State
 from contactlab.errors import SceneError, below
 from contactlab.model.body import Body
 from contactlab.model.edge_sets import nodes_of
-from contactlab.model.loads import Load
+
+if TYPE_CHECKING:
+    from contactlab.model.loads import Load
 
 
 def build_effects(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,7 +16,9 @@ from contactlab.mesh import inverted_cells
 from contactlab.model.body import Body, positions_of
 from contactlab.model.contact_checks import check_overlap, overlap_error
 from contactlab.model.ramps import smooth
-from contactlab.model.rigid import RigidSurface
+
+if TYPE_CHECKING:
+    from contactlab.model.rigid import RigidSurface
 
 ROUND = 1e-6  # segment lengths: pushing so little out in one step costs a millionth of the wave speed
 SETTLED = 1e-12  # segment lengths left after an adjustment
