@@ -17,15 +17,34 @@ from contactlab.errors import show
 from contactlab.fields import accepts, is_required, keys_of
 from contactlab.registry import Registry, default_registry
 from contactlab.scene import Scene
-from contactlab.scene_keys import Body, Contact, Ramp, Record, Support, Time
+from contactlab.scene_keys import (
+    Arc,
+    Body,
+    Contact,
+    EdgePart,
+    Load,
+    Ramp,
+    Record,
+    Rigid,
+    Start,
+    Support,
+    Time,
+    Turn,
+)
 
 TABLES: dict[str, type[Any]] = {
     "The top of the file": Scene,
     "`[time]`": Time,
     "`[bodies.NAME]`": Body,
+    "`[bodies.NAME.sets]`: a part of an edge set": EdgePart,
     "`[[contacts]]`": Contact,
+    "An overlap before the run: `start = { overlap = ... }`": Start,
+    "`[rigid.NAME]`": Rigid,
+    "An arc: `{ centre = ..., radius = ..., angles = ... }`": Arc,
     "`[[supports]]`": Support,
-    "A displacement in time: `{ ramp = ..., to = ... }`": Ramp,
+    "A value in time: `{ ramp = ..., to = ... }`": Ramp,
+    "A rotation in time: `turn = { to = ..., about = ... }`": Turn,
+    "`[[loads]]`": Load,
     "`[record]`": Record,
     "The top of a study": Study,
     "`[pareto]` of a study": Pareto,
@@ -46,6 +65,8 @@ def key_table(cls: type[Any]) -> str:
 def _default(field: dataclasses.Field[Any]) -> str:
     if is_required(field):
         return "required"
+    if field.default_factory is not dataclasses.MISSING:
+        return f"`{show(field.default_factory())}`"
     default = field.default
     if default is None:
         return "not written"

@@ -43,9 +43,11 @@ def whole(example: str) -> dict[str, object] | None:
     data = tomllib.loads(example)
     if "scene" in data:
         return None
-    if "bodies" in data:
+    if "integrator" in data:
         return data
     full = load_scene("disc-on-block").data
+    for name, body in data.pop("bodies", {}).items():
+        full["bodies"][name] |= body
     if "algorithm" in data:
         full["contacts"][0] |= data
     elif "mesh" in data:

@@ -182,7 +182,7 @@ class _Plan:
 
     def _hold(self, dof: int, new: _Held, where: Any) -> None:
         old = self.held.setdefault(dof, new)
-        if old is not new and (new.course is None or old.course != new.course):
+        if old is not new and not _agree(old, new):
             raise SceneError(
                 f"node {dof // 2} is given two different displacements in {'xy'[dof % 2]}",
                 where=where,
@@ -201,6 +201,13 @@ class _Plan:
             tuple(self.sets),
             (self.moving[0], self.moving[1]),
         )
+
+
+def _agree(old: _Held, new: _Held) -> bool:
+    """Whether two supports give the same displacement at all times; zero is zero whatever its ramp."""
+    if old.course is None or new.course is None:
+        return False
+    return old.course == new.course or not (old.course.moves or new.course.moves)
 
 
 def _words(held: _Held) -> str:

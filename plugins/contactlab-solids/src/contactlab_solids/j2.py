@@ -48,7 +48,7 @@ def energy(gradient: Floats, history: Floats, constants: Moduli, out: Floats) ->
 
     shear, bulk = constants
     stress = np.empty((4, gradient.shape[1]))
-    j2_kernels.wide_trial(gradient, history, stress, shear, bulk, np.inf, 0.0, PLASTIC, np.inf, 0.0)
+    j2_kernels.wide_trial(gradient, history, stress, shear, bulk, True)
     inverse_j = gradient[0] * gradient[3] - gradient[1] * gradient[2]
     pressure = stress[:3].mean(axis=0)
     squares = ((stress[:3] - pressure) ** 2).sum(axis=0) + 2.0 * stress[3] ** 2
@@ -56,24 +56,18 @@ def energy(gradient: Floats, history: Floats, constants: Moduli, out: Floats) ->
 
 
 def elastic_trial(
-    gradient: Floats,
-    history: Floats,
-    stress: Floats,
-    constants: Moduli,
-    flow: tuple[float, float, int],
-    reach: tuple[float, float],
-) -> tuple[bool, bool]:
-    """Stress of an elastic step; whether any point yields, and whether any is beyond reach of the series.
+    gradient: Floats, history: Floats, stress: Floats, constants: Moduli, flow: tuple[float, float, int]
+) -> bool:
+    """Stress of an elastic step, and whether any point may yield.
 
     flow   yield stress at the start, slope, and the history row that the slope multiplies
-    reach  excess of the Mises stress over the yield stress, at ep = 0 and its slope by ep
     """
     from contactlab_solids import j2_kernels
 
-    yielding, far, wide = j2_kernels.trial(gradient, history, stress, *constants, *flow, *reach)
+    yielding, wide = j2_kernels.trial(gradient, history, stress, *constants, *flow)
     if wide:
-        yielding, far = j2_kernels.wide_trial(gradient, history, stress, *constants, *flow, *reach)
-    return bool(yielding), bool(far)
+        j2_kernels.wide_trial(gradient, history, stress, *constants, False)
+    return bool(yielding or wide)
 
 
 def per_current_volume(gradient: Floats, density: Floats, out: Floats) -> None:

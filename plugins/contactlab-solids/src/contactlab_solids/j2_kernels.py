@@ -10,11 +10,11 @@ elastic left Cauchy-Green tensor is A C A^T up to a factor, which ln J and the s
 need no eigenvectors, and a radial return scales s. History rows: half difference and shear of C,
 strain zz, equivalent plastic strain, and (power law) the rise of the yield stress.
 
-The work is cut in two so that a block pays for what its points do: `trial` gives the stress of an elastic
-step and counts points; where some yield, one of the other kernels returns those and leaves the rest alone.
-Divisions and roots cost as much as twenty products each, so series stand in for functions of small
-numbers: elastic strains of metals. `trial` counts the points beyond its series, and `wide_trial` is for
-blocks with any; so do the steps of the power law.
+The work is cut so that a block pays for what its points do. `trial` gives the stress of an elastic step
+and counts the points that yield; a return takes those. Divisions and roots cost as much as twenty
+products, so series stand in for functions of small numbers, elastic strains of metals and short steps;
+points beyond a series are counted, left alone, and taken by a general kernel afterwards. Which function
+serves a point depends on that point alone, never on its neighbours.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from contactlab.api.kernel import exp, kernel, log, point
 NARROW = 0.0064  # (r/D)^2 up to which eight terms of asinh are exact: elastic strains that differ by 8 %
 SLIGHT = 0.03  # |D - 1| up to which eleven terms of the logarithm are exact
 WEAK = 0.3  # Mises stress over shear modulus up to which five terms of cosh are exact
+REACH = 0.01  # plastic step over (e0 + ep) up to which the binomial series of the power is exact
 THIRD = 1.0 / 3.0
 
 
@@ -95,18 +96,15 @@ def _elastic(det, log_j, factor, difference, shearing, strain_zz, shear, bulk):
 
 
 @kernel
-def trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row, reach, reach_slope):
-    """Cauchy stress of an elastic step.
+def trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row):
+    """Cauchy stress of an elastic step; the numbers of points that yield and of those beyond the series.
 
-    Returns how many points yield, at how many the Mises stress exceeds the yield stress by more than
-    reach + reach_slope * (plastic strain) or is not weak, and at how many the elastic strains are wide.
     The yield stress is yield_stress + slope * history[slope_row].
     """
     g_xx, g_xy, g_yx, g_yy = gradient[0], gradient[1], gradient[2], gradient[3]
     xx, yy, zz, xy = stress[0], stress[1], stress[2], stress[3]
-    half, cross, strain_zz = history[0], history[1], history[2]
-    plastic, rise = history[3], history[slope_row]
-    yielding, far, wide = 0, 0, 0
+    half, cross, strain_zz, rise = history[0], history[1], history[2], history[slope_row]
+    yielding, wide = 0, 0
     for p in range(g_xx.size):
         a, b, c, d = g_xx[p], g_xy[p], g_yx[p], g_yy[p]
         det = a * d - b * c
@@ -118,32 +116,27 @@ def trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row
             det, -log_det, factor, difference, shearing, strain_zz[p], shear, bulk
         )
         strong = yield_stress + slope * rise[p]
-        limit = min(strong + reach + reach_slope * plastic[p], WEAK * shear)
         yielding += 1 if mises > strong * strong else 0
-        far += 1 if mises > limit * limit else 0
         wide += 0 if square <= NARROW and abs(det - 1.0) <= SLIGHT else 1
-    return yielding, far, wide
+    return yielding, wide
 
 
 @kernel
-def wide_trial(gradient, history, stress, shear, bulk, yield_stress, slope, slope_row, reach, reach_slope):
-    """The same for elastic strains of any size."""
-    yielding, far = 0, 0
+def wide_trial(gradient, history, stress, shear, bulk, all_points):
+    """The same for points beyond the series, or for all."""
     for p in range(gradient.shape[1]):
         a, b, c, d = gradient[0, p], gradient[1, p], gradient[2, p], gradient[3, p]
         det = a * d - b * c
-        log_j = -log(det)
+        _, inverse = _log_and_inverse(det)
         difference, shearing, mean = deviator(a, b, c, d, history[0, p], history[1, p])
-        r = sqrt(difference * difference + shearing * shearing)
-        factor = shear * wide_factor(r, det, mean, log_j)
-        stress[0, p], stress[1, p], stress[2, p], stress[3, p], mises = _elastic(
+        square = difference * difference + shearing * shearing
+        if not all_points and square * inverse * inverse <= NARROW and abs(det - 1.0) <= SLIGHT:
+            continue
+        log_j = -log(det)
+        factor = shear * wide_factor(sqrt(square), det, mean, log_j)
+        stress[0, p], stress[1, p], stress[2, p], stress[3, p], _ = _elastic(
             det, log_j, factor, difference, shearing, history[2, p], shear, bulk
         )
-        strong = yield_stress + slope * history[slope_row, p]
-        limit = min(strong + reach + reach_slope * history[3, p], WEAK * shear)
-        yielding += 1 if mises > strong * strong else 0
-        far += 1 if mises > limit * limit else 0
-    return yielding, far
 
 
 @point
@@ -192,7 +185,7 @@ def _metric(a, b, c, d, inverse, u, v, cosh, ratio):
 def _return(p, g, history, stress, det, tau, step, shear, compliance, softness, weak):
     """Where the plastic strain `step` is positive, take it from the trial `tau` and write what follows.
 
-    `weak` is a constant where this is called: only one of the two functions is compiled in.
+    `weak` is a constant at every call: only one of the two functions is compiled in.
     """
     s_d, s_x, s_z, _, over, pressure, inverse = tau
     keep = 1.0 - 3.0 * shear * step * over
@@ -212,25 +205,31 @@ def _return(p, g, history, stress, det, tau, step, shear, compliance, softness, 
     stress[3, p] = s_x * det if yields else stress[3, p]
 
 
-@point
-def _linear_point(p, g, history, stress, shear, compliance, softness, yield_stress, hardening, pace, weak):
-    det = g[0, p] * g[3, p] - g[1, p] * g[2, p]
-    tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
-    excess = tau[3] - (yield_stress + hardening * history[3, p])
-    step = pace * excess if excess > 0.0 else 0.0
-    _return(p, g, history, stress, det, tau, step, shear, compliance, softness, weak)
+@kernel
+def linear_return(gradient, history, stress, shear, bulk, yield_stress, hardening):
+    """sigma_y = yield_stress + hardening * ep: the return is linear. Returns how many stresses are not weak."""
+    compliance, softness, pace = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
+    left = 0
+    for p in range(gradient.shape[1]):
+        det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
+        tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
+        excess = tau[3] - (yield_stress + hardening * history[3, p])
+        step = pace * excess if excess > 0.0 and tau[3] <= WEAK * shear else 0.0
+        left += 1 if tau[3] > WEAK * shear else 0
+        _return(p, gradient, history, stress, det, tau, step, shear, compliance, softness, True)
+    return left
 
 
 @kernel
-def linear_return(gradient, history, stress, shear, bulk, yield_stress, hardening, weak):
-    """sigma_y = yield_stress + hardening * ep: the return is linear. `weak`: so are all stresses of the block."""
-    c, s, pace = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
-    if weak:
-        for p in range(gradient.shape[1]):
-            _linear_point(p, gradient, history, stress, shear, c, s, yield_stress, hardening, pace, True)
-    else:
-        for p in range(gradient.shape[1]):
-            _linear_point(p, gradient, history, stress, shear, c, s, yield_stress, hardening, pace, False)
+def far_linear_return(gradient, history, stress, shear, bulk, yield_stress, hardening):
+    """The same for stresses that are not weak."""
+    compliance, softness, pace = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
+    for p in range(gradient.shape[1]):
+        det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
+        tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
+        excess = tau[3] - (yield_stress + hardening * history[3, p])
+        if excess > 0.0 and tau[3] > WEAK * shear:
+            _return(p, gradient, history, stress, det, tau, pace * excess, shear, compliance, softness, False)
 
 
 @point
@@ -254,7 +253,7 @@ def _near_step(mises, start, strong, shear, exponent, b2, b3, b4, b5, b6, b7, b8
 
 @kernel
 def power_return(gradient, history, stress, shear, bulk, yield_stress, exponent, prestrain):
-    """sigma_y = K (e0 + ep)^n where every step of the block is within reach of the series."""
+    """sigma_y = K (e0 + ep)^n for steps within reach of the series. Returns how many points are left."""
     compliance, softness = 1.0 / shear, THIRD / bulk
     b2 = 0.5 * exponent * (exponent - 1.0)
     b3 = b2 * (exponent - 2.0) / 3.0
@@ -263,14 +262,18 @@ def power_return(gradient, history, stress, shear, bulk, yield_stress, exponent,
     b6 = b5 * (exponent - 5.0) / 6.0
     b7 = b6 * (exponent - 6.0) / 7.0
     b8 = b7 * (exponent - 7.0) / 8.0
+    left = 0
     for p in range(gradient.shape[1]):
         det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
         tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
         mises, strong, start = tau[3], yield_stress + history[4, p], prestrain + history[3, p]
+        limit = min(strong + 3.0 * shear * REACH * start, WEAK * shear)
         step = _near_step(mises, start, strong, shear, exponent, b2, b3, b4, b5, b6, b7, b8)
-        step = step if mises > strong else 0.0
+        step = step if mises > strong and mises <= limit else 0.0
+        left += 1 if mises > limit else 0
         history[4, p] = mises - 3.0 * shear * step - yield_stress if step > 0.0 else history[4, p]
         _return(p, gradient, history, stress, det, tau, step, shear, compliance, softness, True)
+    return left
 
 
 @point
@@ -292,13 +295,14 @@ def _far_step(mises, start, strong, shear, strength, exponent):
 
 @kernel
 def far_power_return(gradient, history, stress, shear, bulk, yield_stress, exponent, prestrain, strength):
-    """The same for steps of any size: as many Newton steps as each point needs."""
+    """The same for the points left: as many Newton steps as each needs."""
     compliance, softness = 1.0 / shear, THIRD / bulk
     for p in range(gradient.shape[1]):
         det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
         tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
-        mises, strong = tau[3], yield_stress + history[4, p]
-        if mises > strong:
-            step = _far_step(mises, prestrain + history[3, p], strong, shear, strength, exponent)
+        mises, strong, start = tau[3], yield_stress + history[4, p], prestrain + history[3, p]
+        limit = min(strong + 3.0 * shear * REACH * start, WEAK * shear)
+        if mises > strong and mises > limit:
+            step = _far_step(mises, start, strong, shear, strength, exponent)
             history[4, p] = mises - 3.0 * shear * step - yield_stress
             _return(p, gradient, history, stress, det, tau, step, shear, compliance, softness, False)

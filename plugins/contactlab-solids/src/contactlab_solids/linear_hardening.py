@@ -62,9 +62,10 @@ class LinearHardening(Material):
         if new_history is not history:
             new_history[:] = history
         constants, flow = j2.moduli(self.young, self.poisson), (self.yield_stress, self.hardening)
-        yielding, far = j2.elastic_trial(gradient, new_history, stress, constants, (*flow, j2.PLASTIC), (np.inf, 0.0))
-        if yielding:
-            j2_kernels.linear_return(gradient, new_history, stress, *constants, *flow, not far)
+        if j2.elastic_trial(gradient, new_history, stress, constants, (*flow, j2.PLASTIC)):
+            arguments = (gradient, new_history, stress, *constants, *flow)
+            if j2_kernels.linear_return(*arguments):
+                j2_kernels.far_linear_return(*arguments)
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of F^-1), (4, 4, P)."""

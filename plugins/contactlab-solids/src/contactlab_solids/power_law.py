@@ -12,7 +12,6 @@ from contactlab.api import Floats, Kinematics, Material
 from contactlab_solids import j2
 from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
 
-REACH = 0.01  # plastic step over (e0 + ep) up to which the binomial series of the power is exact
 RISE = 4  # history row: yield stress less that of the start
 
 
@@ -70,16 +69,11 @@ class PowerLaw(Material):
 
         if new_history is not history:
             new_history[:] = history
-        constants = j2.moduli(self.young, self.poisson)
-        start, near = self.strength * self.prestrain**self.exponent, 3.0 * constants.shear * REACH
-        yielding, far = j2.elastic_trial(
-            gradient, new_history, stress, constants, (start, 1.0, RISE), (near * self.prestrain, near)
-        )
-        law = (start, self.exponent, self.prestrain)
-        if far:
-            j2_kernels.far_power_return(gradient, new_history, stress, *constants, *law, self.strength)
-        elif yielding:
-            j2_kernels.power_return(gradient, new_history, stress, *constants, *law)
+        constants, start = j2.moduli(self.young, self.poisson), self.strength * self.prestrain**self.exponent
+        if j2.elastic_trial(gradient, new_history, stress, constants, (start, 1.0, RISE)):
+            arguments = (gradient, new_history, stress, *constants, start, self.exponent, self.prestrain)
+            if j2_kernels.power_return(*arguments):
+                j2_kernels.far_power_return(*arguments, self.strength)
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of F^-1), (4, 4, P)."""

@@ -1,0 +1,1 @@
+"""Runs on a timeline: recordings for the rerun viewer."""

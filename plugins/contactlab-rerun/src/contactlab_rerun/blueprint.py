@@ -1,0 +1,182 @@
+"""The arrangement of views that needs no clicking."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import rerun as rr
+import rerun.blueprint as rrb
+
+from contactlab.api.arrays import Floats
+from contactlab.api.units import Units
+from contactlab_rerun.gathered import Gathered, Look
+from contactlab_rerun.plots import BOX, Plot
+from contactlab_rerun.projection import bounds
+from contactlab_rerun.series import Series
+
+PAPER = (13, 16, 20)
+IN_A_ROW = 4  # meshes of a comparison
+_EDGE = rr.TimeRangeBoundary.infinite()
+_WHOLE = rrb.TimeAxis(view_range=rr.TimeRange(_EDGE, _EDGE))
+
+
+@dataclass(frozen=True)
+class Shown:
+    """One run as the arrangement needs it: `box` is what its mesh view shows, `series` those worth a line."""
+
+    look: Look
+    run: Gathered
+    box: tuple[Floats, Floats]
+    series: Sequence[Series]
+
+
+def blueprint(shown: Sequence[Shown], plots: Sequence[Plot], timeline: str) -> rrb.Blueprint:
+    """Meshes above; profiles, curves over time, states and events below."""
+    profiles = [_profile_view(plot, shown) for plot in plots]
+    if len(shown) == 1:
+        layout = _one(shown, profiles)
+    else:
+        layout = _several(shown, profiles)
+    return rrb.Blueprint(
+        layout,
+        rrb.TimePanel(state="collapsed", timeline=timeline),
+        rrb.BlueprintPanel(state="hidden"),
+        rrb.SelectionPanel(state="hidden"),
+        auto_views=False,
+    )
+
+
+def _one(shown: Sequence[Shown], profiles: Sequence[rrb.View]) -> rrb.Container:
+    mesh, u = _mesh_view(shown[0]), _units(shown)
+    energy = _series_view(shown, "energy", f"energy{_in(u.line_energy)}")
+    reaction = _series_view(shown, "reaction", f"reaction{_in(u.line_force)}")
+    below = [_tabs([energy, reaction]), _solver_tabs(shown), *_states(shown), _words(shown)]
+    above = rrb.Horizontal(mesh, _tabs(profiles), column_shares=[3, 2]) if profiles else mesh
+    return rrb.Vertical(above, rrb.Horizontal(*below), row_shares=[3, 2])
+
+
+def _several(shown: Sequence[Shown], profiles: Sequence[rrb.View]) -> rrb.Container:
+    """A row of meshes per slave surface, a column per algorithm."""
+    slaves = list(dict.fromkeys(_slave(one) for one in shown))
+    ordered = sorted(shown, key=lambda one: slaves.index(_slave(one)))
+    columns = min(IN_A_ROW, max(sum(_slave(one) == slave for one in shown) for slave in slaves))
+    meshes = rrb.Grid(*[_mesh_view(one) for one in ordered], grid_columns=columns)
+    u = _units(shown)
+    energy = [_series_view(shown, "energy", f"{n} energy{_in(u.line_energy)}", n) for n in ("internal", "kinetic")]
+    reaction = _series_view(_driven(shown), "reaction", f"reaction{_in(u.line_force)}")
+    below = [_tabs([reaction, *energy]), _solver_tabs(shown), *_states(shown), _words(shown)]
+    shares = [1.0] * len(below)
+    if profiles:
+        below, shares = [_tabs(profiles), *below], [1.7, *shares]
+    rows = -(-len(shown) // columns)
+    return rrb.Vertical(
+        meshes, rrb.Horizontal(*below, column_shares=shares), row_shares=[3, 2] if rows == 1 else [2, 1]
+    )
+
+
+def _slave(one: Shown) -> str:
+    contacts = one.run.layout.contacts
+    return contacts[0].slave if contacts else ""
+
+
+def _units(shown: Sequence[Shown]) -> Units:
+    return Units.of_label(shown[0].run.layout.units)
+
+
+# --- views ----------------------------------------------------------------------------------------
+
+
+def _mesh_view(one: Shown) -> rrb.Spatial2DView:
+    path = one.look.path
+    names = ("view", "mesh", "outline", "wire", "arrows", "bar")
+    return rrb.Spatial2DView(
+        origin=f"{path}/view",
+        contents=[f"+ {path}/{name}/**" for name in names],
+        name=one.look.title,
+        visual_bounds=bounds(*one.box),
+        background=PAPER,
+    )
+
+
+def _profile_view(plot: Plot, shown: Sequence[Shown]) -> rrb.Spatial2DView:
+    profiles = [
+        f"+ {one.look.path}/profile/{contact.name}/**"
+        for one in shown
+        for contact in one.run.layout.contacts
+        if contact.slave == plot.slave
+    ]
+    return rrb.Spatial2DView(
+        origin=f"{plot.path}/view",
+        contents=[f"+ {plot.path}/**", *profiles],
+        name=f"{plot.what} along {plot.slave}",
+        visual_bounds=bounds(*BOX, margin=0.02),
+        background=PAPER,
+    )
+
+
+def _solver_tabs(shown: Sequence[Shown]) -> rrb.Container:
+    length = _in(_units(shown).length)
+    views = [
+        _series_view(shown, "solver", "contact sweeps per step", "sweeps"),
+        _series_view(shown, "solver", "Newton iterations", "iterations"),
+        _series_view(shown, "contact", "nodes in contact", "active"),
+        _series_view(shown, "contact", "sticking nodes", "sticking"),
+        _series_view(shown, "contact", f"contact condition violated{length}", "penetration"),
+        _series_view(shown, "solver", "contact residual", "residual"),
+        _series_view(shown, "solver", "step length [s]", "dt"),
+        _series_view(shown, "time-per-step", "time per step for elements [s]", "elements"),
+        _series_view(shown, "time-per-step", "time per step for contact [s]", "contact"),
+    ]
+    return _tabs(views)
+
+
+def _series_view(shown: Sequence[Shown], group: str, name: str, last: str = "") -> rrb.TimeSeriesView | None:
+    """All series of a group that vary, or those whose name is `last`."""
+    wanted = [
+        f"{one.look.path}/{series.path}"
+        for one in shown
+        for series in one.series
+        if series.group.split("/")[0] == group and (not last or series.name == last)
+    ]
+    if not wanted:
+        return None
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=[f"+ {entity}" for entity in wanted],
+        name=name,
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
+        axis_x=_WHOLE,
+    )
+
+
+def _driven(shown: Sequence[Shown]) -> list[Shown]:
+    """Of the reactions of each run the component that is largest at the end."""
+    found = []
+    for one in shown:
+        last = one.run.instants[-1].scalars
+        ends = {f"{on}/{c}": abs(last.get(f"{on}.{c}", 0.0)) for on in one.run.layout.supports for c in ("fx", "fy")}
+        largest = max(ends, key=lambda name: ends[name], default="")
+        found.append(Shown(one.look, one.run, one.box, [series for series in one.series if series.name == largest]))
+    return found
+
+
+def _states(shown: Sequence[Shown]) -> list[rrb.View]:
+    if not any(one.run.layout.contacts for one in shown):
+        return []
+    lanes = [f"+ {one.look.path}/state/**" for one in shown]
+    return [rrb.StateTimelineView(origin="/", contents=lanes, name="states of slave nodes", time_view=_WHOLE)]
+
+
+def _words(shown: Sequence[Shown]) -> rrb.Container:
+    log = rrb.TextLogView(origin="/", contents=[f"+ {one.look.path}/events" for one in shown], name="events")
+    pages = [rrb.TextDocumentView(origin=f"{one.look.path}/scene", name=f"scene: {one.look.title}") for one in shown]
+    return _tabs([log, *pages])
+
+
+def _in(unit: str) -> str:
+    return f" [{unit}]" if unit else ""
+
+
+def _tabs(views: Sequence[rrb.View | None]) -> rrb.Container:
+    return rrb.Tabs(*[view for view in views if view is not None], active_tab=0)

@@ -1,0 +1,174 @@
+"""The deformed mesh and the contacts of one run, frame by frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+
+from contactlab.api.arrays import Floats
+from contactlab.api.colours import FIELD, STATES, rgb
+from contactlab.api.frame import SLIP, STICK, ContactCurve
+from contactlab_rerun.gathered import Gathered, Instant, Look
+from contactlab_rerun.mesh_shape import MeshShape
+from contactlab_rerun.projection import camera, in_plane
+from contactlab_rerun.series import times
+
+AT_ONCE = 4_000_000  # bytes of positions that are sent together
+FEW_CELLS = 2500  # up to here the sides of cells are drawn
+LONGEST_ARROW = 0.16  # of the model's size
+OUTLINE, WIRE = "#E2E5E9", (226, 229, 233, 46)
+HAIR, LINE = -0.6, -1.4  # radii: negative ones are pixels of the screen
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What is common to all frames, and to all runs of a comparison.
+
+    top       upper end of the field's colours
+    pressure  the contact pressure of the longest arrow
+    size      of the model [mm]
+    """
+
+    top: float
+    pressure: float
+    size: float
+
+
+def model_box(gathered: Sequence[Gathered]) -> tuple[Floats, Floats]:
+    """Lowest and highest coordinates (2,) of all frames of all runs."""
+    positions = [instant.positions for run in gathered for instant in run.instants]
+    return np.min([p.min(axis=0) for p in positions], axis=0), np.max([p.max(axis=0) for p in positions], axis=0)
+
+
+class Drawing:
+    """Draws the frames of one run."""
+
+    def __init__(
+        self, recording: rr.RecordingStream, run: Gathered, look: Look, scale: Scale, outline: str, wire: bool
+    ) -> None:
+        self.recording, self.run, self.look, self.scale = recording, run, look, scale
+        self.outline = outline
+        self.shape = MeshShape(run.layout)
+        self.wire = wire
+        self.when = times([i.step for i in run.instants], [i.time for i in run.instants])
+
+    def draw(self) -> None:
+        """Everything."""
+        self.recording.log(f"{self.look.path}/view", camera(), static=True)
+        self._mesh()
+        self._outlines()
+        if self.wire:
+            self._wire()
+        self._arrows()
+
+    def _mesh(self) -> None:
+        path = f"{self.look.path}/mesh"
+        self.recording.log(path, rr.Mesh3D.from_fields(triangle_indices=self.shape.triangles), static=True)
+        nodes = self.shape.nodes
+
+        def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
+            positions = np.concatenate([in_plane(i.positions) for i in instants])
+            colours = np.concatenate([self._colours(i) for i in instants])
+            made = rr.Mesh3D.columns(vertex_positions=positions, vertex_colors=colours)
+            return made.partition(np.full(len(instants), nodes))
+
+        self._in_batches(path, 16 * nodes, columns)
+
+    def _colours(self, instant: Instant) -> np.ndarray:
+        values = self.shape.nodal(instant.values) / self.scale.top
+        return TABLE[np.clip(values * len(TABLE), 0, len(TABLE) - 1).astype(np.intp)]
+
+    def _outlines(self) -> None:
+        loops = self.shape.outlines
+        size = sum(len(loop) for loop in loops)
+        self._strips("outline", size, lambda i: [in_plane(i.positions[loop]) for loop in loops])
+        self._style("outline", rgb(self.outline), LINE)
+
+    def _wire(self) -> None:
+        sides = self.shape.wire
+        size = sum(side.size for side in sides)
+        self._strips("wire", size, lambda i: [s for side in sides for s in in_plane(i.positions[side])])
+        self._style("wire", WIRE, HAIR)
+
+    def _arrows(self) -> None:
+        per_frame = [self._arrows_of(instant) for instant in self.run.instants]
+        lengths = [len(origins) for origins, _, _ in per_frame]
+        origins, vectors, colours = (np.concatenate(parts) for parts in zip(*per_frame, strict=True))
+        columns = rr.Arrows3D.columns(origins=origins, vectors=vectors, colors=colours).partition(lengths)
+        self.recording.send_columns(f"{self.look.path}/arrows", self.when, columns)
+        self._style_arrows()
+
+    def _arrows_of(self, instant: Instant) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Tractions on the slave, coloured by the state of its nodes."""
+        origins, vectors, colours = [np.zeros((0, 3), np.float32)], [np.zeros((0, 3), np.float32)], [COLOURS[:0]]
+        for contact in self.run.layout.contacts:
+            curve = instant.curves[contact.name]
+            traction = tractions(curve, contact.slave_segments)
+            shown = (curve.state == STICK) | (curve.state == SLIP)
+            arrow = traction[shown] * (LONGEST_ARROW * self.scale.size / self.scale.pressure)
+            # the viewer leaves out arrows that are exactly upright
+            arrow[:, 0] += 1e-4 * np.abs(arrow[:, 1])
+            points = np.stack([curve.x, curve.y], axis=1)[shown]
+            origins.append(in_plane(points))
+            vectors.append(np.concatenate([arrow, np.zeros((len(arrow), 1))], axis=1).astype(np.float32))
+            colours.append(COLOURS[curve.state[shown]])
+        return np.concatenate(origins), np.concatenate(vectors), np.concatenate(colours)
+
+    # --- sending ----------------------------------------------------------------------------------
+
+    def _strips(self, name: str, points: int, strips_of: Callable[[Instant], list[np.ndarray]]) -> None:
+        def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
+            strips = [strips_of(instant) for instant in instants]
+            made = rr.LineStrips3D.columns(strips=[strip for frame in strips for strip in frame])
+            return made.partition([len(frame) for frame in strips])
+
+        self._in_batches(f"{self.look.path}/{name}", 12 * points, columns)
+
+    def _in_batches(
+        self, path: str, frame_bytes: int, columns: Callable[[Sequence[Instant]], rr.ComponentColumnList]
+    ) -> None:
+        instants = self.run.instants
+        batch = max(1, AT_ONCE // max(1, frame_bytes))
+        for begin in range(0, len(instants), batch):
+            some = instants[begin : begin + batch]
+            when = times([i.step for i in some], [i.time for i in some])
+            self.recording.send_columns(path, when, columns(some))
+
+    def _style(self, name: str, colour: tuple[int, ...], radius: float) -> None:
+        style = rr.LineStrips3D.from_fields(colors=[colour], radii=[radius])
+        self.recording.log(f"{self.look.path}/{name}", style, static=True)
+
+    def _style_arrows(self) -> None:
+        style = rr.Arrows3D.from_fields(radii=[-1.8])
+        self.recording.log(f"{self.look.path}/arrows", style, static=True)
+
+
+def tractions(curve: ContactCurve, segments: np.ndarray) -> Floats:
+    """Contact traction (m, 2) [MPa] on the slave at its nodes: pressure inwards, shear along the chain."""
+    points = np.stack([curve.x, curve.y], axis=1)
+    tangent = np.zeros_like(points)
+    along = points[segments[:, 1]] - points[segments[:, 0]]
+    np.add.at(tangent, segments[:, 0], along)
+    np.add.at(tangent, segments[:, 1], along)
+    tangent /= np.maximum(np.hypot(tangent[:, 0], tangent[:, 1]), 1e-300)[:, None]
+    inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)  # the body lies on the left
+    return curve.pressure[:, None] * inward + curve.shear[:, None] * tangent
+
+
+def packed(colours: Floats) -> np.ndarray:
+    """Colours (k, 3) of 0 to 255 as the viewer takes them, (k,) 0xRRGGBBAA."""
+    parts = np.rint(colours).astype(np.uint32)
+    return (parts[:, 0] << 24) | (parts[:, 1] << 16) | (parts[:, 2] << 8) | 0xFF
+
+
+def _table() -> np.ndarray:
+    anchors = np.array([rgb(colour) for colour in FIELD], np.float64)
+    at, places = np.linspace(0.0, 1.0, 256), np.linspace(0.0, 1.0, len(anchors))
+    return packed(np.stack([np.interp(at, places, anchors[:, i]) for i in range(3)], axis=1))
+
+
+TABLE = _table()
+COLOURS = packed(np.array([rgb(colour) for colour in STATES], np.float64))

@@ -1,0 +1,92 @@
+"""The mesh as a viewer draws it: triangles, sides of cells, outlines."""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+
+from contactlab.api.arrays import Ints
+from contactlab.api.frame import BodyLayout, Layout
+
+_CORNERS = [(0, 1, 2), (0, 2, 3)]
+_SERENDIPITY = [(0, 4, 7), (4, 1, 5), (5, 2, 6), (6, 3, 7), (4, 5, 6), (4, 6, 7)]
+_MIDDLE = [(0, 4, 8), (4, 1, 8), (1, 5, 8), (5, 2, 8), (2, 6, 8), (6, 3, 8), (3, 7, 8), (7, 0, 8)]
+TRIANGLES = {4: _CORNERS, 8: _SERENDIPITY, 9: _MIDDLE}
+"""Triangles of a cell by its number of nodes."""
+
+_STRAIGHT = [(0, 1), (1, 2), (2, 3), (3, 0)]
+_CURVED = [(0, 4, 1), (1, 5, 2), (2, 6, 3), (3, 7, 0)]
+SIDES = {4: _STRAIGHT, 8: _CURVED, 9: _CURVED}
+"""Nodes along each side of a cell, by its number of nodes."""
+
+
+class MeshShape:
+    """All bodies of a layout; nodes are global."""
+
+    def __init__(self, layout: Layout) -> None:
+        self.nodes = len(layout.nodes)
+        self.bodies = layout.bodies
+        self.triangles = np.concatenate([_triangles(body) for body in layout.bodies]).astype(np.uint32)
+        self._flat = np.concatenate([body.cells.ravel() for body in layout.bodies])
+        first, owners = 0, []
+        for body in layout.bodies:
+            owners.append(np.repeat(np.arange(first, first + len(body.cells)), body.cells.shape[1]))
+            first += len(body.cells)
+        self._owner = np.concatenate(owners)
+        # nodes that no cell has (of rigid surfaces, say) keep the lowest colour
+        self._count = np.maximum(np.bincount(self._flat, minlength=self.nodes), 1)
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return sum(len(body.cells) for body in self.bodies)
+
+    def nodal(self, values: np.ndarray) -> np.ndarray:
+        """Means (N,) at nodes of values (n,) of the cells around each."""
+        return np.bincount(self._flat, weights=values[self._owner], minlength=self.nodes) / self._count
+
+    @cached_property
+    def outlines(self) -> list[Ints]:
+        """Node numbers along every closed boundary."""
+        return [loop for body in self.bodies for loop in _loops(body)]
+
+    @cached_property
+    def wire(self) -> list[Ints]:
+        """Sides that two cells share, (k, 2) or (k, 3) nodes, per body."""
+        return [inner for body in self.bodies if len(inner := _inner_sides(body))]
+
+
+def _triangles(body: BodyLayout) -> Ints:
+    return body.cells[:, TRIANGLES[body.cells.shape[1]]].reshape(-1, 3)
+
+
+def _sides(body: BodyLayout) -> Ints:
+    return body.cells[:, SIDES[body.cells.shape[1]]].reshape(-1, len(SIDES[body.cells.shape[1]][0]))
+
+
+def _sorted_ends(sides: Ints) -> Ints:
+    return np.sort(sides[:, [0, -1]], axis=1)
+
+
+def _inner_sides(body: BodyLayout) -> Ints:
+    """Each side that two cells share, once."""
+    sides = _sides(body)
+    _, first, counts = np.unique(_sorted_ends(sides), axis=0, return_index=True, return_counts=True)
+    return sides[first[counts > 1]]
+
+
+def _loops(body: BodyLayout) -> list[Ints]:
+    """Closed boundaries as chains of node numbers."""
+    sides = _sides(body)
+    _, first, counts = np.unique(_sorted_ends(sides), axis=0, return_index=True, return_counts=True)
+    starts = {int(side[0]): side for side in sides[first[counts == 1]]}
+    loops = []
+    while starts:
+        at, side = starts.popitem()
+        chain = list(side)
+        while int(chain[-1]) in starts:
+            chain.extend(starts.pop(int(chain[-1]))[1:])
+        loops.append(np.array(chain, np.int32))
+        del at
+    return loops

@@ -1,0 +1,60 @@
+"""The recorder `rerun`. The library is imported when a recording is closed or shown, not before."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar, Literal
+
+from contactlab.api.frame import Layout, StoredRun
+from contactlab.api.recorder import Recorder, Recording
+
+FILE = "timeline.rrd"
+
+
+@dataclass(frozen=True)
+class Rerun(Recorder):
+    """Writes `timeline.rrd`: every step's scalars; the deformed mesh and the contacts at stored frames.
+
+    field      what colours the mesh: von_mises [MPa], an internal variable of the laws, or "none"
+    every      1: every stored frame is shown, 2: every other one, ... (the last one always)
+    wire       draw the sides of all cells; "auto": where there are few enough to be told apart
+    lanes      slave nodes of each contact whose state has a lane of its own
+    """
+
+    by_default: ClassVar[bool] = False
+    every_step: ClassVar[bool] = True
+    shown_file: ClassVar[str] = FILE
+
+    field: str = "von_mises"
+    every: int = 1
+    wire: bool | Literal["auto"] = "auto"
+    lanes: int = 8
+
+    def __post_init__(self) -> None:
+        if self.every < 1:
+            raise ValueError(f"every: got {self.every}, allowed: at least 1")
+        if self.lanes < 0:
+            raise ValueError(f"lanes: got {self.lanes}, allowed: at least 0")
+
+    def open(self, folder: Path, layout: Layout) -> Recording:
+        """Begin to gather; the file is written when the run ends, with one colour scale for all of it."""
+        from contactlab_rerun.recording import RerunRecording
+
+        return RerunRecording(self, folder, layout)
+
+    def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:
+        """One file with all runs side by side."""
+        from contactlab_rerun.recording import write_comparison
+
+        write_comparison(self, folder / FILE, runs)
+
+    def show(self, file: Path, png: Path | None, step: int | None) -> None:
+        """Open the viewer, bound to this machine alone; or write a picture without a display."""
+        from contactlab_rerun import viewer
+
+        if png is None:
+            viewer.open_window(file)
+        else:
+            viewer.write_picture(file, png, step)

@@ -1,0 +1,90 @@
+"""From runs to a file: one run while it goes on, or several that are there already."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contactlab.api.arrays import Floats
+from contactlab.api.colours import STYLES, styles
+from contactlab.api.frame import Event, Frame, Layout, StoredRun
+from contactlab.api.recorder import Recording, replay
+from contactlab_rerun.gathered import Gathered, Look, entity_name, tint
+from contactlab_rerun.timeline_file import TimelineFile
+
+if TYPE_CHECKING:
+    from contactlab_rerun.recorder import Rerun
+
+
+class RerunRecording(Recording):
+    """One run. Steps wait in memory until there are many; frames until the run ends, when their scales are known."""
+
+    def __init__(self, options: Rerun, folder: Path, layout: Layout) -> None:
+        algorithms = ", ".join(dict.fromkeys(contact.algorithm for contact in layout.contacts))
+        title = f"{layout.title}: {algorithms}" if algorithms else layout.title
+        look = Look(f"/{entity_name(folder.resolve().name)}", title, STYLES[0].colour)
+        self.run = Gathered(layout, options.field, options.every)
+        self.file = TimelineFile(folder / options.shown_file, options, timeline="step")
+        self.series = self.file.begin(self.run, look)
+
+    def frame(self, frame: Frame) -> None:
+        """Keep what is shown of a frame."""
+        self.run.add(frame)
+
+    def steps(self, block: Floats) -> None:
+        """Send scalars of steps on, many at a time."""
+        self.series.add(block)
+
+    def event(self, event: Event) -> None:
+        """Keep an event."""
+        self.run.events.append(event)
+
+    def close(self, summary: Mapping[str, Any]) -> None:
+        """Draw all frames and give the file its name."""
+        self.file.finish([summary])
+
+
+class _OneOfSeveral(Recording):
+    """One run of a comparison, read back."""
+
+    def __init__(self, file: TimelineFile, options: Rerun, layout: Layout, look: Look) -> None:
+        self.run = Gathered(layout, options.field, options.every)
+        self.series = file.begin(self.run, look)
+
+    def frame(self, frame: Frame) -> None:
+        self.run.add(frame)
+
+    def steps(self, block: Floats) -> None:
+        self.series.add(block)
+
+    def event(self, event: Event) -> None:
+        self.run.events.append(event)
+
+    def close(self, summary: Mapping[str, Any]) -> None:
+        pass
+
+
+def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) -> None:
+    """One file with all runs that stored a frame, on one cursor."""
+    shown = {title: run for title, run in runs.items() if len(run.frames)}
+    if not shown:
+        return
+    file = TimelineFile(path, options, timeline="sim_time")
+    for title, look in looks(shown).items():
+        run = shown[title]
+        replay(run, _OneOfSeveral(file, options, run.layout, look), steps=True)
+    file.finish([run.summary for run in shown.values()])
+
+
+def looks(runs: Mapping[str, StoredRun]) -> dict[str, Look]:
+    """Colours by algorithm as in the report; runs that share an algorithm have paler and paler shades of it."""
+    names = {title: run.layout.contacts[0].algorithm if run.layout.contacts else title for title, run in runs.items()}
+    chosen = styles(names.values())
+    seen: dict[str, int] = {}
+    found = {}
+    for title, name in names.items():
+        shade = seen.get(name, 0)
+        seen[name] = shade + 1
+        found[title] = Look(f"/{entity_name(title)}", title, tint(chosen[name].colour, shade))
+    return found

@@ -1,0 +1,153 @@
+"""The rerun viewer: a window for a person, or a picture without a display. It listens on this machine alone."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+HOST = "127.0.0.1"
+SIZE = "1600x1000"
+MEMORY = "2GB"  # unlimited, the viewer takes three quarters of the machine
+MENU = 36  # pixels of the window's own bar, which says nothing about the recording
+PATIENCE = 60.0  # seconds until the viewer has loaded a recording; software renderers are slow
+SETTLE = 5.0  # seconds for views to follow the cursor, and for messages of the first moments to go
+
+NO_DRIVER = (
+    "the viewer found no graphics driver; a software one serves: install mesa-vulkan-drivers and libvulkan1 (Debian, "
+    "Ubuntu) or mesa-vulkan-drivers and vulkan-loader (Fedora)"
+)
+
+
+def open_window(file: Path) -> None:
+    """Start the viewer with the recording and leave it running. Raises RuntimeError where it cannot start."""
+    process = subprocess.Popen(
+        [*_command(_free_port()), str(file)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
+    )
+    try:
+        _, words = process.communicate(timeout=3.0)
+    except subprocess.TimeoutExpired:
+        return
+    if process.returncode:
+        raise RuntimeError(f"{_last_words(words)}; without a display, --png FILE writes a picture")
+
+
+def write_picture(file: Path, png: Path, step: int | None) -> None:
+    """A picture of the recording at `step`, or at its end. Raises RuntimeError where that is not possible."""
+    with headless_viewer(file) as client:
+        _wait_for(client)
+        timeline = None if step is None else "step"
+        name, last = _timeline(client, timeline)
+        _set_time(client, name, last if step is None else step)
+        sleep(SETTLE)
+        with tempfile.TemporaryDirectory() as folder:
+            shot = Path(folder) / "picture.png"
+            client.save_screenshot(str(shot))
+            _publish(shot, png)
+
+
+@contextlib.contextmanager
+def headless_viewer(file: Path) -> Iterator[Any]:
+    """A viewer without a window, as a client of `rerun.experimental`; it ends with the context."""
+    from rerun.experimental import ViewerClient
+
+    port = _free_port()
+    with tempfile.TemporaryFile() as words:
+        process = subprocess.Popen(
+            [*_command(port), "--headless", "--window-size", SIZE, str(file)],
+            stdout=subprocess.DEVNULL, stderr=words, start_new_session=True,
+        )  # fmt: skip
+        try:
+            yield _connected(process, ViewerClient, f"rerun+http://{HOST}:{port}/proxy", words)
+        finally:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(process.pid, signal.SIGTERM)
+            process.wait()
+
+
+def _command(port: int) -> list[str]:
+    """The viewer's command line, bound to this machine: by default it listens to all of the network."""
+    beside = Path(sys.executable).with_name("rerun")
+    program = str(beside) if beside.exists() else shutil.which("rerun")
+    if program is None:
+        raise RuntimeError("the program rerun is not there; it comes with rerun-sdk")
+    limits = ["--memory-limit", MEMORY, "--server-memory-limit", MEMORY]
+    return [program, "--bind", HOST, "--port", str(port), "--hide-welcome-screen", *limits]
+
+
+def _free_port() -> int:
+    with socket.socket() as made:
+        made.bind((HOST, 0))
+        return int(made.getsockname()[1])
+
+
+def _connected(process: subprocess.Popen[bytes], client: Any, url: str, words: Any) -> Any:
+    """The client, as soon as the viewer answers."""
+    until = monotonic() + PATIENCE
+    while monotonic() < until:
+        if process.poll() is not None:
+            words.seek(0)
+            raise RuntimeError(_last_words(words.read()))
+        try:
+            connected = client.connect(url)
+            connected.get_state()
+        except Exception:
+            sleep(0.1)
+        else:
+            return connected
+    raise RuntimeError(f"the viewer did not answer within {PATIENCE:.0f} s")
+
+
+def _last_words(words: bytes) -> str:
+    text = words.decode(errors="replace")
+    if "render context" in text or "adapter" in text or "wgpu" in text.lower():
+        return NO_DRIVER
+    if "winit" in text.lower() or "display" in text.lower():
+        return "the viewer found no display"
+    lines = [line for line in text.splitlines() if line.strip()]
+    return f"the viewer stopped: {lines[-1].strip()}" if lines else "the viewer stopped without a word"
+
+
+def _wait_for(client: Any) -> None:
+    """Until the recording is loaded and its views are there."""
+    until = monotonic() + PATIENCE
+    while monotonic() < until:
+        state = client.get_state()
+        if not state.loading and any(recording.timelines for recording in state.recordings) and state.views:
+            return
+        sleep(0.1)
+    raise RuntimeError(f"the viewer did not load the recording within {PATIENCE:.0f} s")
+
+
+def _timeline(client: Any, wanted: str | None) -> tuple[str, int]:
+    """The timeline to move on and its last value."""
+    for recording in client.get_state().recordings:
+        for timeline in recording.timelines:
+            if timeline.name == (wanted or "step"):
+                return timeline.name, int(timeline.end)
+    raise RuntimeError("the recording has no timeline of steps")
+
+
+def _set_time(client: Any, timeline: str, value: int) -> None:
+    client.set_time(timeline, sequence=value, play_state="paused")
+
+
+def _publish(shot: Path, png: Path) -> None:
+    """Write the picture with few colours: it looks the same and is a third as large."""
+    try:
+        from PIL import Image
+    except ImportError:
+        shutil.copyfile(shot, png)
+        return
+    with Image.open(shot) as image:
+        shown = image.convert("RGB").crop((0, MENU, *image.size))
+        shown.save(png, optimize=True)
