@@ -24,6 +24,8 @@ def scenes(options: argparse.Namespace) -> int:
     """List bundled scenes with where they were published; a broken file is a row with its reason."""
     del options
     shown = table("scene", "bodies", "contacts", "source")
+    for column in shown.columns[:3]:
+        column.no_wrap = True  # names stay whole, the source wraps
     for name, path in bundled_scenes().items():
         add_row(shown, name, *_scene_row(path))
     console().print(shown)
@@ -37,9 +39,16 @@ def _scene_row(path: Path) -> tuple[str, str, str]:
         return "", "", f"broken: {error.problem}"
     contacts = data.get("contacts", [])
     pairs = [
-        f"{c['slave']} on {c['master']}" for c in contacts if isinstance(c, dict) and {"slave", "master"} <= set(c)
+        f"{_side(c['slave'])} on {_side(c['master'])}"
+        for c in contacts
+        if isinstance(c, dict) and {"slave", "master"} <= set(c)
     ]
-    return ", ".join(data.get("bodies", {})), ", ".join(pairs), str(data.get("source", ""))
+    return "\n".join(data.get("bodies", {})), "\n".join(pairs), str(data.get("source", ""))
+
+
+def _side(sets: str | list[str]) -> str:
+    """One edge set, or several that form a surface together."""
+    return sets if isinstance(sets, str) else " + ".join(str(name) for name in sets)
 
 
 def parts(options: argparse.Namespace) -> int:
