@@ -8,8 +8,8 @@ which the stable step is followed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -24,8 +24,7 @@ def model_memory(model: Model) -> dict[str, Floats]:
     """The arrays by name; those of the model itself, not copies. Shapes are the same at every step."""
     memory = {f"state.{name}": field for name, field in model.state.fields.items()}
     for forces in model.forces:
-        # blocks that share their stresses compute them again when asked
-        for number, block in enumerate(() if forces.shares else forces.blocks):
+        for number, block in enumerate(forces.blocks):
             memory[f"stress.{forces.body.name}.{number}"] = block.stress
             memory[f"gradient.{forces.body.name}.{number}"] = block.gradient
     for limit in model.step_limits:
