@@ -47,8 +47,8 @@ def _scene_row(path: Path) -> tuple[str, str, str]:
 
 
 def _side(sets: str | list[str]) -> str:
-    """One edge set, or several that form a surface together."""
-    return sets if isinstance(sets, str) else " + ".join(str(name) for name in sets)
+    """An edge set; of several that form a surface together, the bodies they belong to."""
+    return sets if isinstance(sets, str) else " + ".join(dict.fromkeys(str(name).partition(".")[0] for name in sets))
 
 
 def parts(options: argparse.Namespace) -> int:
