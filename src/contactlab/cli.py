@@ -83,6 +83,9 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--vary", action="append", default=[], metavar="KEY=[V1, V2]", help="values to combine; replaces a study's own"
     )
+    command.add_argument(
+        "--effects", action="store_true", help="take out each effect of the scene in turn: what it costs and changes"
+    )
     _add_changes(command)
     _add_out(command)
     command.add_argument("--jobs", type=_positive, metavar="N", help="runs at a time (default: one per core)")

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.api.frame import Layout
-from contactlab.api.recorder import Recorder, Recording
+from contactlab.api.recorder import Recorder, Recording, replay
 from contactlab.errors import RequestError
 from contactlab.plugins import one_line
+from contactlab.results.results import Results
 
 
 def recorders_of(scene: Any, registry: Any) -> dict[str, Recorder]:
@@ -53,3 +54,10 @@ def open_recordings(
                 hint="name other recorders, or mend this one",
             ) from error
     return opened
+
+
+def record_again(recorder: Recorder, folder: Path, run: Results) -> None:
+    """Make a recording of what a run has stored."""
+    recording = recorder.open(folder, run.layout)
+    replay(run, recording, steps=recorder.every_step)
+    recording.close(run.summary)

@@ -12,6 +12,7 @@ def compare(options: argparse.Namespace) -> int:
     """Run the combinations and print their table; failed rows are results, so the status is 0."""
     from contactlab.compare.runner import compare as run_all
     from contactlab.compare.study import parse_vary
+    from contactlab.reports.bill_table import print_bill
     from contactlab.reports.table import print_table
 
     registry = registry_with(options.files)
@@ -20,9 +21,10 @@ def compare(options: argparse.Namespace) -> int:
     name = options.scene.removesuffix(".toml").rpartition("/")[2]
     with results_folder(options.out, name) as folder:
         result = run_all(
-            options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True
-        )
+            options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True,
+            effects=options.effects,
+        )  # fmt: skip
     shown = console()
-    print_table(result, shown)
+    (print_table if result.bill is None else print_bill)(result, shown)
     shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)
     return 0

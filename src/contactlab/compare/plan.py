@@ -68,7 +68,7 @@ def make_plan(
     installed contact algorithm and both choices of slave. Raises RequestError.
     """
     registry = registry or default_registry()
-    study, scene = _resolve(request, registry)
+    study, scene = find_scene(request, registry)
     if vary:
         given = checked_vary({name: (values, f"vary {name}") for name, values in vary.items()})
         study = replace(study, vary=given, pareto=Pareto())
@@ -81,7 +81,9 @@ def make_plan(
     return Plan(study, scene, contact, _named(_jobs(study, scene, contact)))
 
 
-def _resolve(request: Scene | Study | str | Path, registry: Registry) -> tuple[Study, Scene]:
+def find_scene(request: Scene | Study | str | Path, registry: Registry | None = None) -> tuple[Study, Scene]:
+    """The study that is asked for, and its scene. Raises RequestError."""
+    registry = registry or default_registry()
     if isinstance(request, Scene):
         return Study(scene=request.name, name=request.name), request
     if isinstance(request, str | Path):

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from contactlab.api.arrays import Floats
 from contactlab.compare.shape import Shape, shapes_of
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve, Results
@@ -26,6 +27,7 @@ class Outcome:
     summary    content of `summary.json`, with the median of the costs when the run was repeated
     curve      last curve of the compared contact
     shapes     deformed bodies at the end, by name
+    history    columns of `history.csv` by name
     traceback  of what was raised, for authors of parts
     """
 
@@ -34,6 +36,7 @@ class Outcome:
     summary: dict[str, Any] = field(default_factory=dict)
     curve: ContactCurve | None = None
     shapes: dict[str, Shape] = field(default_factory=dict)
+    history: dict[str, Floats] = field(default_factory=dict)
     traceback: str = ""
 
 
@@ -56,7 +59,8 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
         costs.append(results.summary.get("cost", {}))
     assert first is not None
     summary = {**first.summary, "cost": {**first.summary.get("cost", {}), **_medians(costs)}}
-    return Outcome(first.status, first.reason, summary, _last_curve(first, contact), shapes_of(first))
+    curve = _last_curve(first, contact)
+    return Outcome(first.status, first.reason, summary, curve, shapes_of(first), first.history)
 
 
 def warm_up(scene: Scene, report: Report) -> None:

@@ -9,6 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from contactlab.compare import run_job
+from contactlab.compare.bill import BillPlan, make_bill, plan_bill
 from contactlab.compare.gather import common_reference, gather
 from contactlab.compare.plan import Job, Plan, Vary, make_plan
 from contactlab.compare.pool import ProcessDiedError, RaisedError, WorkerPool
@@ -35,6 +36,7 @@ def compare(
     registry: Registry | None = None,
     progress: bool | None = None,
     changes: Mapping[str, Any] | None = None,
+    effects: bool = False,
 ) -> Table:
     """Run every combination and measure accuracy against cost.
 
@@ -44,11 +46,12 @@ def compare(
     jobs            processes at a time; all cores by default
     changes         scene keys and values for all runs, also instead of what the study varies
     progress        bars on standard error; by default where that is a terminal
+    effects         instead of combinations, the scene with each of its effects taken out in turn: `Table.bill`
 
     A run that fails, or whose process is killed, is a row with its status and reason.
     Raises RequestError when the request itself is wrong.
     """
-    plan = make_plan(scene_or_study, vary, registry, changes)
+    plan = _plan(scene_or_study, vary, registry, changes, effects)
     named = _named_reference(plan.study)
     workers = _checked_jobs(jobs)
     folder = claimed_folder(Path(out)) if out is not None else None
@@ -64,12 +67,24 @@ def compare(
         scene_text=plan.scene.toml(),
         wall_s=perf_counter() - began,
         folder=folder,
+        bill=make_bill(plan, outcomes) if isinstance(plan, BillPlan) else None,
     )
     if folder is not None:
         _write(table, plan, outcomes, folder)
     if interrupted:
         raise KeyboardInterrupt
     return table
+
+
+def _plan(request: Any, vary: Vary | None, registry: Registry | None, changes: Any, effects: bool) -> Plan:
+    if not effects:
+        return make_plan(request, vary, registry, changes)
+    if vary:
+        raise RequestError(
+            "effects are taken out of one scene, nothing else is varied beside", where="vary", got=", ".join(vary),
+            hint="set keys of the scene instead, or compare without effects",
+        )  # fmt: skip
+    return plan_bill(request, registry, changes)
 
 
 def _named_reference(study: Study) -> Reference | None:

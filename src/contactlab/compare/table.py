@@ -15,6 +15,7 @@ from contactlab.compare.shape import Shape
 from contactlab.results.results import ContactCurve
 
 if TYPE_CHECKING:
+    from contactlab.compare.bill import Bill
     from contactlab.compare.reference import Reference
     from contactlab.compare.study import Study
 
@@ -113,6 +114,7 @@ class Table:
     scene_text  the same as TOML
     wall_s      wall time of the whole comparison [s]
     folder      where the files are, None if none were written
+    bill        what the effects of the scene cost, where that was asked for
     """
 
     rows: Sequence[Row]
@@ -122,6 +124,7 @@ class Table:
     scene_text: str = ""
     wall_s: float = math.nan
     folder: Path | None = None
+    bill: Bill | None = None
 
     def __iter__(self) -> Iterator[Row]:
         return iter(self.rows)

@@ -11,13 +11,25 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.compare.agreement import agreements
+from contactlab.compare.bill import Bill
 from contactlab.compare.table import Table
 
 
 def write_table(table: Table, folder: Path) -> None:
-    """Write both files into the folder."""
+    """Write both files into the folder, and `bill.csv` where effects were priced."""
     _write_csv(table, folder / "table.csv")
     _write_json(table, folder / "table.json")
+    if table.bill is not None:
+        _write_bill(table.bill, folder / "bill.csv")
+
+
+def _write_bill(bill: Bill, path: Path) -> None:
+    """A row per effect."""
+    rows = [asdict(price) for price in bill.prices]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
 
 
 def _write_csv(table: Table, path: Path) -> None:
@@ -34,9 +46,15 @@ def _write_json(table: Table, path: Path) -> None:
         "reference": table.reference.name if table.reference else None,
         "wall_s": _number(table.wall_s),
         "agreement": [_plain(asdict(item)) for item in agreements(table.rows)],
+        **({"bill": _bill(table.bill)} if table.bill is not None else {}),
         "rows": [{**_plain(row.record()), "parts": _plain(row.parts)} for row in table.rows],
     }
     path.write_text(json.dumps(data, indent=1, default=str) + "\n", encoding="utf-8")
+
+
+def _bill(bill: Bill) -> dict[str, Any]:
+    data = asdict(bill)
+    return {**_plain(data), "prices": [_plain(price) for price in data["prices"]]}
 
 
 def _cell(value: Any) -> Any:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from html import escape
 from pathlib import Path
-from typing import Any
 
 from matplotlib.figure import Figure
 
@@ -16,18 +14,29 @@ from contactlab.compare.reference import Reference
 from contactlab.compare.table import Table
 from contactlab.reports.body_plot import body_figure, shown_row
 from contactlab.reports.cost_plot import cost_figure
-from contactlab.reports.figures import inline_svg, save
+from contactlab.reports.figures import save
 from contactlab.reports.findings import Finding, findings, sentence, span
-from contactlab.reports.numbers import percent, significant, uncertain
+from contactlab.reports.html import (
+    document,
+    facts_list,
+    figure_section,
+    machine_section,
+    plain_table,
+    scene_section,
+    section,
+)
+from contactlab.reports.numbers import percent, uncertain
 from contactlab.reports.page_table import runs_table
 from contactlab.reports.pressure_plot import pressure_figure
-from contactlab.toml_text import write_toml
-
-_ASSETS = Path(__file__).parent.parent / "data" / "report"
 
 
 def write_report(table: Table, folder: Path) -> None:
     """Write `report.html` and the plots (SVG and PNG) into the folder."""
+    if table.bill is not None:
+        from contactlab.reports.bill_page import write_bill_report
+
+        write_bill_report(table, table.bill, folder)
+        return
     figures = draw(table)
     for name, figure in figures.items():
         save(figure, folder, name)
@@ -47,24 +56,17 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
     sections = [
         _head(table),
         _cards(table, chosen),
-        _figure(figures, "pressure", "Contact pressure", _PRESSURE),
-        _section("All runs", runs_table(table, chosen) + _notes(table)),
-        _figure(figures, "error-against-cost", "What accuracy costs", _COST, narrow=True),
+        figure_section(figures, "pressure", "Contact pressure", _PRESSURE),
+        section("All runs", runs_table(table, chosen) + _notes(table)),
+        figure_section(figures, "error-against-cost", "What accuracy costs", _COST, narrow=True),
         _agreement(table),
-        _figure(figures, "bodies", "The deformed bodies", _bodies_caption(table), narrow=True),
+        figure_section(figures, "bodies", "The deformed bodies", _bodies_caption(table), narrow=True),
         _reference(table.reference, table),
-        _scene(table),
-        _machine(table),
+        scene_section(table),
+        machine_section(table),
         _glossary(),
     ]
-    style, script = ((_ASSETS / name).read_text(encoding="utf-8") for name in ("page.css", "page.js"))
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(table.study.name)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n"
-        + "\n".join(filter(None, sections))
-        + f"\n</main>\n<script>\n{script}</script>\n</body>\n</html>\n"
-    )
+    return document(table.study.name, sections)
 
 
 _PRESSURE = (
@@ -76,10 +78,6 @@ _COST = (
     "Further left is cheaper, further down more accurate. Each line is one algorithm with one choice of slave; "
     "the numbers are mesh levels. CPU seconds are those of one thread, without import, building and the first step."
 )
-
-
-def _section(title: str, content: str) -> str:
-    return f"<section>\n<h2>{escape(title)}</h2>\n{content}\n</section>" if content else ""
 
 
 def _head(table: Table) -> str:
@@ -108,14 +106,6 @@ def _card(finding: Finding, style: Style) -> str:
     )
 
 
-def _figure(figures: dict[str, Figure], name: str, title: str, caption: str, narrow: bool = False) -> str:
-    if name not in figures:
-        return ""
-    svg = inline_svg(figures[name], name, escape(title))
-    kind = ' class="narrow"' if narrow else ""
-    return _section(title, f"<figure{kind}>\n{svg}\n<figcaption>{escape(caption)}</figcaption>\n</figure>")
-
-
 def _notes(table: Table) -> str:
     notes = dict.fromkeys(note for row in table.rows for note in row.notes)
     return "".join(f'<p class="note">{escape(note)}</p>\n' for note in notes)
@@ -127,23 +117,12 @@ def _agreement(table: Table) -> str:
         return ""
     text = "<p>How far two algorithms are from each other on the same run; no reference is involved.</p>"
     heads = ("algorithms", "slave", "level", "reaction difference, %", "pressure difference, %")
-    return _section("Do the algorithms agree?", text + _plain_table(heads, map(_agreement_cells, pairs), texts=2))
+    return section("Do the algorithms agree?", text + plain_table(heads, map(_agreement_cells, pairs), texts=2))
 
 
 def _agreement_cells(pair: Agreement) -> tuple[str, ...]:
     names = f"{pair.first} and {pair.second}"
     return names, pair.slave, str(pair.level), percent(pair.reaction), percent(pair.pressure, 3)
-
-
-def _plain_table(heads: Iterable[str], rows: Iterable[Iterable[str]], texts: int) -> str:
-    """A table whose first `texts` columns are words."""
-
-    def line(cells: Iterable[str], tag: str) -> str:
-        kinds = (' class="text"' if k < texts else "" for k in range(100))
-        return "".join(f"<{tag}{kind}>{escape(cell)}</{tag}>" for cell, kind in zip(cells, kinds, strict=False))
-
-    body = "".join(f"<tr>{line(row, 'td')}</tr>\n" for row in rows)
-    return f'<div class="scroll"><table><thead><tr>{line(heads, "th")}</tr></thead><tbody>{body}</tbody></table></div>'
 
 
 def _bodies_caption(table: Table) -> str:
@@ -154,7 +133,7 @@ def _bodies_caption(table: Table) -> str:
 def _reference(reference: Reference | None, table: Table) -> str:
     if reference is None:
         why = next((note for row in table.rows for note in row.notes), "no run left a pressure")
-        return _section("Reference", f'<p class="note">There is no pressure error: {escape(why)}.</p>')
+        return section("Reference", f'<p class="note">There is no pressure error: {escape(why)}.</p>')
     meaning = escape(str(reference.error_estimate.get("meaning", "")))
     facts = {
         "solution": reference.title,
@@ -167,31 +146,9 @@ def _reference(reference: Reference | None, table: Table) -> str:
     if reference.window is not None:
         low, high = reference.window
         facts["compared over"] = f"{low:g} < x < {high:g}"
-    return _section("Reference", _facts(facts))
-
-
-def _facts(facts: dict[str, Any]) -> str:
-    rows = "".join(f"<dt>{escape(str(name))}</dt><dd>{escape(str(value))}</dd>\n" for name, value in facts.items())
-    return f'<dl class="facts">\n{rows}</dl>'
-
-
-def _scene(table: Table) -> str:
-    study = f"<details><summary>The study</summary><pre>{escape(write_toml(table.study.as_data()))}</pre></details>"
-    heading = "<summary>The scene, all defaults written out</summary>"
-    return _section("What was run", f"{study}<details>{heading}<pre>{escape(table.scene_text)}</pre></details>")
-
-
-def _machine(table: Table) -> str:
-    facts = dict(table.rows[0].system) if table.rows else {}
-    facts["whole comparison"] = f"{significant(table.wall_s, 3)} s of wall time, several runs at a time"
-    return _section("Machine and versions", _facts(facts) + _parts(table))
-
-
-def _parts(table: Table) -> str:
-    parts = dict.fromkeys(f"{role}: {part}" for row in table.rows for role, part in dict(row.parts).items())
-    return "".join(f'<p class="note">{escape(part)}</p>\n' for part in parts)
+    return section("Reference", facts_list(facts))
 
 
 def _glossary() -> str:
     facts = {column.title: column.meaning for column in MEASURES}
-    return _section("What the columns mean", f"<details><summary>All columns</summary>{_facts(facts)}</details>")
+    return section("What the columns mean", f"<details><summary>All columns</summary>{facts_list(facts)}</details>")

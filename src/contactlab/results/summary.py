@@ -13,6 +13,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import Layout
+from contactlab.model.arrays import held_arrays
 from contactlab.model.model import Model
 from contactlab.results.sample import Sample
 
@@ -154,7 +155,8 @@ def _cost(model: Model, clock: Clock) -> dict[str, Any]:
         },
     }
     unit = 1024.0 if sys.platform != "darwin" else 1048576.0
-    return _sum(cost, clock.before) | {"peak_memory_mib": peak / unit}
+    arrays = sum(array.bytes for array in held_arrays(model)) / 2.0**20
+    return _sum(cost, clock.before) | {"peak_memory_mib": peak / unit, "arrays_mib": arrays}
 
 
 def _sum(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, Any]:

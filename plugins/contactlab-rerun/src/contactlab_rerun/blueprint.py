@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import rerun as rr
@@ -11,11 +11,11 @@ import rerun.blueprint as rrb
 from contactlab.api.arrays import Floats
 from contactlab.api.units import Units
 from contactlab_rerun.gathered import Gathered, Look
-from contactlab_rerun.plots import BOX, Plot
+from contactlab_rerun.plots import BOX, LEGEND, Plot
 from contactlab_rerun.projection import bounds
 from contactlab_rerun.series import Series
 
-PAPER = (13, 16, 20)
+PAPER = (16, 18, 22)
 IN_A_ROW = 4  # meshes of a comparison
 _EDGE = rr.TimeRangeBoundary.infinite()
 _WHOLE = rrb.TimeAxis(view_range=rr.TimeRange(_EDGE, _EDGE))
@@ -34,10 +34,7 @@ class Shown:
 def blueprint(shown: Sequence[Shown], plots: Sequence[Plot], timeline: str) -> rrb.Blueprint:
     """Meshes above; profiles, curves over time, states and events below."""
     profiles = [_profile_view(plot, shown) for plot in plots]
-    if len(shown) == 1:
-        layout = _one(shown, profiles)
-    else:
-        layout = _several(shown, profiles)
+    layout = _one(shown, profiles) if len(shown) == 1 else _several(shown, profiles)
     return rrb.Blueprint(
         layout,
         rrb.TimePanel(state="collapsed", timeline=timeline),
@@ -64,7 +61,7 @@ def _several(shown: Sequence[Shown], profiles: Sequence[rrb.View]) -> rrb.Contai
     meshes = rrb.Grid(*[_mesh_view(one) for one in ordered], grid_columns=columns)
     u = _units(shown)
     energy = [_series_view(shown, "energy", f"{n} energy{_in(u.line_energy)}", n) for n in ("internal", "kinetic")]
-    reaction = _series_view(_driven(shown), "reaction", f"reaction{_in(u.line_force)}")
+    reaction = _reaction_view(shown, f"reaction{_in(u.line_force)}")
     below = [_tabs([reaction, *energy]), _solver_tabs(shown), *_states(shown), _words(shown)]
     shares = [1.0] * len(below)
     if profiles:
@@ -110,55 +107,59 @@ def _profile_view(plot: Plot, shown: Sequence[Shown]) -> rrb.Spatial2DView:
         origin=f"{plot.path}/view",
         contents=[f"+ {plot.path}/**", *profiles],
         name=f"{plot.what} along {plot.slave}",
-        visual_bounds=bounds(*BOX, margin=0.02),
+        visual_bounds=bounds(BOX[0], BOX[1] + (LEGEND if len(shown) > 1 else 0.0), margin=0.02),
         background=PAPER,
     )
 
 
 def _solver_tabs(shown: Sequence[Shown]) -> rrb.Container:
-    length = _in(_units(shown).length)
     views = [
         _series_view(shown, "solver", "contact sweeps per step", "sweeps"),
         _series_view(shown, "solver", "Newton iterations", "iterations"),
-        _series_view(shown, "contact", "nodes in contact", "active"),
-        _series_view(shown, "contact", "sticking nodes", "sticking"),
-        _series_view(shown, "contact", f"contact condition violated{length}", "penetration"),
+        _series_view(shown, "contact", "nodes in contact, sticking", "nodes"),
+        _series_view(shown, "contact", f"contact condition violated{_in(_units(shown).length)}", "penetration"),
         _series_view(shown, "solver", "contact residual", "residual"),
         _series_view(shown, "solver", "step length [s]", "dt"),
-        _series_view(shown, "time-per-step", "time per step for elements [s]", "elements"),
-        _series_view(shown, "time-per-step", "time per step for contact [s]", "contact"),
+        _series_view(shown, "time-per-step", "time per step [s]"),
     ]
     return _tabs(views)
 
 
 def _series_view(shown: Sequence[Shown], group: str, name: str, last: str = "") -> rrb.TimeSeriesView | None:
-    """All series of a group that vary, or those whose name is `last`."""
+    """All series of a group that vary, or those whose path ends in `last`."""
     wanted = [
         f"{one.look.path}/{series.path}"
         for one in shown
         for series in one.series
-        if series.group.split("/")[0] == group and (not last or series.name == last)
+        if series.group == group and last in ("", series.last)
     ]
-    if not wanted:
-        return None
-    return rrb.TimeSeriesView(
-        origin="/",
-        contents=[f"+ {entity}" for entity in wanted],
-        name=name,
-        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop),
-        axis_x=_WHOLE,
-    )
+    return _lines(wanted, name, legend=len(shown) == 1) if wanted else None
 
 
-def _driven(shown: Sequence[Shown]) -> list[Shown]:
+def _reaction_view(shown: Sequence[Shown], name: str) -> rrb.TimeSeriesView:
     """Of the reactions of each run the component that is largest at the end."""
-    found = []
+    overrides = {}
     for one in shown:
         last = one.run.instants[-1].scalars
-        ends = {f"{on}/{c}": abs(last.get(f"{on}.{c}", 0.0)) for on in one.run.layout.supports for c in ("fx", "fy")}
-        largest = max(ends, key=lambda name: ends[name], default="")
-        found.append(Shown(one.look, one.run, one.box, [series for series in one.series if series.name == largest]))
-    return found
+        ends = {(on, c): abs(last.get(f"{on}.{c}", 0.0)) for on in one.run.layout.supports for c in ("fx", "fy")}
+        on, component = max(ends, key=lambda at: ends[at], default=("", ""))
+        visible = rr.SeriesLines(visible_series=[component == "fx", component == "fy"])
+        overrides[f"{one.look.path}/reaction/{on}"] = visible
+    return _lines(list(overrides), name, legend=False, overrides=overrides)
+
+
+def _lines(
+    entities: Sequence[str], name: str, legend: bool, overrides: Mapping[str, rr.SeriesLines] | None = None
+) -> rrb.TimeSeriesView:
+    return rrb.TimeSeriesView(
+        origin="/",
+        contents=[f"+ {entity}" for entity in entities],
+        name=name,
+        overrides=overrides,
+        # lines of several runs have the colours of their meshes' outlines; a legend would hide half of them
+        plot_legend=rrb.PlotLegend(rrb.Corner2D.LeftTop, visible=legend),
+        axis_x=_WHOLE,
+    )
 
 
 def _states(shown: Sequence[Shown]) -> list[rrb.View]:
@@ -169,7 +170,13 @@ def _states(shown: Sequence[Shown]) -> list[rrb.View]:
 
 
 def _words(shown: Sequence[Shown]) -> rrb.Container:
-    log = rrb.TextLogView(origin="/", contents=[f"+ {one.look.path}/events" for one in shown], name="events")
+    told = ["LogLevel", "Body"] if len(shown) == 1 else ["EntityPath", "Body"]
+    log = rrb.TextLogView(
+        origin="/",
+        contents=[f"+ {one.look.path}/events" for one in shown],
+        name="events",
+        columns=rrb.TextLogColumns(timeline_columns=["step"], text_log_columns=told),
+    )
     pages = [rrb.TextDocumentView(origin=f"{one.look.path}/scene", name=f"scene: {one.look.title}") for one in shown]
     return _tabs([log, *pages])
 

@@ -8,18 +8,20 @@ from dataclasses import dataclass
 import numpy as np
 import rerun as rr
 
-from contactlab.api.arrays import Floats
+from contactlab.api.arrays import Floats, Ints
 from contactlab.api.colours import FIELD, STATES, rgb
-from contactlab.api.frame import SLIP, STICK, ContactCurve
+from contactlab.api.frame import ContactCurve
 from contactlab_rerun.gathered import Gathered, Instant, Look
 from contactlab_rerun.mesh_shape import MeshShape
-from contactlab_rerun.projection import camera, in_plane
+from contactlab_rerun.projection import ON_MESH, camera, in_plane, line_strips
 from contactlab_rerun.series import times
 
 AT_ONCE = 4_000_000  # bytes of positions that are sent together
 FEW_CELLS = 2500  # up to here the sides of cells are drawn
 LONGEST_ARROW = 0.16  # of the model's size
 OUTLINE, WIRE = "#E2E5E9", (226, 229, 233, 46)
+_NONE = np.zeros((0, 3), np.float32)
+_FLAT = np.array([1.0, 1.0, 0.0], np.float32)
 HAIR, LINE = -0.6, -1.4  # radii: negative ones are pixels of the screen
 
 
@@ -83,15 +85,15 @@ class Drawing:
 
     def _outlines(self) -> None:
         loops = self.shape.outlines
-        size = sum(len(loop) for loop in loops)
-        self._strips("outline", size, lambda i: [in_plane(i.positions[loop]) for loop in loops])
+        self._strips("outline", np.concatenate(loops), [len(loop) for loop in loops])
         self._style("outline", rgb(self.outline), LINE)
 
     def _wire(self) -> None:
         sides = self.shape.wire
-        size = sum(side.size for side in sides)
-        self._strips("wire", size, lambda i: [s for side in sides for s in in_plane(i.positions[side])])
-        self._style("wire", WIRE, HAIR)
+        if sides:
+            lengths = [side.shape[1] for side in sides for _ in side]
+            self._strips("wire", np.concatenate([side.ravel() for side in sides]), lengths)
+            self._style("wire", WIRE, HAIR)
 
     def _arrows(self) -> None:
         per_frame = [self._arrows_of(instant) for instant in self.run.instants]
@@ -103,29 +105,28 @@ class Drawing:
 
     def _arrows_of(self, instant: Instant) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Tractions on the slave, coloured by the state of its nodes."""
-        origins, vectors, colours = [np.zeros((0, 3), np.float32)], [np.zeros((0, 3), np.float32)], [COLOURS[:0]]
+        origins, vectors, colours = [_NONE], [_NONE], [COLOURS[:0]]
+        longest = LONGEST_ARROW * self.scale.size / self.scale.pressure
         for contact in self.run.layout.contacts:
             curve = instant.curves[contact.name]
-            traction = tractions(curve, contact.slave_segments)
-            shown = (curve.state == STICK) | (curve.state == SLIP)
-            arrow = traction[shown] * (LONGEST_ARROW * self.scale.size / self.scale.pressure)
-            # the viewer leaves out arrows that are exactly upright
-            arrow[:, 0] += 1e-4 * np.abs(arrow[:, 1])
-            points = np.stack([curve.x, curve.y], axis=1)[shown]
-            origins.append(in_plane(points))
-            vectors.append(np.concatenate([arrow, np.zeros((len(arrow), 1))], axis=1).astype(np.float32))
-            colours.append(COLOURS[curve.state[shown]])
+            shown = np.flatnonzero(curve.state)
+            if len(shown):
+                origins.append(in_plane(np.stack([curve.x[shown], curve.y[shown]], axis=1), 2.0 * ON_MESH))
+                vectors.append(in_plane(longest * tractions(curve, contact.slave_segments)[shown]) * _FLAT)
+                colours.append(COLOURS[curve.state[shown]])
         return np.concatenate(origins), np.concatenate(vectors), np.concatenate(colours)
 
     # --- sending ----------------------------------------------------------------------------------
 
-    def _strips(self, name: str, points: int, strips_of: Callable[[Instant], list[np.ndarray]]) -> None:
-        def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
-            strips = [strips_of(instant) for instant in instants]
-            made = rr.LineStrips3D.columns(strips=[strip for frame in strips for strip in frame])
-            return made.partition([len(frame) for frame in strips])
+    def _strips(self, name: str, nodes: Ints, lengths: Sequence[int]) -> None:
+        """Lines through nodes, so many in each, in every frame."""
 
-        self._in_batches(f"{self.look.path}/{name}", 12 * points, columns)
+        def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
+            points = np.concatenate([in_plane(i.positions[nodes], ON_MESH) for i in instants])
+            made = rr.LineStrips3D.columns(strips=line_strips(points, np.tile(lengths, len(instants))))
+            return made.partition(np.full(len(instants), len(lengths)))
+
+        self._in_batches(f"{self.look.path}/{name}", 12 * len(nodes), columns)
 
     def _in_batches(
         self, path: str, frame_bytes: int, columns: Callable[[Sequence[Instant]], rr.ComponentColumnList]
@@ -151,8 +152,8 @@ def tractions(curve: ContactCurve, segments: np.ndarray) -> Floats:
     points = np.stack([curve.x, curve.y], axis=1)
     tangent = np.zeros_like(points)
     along = points[segments[:, 1]] - points[segments[:, 0]]
-    np.add.at(tangent, segments[:, 0], along)
-    np.add.at(tangent, segments[:, 1], along)
+    tangent[segments[:, 0]] = along  # no node starts or ends two segments
+    tangent[segments[:, 1]] += along
     tangent /= np.maximum(np.hypot(tangent[:, 0], tangent[:, 1]), 1e-300)[:, None]
     inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)  # the body lies on the left
     return curve.pressure[:, None] * inward + curve.shear[:, None] * tangent

@@ -14,12 +14,15 @@ from contactlab.api.frame import ContactLayout
 from contactlab.api.units import Units
 from contactlab_rerun.drawing import TABLE
 from contactlab_rerun.gathered import Gathered, Look, nice, short
-from contactlab_rerun.projection import camera, in_plane
+from contactlab_rerun.projection import camera, in_plane, line_strips
 from contactlab_rerun.series import times
 
 WIDTH = 1.7  # of a plot whose height is 1
-BOX = (np.array([-0.22, -0.22]), np.array([WIDTH + 0.85, 1.14]))
-"""Everything that is drawn of a plot, the legend on its right included."""
+BOX = (np.array([-0.22, -0.22]), np.array([WIDTH + 0.1, 1.14]))
+"""Everything that is drawn of a plot but the legend."""
+
+LEGEND = np.array([0.75, 0.0])
+"""Width of the legend on its right."""
 INK, GREY = (205, 210, 216), (74, 80, 88)
 SHEAR_DIM = 0.55  # colours of shear are those of pressure, darker
 
@@ -84,14 +87,11 @@ def log_axes(recording: rr.RecordingStream, plot: Plot) -> None:
 
 
 def log_legend(recording: rr.RecordingStream, plot: Plot, looks: Sequence[Look]) -> None:
-    """A short line and a name for every run, beside the plot."""
-    x = WIDTH + 0.06
+    """The names of the runs in their colours, beside the plot."""
     for number, look in enumerate(looks):
-        y = 0.95 - 0.12 * number
-        line = in_plane(np.array([[x, y], [x + 0.1, y]]))
-        path = f"{plot.path}/legend/{number}"
-        recording.log(path, rr.LineStrips3D([line], colors=[rgb(look.colour)], radii=[-2.0]), static=True)
-        recording.log(f"{path}/name", _labels([np.array([x + 0.46, y, -1.0])], [look.title]), static=True)
+        at = np.array([WIDTH + 0.45, 0.95 - 0.13 * number, -1.0])
+        label = look.title.removesuffix(f", slave {plot.slave.partition('.')[0]}")  # they all have it
+        recording.log(f"{plot.path}/legend/{number}", _labels([at], [label], rgb(look.colour)), static=True)
 
 
 def log_curves(recording: rr.RecordingStream, plot: Plot, run: Gathered, look: Look, contact: str) -> None:
@@ -101,9 +101,10 @@ def log_curves(recording: rr.RecordingStream, plot: Plot, run: Gathered, look: L
     for name, dim in (("pressure", 1.0), *((("shear", SHEAR_DIM),) if friction else ())):
         strips = [_strip(plot, instant.curves[contact], name) for instant in run.instants]
         path = f"{look.path}/profile/{contact}/{name}"
-        recording.send_columns(path, when, rr.LineStrips3D.columns(strips=strips).partition([1] * len(strips)))
+        lines = line_strips(np.concatenate(strips), [len(strip) for strip in strips])
+        recording.send_columns(path, when, rr.LineStrips3D.columns(strips=lines).partition([1] * len(strips)))
         colour = tuple(int(dim * part) for part in rgb(look.colour))
-        style = rr.LineStrips3D.from_fields(colors=[colour], radii=[-1.6])
+        style = rr.LineStrips3D.from_fields(colors=[colour], radii=[-1.3])
         recording.log(path, style, static=True)
 
 
@@ -135,8 +136,8 @@ def log_colour_bar(
     return np.array([low[0], y - 0.02 * size]), high
 
 
-def _labels(at: Sequence[np.ndarray], texts: Sequence[str]) -> rr.Points3D:
-    return rr.Points3D(np.array(at, np.float32), labels=list(texts), radii=[0.0], colors=[INK], show_labels=True)
+def _labels(at: Sequence[np.ndarray], texts: Sequence[str], colour: tuple[int, ...] = INK) -> rr.Points3D:
+    return rr.Points3D(np.array(at, np.float32), labels=list(texts), radii=[0.0], colors=[colour], show_labels=True)
 
 
 def _ticks(low: float, high: float) -> list[float]:

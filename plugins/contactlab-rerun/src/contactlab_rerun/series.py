@@ -14,90 +14,114 @@ from contactlab.api.frame import Layout
 from contactlab_rerun.gathered import Look
 
 ROWS = 8192  # steps that are sent together: what a call costs is then shared by many
-TIMELINES = ("step", "time")
-"""Columns that are timelines and no series."""
 
 
 @dataclass(frozen=True)
 class Series:
-    """One scalar: its column among `Layout.steps`, its group and the rest of its path below the run."""
+    """Scalars that share an entity, which costs as much to write as one alone.
 
-    column: int
-    group: str
-    name: str
+    path     below the run; its first word is the group that plots choose by
+    columns  among `Layout.steps`
+    names    of the lines
+    """
+
+    path: str
+    columns: tuple[int, ...]
+    names: tuple[str, ...]
 
     @property
-    def path(self) -> str:
-        """Below the run."""
-        return f"{self.group}/{self.name}"
+    def group(self) -> str:
+        """The first word of the path."""
+        return self.path.partition("/")[0]
+
+    @property
+    def last(self) -> str:
+        """The last word of the path."""
+        return self.path.rpartition("/")[2]
 
     @property
     def counts(self) -> bool:
         """Whether these are whole numbers, of which no mean should be drawn where pixels are too few."""
-        return self.name.endswith(("sweeps", "iterations", "active", "sticking"))
+        return self.last in ("sweeps", "iterations", "nodes")
 
 
 def all_series(layout: Layout) -> list[Series]:
-    """Every column of `layout.steps` but the timelines."""
-    return [_series(layout, k, name) for k, name in enumerate(layout.steps) if name not in TIMELINES]
+    """All columns of `layout.steps` but the timelines, each in one series."""
+    solver = [(f"solver/{name}", (name,)) for name in ("sweeps", "iterations", "residual", "dt")]
+    energy = [name for name in layout.steps if name.startswith("energy.")]
+    main = ("energy.internal", "energy.kinetic")
+    groups = [
+        *solver,
+        *((f"energy/{name.rpartition('.')[2]}", (name,)) for name in main),
+        ("energy/others", tuple(name for name in energy if name not in main)),
+        ("time-per-step/phases", ("cost.elements", "cost.contact")),
+        *((f"reaction/{on}", (f"{on}.fx", f"{on}.fy")) for on in layout.supports),
+    ]
+    for contact in layout.contacts:
+        groups.append((f"contact/{contact.name}/nodes", (f"{contact.name}.active", f"{contact.name}.sticking")))
+        groups.append((f"contact/{contact.name}/penetration", (f"{contact.name}.penetration",)))
+    return [_series(layout, path, names) for path, names in groups]
 
 
-def _series(layout: Layout, column: int, name: str) -> Series:
-    owner, _, last = name.rpartition(".")
-    if owner in layout.supports:
-        return Series(column, "reaction", f"{owner}/{last}")
-    if owner in {contact.name for contact in layout.contacts}:
-        return Series(column, f"contact/{owner}", last)
-    groups = {"energy": "energy", "cost": "time-per-step"}
-    return Series(column, groups.get(owner, "solver"), last)
+def _series(layout: Layout, path: str, names: Sequence[str]) -> Series:
+    columns = tuple(layout.steps.index(name) for name in names)
+    return Series(path, columns, tuple(name.rpartition(".")[2] for name in names))
 
 
 class SeriesWriter:
-    """Collects blocks of steps and sends them in larger ones. `largest` are the magnitudes met so far by column."""
+    """Collects blocks of steps and sends them in larger ones."""
 
     def __init__(self, recording: rr.RecordingStream, layout: Layout, look: Look) -> None:
-        self.recording, self.layout, self.look = recording, layout, look
+        self.recording, self.look = recording, look
         self.series = all_series(layout)
-        self.waiting: list[Floats] = []
+        self.waiting = np.empty((ROWS, len(layout.steps)))
         self.rows = 0
         self.largest = np.zeros(len(layout.steps))
 
     def add(self, block: Floats) -> None:
-        """Take a block (b, columns); it is copied."""
-        self.waiting.append(block.copy())
-        self.rows += len(block)
-        if self.rows >= ROWS:
-            self.flush()
+        """Take a block (b, columns) of any length; it is copied."""
+        while len(block):
+            some = block[: ROWS - self.rows]
+            self.waiting[self.rows : self.rows + len(some)] = some
+            self.rows += len(some)
+            block = block[len(some) :]
+            if self.rows == ROWS:
+                self.flush()
 
     def flush(self) -> None:
         """Send what waits."""
         if not self.rows:
             return
-        values = np.concatenate(self.waiting)
-        self.waiting, self.rows = [], 0
-        np.maximum(self.largest, np.abs(values).max(axis=0), out=self.largest)
+        values, self.rows = self.waiting[: self.rows], 0
+        np.maximum(self.largest, np.maximum(values.max(axis=0), -values.min(axis=0)), out=self.largest)
         when = times(values[:, 0], values[:, 1])
         for series in self.series:
-            columns = rr.Scalars.columns(scalars=np.ascontiguousarray(values[:, series.column]))
+            columns = rr.Scalars.columns(scalars=values[:, series.columns].ravel())
+            if len(series.columns) > 1:
+                columns = columns.partition(np.full(len(values), len(series.columns)))
             self.recording.send_columns(f"{self.look.path}/{series.path}", when, columns)
 
     def log_styles(self, several: bool) -> None:
-        """Name and colour of each line; among several runs those of its run."""
+        """Names and colours of the lines, among several runs those of their run; what is always zero is hidden."""
         numbers: dict[str, int] = {}
         for series in self.series:
-            number = numbers[series.group] = numbers.get(series.group, -1) + 1
-            colour = self.look.colour if several else STYLES[number % len(STYLES)].colour
+            names, colours = [], []
+            for name in series.names:
+                number = numbers[series.group] = numbers.get(series.group, -1) + 1
+                names.append(self.look.title if several else name)
+                colours.append(rgb(self.look.colour if several else STYLES[number % len(STYLES)].colour))
             style = rr.SeriesLines(
-                names=[self.look.title if several else series.name],
-                colors=[rgb(colour)],
-                widths=[1.5],
+                names=names,
+                colors=colours,
+                widths=[1.5] * len(names),
+                visible_series=[bool(self.largest[column] > 0.0) for column in series.columns],
                 aggregation_policy=rr.components.AggregationPolicy.Max if series.counts else None,
             )
             self.recording.log(f"{self.look.path}/{series.path}", style, static=True)
 
     def shown(self) -> list[Series]:
         """The series that are not zero all the time."""
-        return [series for series in self.series if self.largest[series.column] > 0.0]
+        return [series for series in self.series if self.largest[list(series.columns)].any()]
 
 
 def times(steps: Sequence[float] | Floats, seconds: Sequence[float] | Floats) -> list[rr.TimeColumn]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
 import os
 import shutil
 import signal
@@ -64,7 +65,7 @@ def headless_viewer(file: Path) -> Iterator[Any]:
     with tempfile.TemporaryFile() as words:
         process = subprocess.Popen(
             [*_command(port), "--headless", "--window-size", SIZE, str(file)],
-            stdout=subprocess.DEVNULL, stderr=words, start_new_session=True,
+            stdout=subprocess.DEVNULL, stderr=words, start_new_session=True, preexec_fn=_die_with_parent,
         )  # fmt: skip
         try:
             yield _connected(process, ViewerClient, f"rerun+http://{HOST}:{port}/proxy", words)
@@ -72,6 +73,12 @@ def headless_viewer(file: Path) -> Iterator[Any]:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGTERM)
             process.wait()
+
+
+def _die_with_parent() -> None:
+    """Nobody would see a viewer without a window that outlives the program which looked through it."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)
 
 
 def _command(port: int) -> list[str]:
@@ -142,12 +149,9 @@ def _set_time(client: Any, timeline: str, value: int) -> None:
 
 
 def _publish(shot: Path, png: Path) -> None:
-    """Write the picture with few colours: it looks the same and is a third as large."""
-    try:
-        from PIL import Image
-    except ImportError:
-        shutil.copyfile(shot, png)
-        return
+    """Write the picture with five bits per colour: half the size, and no difference that an eye would find."""
+    from PIL import Image, ImageOps
+
     with Image.open(shot) as image:
         shown = image.convert("RGB").crop((0, MENU, *image.size))
-        shown.save(png, optimize=True)
+        ImageOps.posterize(shown, 5).save(png, optimize=True)

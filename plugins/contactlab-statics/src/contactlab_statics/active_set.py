@@ -50,7 +50,7 @@ def _tangential(conditions: Conditions, stiffness: Floats, normal: Floats, close
     force = conditions.force[1]
     trial = force - stiffness * conditions.slip
     # a slip that would turn round within an iteration has met its solution in between: it sticks
-    turns = (trial * force < 0.0) & (np.abs(trial) >= limit)
+    turns = (trial * force < 0.0) & (np.abs(trial) >= limit) & (limit > 0.0)
     stick = conditions.present & ((np.abs(trial) < limit) | turns)
     sign = np.sign(trial)
     out.residual[1] = np.where(stick, stiffness * conditions.slip, force - sign * limit)

@@ -1,0 +1,77 @@
+"""`contactlab view`: look at the timeline of a run or of a comparison, or take a picture of it."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from contactlab.api.recorder import Recorder
+from contactlab.commands.common import console
+from contactlab.compare.recordings import runs_of, titled_runs
+from contactlab.errors import ContactlabError, RequestError
+from contactlab.recorders import record_again
+from contactlab.registry import Registry, default_registry
+from contactlab.results.load import FILE, load_results
+from contactlab.results.results import Results
+
+
+def view(options: argparse.Namespace) -> int:
+    """Open the viewer, or write a picture and say where."""
+    if options.step is not None and options.png is None:
+        raise RequestError("a step is for pictures", where="--step", hint="add --png FILE; in the viewer, move the cursor")
+    recorder = _showing_recorder(default_registry())
+    path = Path(options.path)
+    file = path if path.is_file() else recording_in(path, recorder)
+    png = _writable(Path(options.png)) if options.png is not None else None
+    try:
+        recorder.show(file, png, options.step)
+    except RuntimeError as error:
+        raise ContactlabError(f"{file}: {error}") from error
+    if png is not None:
+        console().print(f"picture: {png}", markup=False, highlight=False, soft_wrap=True)
+    return 0
+
+
+def _showing_recorder(registry: Registry) -> Recorder:
+    """The first installed recorder whose recordings can be looked at."""
+    for name in registry.names("recorder"):
+        if registry.part_class("recorder", name).shown_file:  # type: ignore[attr-defined]
+            recorder: Recorder = registry.make("recorder", name)
+            return recorder
+    raise RequestError(
+        "no installed recorder makes recordings that can be looked at",
+        where="view",
+        hint="install a plugin with such a recorder; contactlab parts lists what there is",
+    )
+
+
+def recording_in(folder: Path, recorder: Recorder) -> Path:
+    """The recording of the run or comparison in `folder`; it is made from the results where it is not there.
+
+    That is so for runs that were killed or are still going on: they are shown as far as they came.
+    """
+    if not folder.is_dir():
+        raise RequestError("there is no such file or folder", where=str(folder), allowed="the folder of a run, or a recording")
+    file = folder / recorder.shown_file
+    if (folder / FILE).is_file():
+        results = load_results(folder)
+        if not file.is_file() or not results.closed:
+            record_again(recorder, folder, results)
+        return file
+    if not file.is_file():
+        runs: dict[str, Results] = titled_runs(runs_of(folder))
+        if not runs:
+            raise RequestError(
+                "the folder holds no results", where=str(folder), allowed="the folder of a run or of a comparison"
+            )
+        recorder.compared(folder, runs)
+    return file
+
+
+def _writable(png: Path) -> Path:
+    """The place of the picture. Raises RequestError where nothing can be written there."""
+    if png.suffix.lower() != ".png":
+        raise RequestError("pictures are PNG files", where="--png", got=str(png), allowed="a name that ends in .png")
+    if not png.resolve().parent.is_dir():
+        raise RequestError("there is no such folder", where="--png", got=str(png))
+    return png

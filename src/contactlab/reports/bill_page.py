@@ -1,0 +1,36 @@
+"""`report.html` of a bill: one table, one plot, and what was run."""
+
+from __future__ import annotations
+
+from html import escape
+from pathlib import Path
+
+from contactlab.compare.bill import Bill
+from contactlab.compare.table import Table
+from contactlab.reports.bill_plot import bill_figure
+from contactlab.reports.bill_table import EXPLANATION, HEADS, by_cost, cells, reasons, sentence
+from contactlab.reports.figures import save
+from contactlab.reports.html import document, figure_section, machine_section, plain_table, scene_section, section
+
+_PLOT = (
+    "Each point is an effect. Full: the scene declares it, and it was taken out. Hollow: the scene leaves it out, "
+    "and it was added. Points far up matter to the answer; points far to the right cost much."
+)
+
+
+def write_bill_report(table: Table, bill: Bill, folder: Path) -> None:
+    """Write `report.html` and the plot (SVG and PNG) into the folder."""
+    figure = bill_figure(bill)
+    save(figure, folder, "bill")
+    notes = "".join(f'<p class="note">{escape(text)}</p>\n' for text in reasons(bill.prices))
+    rows = (cells(price, bill) for price in by_cost(bill))
+    head = f'<header>\n<h1>{escape(table.study.name)}</h1>\n<p class="lead">{escape(sentence(bill))}</p>\n</header>'
+    explanation = f'<p class="note">{escape(EXPLANATION)}</p>\n'
+    sections = [
+        head,
+        section("What each effect costs and changes", plain_table(HEADS, rows, texts=2) + explanation + notes),
+        figure_section({"bill": figure}, "bill", "Which effects the scene needs", _PLOT, narrow=True),
+        scene_section(table),
+        machine_section(table),
+    ]
+    (folder / "report.html").write_text(document(table.study.name, sections), encoding="utf-8")

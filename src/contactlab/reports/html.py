@@ -1,0 +1,79 @@
+"""Pieces of the report pages: the frame, sections, figures, tables, facts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from html import escape
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from contactlab.compare.table import Table
+from contactlab.reports.figures import inline_svg
+from contactlab.reports.numbers import significant
+from contactlab.toml_text import write_toml
+
+_ASSETS = Path(__file__).parent.parent / "data" / "report"
+
+
+def document(title: str, sections: Iterable[str]) -> str:
+    """A whole page that needs no other file."""
+    style, script = ((_ASSETS / name).read_text(encoding="utf-8") for name in ("page.css", "page.js"))
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(title)}</title>\n<style>\n{style}</style>\n</head>\n<body>\n<main>\n"
+        + "\n".join(filter(None, sections))
+        + f"\n</main>\n<script>\n{script}</script>\n</body>\n</html>\n"
+    )
+
+
+def section(title: str, content: str) -> str:
+    """A titled section, nothing without content."""
+    return f"<section>\n<h2>{escape(title)}</h2>\n{content}\n</section>" if content else ""
+
+
+def figure_section(figures: dict[str, Figure], name: str, title: str, caption: str, narrow: bool = False) -> str:
+    """The figure of a name with its caption, nothing where it was not drawn."""
+    if name not in figures:
+        return ""
+    svg = inline_svg(figures[name], name, escape(title))
+    kind = ' class="narrow"' if narrow else ""
+    return section(title, f"<figure{kind}>\n{svg}\n<figcaption>{escape(caption)}</figcaption>\n</figure>")
+
+
+def plain_table(heads: Iterable[str], rows: Iterable[Iterable[str]], texts: int) -> str:
+    """A table whose first `texts` columns are words."""
+
+    def line(cells: Iterable[str], tag: str) -> str:
+        kinds = (' class="text"' if k < texts else "" for k in range(100))
+        return "".join(f"<{tag}{kind}>{escape(cell)}</{tag}>" for cell, kind in zip(cells, kinds, strict=False))
+
+    body = "".join(f"<tr>{line(row, 'td')}</tr>\n" for row in rows)
+    return f'<div class="scroll"><table><thead><tr>{line(heads, "th")}</tr></thead><tbody>{body}</tbody></table></div>'
+
+
+def facts_list(facts: dict[str, Any]) -> str:
+    """Names and values."""
+    rows = "".join(f"<dt>{escape(str(name))}</dt><dd>{escape(str(value))}</dd>\n" for name, value in facts.items())
+    return f'<dl class="facts">\n{rows}</dl>'
+
+
+def scene_section(table: Table) -> str:
+    """The study and the scene, to be unfolded."""
+    study = f"<details><summary>The study</summary><pre>{escape(write_toml(table.study.as_data()))}</pre></details>"
+    heading = "<summary>The scene, all defaults written out</summary>"
+    return section("What was run", f"{study}<details>{heading}<pre>{escape(table.scene_text)}</pre></details>")
+
+
+def machine_section(table: Table) -> str:
+    """Processor, versions and parts, and how long all of it took."""
+    facts = dict(table.rows[0].system) if table.rows else {}
+    facts["whole comparison"] = f"{significant(table.wall_s, 3)} s of wall time, several runs at a time"
+    return section("Machine and versions", facts_list(facts) + _parts(table))
+
+
+def _parts(table: Table) -> str:
+    parts = dict.fromkeys(f"{role}: {part}" for row in table.rows for role, part in dict(row.parts).items())
+    return "".join(f'<p class="note">{escape(part)}</p>\n' for part in parts)
