@@ -162,7 +162,9 @@ def seconds(call: Step, repeats: int) -> float:
 def unavoidable_bytes(element: str, law: str, model: Model) -> int:
     """Bytes per cell and step that come from memory: history in and out, connectivity, 200 for a node's update."""
     body = model.bodies[0]
-    return 16 * body.points * body.material.history_size + 4 * body.cells.shape[1] + 200 * NODES_PER_CELL.get(element, 1)
+    return (
+        16 * body.points * body.material.history_size + 4 * body.cells.shape[1] + 200 * NODES_PER_CELL.get(element, 1)
+    )
 
 
 def measure(element: str, law: str, cells: int, rounds: int, arrays: tuple[Any, ...]) -> Row:
@@ -210,7 +212,10 @@ def main() -> None:
     triad(*arrays)
     speed = 24 * arrays[0].size / seconds(lambda: triad(*arrays), 3) / 1e9
     print(f"triad {speed:.1f} GB/s; per cell and step, CPU time of one thread, median of {chosen.rounds} rounds")
-    print(f"{'element':12s} {'law':17s} {'cells':>8s} {'ns':>8s} {'M/s':>7s} {'x fused':>8s} {'x rate J2':>9s} {'bound':>6s}")
+    print(
+        f"{'element':12s} {'law':17s} {'cells':>8s} {'ns':>8s} {'M/s':>7s} {'x fused':>8s} "
+        f"{'x rate J2':>9s} {'bound':>6s}"
+    )
     rows = []
     for element in chosen.elements:
         for law in chosen.laws:
@@ -219,7 +224,8 @@ def main() -> None:
                 rows.append(row)
                 print(
                     f"{row.element:12s} {row.law:17s} {row.cells:8d} {row.ns:8.1f} {row.millions_per_s:7.1f} "
-                    f"{text(row.over_fused, '8.2f'):>8s} {text(row.over_rate_loop, '9.2f'):>9s} {row.share_of_bound:6.0%}",
+                    f"{text(row.over_fused, '8.2f'):>8s} {text(row.over_rate_loop, '9.2f'):>9s} "
+                    f"{row.share_of_bound:6.0%}",
                     flush=True,
                 )
     if chosen.json is not None:

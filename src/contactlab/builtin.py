@@ -11,9 +11,16 @@ def contactlab_parts() -> list[Part]:
     return [
         Part("mesh", "rectangle", "contactlab.meshing:Rectangle", "rectangle, graded or in spans"),
         Part("mesh", "arc-block", "contactlab.meshing:ArcBlock", "block whose lower side is a circular arc"),
-        Part("mesh", "quad-block", "contactlab.meshing:QuadBlock", "block between four corners, sides straight or arcs"),
+        Part(
+            "mesh", "quad-block", "contactlab.meshing:QuadBlock", "block between four corners, sides straight or arcs"
+        ),
         Part("mesh", "disc", "contactlab.meshing:Disc", "full disc"),
         Part("mesh", "ring", "contactlab.meshing:Ring", "ring, or the part of it between two angles"),
         Part("mesh", "file", "contactlab.meshing:MeshFile", "mesh of quadrilaterals that meshio reads"),
-        Part("recorder", "vtkhdf", "contactlab.results.vtkhdf:VtkHdf", "all of a run in one file, for ParaView and Python"),
+        Part(
+            "recorder",
+            "vtkhdf",
+            "contactlab.results.vtkhdf:VtkHdf",
+            "all of a run in one file, for ParaView and Python",
+        ),
     ]

@@ -173,7 +173,9 @@ def _steps(hint: Any) -> Iterator[Any]:
     """A type and what it holds, outermost first: a mapping or list takes one step of a path each."""
     while True:
         if get_origin(hint) in (typing.Union, types.UnionType) and hint != PartSpec | None:
-            hint = next((option for option in get_args(hint) if dataclasses.is_dataclass(option) or get_args(option)), None)
+            hint = next(
+                (option for option in get_args(hint) if dataclasses.is_dataclass(option) or get_args(option)), None
+            )
         yield hint
         inner = get_args(hint)
         if not inner:

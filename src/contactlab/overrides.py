@@ -21,7 +21,7 @@ def changed(
     """A copy of `data` with the changes, and their keys in the numbered form.
 
     A change of which part is used comes before changes of its fields, in whatever order they are
-    given. None takes a key away, and so does "none" where a part is named. Raises SceneError for a key that leads nowhere.
+    given. None takes a key away, and so does "none" where a part is named. Raises SceneError where a key leads nowhere.
     """
     result = copy.deepcopy(dict(data))
     numbered = [(_numbered(key, result), value) for key, value in changes.items()]

@@ -29,7 +29,8 @@ LAYERS = (
     ("model",),
     ("results",),
     (
-        "folders", "provenance", "guards", "schedule", "load_path", "load_steps", "needs", "interruption", "recorders", "restart",
+        "folders", "provenance", "guards", "schedule", "load_path", "load_steps", "needs", "interruption", "recorders",
+        "restart",
         "run", "simulation", "rehearsal", "model.explain", "model.effect_table",
     ),
     ("reports", "compare"),

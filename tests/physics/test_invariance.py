@@ -102,9 +102,7 @@ def test_the_order_of_the_bodies_does_not_matter(algorithm: str) -> None:
     scene = short_scene(algorithm)
     data = scene.data
     data["bodies"] = dict(reversed(data["bodies"].items()))
-    for found, wanted in zip(
-        answers(simulate(Scene.from_data(data))), answers(simulate(scene)), strict=True
-    ):
+    for found, wanted in zip(answers(simulate(Scene.from_data(data))), answers(simulate(scene)), strict=True):
         assert_same(found, wanted)
 
 

@@ -18,7 +18,13 @@ SWAP = pytest.mark.parametrize("swap", [False, True], ids=["upper-slave", "lower
 
 
 def blocks(
-    upper: dict[str, Any], lower: dict[str, Any], *, algorithm: str, swap: bool = False, depth: float = DEPTH, **extra: Any
+    upper: dict[str, Any],
+    lower: dict[str, Any],
+    *,
+    algorithm: str,
+    swap: bool = False,
+    depth: float = DEPTH,
+    **extra: Any,
 ) -> Scene:
     """Two blocks of nu = 0 on top of each other, the upper one pushed down by `depth`."""
     body = {"element": extra.pop("element", "q1"), "material": "m"}
@@ -110,8 +116,6 @@ def test_node_on_segment_fails_as_published(
     if lowest is not None and highest is not None:
         assert pressure.min() == pytest.approx(lowest, abs=1e-3)
         assert pressure.max() == pytest.approx(highest, abs=1e-3)
-
-
 
 
 def turned(vectors: Floats, degrees: float) -> Floats:

@@ -31,9 +31,7 @@ def test_folder_without_permission(small_scene: MakeScene, tmp_path: Path) -> No
         simulate(small_scene(), tmp_path)
 
 
-@pytest.mark.skipif(
-    not Path("/proc/version").exists(), reason="needs a place that takes no files, even from root"
-)
+@pytest.mark.skipif(not Path("/proc/version").exists(), reason="needs a place that takes no files, even from root")
 def test_command_says_where_in_one_message() -> None:
     command = [sys.executable, "-m", "contactlab.cli", "run", "disc-on-block", "--out", "/proc/results"]
     done = subprocess.run(command, capture_output=True, text=True)

@@ -120,7 +120,6 @@ class ContactAlgorithm(ABC):
         self.pieces(slave, master, at, near, reach, memory.copy(), spare)
         out[:] = spare.normal
 
-
     def slopes(
         self,
         slave: Surface,

@@ -52,7 +52,7 @@ class Solve(NamedTuple):
     largest_correction: float
 
 
-class Enforcement(ABC):
+class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
     """How gap conditions become forces. Subclasses derive from one of the classes below."""
 
 
@@ -105,7 +105,8 @@ class Response:
 
     Row i is the normal one, and with friction the tangential one; the normal one knows nothing of the other.
 
-        residual + by_force dy + by_gap d(gap or slip) = 0, and in the tangential row + cross_force dy_n + cross_gap d(gap)
+        residual + by_force dy + by_gap d(gap or slip) = 0
+        in the tangential row also: + cross_force dy_n + cross_gap d(gap)
 
     residual     (r, k) [N]     how far the conditions are from holding
     by_force     (r, k) [-]     d(residual)/d(force of its own row)

@@ -124,7 +124,7 @@ class ImplicitContact(Protocol):
         """Fill `conditions` at trial positions (N, 2); slots without a condition lose their force."""
 
     def forces(self, normal: Floats, tangential: Floats) -> None:
-        """Fill (N, 2) [N] each with the nodal forces of the trial multipliers; the second is (0, 2) without friction."""
+        """Fill (N, 2) [N] each with the nodal forces of the trial multipliers; the second (0, 2) without friction."""
 
     def scale(self, flexibility: Floats) -> None:
         """From the next `evaluate` on, stiffnesses follow from these (N, 2) [mm/N] of single nodes, 0 where held."""

@@ -1,10 +1,10 @@
 """What the entry-point module of a plugin imports: the hook marker and `Part`.
 
-    from contactlab.api.plugin import Part, hookimpl
+from contactlab.api.plugin import Part, hookimpl
 
-    @hookimpl
-    def contactlab_parts():
-        return [Part("contact", "my-contact", "my_package.contact:MyContact", "one line")]
+@hookimpl
+def contactlab_parts():
+    return [Part("contact", "my-contact", "my_package.contact:MyContact", "one line")]
 """
 
 from __future__ import annotations

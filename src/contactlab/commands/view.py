@@ -18,7 +18,9 @@ from contactlab.results.results import Results
 def view(options: argparse.Namespace) -> int:
     """Open the viewer, or write a picture and say where."""
     if options.step is not None and options.png is None:
-        raise RequestError("a step is for pictures", where="--step", hint="add --png FILE; in the viewer, move the cursor")
+        raise RequestError(
+            "a step is for pictures", where="--step", hint="add --png FILE; in the viewer, move the cursor"
+        )
     recorder = _showing_recorder(default_registry())
     path = Path(options.path)
     file = path if path.is_file() else recording_in(path, recorder)
@@ -51,7 +53,9 @@ def recording_in(folder: Path, recorder: Recorder) -> Path:
     That is so for runs that were killed or are still going on: they are shown as far as they came.
     """
     if not folder.is_dir():
-        raise RequestError("there is no such file or folder", where=str(folder), allowed="the folder of a run, or a recording")
+        raise RequestError(
+            "there is no such file or folder", where=str(folder), allowed="the folder of a run, or a recording"
+        )
     file = folder / recorder.shown_file
     if (folder / FILE).is_file():
         results = load_results(folder)

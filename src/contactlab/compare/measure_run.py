@@ -106,7 +106,9 @@ def _contacts_of(scene: Mapping[str, Any], body: str) -> int:
 
 def sides(contact: Mapping[str, Any]) -> tuple[str, str]:
     """Slave and master surface as they act, `swap` taken into account."""
-    slave, master = (side if isinstance(side, str) else " + ".join(side) for side in (contact["slave"], contact["master"]))
+    slave, master = (
+        side if isinstance(side, str) else " + ".join(side) for side in (contact["slave"], contact["master"])
+    )
     return (master, slave) if contact.get("swap") else (slave, master)
 
 

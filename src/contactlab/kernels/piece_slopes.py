@@ -112,7 +112,7 @@ def differences(
     """Append scale * (high - low) for the pieces that depend on a node of `colour` moved along `direction`.
 
     high, low = (slave, multiplier, master, D, M, T) of both evaluations; `high_nodes` and `low_nodes` are
-    their slave or master nodes, whichever were moved; coordinates count on from `shift`. Pieces that only one evaluation has
+    their slave or master nodes, whichever were moved; coordinates count on from `shift`. Pieces that only one has
     are entries of their own. Returns the next free entry.
     """
     head = 0

@@ -166,9 +166,7 @@ class BodyForces:
         reference, displacement = self.shape
         force = np.zeros_like(displacement)
         for block, scratch in zip(self.blocks, self.scratch, strict=True):
-            self.kernels.stabilise(
-                reference, displacement, block.connectivity, self.body.shear_modulus, force, scratch
-            )
+            self.kernels.stabilise(reference, displacement, block.connectivity, self.body.shear_modulus, force, scratch)
         return float(0.5 * np.vdot(displacement, force))
 
     def _integral(self, density: Callable[[Floats, Floats, Floats], None]) -> float:
@@ -202,7 +200,6 @@ class BodyForces:
         out = np.empty((len(points), block.connectivity.shape[1]))
         jacobian_determinants(positions, block.connectivity, slopes, out)
         return out
-
 
 
 def block_size(cells: int) -> int:

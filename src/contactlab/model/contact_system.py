@@ -50,8 +50,17 @@ class ContactSystem:
             return 0.0, 0.0
         r = self.rows
         return tangential_work(
-            r.count, r.start, r.node, r.tangent_weight, r.slot, self.multipliers, r.slip, mean_velocity, dt,
-            compliance, force,
+            r.count,
+            r.start,
+            r.node,
+            r.tangent_weight,
+            r.slot,
+            self.multipliers,
+            r.slip,
+            mean_velocity,
+            dt,
+            compliance,
+            force,
         )
 
     def _solve_rows(self, current: Floats, compliance: Floats, force: Floats) -> None:

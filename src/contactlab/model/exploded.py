@@ -46,9 +46,7 @@ class ExplodedCells:
         """Nodal values (a B, 2) of the block's cells, node by node."""
         return np.ascontiguousarray(values[block.connectivity].reshape(-1, 2))
 
-    def _forces(
-        self, block: Block, dt: float, geometry: Floats, field: Floats, b: int, k: int, step: Floats
-    ) -> Floats:
+    def _forces(self, block: Block, dt: float, geometry: Floats, field: Floats, b: int, k: int, step: Floats) -> Floats:
         """Nodal forces (a B, 2) with node b of every cell moved by `step` (B,) along k."""
         nodes, cells = block.connectivity.shape
         connectivity = np.arange(nodes * cells, dtype=np.int32).reshape(nodes, cells)

@@ -58,7 +58,9 @@ class ImplicitContactSystem:
                     break
             if entries >= 0:
                 return
-            self.rows = allocate_rows(self.multipliers.shape[1], 2 * len(self.rows.node) // len(self.rows.gap) + 1, self.friction)
+            self.rows = allocate_rows(
+                self.multipliers.shape[1], 2 * len(self.rows.node) // len(self.rows.gap) + 1, self.friction
+            )
 
     def evaluate(self, position: Floats) -> None:
         """Fill `conditions`; see `contactlab.api.ImplicitContact`."""
@@ -124,7 +126,11 @@ class ImplicitContactSystem:
         for part in parts[1:]:
             total = total + part.force
         return ContactSlopes(
-            _stacked([p.normal for p in parts]), _stacked(tangent), _stacked([p.gap for p in parts]), _stacked(slip), total
+            _stacked([p.normal for p in parts]),
+            _stacked(tangent),
+            _stacked([p.gap for p in parts]),
+            _stacked(slip),
+            total,
         )
 
 

@@ -8,8 +8,8 @@ which the stable step is followed.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 

@@ -85,7 +85,9 @@ class PieceDerivatives:
     def _side(self, side: int, owners: Ints, memory: Floats) -> None:
         pair, out = self.pair, self.out
         nodes = (pair.pieces.slave, pair.pieces.master)[side]
-        colours = _colours(len((pair.slave, pair.master)[side].nodes), max(_period(nodes[: pair.count]), _period(owners)))
+        colours = _colours(
+            len((pair.slave, pair.master)[side].nodes), max(_period(nodes[: pair.count]), _period(owners))
+        )
         chain = (*self.links[side], colours)
         shift, step = side * len(pair.slave.nodes), STEP * pair.size
         entries = (out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT)
@@ -99,8 +101,8 @@ class PieceDerivatives:
                     _arrays(self.low)[2 * side], shift, RING, chain, colour, direction, 0.5 / step, out.count, entries,
                 )  # fmt: skip
                 out.normal_count = kernels.normal_differences(
-                    self.high.normal, pair.pieces.normal, self.low.normal, owners, shift, RING, chain, colour, direction, 0.5 / step,
-                    out.normal_count, normals,
+                    self.high.normal, pair.pieces.normal, self.low.normal, owners, shift, RING, chain, colour,
+                    direction, 0.5 / step, out.normal_count, normals,
                 )  # fmt: skip
 
     def _moved(self, side: int, chosen: Floats, direction: int, step: float, memory: Floats, out: Pieces) -> int:

@@ -206,9 +206,7 @@ class SurfacePair:
     def tractions(self, forces: Floats) -> Floats:
         """Lambda (k,) [MPa] from nodal forces y (k,) [N]: T^-1 y, the owner's value where merged, 0 off cover."""
         values = np.array(forces)
-        coupling.solve(
-            self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, values
-        )
+        coupling.solve(self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, values)
         return np.where(self.owner >= 0, values[self.owner], 0.0)
 
 

@@ -19,9 +19,7 @@ class Tangent:
 
     def __init__(self, nodes: int, forces: tuple[BodyForces, ...]) -> None:
         self.pattern = Pattern(nodes, [block.connectivity for body in forces for block in body.blocks])
-        self.bodies = tuple(
-            BodyTangent(body) if follows_tables(body) else ExplodedCells(body) for body in forces
-        )
+        self.bodies = tuple(BodyTangent(body) if follows_tables(body) else ExplodedCells(body) for body in forces)
 
     def assemble(self, dt: float) -> csc_array:
         """Stiffness (2N, 2N) at the last update of stresses, which a step `dt` led to; the same arrays every call."""

@@ -136,9 +136,7 @@ def solve(
                 found = _normal(k, begin, end, node, normal, gap, size, work, compliance, force)
                 residual = max(residual, found)
             if tangent.shape[0] > 0 and work[2, k] > 0.0:
-                found = _tangential(
-                    k, begin, end, node, tangent, slip, size, measure, bound, work, compliance, force
-                )
+                found = _tangential(k, begin, end, node, tangent, slip, size, measure, bound, work, compliance, force)
                 residual = max(residual, found)
         sweeps += 1
     largest = _finish(count, start, node, normal, tangent, slot, work, multipliers, force)

@@ -9,7 +9,7 @@ from contactlab.api import FrictionBound, FrictionLaw
 
 @dataclass(frozen=True)
 class Coulomb(FrictionLaw):
-    """|y_t| <= mu y_n on nodal forces y = G1 Lambda (Baillet & Sassi 2005, [29] with the force, not the stress, as bound).
+    """|y_t| <= mu y_n on nodal forces y = G1 Lambda (Baillet & Sassi 2005, [29] with the force as bound).
 
     mu  coefficient of friction [-], at least 0
     """

@@ -96,13 +96,13 @@ class _Mortar(ContactAlgorithm):
 
 @dataclass(frozen=True)
 class MortarP0(_Mortar):
-    """Multipliers constant on the cell of each slave node (docs/theory/mortar-operators.md; Baillet & Sassi 2005, M_h^0)."""
+    """Multipliers constant on the cell of each slave node (Baillet & Sassi 2005, M_h^0; mortar-operators.md)."""
 
     linear: ClassVar[bool] = False
 
 
 @dataclass(frozen=True)
 class MortarP1(_Mortar):
-    """Multipliers continuous and linear on slave segments (docs/theory/mortar-operators.md; Baillet & Sassi 2005, M_h^1)."""
+    """Multipliers continuous and linear on slave segments (Baillet & Sassi 2005, M_h^1; mortar-operators.md)."""
 
     linear: ClassVar[bool] = True

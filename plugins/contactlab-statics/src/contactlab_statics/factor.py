@@ -25,9 +25,7 @@ class Factor:
         self.matrix = matrix
         self.size = abs(matrix)
         try:
-            self.lu = splu(
-                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=PIVOT, options={"SymmetricMode": True}
-            )
+            self.lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=PIVOT, options={"SymmetricMode": True})
         except RuntimeError as error:
             raise SingularSystem(str(error)) from error
 

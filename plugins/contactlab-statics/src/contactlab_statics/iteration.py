@@ -32,7 +32,7 @@ class Outcome:
     """How the iteration of a step ended; `reason` is empty if it converged."""
 
     reason: str = ""
-    residual: Residual = Residual(0.0, 0.0)
+    residual: Residual = field(default_factory=lambda: Residual(0.0, 0.0))
     trace: list[Iteration] = field(default_factory=list)
 
 
@@ -83,7 +83,8 @@ class NewtonIteration:
                 outcome.reason = "forces are no longer finite"
                 return outcome
         outcome.reason = (
-            f"{self.most} iterations left residuals of {residual.force:.1e} (forces) and {residual.contact:.1e} (contact)"
+            f"{self.most} iterations left residuals of {residual.force:.1e} (forces) "
+            f"and {residual.contact:.1e} (contact)"
         )
         return outcome
 
@@ -92,9 +93,7 @@ class NewtonIteration:
     def _iterate(self, dt: float, given: Floats) -> tuple[str, float, int]:
         """Correct the state once; returns what limited the correction, the fraction taken, and status changes."""
         before = self.response.status.copy()
-        du, dy = self.system.step(
-            self.stiffness, self.force.reshape(-1), given, self.contact, self.response
-        )
+        du, dy = self.system.step(self.stiffness, self.force.reshape(-1), given, self.contact, self.response)
         note, length = self._move(dt, du.reshape(self.u.shape), dy, given)
         return note, length, int(np.count_nonzero(self.response.status != before))
 
@@ -171,6 +170,6 @@ class NewtonIteration:
     def _record(self, residual: Residual, changed: int, length: float, note: str) -> Iteration:
         status = self.response.status
         return Iteration(
-            residual.force, residual.contact, int(np.count_nonzero(status)), int(np.count_nonzero(status == 1)), changed,
-            length, note,
+            residual.force, residual.contact, int(np.count_nonzero(status)), int(np.count_nonzero(status == 1)),
+            changed, length, note,
         )  # fmt: skip

@@ -22,9 +22,11 @@ class Ledger:
         """Remember forces and positions at the start."""
         state = self.state
         self.displacement = state["displacement"].copy()
-        self.before = [
-            state[name].copy() for name in ("internal_force", "reaction")
-        ] + [external.copy(), normal.copy(), tangential.copy()]
+        self.before = [state[name].copy() for name in ("internal_force", "reaction")] + [
+            external.copy(),
+            normal.copy(),
+            tangential.copy(),
+        ]
 
     def end(self, external: Floats, normal: Floats, tangential: Floats, slip: float) -> None:
         """Book the step that led from there to the state as it is."""

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import coo_array, csr_array
 
-from contactlab.api import Conditions, ContactSlopes, Floats, ImplicitContact, Ints, Response
+from contactlab.api import ContactSlopes, Floats, ImplicitContact, Ints, Response
 from contactlab_statics.factor import Factor
 
 
@@ -169,7 +169,9 @@ class SaddleSystem:
 
 def _scaled(factors: Floats, matrix: csr_array) -> csr_array:
     """Rows of a matrix times factors."""
-    return csr_array((matrix.data * np.repeat(factors, np.diff(matrix.indptr)), matrix.indices, matrix.indptr), matrix.shape)
+    return csr_array(
+        (matrix.data * np.repeat(factors, np.diff(matrix.indptr)), matrix.indices, matrix.indptr), matrix.shape
+    )
 
 
 def _explicit_forces(plan: Elimination, slopes: ContactSlopes) -> Floats:
