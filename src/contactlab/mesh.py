@@ -69,7 +69,7 @@ def _quadrature_areas(mesh: Mesh, element: Element) -> Floats:
     """Nodal quadrature with the Lobatto weights 1/3, 4/3, 1/3 (or 1, 1) per direction."""
     order = 1 if np.all(np.abs(element.nodes) == 1.0) else 2
     one = np.where(np.abs(element.nodes) < 0.5, 4.0 / 3.0, 1.0 / 3.0) if order == 2 else np.ones_like(element.nodes)
-    return jacobians(mesh, element, element.nodes) * one.prod(axis=1)
+    return np.asarray(jacobians(mesh, element, element.nodes) * one.prod(axis=1))
 
 
 def outer_edges(cells: Ints, element: Element) -> Ints:

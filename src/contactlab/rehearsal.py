@@ -96,7 +96,7 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
         model = build(scene, scene.registry)
         run = begin_run(model, scene, scene.registry, Path(folder), resume=False)
         built = perf_counter()
-        advance = model.integrator.bind(model, model.state)  # type: ignore[arg-type]
+        advance = model.integrator.bind(model, model.state)
         _steps(run, advance, 1)
         first = perf_counter()
         before, cpu = Counter(kernels.calls), thread_time()

@@ -72,7 +72,7 @@ class Run:
         done = step.status is StepStatus.accepted
         state, dt = self.model.state, self.schedule.dt
         begun = (state.step if done else state.step + 1, state.time - dt if done else state.time, dt, self.attempt)
-        self.journal.iterated([IterationRow(*begun, i + 1, *row) for i, row in enumerate(step.trace)])
+        self.journal.iterated([IterationRow._make((*begun, i + 1, *row)) for i, row in enumerate(step.trace)])
         self.attempt = 1 if done else self.attempt + 1
 
     def taken_back(self, step: Step) -> None:

@@ -127,9 +127,8 @@ class Response:
     def allocate(cls, rows: int, slots: int) -> Response:
         """Zeroed room."""
         cross = slots if rows > 1 else 0
-        return cls(
-            *(np.zeros((rows, slots)) for _ in range(3)), np.zeros(cross), np.zeros(cross), np.zeros(slots, np.int8)
-        )
+        residual, by_force, by_gap = (np.zeros((rows, slots)) for _ in range(3))
+        return cls(residual, by_force, by_gap, np.zeros(cross), np.zeros(cross), np.zeros(slots, np.int8))
 
 
 class ImplicitEnforcement(Enforcement):

@@ -100,9 +100,15 @@ class Equations(Protocol):
     reference: Floats
     position: Floats
     mass: Floats
-    prescribed: PrescribedMotion
-    contact: ContactEquations | None
     damping: float
+
+    @property
+    def prescribed(self) -> PrescribedMotion:
+        """Degrees of freedom whose displacement is given."""
+
+    @property
+    def contact(self) -> ContactEquations | None:
+        """All contact pairs together."""
 
     def internal_force(self, dt: float) -> None:
         """Stresses and history at the state's displacement, reached by a step `dt`; fills `internal_force`."""
@@ -155,7 +161,9 @@ class ImplicitEquations(Equations, Protocol):
     last accepted step, whatever was tried in between, and multipliers are those of `contact.conditions`.
     """
 
-    contact: ImplicitContact | None  # type: ignore[assignment]
+    @property
+    def contact(self) -> ImplicitContact | None:  # type: ignore[override]
+        """All contact pairs together."""
 
     def begin(self) -> None:
         """Take the state as the start of a step, also after it was restored."""

@@ -189,7 +189,7 @@ class BodyForces:
             return (self.determinants(block, points) * weights[:, None]).ravel()
         g = block.gradient
         undeformed = self._determinants(self.field, block, points) * weights[:, None]
-        return undeformed.ravel() / (g[0] * g[3] - g[1] * g[2])
+        return np.asarray(undeformed.ravel() / (g[0] * g[3] - g[1] * g[2]))
 
     def determinants(self, block: Block, points: Floats) -> Floats:
         """Jacobian determinants (q, B) of a block's cells in the geometry the forces act on."""

@@ -172,7 +172,7 @@ class PairLinearisation:
             pieces.count, _arrays(pieces), pair.owner, wanted, slave_at, master_at, separation, pair.slave.nodes,
             pair.master.nodes, out,
         )  # fmt: skip
-        return self._matrix(*(part[:count] for part in out), 2 * pair.slots)
+        return self._matrix(*_first(out, count), 2 * pair.slots)
 
     def _force_slope(
         self, pieces: PieceSlopes, wanted: Floats, traction: Floats, weights: Any, y_n: Floats, y_t: Floats | None
@@ -188,8 +188,8 @@ class PairLinearisation:
         dq = y_n[of, None] * turn
         if y_t is not None:
             dq += y_t[of, None] * turned(turn)
-        change = self._turned_normals(pieces, dq) - self._matrix(*(part[:given] for part in coupled), 2 * pair.slots)
-        return self._matrix(*(part[:count] for part in direct), self.size) + weights.T @ change
+        change = self._turned_normals(pieces, dq) - self._matrix(*_first(coupled, given), 2 * pair.slots)
+        return self._matrix(*_first(direct, count), self.size) + weights.T @ change
 
     def _matrix(self, row: Ints, column: Ints, value: Floats, rows: int) -> Any:
         return coo_array((value, (row, column)), shape=(rows, self.size)).tocsr()
@@ -210,16 +210,22 @@ def entries(chosen: Ints, window: tuple[Ints, Ints, Floats], cut: float) -> tupl
     start, end, _ = window
     out = _triplets(int(np.maximum(end[chosen] - start[chosen], 0).sum()))
     count = piece_slopes.window_entries(chosen, window, cut, *out)
-    return out[0][:count], out[1][:count], out[2][:count]
+    return _first(out, count)
 
 
 def _triplets(size: int) -> tuple[Ints, Ints, Floats]:
     return np.zeros(size, np.int32), np.zeros(size, np.int32), np.zeros(size)
 
 
+def _first(triplets: tuple[Ints, Ints, Floats], count: int) -> tuple[Ints, Ints, Floats]:
+    row, column, value = triplets
+    return row[:count], column[:count], value[:count]
+
+
 def _both(numbers: Ints) -> Ints:
     """2 n and 2 n + 1 of every number, in turn."""
-    return (2 * numbers[:, None] + np.arange(2, dtype=np.int32)).ravel()
+    both: Ints = np.add.outer(2 * numbers, np.arange(2, dtype=np.int32)).ravel()
+    return both
 
 
 def _arrays(pieces: PieceSlopes) -> tuple[Ints, Ints, Ints, Ints, Floats, Floats, Floats]:

@@ -49,19 +49,11 @@ class ContactSystem:
         if not self.friction:
             return 0.0, 0.0
         r = self.rows
-        return tangential_work(
-            r.count,
-            r.start,
-            r.node,
-            r.tangent_weight,
-            r.slot,
-            self.multipliers,
-            r.slip,
-            mean_velocity,
-            dt,
-            compliance,
-            force,
-        )
+        work, dissipation = tangential_work(
+            r.count, r.start, r.node, r.tangent_weight, r.slot, self.multipliers, r.slip, mean_velocity, dt,
+            compliance, force,
+        )  # fmt: skip
+        return work, dissipation
 
     def _solve_rows(self, current: Floats, compliance: Floats, force: Floats) -> None:
         margin = self.margin

@@ -206,7 +206,8 @@ def build_contact(
     from contactlab.model.implicit_contact import ImplicitContactSystem
 
     linearised: Any = tuple(pairs)
-    return ImplicitContactSystem(linearised, plans[0].enforcement, state)
+    enforcement: Any = plans[0].enforcement  # implicit: the build refuses any other with an integrator that iterates
+    return ImplicitContactSystem(linearised, enforcement, state)
 
 
 def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:

@@ -77,7 +77,7 @@ def explain(scene: Any, registry: Any, rehearsed: Rehearsal | None = None) -> Ex
     schedule = _schedule(model, scene)
     duration = model.pace.end if model.pace.end is not None else model.pace.ramp + model.pace.period
     steps = max(1, round(duration / schedule.dt))
-    bound = model.integrator.bind(model, model.state)  # type: ignore[arg-type]
+    bound = model.integrator.bind(model, model.state)
     arrays = held_arrays(model, integrator=bound)
     seconds = _seconds(rehearsed, steps)
     if rehearsed is not None:

@@ -39,7 +39,7 @@ class ImplicitModel(Model):
             self.contact.begin(self.position)
 
     def _follow(self, dt: float) -> None:
-        if self.increment is not None:
+        if self.increment is not None and self._start is not None:
             np.subtract(self._displacement, self._start, out=self.increment)
 
     def stiffness(self, dt: float) -> Any:

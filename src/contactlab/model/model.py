@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -46,7 +46,8 @@ class Model:
 
     def __post_init__(self) -> None:
         self._internal = self.state["internal_force"]
-        self._displacement, self._velocity = self.state["displacement"], self.state.fields.get("velocity")
+        self._displacement: Floats = self.state["displacement"]
+        self._velocity: Any = self.state.fields.get("velocity")  # None in statics, which asks for none of its uses
         self._limits: list[StableStep] | None = None
         self.seconds = 0.0
         self.initial_energy = self.kinetic_energy() if "velocity" in self.state else 0.0

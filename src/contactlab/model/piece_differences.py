@@ -21,8 +21,7 @@ class PieceDerivatives:
     def __init__(self, pair: SurfacePair) -> None:
         self.pair = pair
         self.links = _links(pair.slave), _links(pair.master)
-        self.high: Pieces | None = None
-        self.low: Pieces | None = None
+        self.high, self.low = self._spare(), self._spare()
         self.out = self._room(256, 256)
         self.follows_master: bool | None = None
 
@@ -50,7 +49,7 @@ class PieceDerivatives:
 
     def _differences(self, memory: Floats) -> PieceSlopes:
         pair = self.pair
-        if self.high is None or self.low is None or len(self.high.slave) < len(pair.pieces.slave):
+        if len(self.high.slave) < len(pair.pieces.slave):
             self.high, self.low = self._spare(), self._spare()
         owners = self._owners(memory)
         # every piece depends on at most so many coordinates; unmatched pieces stand twice

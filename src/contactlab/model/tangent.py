@@ -115,4 +115,5 @@ def follows_tables(forces: BodyForces) -> bool:
         gradient(geometry, field, connectivity, out, scratch)
         force(geometry, connectivity, stress, nodal, scratch)
         results.append(np.concatenate([out.ravel(), nodal.ravel()]))
-    return bool(np.allclose(*results, rtol=0.0, atol=1e-12))
+    once, again = results
+    return bool(np.allclose(once, again, rtol=0.0, atol=1e-12))

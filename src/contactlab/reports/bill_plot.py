@@ -66,7 +66,7 @@ def _label(axes: Axes, drawn: Sequence[Price], bill: Bill) -> None:
     """The name of each effect on that side of its point where it covers no other name or point."""
     to_axes = axes.transData + axes.transAxes.inverted()
     places = [tuple(to_axes.transform(_place(price, bill))) for price in drawn]
-    taken = [(x - 0.01, x + 0.01, y - 0.015, y + 0.015) for x, y in places]
+    taken: list[tuple[float, ...]] = [(x - 0.01, x + 0.01, y - 0.015, y + 0.015) for x, y in places]
     for price, (x, y) in zip(drawn, places, strict=True):
         boxes = [_box(x, y, len(price.effect), *side) for side in _BESIDE]
         free = [k for k, box in enumerate(boxes) if not any(_cover(box, other) for other in taken)]

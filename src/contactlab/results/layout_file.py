@@ -63,6 +63,6 @@ def read_layout(own: h5py.Group) -> Layout:
         ContactLayout(**contact, **{name: own[f"contacts/{contact['name']}/{name}"][:] for name in _SURFACES})
         for contact in words.pop("contacts")
     )
-    lists = {key: tuple(words.pop(key)) for key in ("supports", "steps")}
+    words.update({key: tuple(words[key]) for key in ("supports", "steps")})
     nodes: np.ndarray = own["nodes"][:]
-    return Layout(scene=own["scene"][()].decode(), nodes=nodes, bodies=bodies, contacts=contacts, **lists, **words)
+    return Layout(scene=own["scene"][()].decode(), nodes=nodes, bodies=bodies, contacts=contacts, **words)

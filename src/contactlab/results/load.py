@@ -144,8 +144,8 @@ class _Reader:
 
 
 def _curve(values: Floats) -> ContactCurve:
-    columns = [values[:, i].copy() for i in range(len(ContactCurve.COLUMNS))]
-    return ContactCurve(*columns[:-1], state=columns[-1].astype(np.int32))
+    columns: dict[str, Any] = {name: values[:, i].copy() for i, name in enumerate(ContactCurve.COLUMNS)}
+    return ContactCurve(**columns | {"state": columns["state"].astype(np.int32)})
 
 
 class _End:
