@@ -127,7 +127,9 @@ def _bound(pair: Pair, normal_force: Floats) -> Floats:
     if pair.friction is None:
         return np.zeros_like(normal_force)
     law = pair.friction.bound()
-    adhesion = np.minimum(law.adhesion * pair.cover, law.cap * normal_force) if law.adhesion else 0.0
+    adhesion = law.adhesion * pair.cover
+    if np.isfinite(law.cap):
+        adhesion = np.minimum(adhesion, law.cap * normal_force)
     return np.asarray(law.coefficient * normal_force + adhesion)
 
 

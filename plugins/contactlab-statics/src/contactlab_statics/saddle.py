@@ -157,11 +157,16 @@ class SaddleSystem:
     def _both(
         self, directions: csr_array, slopes: csr_array, first: int, diagonal: Floats
     ) -> list[tuple[Ints, Ints, Floats]]:
-        """Columns of one kind of multipliers, their rows, and their diagonal."""
+        """Columns of one kind of multipliers, their rows, and their diagonal.
+
+        Where supports decide alone, as the slip of a node that is held along the surface, a force changes
+        nothing: it stays near what it is, rather than make the system singular.
+        """
         row, column, value = self._inside(directions)
         parts = [(column, first + row, -value)]
         row, column, value = self._inside(slopes)
         parts.append((first + row, column, -value))
+        diagonal = np.where(np.bincount(row, minlength=len(diagonal)) > 0, diagonal, 1.0)
         filled = np.flatnonzero(diagonal)
         parts.append((first + filled, first + filled, -diagonal[filled]))
         return parts
