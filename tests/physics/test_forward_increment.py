@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from contactlab_dynamics.central_difference import CentralDifference
 from contactlab_dynamics.forward_increment import ForwardIncrement
-from contactlab_dynamics.gauss_seidel import solve as gauss_seidel
+from contactlab_dynamics.gauss_seidel import solve_dense, solve_sparse
 from contactlab_segments.node_on_segment import NodeOnSegment
 
 from contactlab.api import Floats, Rows, Solve
@@ -141,8 +144,44 @@ def test_node_on_segment_sees_both_walls_of_a_notch() -> None:
     np.testing.assert_allclose((left * moved).sum(axis=(1, 2)) - 0.2, 0.0, atol=1e-10)
 
 
+def swept(
+    solve: Callable[..., Any], rows: Rows, compliance: Floats, y: Floats, tolerance: float = 1e-12
+) -> tuple[Floats, Any]:
+    """Forces on the nodes, and how the sweeps went; y is the warm start and becomes the multipliers."""
+    force = np.zeros_like(compliance)
+    return force, solve(
+        rows.count, rows.start, rows.node, rows.normal_weight, rows.tangent_weight, rows.gap, rows.slip, rows.measure,
+        rows.size, rows.slot, rows.bound, rows.work, compliance, y, force, tolerance, 500,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("mu", [None, 0.3])
+def test_both_ways_of_sweeping_make_the_same_updates(seed: int, mu: float | None) -> None:
+    """sweep by sweep the same, with and without friction, from a warm start, one row without compliance."""
+    count = 40
+    normal = coupled_normals(count, seed)
+    rng = np.random.default_rng(seed)
+    compliance = rng.uniform(0.3, 3.0, (count + 3, 2))
+    compliance[np.any(normal[7] != 0.0, axis=1)] = 0.0
+    gap, slip = rng.uniform(-1.0, 1.0, count), rng.uniform(-0.2, 0.2, count)
+    tangent = {} if mu is None else {"tangent": turned(normal), "slip": slip, "coefficient": mu}
+    rows = rows_from(normal, gap, **tangent)
+    start = rng.uniform(0.0, 0.5, (1 if mu is None else 2, count))
+    dense_y, sparse_y = start.copy(), start.copy()
+    force, dense_solve = swept(solve_dense, rows, compliance, dense_y)
+    other, sparse_solve = swept(solve_sparse, rows, compliance, sparse_y)
+    assert dense_solve[0] == sparse_solve[0] > 5
+    assert dense_solve[2] == sparse_solve[2] == 1
+    # sums of some forty terms in another order
+    np.testing.assert_allclose(dense_y, sparse_y, atol=1e-12 * sparse_y.max())
+    np.testing.assert_allclose(force, other, atol=1e-12 * np.abs(other).max())
+    assert dense_solve[3] == pytest.approx(sparse_solve[3], rel=1e-12)
+
+
+@pytest.mark.parametrize("solve", [solve_dense, solve_sparse])
 @pytest.mark.parametrize("seed", range(6))
-def test_sweeps_find_the_direct_solution(seed: int) -> None:
+def test_sweeps_find_the_direct_solution(seed: int, solve: Callable[..., Any]) -> None:
     """50 coupled rows with gaps of either sign, against the active sets of Lawson & Hanson."""
     count = 50
     normal = coupled_normals(count, seed)
@@ -150,11 +189,8 @@ def test_sweeps_find_the_direct_solution(seed: int) -> None:
     compliance = rng.uniform(0.3, 3.0, (count + 3, 2))
     gap = rng.uniform(-1.0, 1.0, count)
     rows = rows_from(normal, gap)
-    y, force = np.zeros((1, count)), np.zeros((count + 3, 2))
-    sweeps, residual, rigid, _ = gauss_seidel(
-        rows.count, rows.start, rows.node, rows.normal_weight, rows.tangent_weight, rows.gap, rows.slip, rows.measure,
-        rows.size, rows.slot, rows.bound, rows.work, compliance, y, force, 1e-12, 500,
-    )  # fmt: skip
+    y = np.zeros((1, count))
+    _, (sweeps, residual, rigid, _) = swept(solve, rows, compliance, y)
     expected = direct_forces(operator(normal, compliance), gap)
     assert 5 < np.count_nonzero(expected) < count  # a mixed active set
     np.testing.assert_allclose(y[0], expected, atol=1e-9 * expected.max())

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from contactlab_dynamics.gauss_seidel import solve
+from contactlab_dynamics.gauss_seidel import solve_dense as solve
 
 from contactlab.api import Solve
 from contactlab.model.build import build

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve
 
+DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than the sweeps that it saves
+
 
 @dataclass(frozen=True)
 class ForwardIncrement(ExplicitEnforcement):
@@ -26,8 +28,10 @@ class ForwardIncrement(ExplicitEnforcement):
 
     def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
         """Sweep until the natural residual falls below the tolerance."""
-        from contactlab_dynamics.gauss_seidel import solve
+        from contactlab_dynamics.gauss_seidel import solve_dense, solve_sparse
 
+        conditions = rows.count * (2 if len(rows.tangent_weight) else 1)
+        solve = solve_dense if conditions <= DENSE_UP_TO else solve_sparse
         return Solve(
             *solve(
                 rows.count, rows.start, rows.node, rows.normal_weight, rows.tangent_weight, rows.gap, rows.slip,
