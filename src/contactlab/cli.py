@@ -88,7 +88,14 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
     )
     _add_changes(command)
     _add_out(command)
+    command.add_argument("--resume", action="store_true", help="go on with the comparison in DIR; what is over stays")
     command.add_argument("--jobs", type=_positive, metavar="N", help="runs at a time (default: one per core)")
+
+
+def _describe_view(command: argparse.ArgumentParser) -> None:
+    command.add_argument("path", metavar="DIR-or-RRD", help="folder of a run or a comparison, or a recording")
+    command.add_argument("--png", metavar="FILE", help="write a picture instead; needs no display")
+    command.add_argument("--step", type=_step, metavar="N", help="the step of the picture (default: the last one)")
 
 
 def _describe_explain(command: argparse.ArgumentParser) -> None:
@@ -137,6 +144,12 @@ def _positive(text: str) -> int:
     return number
 
 
+def _step(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"got {text}, allowed: a whole number >= 0")
+    return int(text)
+
+
 _Describe = Callable[[argparse.ArgumentParser], None]
 _COMMANDS: dict[str, tuple[_Describe, str, str]] = {
     "run": (_describe_run, "run one scene", "contactlab.commands.run:run"),
@@ -144,6 +157,11 @@ _COMMANDS: dict[str, tuple[_Describe, str, str]] = {
         _describe_compare,
         "run every combination, accuracy against cost",
         "contactlab.commands.compare:compare",
+    ),
+    "view": (
+        _describe_view,
+        "look at the timeline of a run or a comparison, or take a picture of it",
+        "contactlab.commands.view:view",
     ),
     "explain": (
         _describe_explain,

@@ -36,7 +36,7 @@ def results_folder(out: Path | str | None, name: str, resume: bool = False) -> I
     if out is None:
         folder = fresh_folder(name)
     else:
-        folder = _made(Path(out)) if resume else claimed_folder(Path(out))
+        folder = made_folder(Path(out)) if resume else claimed_folder(Path(out))
     try:
         yield folder
     except BaseException:
@@ -73,9 +73,10 @@ def claimed_folder(folder: Path) -> Path:
             where=f"results folder {folder}",
             got=", ".join(found),
             allowed="a new or empty folder",
-            hint="name another folder; without one, contactlab run takes a fresh one under runs/",
+            hint="name another folder, or add --resume to go on with what is there; without --out a fresh one under "
+            "runs/ is taken",
         )
-    return _made(folder)
+    return made_folder(folder)
 
 
 def run_folder(out: Path | str | None, resume: bool) -> Path | None:
@@ -95,10 +96,11 @@ def run_folder(out: Path | str | None, resume: bool) -> Path | None:
             got=f"{over[0]} without results.vtkhdf",
             hint="leave record.recorders away, or name vtkhdf there",
         )
-    return _made(folder)
+    return made_folder(folder)
 
 
-def _made(folder: Path) -> Path:
+def made_folder(folder: Path) -> Path:
+    """`folder`, made if need be, whatever it holds. Raises RequestError where it cannot be a folder."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:

@@ -52,11 +52,11 @@ class Run:
     journal: Journal = field(init=False)
 
     def begin(self) -> None:
-        """Store the initial state, unless this is a run taken up again."""
+        """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
         self.began = perf_counter()
         if not self.journal.frames:
             self.store()
-            self.save()
+        self.save()
 
     def compiled(self) -> None:
         """The first step is done: whatever compiles is compiled."""

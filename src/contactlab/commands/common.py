@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import shlex
 from collections.abc import Callable, Sequence
 from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.errors import PartError, RequestError
@@ -53,6 +55,14 @@ def console() -> Console:
 
     made = Console()
     return made if made.is_terminal or "COLUMNS" in os.environ else Console(width=WIDTH_OF_FILES)
+
+
+def print_how_to_look(folder: Path, registry: Registry, out: Console) -> None:
+    """Say how to look at what a recorder has left in the folder, if one has."""
+    parts = [registry.part_class("recorder", name) for name in registry.names("recorder")]
+    if any(part.shown_file and (folder / part.shown_file).is_file() for part in parts):  # type: ignore[attr-defined]
+        line = f"look at it: {shlex.join(['contactlab', 'view', str(folder)])}"
+        out.print(line, markup=False, highlight=False, soft_wrap=True)
 
 
 def table(*columns: str, title: str = "") -> Table:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import argparse
 
-from contactlab.commands.common import console, parse_settings, registry_with
+from contactlab.commands.common import console, parse_settings, print_how_to_look, registry_with
 from contactlab.folders import results_folder
+
+INTERRUPTED = 130
 
 
 def compare(options: argparse.Namespace) -> int:
     """Run the combinations and print their table; failed rows are results, so the status is 0."""
+    from contactlab.compare.resume import resume_line
     from contactlab.compare.runner import compare as run_all
     from contactlab.compare.study import parse_vary
     from contactlab.reports.bill_table import print_bill
@@ -19,12 +22,18 @@ def compare(options: argparse.Namespace) -> int:
     vary = parse_vary(options.vary) if options.vary else None
     changes = parse_settings(options.settings)
     name = options.scene.removesuffix(".toml").rpartition("/")[2]
-    with results_folder(options.out, name) as folder:
-        result = run_all(
-            options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True,
-            effects=options.effects,
-        )  # fmt: skip
+    with results_folder(options.out, name, options.resume) as folder:
+        try:
+            result = run_all(
+                options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True,
+                effects=options.effects, resume=options.resume,
+            )  # fmt: skip
+        except KeyboardInterrupt:
+            line = resume_line(options.scene, options.vary, options.settings, options.files, options.effects, folder)
+            console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
+            return INTERRUPTED
     shown = console()
     (print_table if result.bill is None else print_bill)(result, shown)
     shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)
+    print_how_to_look(folder, registry, shown)
     return 0

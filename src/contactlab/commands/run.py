@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contactlab.commands.common import console, parse_settings, registry_with
+from contactlab.commands.common import console, parse_settings, print_how_to_look, registry_with
 from contactlab.folders import results_folder
 from contactlab.scene import Scene, load_scene
 
@@ -36,6 +36,7 @@ def run(options: argparse.Namespace) -> int:
         except Interrupted as stop:
             results = stop.results
     print_run(results, scene.data, out)
+    print_how_to_look(folder, registry, out)
     if results.status in RESUMABLE and (folder / FILE).exists():
         out.print(f"go on with: {resume_line(options, folder)}", markup=False, highlight=False, soft_wrap=True)
     return EXIT_STATUS.get(results.status, 1)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,9 @@ from contactlab.results.results import ContactCurve, Results
 from contactlab.scene import Scene
 
 Report = Callable[[Any], None]
+
+COSTS = "costs.json"
+"""In the folder of a run: the cost of each repetition."""
 
 # Far below the stable step of any scene and far above round-off in time: enough to call every kernel.
 _WARM_UP = {"level": 1, "time.step": 1e-12, "time.end": 4e-12, "time.ramp": 1.0, "record.recorders": []}
@@ -43,24 +47,41 @@ class Outcome:
 def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Report) -> Outcome:
     """Simulate `scene` into `folder`, `repeat` times; `report` gets (fraction done, step).
 
+    A run that was stopped there goes on, and one that is over is read back.
     A request that only the model can see to be wrong is an outcome, too: "refused".
     """
     from contactlab.simulation import simulate
 
-    first: Results | None = None
-    costs: list[dict[str, Any]] = []
-    for number in range(repeat):
+    def once(number: int, place: Path | None) -> Results:
+        begun = place is not None and place.exists()
         progress = _progress(report, number, repeat)
-        try:
-            results = simulate(scene, out=folder if number == 0 else None, registry=scene.registry, progress=progress)
-        except RequestError as error:
-            return Outcome("refused", str(error))
-        first = first or results
-        costs.append(results.summary.get("cost", {}))
-    assert first is not None
-    summary = {**first.summary, "cost": {**first.summary.get("cost", {}), **_medians(costs)}}
-    curve = _last_curve(first, contact)
-    return Outcome(first.status, first.reason, summary, curve, shapes_of(first), first.history)
+        return simulate(scene, out=place, registry=scene.registry, progress=progress, resume=begun)
+
+    try:
+        first = once(0, folder)
+        costs = costs_in(folder, first)
+        for number in range(len(costs), repeat):
+            costs.append(once(number, None).summary.get("cost", {}))
+            if folder is not None:
+                (folder / COSTS).write_text(json.dumps(costs), encoding="utf-8")
+    except RequestError as error:
+        return Outcome("refused", str(error))
+    return outcome_of(first, contact, costs)
+
+
+def costs_in(folder: Path | None, results: Results) -> list[dict[str, Any]]:
+    """What every repetition of a run cost that was made so far, the one that left `results` first."""
+    if folder is not None and (folder / COSTS).is_file():
+        found: list[dict[str, Any]] = json.loads((folder / COSTS).read_text(encoding="utf-8"))
+        return found
+    return [results.summary.get("cost", {})]
+
+
+def outcome_of(results: Results, contact: int, costs: Sequence[Mapping[str, Any]]) -> Outcome:
+    """What a comparison needs of a run that was made as often as there are `costs`."""
+    summary = {**results.summary, "cost": {**results.summary.get("cost", {}), **_medians(costs)}}
+    curve = _last_curve(results, contact)
+    return Outcome(results.status, results.reason, summary, curve, shapes_of(results), results.history)
 
 
 def warm_up(scene: Scene, report: Report) -> None:
@@ -77,7 +98,7 @@ def _progress(report: Report, number: int, repeat: int) -> Callable[[float, int,
     return progress
 
 
-def _medians(costs: list[dict[str, Any]]) -> dict[str, float]:
+def _medians(costs: Sequence[Mapping[str, Any]]) -> dict[str, float]:
     names = ("run_cpu_s", "run_wall_s", "compile_s")
     return {name: statistics.median(cost[name] for cost in costs) for name in names if all(name in c for c in costs)}
 

@@ -13,14 +13,16 @@ from contactlab.compare.bill import BillPlan, make_bill, plan_bill
 from contactlab.compare.gather import common_reference, gather
 from contactlab.compare.plan import Job, Plan, Vary, make_plan
 from contactlab.compare.pool import ProcessDiedError, RaisedError, WorkerPool
+from contactlab.compare.recordings import record_comparison
 from contactlab.compare.reference import Reference, load_reference
+from contactlab.compare.resume import sigterm_as_ctrl_c, stored_outcomes
 from contactlab.compare.run_job import Outcome
 from contactlab.compare.study import Study
 from contactlab.compare.system import usable_cores
 from contactlab.compare.table import Table
 from contactlab.compare.table_files import write_table
 from contactlab.errors import RequestError
-from contactlab.folders import claimed_folder
+from contactlab.folders import claimed_folder, made_folder
 from contactlab.registry import Registry
 from contactlab.reports.page import write_report
 from contactlab.reports.progress import Bars, progress_bars
@@ -37,6 +39,7 @@ def compare(
     progress: bool | None = None,
     changes: Mapping[str, Any] | None = None,
     effects: bool = False,
+    resume: bool = False,
 ) -> Table:
     """Run every combination and measure accuracy against cost.
 
@@ -47,17 +50,20 @@ def compare(
     changes         scene keys and values for all runs, also instead of what the study varies
     progress        bars on standard error; by default where that is a terminal
     effects         instead of combinations, the scene with each of its effects taken out in turn: `Table.bill`
+    resume          go on with the comparison in `out`: runs that are over are read back, the others go on
 
     A run that fails, or whose process is killed, is a row with its status and reason.
-    Raises RequestError when the request itself is wrong.
+    Raises RequestError when the request itself is wrong, and KeyboardInterrupt after Ctrl-C or SIGTERM,
+    when what there is has been written.
     """
     plan = _plan(scene_or_study, vary, registry, changes, effects)
     named = _named_reference(plan.study)
     workers = _checked_jobs(jobs)
-    folder = claimed_folder(Path(out)) if out is not None else None
+    folder = _folder(out, resume)
+    done = stored_outcomes(plan, folder) if resume and folder is not None else {}
     began = perf_counter()
-    with progress_bars(plan.jobs, progress) as bars:
-        outcomes, interrupted = _run_all(plan, folder, workers, bars)
+    with progress_bars(plan.jobs, progress) as bars, sigterm_as_ctrl_c():
+        outcomes, interrupted = _run_all(plan, done, folder, workers, bars)
     rows = gather(plan, outcomes, named)
     table = Table(
         rows=rows,
@@ -71,9 +77,19 @@ def compare(
     )
     if folder is not None:
         _write(table, plan, outcomes, folder)
+        main = [job.name for job in plan.jobs if not job.refines]
+        record_comparison(plan.scene, plan.scene.registry, folder, main)
     if interrupted:
         raise KeyboardInterrupt
     return table
+
+
+def _folder(out: str | Path | None, resume: bool) -> Path | None:
+    if out is None:
+        if resume:
+            raise RequestError("a comparison can only be taken up in its folder", where="resume", allowed="a folder")
+        return None
+    return made_folder(Path(out)) if resume else claimed_folder(Path(out))
 
 
 def _plan(request: Any, vary: Vary | None, registry: Registry | None, changes: Any, effects: bool) -> Plan:
@@ -115,22 +131,29 @@ def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Pa
 # --- running ---------------------------------------------------------------------------------------
 
 
-def _run_all(plan: Plan, folder: Path | None, workers: int, bars: Bars) -> tuple[dict[str, Outcome], bool]:
-    """Outcomes by job name, and whether the user stopped it."""
-    outcomes: dict[str, Outcome] = {}
+def _run_all(
+    plan: Plan, done: Mapping[str, Outcome], folder: Path | None, workers: int, bars: Bars
+) -> tuple[dict[str, Outcome], bool]:
+    """Outcomes by job name, those that are `done` among them, and whether the user stopped it."""
+    outcomes = dict(done)
+    for name, outcome in done.items():
+        bars.finish(name, outcome.status)
+    rest = [job for job in plan.jobs if job.name not in done]
+    if not rest:
+        return outcomes, False
     futures: dict[Future[Outcome], Job] = {}
-    with WorkerPool(min(workers, len(plan.jobs))) as pool:
+    with WorkerPool(min(workers, len(rest))) as pool:
         try:
-            _warm_up(pool, plan.jobs, bars)
+            _warm_up(pool, rest, bars)
             # the study's own runs, then the longest first, so that no core waits at the end
-            queue = sorted(plan.jobs, key=lambda job: (job.refines, -job.scene.level))
+            queue = sorted(rest, key=lambda job: (job.refines, -job.scene.level))
             futures = {_submit(pool, plan, job, folder, bars): job for job in queue}
             for future in as_completed(futures):
                 outcomes[futures[future].name] = _outcome(future)
                 bars.finish(futures[future].name, outcomes[futures[future].name].status)
         except KeyboardInterrupt:
             pool.interrupt()
-            stopped = {job.name: Outcome("interrupted", "stopped before it began") for job in plan.jobs}
+            stopped = {job.name: Outcome("interrupted", "stopped before it began") for job in rest}
             ended = {job.name: _outcome(future, stopped=True) for future, job in futures.items()}
             return {**stopped, **ended, **outcomes}, True
     return outcomes, False

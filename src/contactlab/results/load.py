@@ -74,6 +74,9 @@ class _Reader:
         self.last_step = math.inf
         slots = Slots.of(self.own)
         self.checkpoint = slots.newest(self.frames, self.steps, self.events) if slots is not None else None
+        saved = slots.serial if slots is not None else 0
+        # the summary of a run that was taken up again is that of an earlier end
+        self.closed = "summary" in self.own and self.own["summary"].attrs["serial"] >= saved
 
     def limit(self, checkpoint: Checkpoint) -> None:
         """See no more than was stored when the checkpoint was made."""
@@ -97,11 +100,12 @@ class _Reader:
             frames=self._frames(),
             folder=self.folder,
             step_source=StoredSteps(self.folder, self.steps),
+            closed=self.closed,
         )
 
     def _summary(self) -> dict[str, Any]:
         """That of the end, or of the last checkpoint when there was no end."""
-        if "summary" in self.own:
+        if self.closed:
             text = self.own["summary"][()].decode()
         elif self.checkpoint is not None:
             text = self.checkpoint.summary

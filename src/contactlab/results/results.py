@@ -45,6 +45,7 @@ class Results:
     iterations    every Newton iteration of implicit runs, those of steps taken back included
     frames        every stored frame with its fields, read from `results.vtkhdf` when asked for; empty without files
     folder        where the files are, None if none were written
+    closed        False where the files are those of a run that was killed, or still goes on
 
     The end is the last state that was saved: of a run without files, or one that finished, its last step.
     """
@@ -62,6 +63,7 @@ class Results:
     frames: Sequence[Frame] = ()
     folder: Path | None = None
     step_source: Sequence[Floats] = ()
+    closed: bool = True
 
     @property
     def status(self) -> str:
@@ -109,7 +111,7 @@ class Results:
 
 
 def _content(results: Results) -> dict[str, Any]:
-    skipped = ("layout", "frames", "folder", "step_source")
+    skipped = ("layout", "frames", "folder", "step_source", "closed")
     own = {name: value for name, value in vars(results).items() if name not in skipped}
     return own | {"scene": results.layout.scene, "nodes": results.nodes, "cells": results.cells, "steps": results.steps}
 

@@ -122,6 +122,7 @@ class VtkHdfRecording(Recording):
             if "summary" in self.own:
                 del self.own["summary"]
             self.own["summary"] = text
+            self.own["summary"].attrs["serial"] = self.slots.serial if self.slots is not None else 0
         finally:
             self.growing.close()
 

@@ -23,7 +23,7 @@ class Rerun(Recorder):
     lanes      slave nodes of each contact whose state has a lane of its own
     """
 
-    by_default: ClassVar[bool] = False
+    by_default: ClassVar[bool] = True
     every_step: ClassVar[bool] = True
     shown_file: ClassVar[str] = FILE
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
-import shutil
 import signal
 import socket
 import subprocess
 import sys
 import tempfile
 from collections.abc import Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -83,12 +83,17 @@ def _die_with_parent() -> None:
 
 def _command(port: int) -> list[str]:
     """The viewer's command line, bound to this machine: by default it listens to all of the network."""
-    beside = Path(sys.executable).with_name("rerun")
-    program = str(beside) if beside.exists() else shutil.which("rerun")
-    if program is None:
-        raise RuntimeError("the program rerun is not there; it comes with rerun-sdk")
     limits = ["--memory-limit", MEMORY, "--server-memory-limit", MEMORY]
-    return [program, "--bind", HOST, "--port", str(port), "--hide-welcome-screen", *limits]
+    return [*_program(), "--bind", HOST, "--port", str(port), "--hide-welcome-screen", *limits]
+
+
+def _program() -> list[str]:
+    """The viewer that comes with the library, so that it has the version that wrote the recording."""
+    spec = find_spec("rerun_cli")
+    if spec is None or spec.origin is None:
+        raise RuntimeError("the program rerun is not there; it comes with rerun-sdk")
+    program = Path(spec.origin).with_name("rerun")
+    return [str(program)] if program.exists() else [sys.executable, "-m", "rerun_cli"]
 
 
 def _free_port() -> int:

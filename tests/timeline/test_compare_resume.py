@@ -1,0 +1,117 @@
+"""A comparison that was stopped goes on: runs that are over are read back, the others continue where they were."""
+
+from __future__ import annotations
+
+import csv
+import shlex
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from time import sleep
+from typing import Any
+
+import pytest
+
+import contactlab
+from contactlab.compare import runner
+from contactlab.compare.resume import resume_line
+from contactlab.errors import RequestError
+
+MakeScene = Callable[..., Any]
+
+# the second run takes five times as long as the first: it is under way when the first has just ended
+VARY = {"time.end": [4e-6, 2e-5]}
+FILES = ("scene.toml", "history.csv", "contact.csv", "results.vtkhdf", "summary.json", "timeline.rrd")
+
+
+@pytest.fixture(scope="module")
+def stopped(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, str]:
+    """Scene, folder and last words of a comparison that was sent SIGTERM after its first run."""
+    place = tmp_path_factory.mktemp("comparison")
+    scene, folder = place / "scene.toml", place / "out"
+    scene.write_text(small_scene({"record.recorders": ["vtkhdf", "rerun"]}).toml())
+    command = [sys.executable, "-m", "contactlab.cli", "compare", str(scene), "--jobs", "1", "--out", str(folder)]
+    command += [word for key, values in VARY.items() for word in ("--vary", f"{key}={values}")]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while not list(folder.glob("runs/1-*/summary.json")) and process.poll() is None:
+        sleep(0.02)
+    process.send_signal(signal.SIGTERM)
+    words, errors = process.communicate()
+    assert process.returncode == 130, errors
+    assert "Traceback" not in errors
+    return scene, folder, words.splitlines()[-1]
+
+
+def row_status(folder: Path) -> list[str]:
+    with (folder / "table.csv").open(newline="") as file:
+        return [row["status"] for row in csv.DictReader(file)]
+
+
+def stamps(folder: Path) -> dict[str, int]:
+    (run,) = folder.glob("runs/1-*")
+    return {name: (run / name).stat().st_mtime_ns for name in FILES}
+
+
+def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch: pytest.MonkeyPatch) -> None:
+    scene, folder, line = stopped
+    vary = [f"{key}={values}" for key, values in VARY.items()]
+    expected = resume_line(str(scene), vary, [], [], effects=False, folder=folder)
+    assert line == f"interrupted; go on with: {expected}"
+    assert row_status(folder) == ["finished", "interrupted"]
+    assert (folder / "timeline.rrd").exists()
+    before = stamps(folder)
+    command = [sys.executable, "-m", "contactlab.cli", *shlex.split(expected)[1:]]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert stamps(folder) == before, "the run that was over was written again"
+    assert row_status(folder) == ["finished", "finished"]
+    first, second = (contactlab.load_results(run) for run in sorted(folder.glob("runs/*")))
+    assert "resumed_at_steps" not in first.summary
+    # the second one goes on where it was stopped, unless it had not taken a step yet
+    assert second.summary.get("resumed_at_steps", [1])[0] > 0
+
+    # once more: nothing is left to do, and nothing is started
+    monkeypatch.setattr(runner, "WorkerPool", lambda jobs: pytest.fail("a run was repeated"))
+    again = contactlab.compare(contactlab.load_scene(scene), VARY, out=folder, resume=True)
+    assert [row.status for row in again.rows] == ["finished", "finished"]
+    assert [row["steps"] for row in again.rows] == [first.summary["steps"], second.summary["steps"]]
+    assert again.rows[1].curve == second.contact["contacts.0"].last
+
+    # another request does not go on with these runs
+    with pytest.raises(RequestError, match=r"time\.end was 4e-06, now 3e-06"):
+        contactlab.compare(contactlab.load_scene(scene), {"time.end": [3e-6, 2e-5]}, out=folder, resume=True)
+    with pytest.raises(RequestError, match="holds another comparison"):
+        contactlab.compare(contactlab.load_scene(scene), {"level": [1]}, out=folder, resume=True)
+
+
+def test_resume_needs_a_folder(small_scene: MakeScene) -> None:
+    with pytest.raises(RequestError, match="only be taken up in its folder"):
+        contactlab.compare(small_scene(), VARY, resume=True)
+
+
+def test_repetitions_that_were_made_are_kept(
+    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from contactlab import simulation
+    from contactlab.compare import run_job
+
+    made: list[Path | None] = []
+    simulate = simulation.simulate
+
+    def counted(scene: Any, out: Path | None = None, **others: Any) -> Any:
+        made.append(out)
+        if len(made) == 3:
+            raise KeyboardInterrupt
+        return simulate(scene, out=out, **others)
+
+    monkeypatch.setattr(simulation, "simulate", counted)
+    scene = small_scene({"time.end": 4e-6})
+    with pytest.raises(KeyboardInterrupt):
+        run_job.run(scene, tmp_path / "run", 0, 4, lambda message: None)
+    assert made == [tmp_path / "run", None, None]
+    made += [None]  # no further interrupt
+    outcome = run_job.run(scene, tmp_path / "run", 0, 4, lambda message: None)
+    assert made[4:] == [tmp_path / "run", None, None], "two repetitions were made before"
+    assert outcome.status == "finished"
