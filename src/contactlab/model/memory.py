@@ -21,12 +21,19 @@ if TYPE_CHECKING:
 
 
 def model_memory(model: Model) -> dict[str, Floats]:
-    """The arrays by name; those of the model itself, not copies. Shapes are the same at every step."""
+    """The arrays by name; shapes are the same at every step.
+
+    Those of the model itself, but for gradients and stresses that blocks share: these are computed again, so that a
+    stored memory shows the stress at every point.
+    """
     memory = {f"state.{name}": field for name, field in model.state.fields.items()}
+    if model.increment is not None:
+        memory["increment"] = model.increment
     for forces in model.forces:
-        for number, block in enumerate(forces.blocks):
-            memory[f"stress.{forces.body.name}.{number}"] = block.stress
-            memory[f"gradient.{forces.body.name}.{number}"] = block.gradient
+        for number, block in enumerate(forces.current()):
+            gradient, stress = block.gradient, block.stress
+            memory[f"stress.{forces.body.name}.{number}"] = stress.copy() if forces.shares_stress else stress
+            memory[f"gradient.{forces.body.name}.{number}"] = gradient.copy() if forces.shares_gradient else gradient
     for limit in model.step_limits:
         memory[f"frequency.{limit.body.name}"] = limit.frequency
         memory[f"cell_size.{limit.body.name}"] = limit.before

@@ -41,7 +41,7 @@ class StableStep:
 
     def _stiffening(self) -> Floats:
         factors = []
-        for block in self.forces.blocks:
+        for block in self.forces.current():
             out = np.empty(block.stress.shape[1])
             self.body.material.stiffening(block.gradient, block.stress, out)
             factors.append(out.reshape(self.body.points, -1).max(axis=0))

@@ -34,7 +34,7 @@ class LargeStrain:
 
     def look(self) -> None:
         """Strain and rotation from the displacement gradients of the last update."""
-        for block in self.forces.blocks:
+        for block in self.forces.current():
             np.maximum(self.worst, _strain_and_rotation(block.gradient), out=self.worst)
 
     def need(self) -> Need | None:
@@ -69,7 +69,7 @@ class UnusedYieldStress:
 
     def look(self) -> None:
         """Von Mises stress of the last update."""
-        for block in self.forces.blocks:
+        for block in self.forces.current():
             self.worst[0] = max(self.worst[0], float(_von_mises(block).max()))
 
     def need(self) -> Need | None:

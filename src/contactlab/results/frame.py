@@ -82,8 +82,8 @@ def _cells(forces: BodyForces) -> dict[str, Floats]:
     """Means over the points of each cell."""
     points, names = forces.body.points, forces.body.material.history_names
     shown = [i for i, name in enumerate(names) if not name.startswith("stress_")]
-    stress = [_mean(block.stress, points).T for block in forces.blocks]
-    mises = [_mean(von_mises(block), points) for block in forces.blocks]
+    stress = [_mean(block.stress, points).T for block in forces.current()]
+    mises = [_mean(von_mises(block), points) for block in forces.current()]
     fields = {"stress": np.concatenate(stress), "von_mises": np.concatenate(mises)}
     for i in shown:
         fields[names[i]] = np.concatenate([_mean(block.history[i], points) for block in forces.blocks])
