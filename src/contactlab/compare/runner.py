@@ -64,6 +64,8 @@ def compare(
     began = perf_counter()
     with progress_bars(plan.jobs, progress) as bars, sigterm_as_ctrl_c():
         outcomes, interrupted = _run_all(plan, done, folder, workers, bars)
+    if interrupted and folder is not None:
+        outcomes |= stored_outcomes(plan, folder)  # over, but its answer was still on the way
     rows = gather(plan, outcomes, named)
     table = Table(
         rows=rows,
