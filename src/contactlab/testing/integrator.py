@@ -130,8 +130,13 @@ def reaction_balances(integrator: Integrator) -> None:
         raise NotApplicable("the integrator keeps no reactions")
     # the first step sets the mass in motion; after it the speed is constant and only the spring acts
     model.run(20, 0.05)
-    expected = STIFFNESS[0] * 0.5 * 0.05 * 19  # at the start of the last step
-    agree(model.state["reaction"][0, 0], expected, 1e-12, "reaction")
+    # at any time of the last step, as the integrator has it; 1e-12 for the round-off of 20 steps
+    least, most = (STIFFNESS[0] * 0.5 * 0.05 * steps for steps in (19, 20))
+    found = float(model.state["reaction"][0, 0])
+    require(
+        least - 1e-12 <= found <= most + 1e-12,
+        f"reaction: got {found:.15g}, the spring's force in the last step is {least:.15g} to {most:.15g}",
+    )
 
 
 def restart_is_exact(integrator: Integrator) -> None:

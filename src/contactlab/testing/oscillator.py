@@ -1,8 +1,9 @@
-"""Masses on springs: the smallest model that an integrator can be asked to advance."""
+"""Masses on springs: the smallest model that an integrator can be asked to advance, explicit or implicit."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -24,7 +25,8 @@ class Ramp:
 
 
 class Oscillator:
-    """N masses that springs of stiffness k (N,) hold in place. Implements `contactlab.api.Equations`."""
+    """N masses that springs of stiffness k (N,) hold in place. Implements `contactlab.api.Equations` and, without
+    contact, `ImplicitEquations`."""
 
     def __init__(
         self,
@@ -40,7 +42,7 @@ class Oscillator:
         contact: ContactEquations | None = None,
     ) -> None:
         n = len(mass)
-        self.mass, self.stiffness, self.damping = np.asarray(mass, float), np.asarray(stiffness, float), damping
+        self.mass, self.springs, self.damping = np.asarray(mass, float), np.asarray(stiffness, float), damping
         self.reference = np.stack([np.arange(n, dtype=float), np.zeros(n)], axis=1)
         self.position = self.reference.copy()
         self.prescribed: PrescribedMotion = prescribed or Ramp(np.zeros(0, np.int32), np.zeros(0))
@@ -60,7 +62,7 @@ class Oscillator:
     def internal_force(self, dt: float) -> None:
         """Spring forces at the state's displacement."""
         self.position[:] = self.reference + self.state["displacement"]
-        self.state["internal_force"][:] = self.stiffness[:, None] * self.state["displacement"]
+        self.state["internal_force"][:] = self.springs[:, None] * self.state["displacement"]
 
     def external_force(self, time: float, out: Floats) -> bool:
         """A constant force, if one was given."""
@@ -69,9 +71,26 @@ class Oscillator:
         out[:] = self._force
         return True
 
+    def begin(self) -> None:
+        """Springs remember nothing: every step may be tried again from the state."""
+
+    def stiffness(self, dt: float) -> Any:
+        """That of the springs, diagonal, CSC; springs of no stiffness have an entry as well."""
+        from scipy.sparse import csc_array
+
+        n = 2 * len(self.springs)
+        return csc_array((np.repeat(self.springs, 2), np.arange(n), np.arange(n + 1)), (n, n))
+
+    def folded(self) -> bool:
+        """There are no cells."""
+        return False
+
+    def accept(self) -> None:
+        """Nothing but the state changes."""
+
     def stable_step(self) -> float:
         """2/w_max."""
-        return float(2.0 / np.sqrt((self.stiffness / self.mass).max()))
+        return float(2.0 / np.sqrt((self.springs / self.mass).max()))
 
     def kinetic_energy(self) -> float:
         """With the state's velocities, half a step back in explicit schemes."""

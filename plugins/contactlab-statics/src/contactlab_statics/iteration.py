@@ -173,3 +173,12 @@ class NewtonIteration:
             residual.force, residual.contact, int(np.count_nonzero(status)), int(np.count_nonzero(status == 1)),
             changed, length, note,
         )  # fmt: skip
+
+
+def take_back(equations: ImplicitEquations, state: State, start: Floats) -> None:
+    """The state as it was at the `start` of a step, and the equations with it, bit for bit."""
+    state.restore(start)
+    equations.begin()
+    equations.internal_force(0.0)
+    # forces of that evaluation may differ from those that were reached by a step, in their last digits
+    state.restore(start)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Floats, ImplicitEquations, State, Step, StepStatus
-from contactlab_statics.iteration import NewtonIteration
+from contactlab_statics.iteration import NewtonIteration, take_back
 from contactlab_statics.ledger import Ledger
 
 
@@ -34,9 +34,7 @@ class LoadStep:
         target = prescribed.scale * prescribed.values(self.time)[prescribed.ramp]
         outcome = self.iteration.run(dt, target)
         if outcome.reason:
-            state.restore(start)
-            equations.begin()
-            equations.internal_force(0.0)
+            take_back(equations, state, start)
             return Step(
                 StepStatus.not_converged, len(outcome.trace), residual=outcome.residual.largest, reason=outcome.reason,
                 trace=tuple(outcome.trace),

@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Quasi-statics, and exact multipliers by active sets."""
+    """Quasi-statics, dynamics in large steps, and exact multipliers by active sets."""
     return [
         Part(
             "integrator",
@@ -15,6 +15,13 @@ def contactlab_parts() -> list[Part]:
             "contactlab_statics.newton:Newton",
             "quasi-static load steps by Newton's method",
             "Wriggers 2006, ch. 10; Alart & Curnier 1991",
+        ),
+        Part(
+            "integrator",
+            "implicit-dynamics",
+            "contactlab_statics.implicit_dynamics:ImplicitDynamics",
+            "trapezoidal rule in large steps, contact without ringing",
+            "Newmark 1959; Laursen & Love 2002",
         ),
         Part(
             "enforcement",

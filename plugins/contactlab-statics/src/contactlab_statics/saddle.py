@@ -18,6 +18,8 @@ from scipy.sparse import coo_array, csr_array
 from contactlab.api import ContactSlopes, Floats, ImplicitContact, Ints, Response
 from contactlab_statics.factor import Factor
 
+RIGID = 1e-12  # share of a condition's weights: below it no free degree of freedom takes part
+
 
 @dataclass
 class Elimination:
@@ -96,6 +98,7 @@ class SaddleSystem:
         if contact is not None:
             plan = eliminate(response)
             slopes = contact.linearise(plan.chosen)
+            self._fill_rigid_rows(plan, slopes, response)
             matrix += self._border(plan, slopes)
             right = right + _explicit_forces(plan, slopes)
             if moving:
@@ -132,6 +135,14 @@ class SaddleSystem:
         column = self.number[entries.col]
         keep = column >= 0
         return entries.row[keep], column[keep], entries.data[keep]
+
+    def _fill_rigid_rows(self, plan: Elimination, slopes: ContactSlopes, response: Response) -> None:
+        """Where nothing free takes part in a condition its force answers its violation alone, until it is explicit."""
+        for kind, (slots, rows) in enumerate(((plan.normal, slopes.gap), (plan.tangential, slopes.slip))):
+            if len(slots):
+                weights = abs(rows[np.searchsorted(plan.chosen, slots)])
+                rigid = slots[weights[:, self.free].sum(axis=1) < RIGID * np.maximum(weights.sum(axis=1), 1.0)]
+                plan.by_force[kind, rigid] = 1.0 / response.by_gap[kind, rigid]
 
     def _border(self, plan: Elimination, slopes: ContactSlopes) -> list[tuple[Ints, Ints, Floats]]:
         """Entries of contact: change of forces, columns and rows of the unknown multipliers."""

@@ -1,0 +1,61 @@
+"""Implicit dynamics: the trapezoidal rule, contact held in positions and in velocities."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+from contactlab.api import Enforcement, ImplicitEnforcement, ImplicitEquations, Integrator, State, Step
+
+
+@dataclass(frozen=True)
+class ImplicitDynamics(Integrator):
+    """Average forces over a step, contact forces that hold gaps at its end, velocities that keep them held.
+
+    Gaps are complementary to forces at the end of every step, and closed surfaces leave it with equal normal
+    velocities: contact takes energy (that of the nodes which are stopped) and never gives any
+    (docs/statics.md). Without contact the scheme is second order and has no damping of its own.
+
+    steps        equal steps to try for the whole run, where the scene fixes none
+    tolerance    as with `newton`: residuals at which a step is accepted
+    iterations   most iterations of a step before it is cut
+    dissipation  share of a step by which stresses lead their average: a viscosity of stiffness times
+                 dissipation * dt, booked as `numerical`; first order unless it is 0 [-]
+    """
+
+    steps: int = 500
+    tolerance: float = 1e-8
+    iterations: int = 25
+    dissipation: float = 0.0
+
+    needs: ClassVar[type[Enforcement]] = ImplicitEnforcement
+    default_enforcement: ClassVar[str] = "active-set"
+    order: ClassVar[int] = 2
+    inertia: ClassVar[bool] = True
+    explicit: ClassVar[bool] = False
+    without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
+
+    def __post_init__(self) -> None:
+        if self.steps < 1:
+            raise ValueError(f"steps: got {self.steps}, allowed: at least 1")
+        if not 0.0 < self.tolerance < 1e-2:
+            raise ValueError(f"tolerance: got {self.tolerance}, allowed: 0 < tolerance < 0.01")
+        if self.iterations < 1:
+            raise ValueError(f"iterations: got {self.iterations}, allowed: at least 1")
+        if not 0.0 <= self.dissipation <= 0.5:
+            raise ValueError(f"dissipation: got {self.dissipation}, allowed: 0 to 0.5 (backward Euler stresses)")
+
+    def wished_steps(self) -> int:
+        """The steps that the scene asks for."""
+        return self.steps
+
+    def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
+        """Mean reactions (N, 2) [N] of supports over the last step."""
+        return {"reaction": (nodes, 2)}
+
+    def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:  # type: ignore[override]
+        """The function that makes one step in time."""
+        from contactlab_statics.time_step import TimeStep
+
+        return TimeStep(equations, state, self.tolerance, self.iterations, self.dissipation).step

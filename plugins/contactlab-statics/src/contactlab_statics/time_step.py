@@ -1,0 +1,167 @@
+"""One implicit step in time by the trapezoidal rule (docs/statics.md).
+
+    M (v+ - v)/dt + alpha M (v + v+)/2 + (f + f+)/2 + x (f+ - f) = (e + e+)/2 + G+^T y,   u+ - u = dt (v + v+)/2
+
+with gaps complementary to y at the end of the step; then the velocities are settled (impulses.py).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from contactlab.api import WORK, Floats, ImplicitEquations, State, Step, StepStatus
+from contactlab_statics.impulses import settle
+from contactlab_statics.iteration import NewtonIteration, take_back
+
+INTERNAL, EXTERNAL, DAMPING, CONTACT, FRICTION, NUMERICAL, SLIP = range(len(WORK))
+
+
+class TimeStep:
+    """Implements `Balance` for dynamics."""
+
+    def __init__(
+        self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int, dissipation: float
+    ) -> None:
+        self.equations, self.state, self.lead = equations, state, dissipation
+        nodes, contact = len(equations.reference), equations.contact
+        self.u, self.v = state["displacement"], state["velocity"]
+        self.u_start, self.v_start, self.f_start = (np.zeros((nodes, 2)) for _ in range(3))
+        self.load, self.load_start, self.inertia, self.stopping = (np.zeros((nodes, 2)) for _ in range(4))
+        self.normal = np.zeros((nodes, 2))
+        self.tangential = np.zeros((nodes if contact is not None and len(contact.conditions.slip) else 0, 2))
+        self.time = self.dt = 0.0
+        self.mass: Floats = np.repeat(equations.mass, 2).reshape(-1, 2)
+        self.held = equations.prescribed.dof
+        mobility = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=self.mass > 0.0)
+        mobility.reshape(-1)[self.held] = 0.0
+        self.mobility = mobility
+        self.iteration = NewtonIteration(equations, state, self, tolerance, iterations)
+
+    def step(self, dt: float) -> Step:
+        """Advance the state by dt, or restore it."""
+        equations, state = self.equations, self.state
+        start = state.snapshot()
+        self._start(dt)
+        prescribed = equations.prescribed
+        outcome = self.iteration.run(dt, prescribed.scale * prescribed.values(self.time)[prescribed.ramp])
+        trace = tuple(outcome.trace)
+        if outcome.reason:
+            take_back(equations, state, start)
+            return Step(
+                StepStatus.not_converged, len(trace), residual=outcome.residual.largest, reason=outcome.reason,
+                trace=trace,
+            )  # fmt: skip
+        self._accept()
+        return Step(StepStatus.accepted, len(trace), residual=outcome.residual.contact, trace=trace)
+
+    def _start(self, dt: float) -> None:
+        equations, state = self.equations, self.state
+        equations.begin()
+        equations.internal_force(dt)
+        self.u_start[:], self.v_start[:], self.f_start[:] = self.u, self.v, state["internal_force"]
+        equations.external_force(state.time, self.load_start)
+        self.time, self.dt = state.time + dt, dt
+        # what would stop all nodes within the step: forces far below it change no velocity
+        self.stopping = self.mass * self.v / dt
+
+    # --- Balance --------------------------------------------------------------------------------
+
+    def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
+        """Mean external, contact and damping forces minus mean internal ones and the rate of momentum."""
+        self._follow()
+        self._impressed(out)
+        np.multiply(self.mass, (self.v - self.v_start) / self.dt, out=self.inertia)
+        out -= self.inertia
+        if self.equations.damping:
+            out -= self.equations.damping * self.mass * (0.5 * (self.v_start + self.v))
+        internal = self.state["internal_force"]
+        return self.load, self.load_start, self.f_start, internal, self.normal, self.inertia, self.stopping
+
+    def _follow(self) -> None:
+        """Velocities that lead to the trial displacements; prescribed ones are those of the step."""
+        moved = (self.u - self.u_start) / self.dt
+        np.subtract(2.0 * moved, self.v_start, out=self.v)
+        self.v.reshape(-1)[self.held] = moved.reshape(-1)[self.held]
+
+    def _impressed(self, out: Floats) -> None:
+        """External and contact forces minus internal ones, means over the step."""
+        internal = self.state["internal_force"]
+        np.multiply(-(0.5 + self.lead), internal, out=out)
+        out -= (0.5 - self.lead) * self.f_start
+        if self.equations.external_force(self.time, self.load):
+            out += 0.5 * (self.load_start + self.load)
+        if self.equations.contact is not None:
+            self.equations.contact.forces(self.normal, self.tangential)
+            out += self.normal
+            if len(self.tangential):
+                out += self.tangential
+
+    def stiffness(self, dt: float) -> Any:
+        """Of mean stresses and inertia."""
+        inertia = (2.0 / dt + self.equations.damping) / dt * self.mass.reshape(-1)
+        return _with_diagonal(self.equations.stiffness(dt), 0.5 + self.lead, inertia)
+
+    # --- the end of a step ----------------------------------------------------------------------
+
+    def _accept(self) -> None:
+        """Velocities from momentum, so that it is kept to round-off whatever the tolerance; books; clock."""
+        state, contact, dt = self.state, self.equations.contact, self.dt
+        alpha, impressed = 0.5 * self.equations.damping * dt, np.zeros_like(self.u)
+        self._follow()
+        self._impressed(impressed)
+        free = ((1.0 - alpha) * self.v_start + dt * self.mobility * impressed) / (1.0 + alpha)
+        np.copyto(self.v, free, where=self.mobility > 0.0)
+        self._support(impressed)
+        moved = self.u - self.u_start
+        work = state["work"]
+        internal = state["internal_force"]
+        work[INTERNAL] += 0.5 * np.vdot(self.f_start + internal, moved)
+        work[NUMERICAL] += self.lead * np.vdot(internal - self.f_start, moved)
+        work[EXTERNAL] += 0.5 * np.vdot(self.load_start + self.load, moved)
+        work[DAMPING] += self.equations.damping * np.vdot(self.mass * 0.5 * (self.v_start + self.v), moved)
+        if contact is not None:
+            self._book_contact(moved)
+        state["clock"][0] = self.time
+        state["clock"][1] += 1.0
+        self.equations.accept()
+
+    def _support(self, impressed: Floats) -> None:
+        """Mean reactions, and their work: what the prescribed nodes gain and pass on."""
+        held, state = self.held, self.state
+        mass, before, after = (a.reshape(-1)[held] for a in (self.mass, self.v_start, self.v))
+        moved = (self.u - self.u_start).reshape(-1)[held]
+        passed = self.equations.damping * mass * 0.5 * (before + after) - impressed.reshape(-1)[held]
+        reaction = state["reaction"].reshape(-1)
+        reaction[:] = 0.0
+        reaction[held] = mass * (after - before) / self.dt + passed
+        state["work"][EXTERNAL] += float(0.5 * mass @ (after**2 - before**2) + passed @ moved)
+
+    def _book_contact(self, moved: Floats) -> None:
+        """Settle velocities; contact forces with their impulses, and their work."""
+        state, contact, work = self.state, self.equations.contact, self.state["work"]
+        assert contact is not None
+        pressed, stuck, lost = settle(contact, self.iteration.response, self.mobility, self.v)
+        force = state["contact_force"]
+        force[:] = self.normal + (pressed + stuck) / self.dt
+        work[CONTACT] += np.vdot(self.normal, moved) + lost
+        if len(self.tangential):
+            force += self.tangential
+            work[FRICTION] += np.vdot(self.tangential, moved)
+            work[SLIP] -= float(contact.conditions.force[1] @ contact.conditions.slip)
+        # what the impulses push on prescribed nodes, their supports hold
+        held = self.held
+        impulse = (pressed + stuck).reshape(-1)[held]
+        state["reaction"].reshape(-1)[held] -= impulse / self.dt
+        work[EXTERNAL] -= float(impulse @ self.v.reshape(-1)[held])
+
+
+def _with_diagonal(matrix: Any, factor: float, diagonal: Floats) -> Any:
+    """factor times a CSC matrix plus a diagonal, on its pattern; held nodes without any stiffness need no entry."""
+    column = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
+    place = np.flatnonzero(matrix.indices == column)
+    data = factor * matrix.data
+    data[place] += diagonal[column[place]]
+    return csc_array((data, matrix.indices, matrix.indptr), matrix.shape)
