@@ -66,10 +66,12 @@ class LoadSchedule(Schedule):
     def _length(self) -> float:
         """The step in time; the last one ends where the run does, without a sliver before it."""
         time = self.state.time
+        if self.pace.end is None:
+            return self.path.time(self.part)  # until it settles: there is no end to meet
         done = self.path.fraction(time)
         rest = 1.0 - done
         number = max(1, int(np.ceil(rest / self.part * (1.0 - NEARLY))))
-        if number == 1 and self.pace.end is not None:
+        if number == 1:
             return self.pace.end - time
         return self.path.time(done + (rest / number if number <= 2 else self.part)) - time
 

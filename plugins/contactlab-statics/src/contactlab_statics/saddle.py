@@ -93,10 +93,9 @@ class SaddleSystem:
         moving = bool(np.any(given))
         right = unbalanced - stiffness @ given if moving else unbalanced
         matrix = [self._own(stiffness)]
-        change = np.zeros((0, 0))
         lower: list[Floats] = []
-        if contact is not None:
-            plan = eliminate(response)
+        plan = eliminate(response)
+        if contact is not None and (len(plan.chosen) or contact.conditions.force.any()):
             slopes = contact.linearise(plan.chosen)
             self._fill_rigid_rows(plan, slopes, response)
             matrix += self._border(plan, slopes)
@@ -106,9 +105,7 @@ class SaddleSystem:
             lower = _conditions_right(plan, slopes, given if moving else None)
         du, unknown = self._solve(matrix, right, lower)
         du[self.held] = given[self.held]
-        if contact is not None:
-            change = _forces(plan, unknown)
-        return du, change
+        return du, _forces(plan, unknown)
 
     def _solve(self, parts: list[Any], right: Floats, lower: list[Floats]) -> tuple[Floats, Floats]:
         row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))

@@ -1,0 +1,280 @@
+"""Implicit dynamics: impacts with closed forms in steps far beyond the stable one, energy, momentum, order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.api import Floats
+from contactlab.model.build import build
+from contactlab.registry import default_registry
+from contactlab.scene import Scene
+
+
+
+@dataclass
+class Record:
+    """After every step: time, contact force on the first body, energy, momentum of each body, displacement of a node,
+    whether there is contact; closure of the ledger and displacements at the end."""
+
+    time: Floats
+    force: Floats
+    energy: Floats
+    momentum: Floats
+    tip: Floats
+    closed: Floats
+    ledger: float
+    end: Floats
+
+
+def strip(x: tuple[float, float], y: tuple[float, float], cells: list[int], **more: Any) -> dict[str, Any]:
+    return {"element": "q1", "material": "m", "mesh": {"use": "rectangle", "x": x, "y": y, "cells": cells}, **more}
+
+
+def scene(bodies: dict[str, Any], material: dict[str, Any], **more: Any) -> Scene:
+    return Scene.from_data(
+        {
+            "name": "impact",
+            "time": {"end": 1e9},
+            "integrator": "implicit-dynamics",
+            "materials": {"m": {"use": "linear-elastic"} | material},
+            "bodies": bodies,
+        }
+        | more
+    )
+
+
+def run(scene: Scene, steps: int, dt: float, axis: int = 0, weight: float = 0.0) -> Record:
+    """`weight` is the acceleration of gravity against the axis, whose potential counts as energy."""
+    model = build(scene, default_registry())
+    advance, state = model.integrator.bind(model, model.state), model.state
+    bodies = [slice(b.first, b.first + b.count) for b in model.bodies]
+    tip = model.contact.pairs[0].slave.nodes[0] if model.contact is not None else -1
+    rows = []
+    for _ in range(steps):
+        step = advance(dt)
+        assert step.status.name == "accepted", step.reason
+        u, force = state["displacement"], 0.0
+        if model.contact is not None:
+            force = float(state["contact_force"][bodies[0], axis].sum())
+        energy = model.kinetic_energy() + sum(part.stored_energy() for part in model.forces)
+        energy += weight * float(model.mass @ u[:, axis])
+        momenta = [float(model.mass[b] @ state["velocity"][b, axis]) for b in bodies]
+        rows.append((state.time, force, energy, momenta, u[tip, axis], force > 0.0))
+    internal, external, damping, contact, friction, numerical, _ = state["work"]
+    change = model.kinetic_energy() + internal + damping + numerical - external - contact - friction
+    time, force_, energy_, momentum, moved, closed = (np.array(column) for column in zip(*rows, strict=True))
+    balance = float(change) - model.initial_energy
+    return Record(time, force_, energy_, momentum, moved, closed, balance, state["displacement"])
+
+
+# --- a bar against a wall: L = 10, E = 900, rho = 1, c = 30, arrives at 10 after 0.5 s --------------
+
+LENGTH, SPEED, SOUND = 10.0, 10.0, 30.0
+CELLS = 50
+BAR = {"young": SOUND**2, "poisson": 0.0, "density": 1.0}
+ENERGY = 0.5 * LENGTH * SPEED**2  # per unit of height, which is 1
+
+
+@cache
+def wall_impact(courant: float, algorithm: str = "mortar-p0", phase: float = 0.0, cells: int = CELLS) -> Record:
+    """One cell of unit height across; `phase` is the part of a step that is left when the bar arrives."""
+    dt = courant * LENGTH / cells / SOUND
+    arrival = (round(0.5 / dt) - phase) * dt
+    return run(
+        scene(
+            {"bar": strip((0.0, LENGTH), (0.0, 1.0), [cells, 1], velocity=[-SPEED, 0.0], shift=[SPEED * arrival, 0.0])},
+            BAR,
+            rigid={"wall": {"line": [[0.0, -1.0], [0.0, 2.0]]}},
+            contacts=[{"slave": "bar.left", "master": "wall", "algorithm": algorithm}],
+            supports=[{"on": "bar", "uy": 0.0}],
+        ),
+        round(1.4 / dt),
+        dt,
+    )
+
+
+@pytest.mark.parametrize(
+    ("algorithm", "courant"), [("mortar-p0", 1.0), ("mortar-p0", 5.0), ("mortar-p1", 5.0), ("node-on-segment", 5.0)]
+)
+def test_force_of_a_bar_on_a_wall(algorithm: str, courant: float) -> None:
+    """rho c v = 300 for 2 L/c = 0.667 s, and no chatter. The rule's own dispersion leaves a ripple behind the front:
+    its rms stays below 0.5 % where a front takes a cell per step, 3 % where it takes five."""
+    record = wall_impact(courant, algorithm)
+    active = np.flatnonzero(record.force > 1.0)
+    np.testing.assert_array_equal(active, np.arange(active[0], active[0] + len(active)))
+    dt = float(record.time[0])
+    assert len(active) * dt == pytest.approx(2.0 * LENGTH / SOUND, abs=0.01 + 2.0 * dt)
+    middle = record.force[(record.time > 0.6) & (record.time < 1.1)]
+    assert middle.mean() == pytest.approx(300.0, rel=2e-3)
+    assert middle.std() < {1.0: 1.5, 5.0: 9.0}[courant]
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.5])
+@pytest.mark.parametrize("courant", [1.0, 5.0])
+def test_contact_takes_the_energy_of_the_node_and_gives_none(courant: float, phase: float) -> None:
+    """The stopped node is 1/2N of the bar. Arrival half-way through a step stops what a wave reaches in it as well:
+    (1 + courant^2)^(1/2) nodes, from the impedance of a chain under the trapezoidal rule."""
+    record = wall_impact(courant, phase=phase)
+    assert np.diff(record.energy).max() < 1e-9 * ENERGY
+    nodes = 1.0 if phase == 0.0 else np.sqrt(1.0 + courant**2)
+    assert 1.0 - record.energy[-1] / ENERGY == pytest.approx(nodes * 0.5 / CELLS, rel=1e-6)
+    assert record.ledger == pytest.approx(0.0, abs=1e-9 * ENERGY)
+    assert np.all(record.force >= 0.0)
+
+
+def test_loss_vanishes_with_the_mesh() -> None:
+    coarse, fine = (1.0 - wall_impact(1.0, cells=cells).energy[-1] / ENERGY for cells in (20, 80))
+    assert coarse / fine == pytest.approx(4.0, rel=1e-3)
+
+
+# --- a bar that falls and bounces, period 16/3 s ----------------------------------------------------
+
+
+def bouncing_bar(cells: int, courant: float, periods: float) -> Record:
+    dt = courant * LENGTH / cells / SOUND
+    return run(
+        scene(
+            {"bar": strip((0.0, 1.0), (0.0, LENGTH), [1, cells], shift=[0.0, 5.0])},
+            BAR,
+            rigid={"ground": {"line": [[2.0, 0.0], [-1.0, 0.0]]}},
+            contacts=[{"slave": "bar.bottom", "master": "ground", "algorithm": "mortar-p0"}],
+            supports=[{"on": "bar", "ux": 0.0}],
+            effects=[{"use": "gravity", "acceleration": [0.0, -10.0]}],
+        ),
+        round(periods * 16.0 / 3.0 / dt),
+        dt,
+        axis=1,
+        weight=10.0,
+    )
+
+
+def test_bouncing_bar() -> None:
+    """First contact: 300 + 300 t for 2/3 s, impulse 800/3. Energy never rises, and two impacts take about a node
+    mass each. Back at the top after 16/3 s: within 1.5 % of the period, which the rule lengthens."""
+    record, period = bouncing_bar(CELLS, 2.0, 1.0), 16.0 / 3.0
+    dt, start = float(record.time[0]), 10.0 * LENGTH * 5.0
+    first = (record.time > 0.95) & (record.time < 2.0)
+    assert record.force[first].sum() * dt == pytest.approx(800.0 / 3.0, rel=5e-3)
+    inside = (record.time > 1.15) & (record.time < 1.6)
+    exact = 300.0 + 300.0 * (record.time[inside] - 1.0 - 0.5 * dt)
+    # a ripple of a few newtons follows the front
+    np.testing.assert_allclose(record.force[inside], exact, rtol=0.03)
+    assert record.force[inside].mean() == pytest.approx(exact.mean(), rel=2e-3)
+    assert np.diff(record.energy).max() < 1e-9 * start
+    assert 0.5 < -record.energy[-1] / start / (0.5 / CELLS) / 2.0 < 1.5
+    assert abs(record.momentum[-1, 0]) / LENGTH < 10.0 * 0.015 * period
+
+
+# --- two beams, one clamped: SDNL111 of Code_Aster --------------------------------------------------
+
+BEAM = {"young": 2e11, "poisson": 0.3, "density": 7800.0}  # N, m, kg, s
+PUBLISHED = {2e-4: -1.05e-4, 4e-4: -1.554199e-4, 6e-4: -5.541991e-5, 8e-4: 9.916018e-5, 1e-3: 2.991602e-4}
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+def test_two_beams(algorithm: str) -> None:
+    """Tip of the struck beam, steps of two cells' way: within the 5 % of the published test (2.2 % is seen, right after
+    the beams part; 1.3 % with half the step and twice the cells)."""
+    cells, steps = 100, 300
+    bodies = {
+        "free": strip((0.0, 1.0), (0.0, 0.01), [cells, 1], velocity=[-1.0, 0.0], shift=[1e-5, 0.0]),
+        "clamped": strip((-1.0, 0.0), (0.0, 0.01), [cells, 1]),
+    }
+    record = run(
+        scene(
+            bodies,
+            BEAM,
+            contacts=[{"slave": "free.left", "master": "clamped.right", "algorithm": algorithm}],
+            supports=[{"on": "free", "uy": 0.0}, {"on": "clamped", "uy": 0.0}, {"on": "clamped.left", "ux": 0.0}],
+        ),
+        steps,
+        1e-3 / steps,
+    )
+    for time, exact in PUBLISHED.items():
+        assert np.interp(time, record.time, record.tip) == pytest.approx(exact, rel=0.05), f"tip at {time} s"
+    assert np.diff(record.energy).max() < 1e-9 * record.energy[0]
+
+
+def test_free_pair_keeps_its_momentum() -> None:
+    """Two bars of 1 and 2 lengths: exchange within 2 %, sum of momenta to round-off."""
+    bodies = {
+        "long": strip((0.0, 20.0), (0.0, 1.0), [50, 1], shift=[0.5, 0.0]),
+        "short": strip((-10.0, 0.0), (0.0, 1.0), [25, 1], velocity=[SPEED, 0.0]),
+    }
+    contact = {"slave": "long.left", "master": "short.right", "algorithm": "mortar-p1"}
+    supports = [{"on": "long", "uy": 0.0}, {"on": "short", "uy": 0.0}]
+    record = run(scene(bodies, BAR, contacts=[contact], supports=supports), 75, 2.0 / 75)
+    np.testing.assert_allclose(record.momentum.sum(axis=1), LENGTH * SPEED, rtol=1e-12)
+    assert record.momentum[-1, 1] == pytest.approx(0.0, abs=0.02 * LENGTH * SPEED)
+    assert np.diff(record.energy).max() < 1e-9 * ENERGY
+
+
+# --- rest, order, dissipation -----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+def test_a_dropped_block_comes_to_rest(algorithm: str) -> None:
+    """Damped, on a plane: no energy from contact, then no change of status, the weight as reaction, no tension."""
+    block = strip((0.0, 2.0), (0.0, 1.0), [4, 2], shift=[0.0, 0.05])
+    record = run(
+        scene(
+            {"block": block},
+            {"young": 1000.0, "poisson": 0.3, "density": 1.0},
+            time={"end": 1e9, "damping": 20.0},
+            rigid={"ground": {"line": [[4.0, 0.0], [-2.0, 0.0]]}},
+            contacts=[{"slave": "block.bottom", "master": "ground", "algorithm": algorithm}],
+            effects=[{"use": "gravity", "acceleration": [0.0, -10.0]}],
+            supports=[{"on": "block.left", "ux": 0.0}],
+        ),
+        200,
+        0.01,
+        axis=1,
+        weight=10.0,
+    )
+    assert np.diff(record.energy).max() < 1e-9 * 20.0 * 0.05
+    np.testing.assert_allclose(record.force[-60:], 20.0, rtol=1e-3)
+    assert record.closed[-60:].all()
+    assert np.all(record.force >= 0.0)
+
+
+def swinging_strip(steps: int, **integrator: float) -> Record:
+    """A clamped neo-Hookean strip pushed sideways and let go: large rotations, smooth in time, no contact."""
+    push = {"on": "body.right", "ty": {"ramp": "table", "to": 30.0, "points": [[0.0, 0.0], [0.2, 1.0], [0.4, 0.0]]}}
+    return run(
+        scene(
+            {"body": strip((0.0, 4.0), (0.0, 1.0), [8, 2])},
+            {"use": "neo-hookean", "young": 1000.0, "poisson": 0.3, "density": 1.0},
+            supports=[{"on": "body.left", "ux": 0.0, "uy": 0.0}],
+            loads=[push],
+            integrator={"use": "implicit-dynamics", **integrator},
+        ),
+        steps,
+        0.8 / steps,
+        axis=1,
+    )
+
+
+def test_second_order_without_contact() -> None:
+    """Quartered errors at halved steps; measured against a run with eight times as many."""
+    ends = [swinging_strip(steps).end for steps in (80, 160, 640)]
+    rate = np.log2(np.linalg.norm(ends[0] - ends[2]) / np.linalg.norm(ends[1] - ends[2]))
+    # against a finer run of the same order, itself 1/64 off: log2((1 - 1/64)/(1/4 - 1/64)) = 2.07
+    assert rate == pytest.approx(2.07, abs=0.2)
+
+
+def test_dissipation_is_declared() -> None:
+    """None without the field; with it the ledger still closes, and what is lost stands there."""
+    plain, damped = swinging_strip(40), swinging_strip(40, dissipation=0.3)
+    highest = float(plain.energy.max())
+    for record in (plain, damped):
+        # to the tolerance of the iteration times the work done
+        assert record.ledger == pytest.approx(0.0, abs=1e-8 * highest)
+    free = slice(21, None)  # no load any more
+    # the rule keeps energies of linear bodies; this one turns by a good part of a radian
+    assert np.ptp(plain.energy[free]) < 0.02 * highest
+    assert damped.energy[-1] < 0.95 * plain.energy[-1]
