@@ -15,7 +15,6 @@ from contactlab.registry import default_registry
 from contactlab.scene import Scene
 
 
-
 @dataclass
 class Record:
     """After every step: time, contact force on the first body, energy, momentum of each body, displacement of a node,
