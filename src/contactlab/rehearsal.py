@@ -172,29 +172,17 @@ class KernelCounter:
 
 
 def count_kernel_calls() -> KernelCounter:
-    """Count the calls of every kernel that is defined from now on."""
-    from numba.core.registry import CPUDispatcher
-
+    """Count the calls of every kernel from now on, for the rest of this process."""
     module: Any = import_module("contactlab.api.kernel")
-    counter = KernelCounter(Counter(), {})
+    counter, plain = KernelCounter(Counter(), {}), module.Kernel.__call__
 
-    class Counted(CPUDispatcher):
-        def __call__(self, *arguments: Any, **named: Any) -> Any:
-            counter.calls[_name(self)] += 1
-            return super().__call__(*arguments, **named)
+    def counted(self: Any, *arguments: Any, **named: Any) -> Any:
+        name = _name(self)
+        counter.calls[name] += 1
+        counter.kernels[name] = self
+        return plain(self, *arguments, **named)
 
-    plain = module.njit
-
-    def njit(**options: Any) -> Callable[[Any], Any]:
-        def decorate(function: Any) -> Any:
-            dispatcher = plain(**options)(function)
-            dispatcher.__class__ = Counted
-            counter.kernels[_name(dispatcher)] = dispatcher
-            return dispatcher
-
-        return decorate
-
-    module.njit = njit
+    module.Kernel.__call__ = counted
     return counter
 
 

@@ -5,18 +5,24 @@ Kernels take contiguous arrays, fill the outputs they are given and allocate not
 `kernel`  for block kernels: division errors give inf/nan as in NumPy (the check would stop
           vectorisation), multiply-add contraction is allowed, reassociation is not, so results do
           not depend on block size; the interpreter lock is released; machine code is cached on disk.
-`point`   for functions of one point called inside kernels: always inlined.
+          One whose name begins with an underscore belongs to other kernels: it has no entry from
+          Python, which is a third of what it would take to compile.
+`point`   for functions of one point called inside kernels: always inlined, no entry from Python either.
 `section` for pieces of a long kernel: they cost no compilation of their own.
 """
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numba
 import numpy as np
 from numba import njit, types
+from numba.core import event
+from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
 from contactlab.kernels.cache import cache_folder
@@ -26,19 +32,77 @@ __all__ = ["exp", "kernel", "log", "point", "power", "section"]
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
 
+_ENTRY: dict[str, Any] = {"no_cfunc_wrapper": True}
+_NO_ENTRY: dict[str, Any] = {**_ENTRY, "no_cpython_wrapper": True}
+
+
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a block kernel; see the module text for what is fixed."""
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(function.__code__.co_filename)
     try:
-        return njit(cache=True, **_OPTIONS)(function)
+        if function.__name__.startswith("_"):
+            return _made(_InnerKernel, njit(cache=True, **_NO_ENTRY, **_OPTIONS)(function))
+        return _made(Kernel, njit(cache=True, **_ENTRY, **_OPTIONS)(function))
     finally:
         numba.config.CACHE_DIR = before
 
 
 def point(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of one point that is inlined into every kernel that calls it."""
-    return njit(forceinline=True, **_OPTIONS)(function)
+    return _made(_Inner, njit(forceinline=True, **_NO_ENTRY, **_OPTIONS)(function))
+
+
+class Kernel(CPUDispatcher):
+    """Compiled once for all numbers that callers write out as constants, instead of once for each of them."""
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Called where another kernel calls this one."""
+        return super().get_call_template([types.unliteral(argument) for argument in args], kws)
+
+
+class _Inner(CPUDispatcher):
+    """Compiled for kernels, without an entry from Python; called from there, an entry is compiled after all."""
+
+    @cached_property
+    def with_entry(self) -> Callable[..., Any]:
+        """The same function for Python."""
+        return njit(**_OPTIONS)(self.py_func)
+
+    def __call__(self, *arguments: Any, **named: Any) -> Any:
+        return self.with_entry(*arguments, **named)
+
+
+class _InnerKernel(_Inner, Kernel):
+    """Both."""
+
+
+def _made(kind: type, dispatcher: Any) -> Callable[..., Any]:
+    dispatcher.__class__ = kind
+    return dispatcher
+
+
+class _NoCollection(event.Listener):
+    """Holds the garbage collector while numba compiles: it walks through a million short-lived objects in vain."""
+
+    def __init__(self) -> None:
+        self.depth, self.collected = 0, False
+
+    def on_start(self, event: Any) -> None:
+        """Called before a function is compiled, also one that another one needs."""
+        if not self.depth:
+            self.collected = gc.isenabled()
+            gc.disable()
+        self.depth += 1
+
+    def on_end(self, event: Any) -> None:
+        """Called when it is compiled."""
+        self.depth -= 1
+        if not self.depth and self.collected:
+            gc.enable()
+
+
+event.register("numba:compile", _NoCollection())
 
 
 def section(function: Callable[..., Any]) -> Callable[..., Any]:

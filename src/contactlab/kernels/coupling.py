@@ -17,10 +17,8 @@ DROP_BELOW = 1e-6
 @section
 def accumulate(count, multiplier, T, following, diagonal, lower, upper, cover):
     """Sum the pieces' T into the three diagonals and the covered length of each multiplier."""
-    diagonal[:] = 0.0
-    lower[:] = 0.0
-    upper[:] = 0.0
-    cover[:] = 0.0
+    for k in range(cover.size):
+        diagonal[k], lower[k], upper[k], cover[k] = 0.0, 0.0, 0.0, 0.0
     width = multiplier.shape[1]
     for p in range(count):
         for i in range(width):

@@ -10,7 +10,8 @@ from contactlab.api.surface import Candidates
 
 
 @kernel
-def _boxes(positions, segments, low, high):
+def boxes(positions, segments, low, high):
+    """Corners (s, 2) of the bounding box of every segment."""
     for s in range(segments.shape[0]):
         a, b = segments[s, 0], segments[s, 1]
         for i in range(2):
@@ -19,7 +20,7 @@ def _boxes(positions, segments, low, high):
 
 
 @kernel
-def _sweep(slave_low, slave_high, low, high, order, widest, axis, reach, start, found):
+def sweep(slave_low, slave_high, low, high, order, widest, axis, reach, start, found):
     """Count (found empty) or list the master boxes that overlap each slave box grown by `reach`."""
     other = 1 - axis
     count = 0
@@ -65,14 +66,14 @@ def near_segments(
     widest = float((high[:, axis] - low[:, axis]).max())
     start = np.zeros(len(slave_segments) + 1, np.int32)
     arguments = (slave_low, slave_high, low, high, order, widest, axis, reach, start)
-    count = _sweep(*arguments, np.zeros(0, np.int32))
+    count = sweep(*arguments, np.zeros(0, np.int32))
     found = np.zeros(count, np.int32)
     if count:
-        _sweep(*arguments, found)
+        sweep(*arguments, found)
     return Candidates(start, found, reach)
 
 
 def _bounds(positions: Floats, segments: Ints) -> tuple[Floats, Floats]:
     low, high = np.empty((len(segments), 2)), np.empty((len(segments), 2))
-    _boxes(positions, segments, low, high)
+    boxes(positions, segments, low, high)
     return low, high

@@ -47,7 +47,7 @@ def fill(count, multiplier, nodes, values, owner, start, end, weight):
     return 0
 
 
-@section
+@kernel
 def _combine(k, other, factor, scale, start, end, weight, row):
     """Row k becomes scale * (row k - factor * row other); returns 0 or the width it lacks."""
     low, high = start[other], end[other]

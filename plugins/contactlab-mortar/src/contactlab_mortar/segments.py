@@ -66,7 +66,10 @@ def inward_normals(positions, segments, node_segments, normals):
     nodal_normals(node_segments, normal, length, normals)
     for i in range(normals.shape[0]):
         normals[i, 0], normals[i, 1] = -normals[i, 0], -normals[i, 1]
-    return length.max()
+    longest = 0.0
+    for s in range(length.size):
+        longest = max(longest, length[s])
+    return longest
 
 
 @point
@@ -77,6 +80,14 @@ def _passes(found, length, starts, ends):
     """
     at_end = (starts and found[0] == 0.0) or (ends and found[1] == 1.0)
     return at_end and -min(found[4], found[5]) > 2.0 * (found[1] - found[0]) * length
+
+
+@kernel
+def _begin(edges, edge, nodes, p, values):
+    """Nodes of an edge into piece p, and zero for the integrals of its traces."""
+    for k in range(edges.shape[1]):
+        nodes[p, k] = edges[edge, k]
+        values[p, k, 0], values[p, k, 1] = 0.0, 0.0
 
 
 @kernel
@@ -92,7 +103,9 @@ def mortar_pieces(slave, master, slave_at, master_at, near, reach, depth, linear
     start, candidates = near
     slave_nodes, multipliers, master_nodes, D, M, T, inward = out
     depth *= inward_normals(slave_at, segments, node_segments, inward)
-    normals, found = -inward, np.empty(6)
+    normals, found = np.empty(inward.shape), np.empty(6)
+    for i in range(inward.shape[0]):
+        normals[i, 0], normals[i, 1] = -inward[i, 0], -inward[i, 1]
     count = 0
     for s in range(segments.shape[0]):
         i, j = segments[s, 0], segments[s, 1]
@@ -112,11 +125,11 @@ def mortar_pieces(slave, master, slave_at, master_at, near, reach, depth, linear
             if least < -depth or _passes(found, length, node_segments[i, 0] < 0, node_segments[j, 1] < 0):
                 continue
             close = close or least <= reach
-            slave_nodes[count] = edges[segment_edge[s, 0]]
-            multipliers[count, 0] = i
-            multipliers[count, 1] = j
-            master_nodes[count] = master_edges[master_segment_edge[m, 0]]
-            D[count], M[count], T[count] = 0.0, 0.0, 0.0
+            _begin(edges, segment_edge[s, 0], slave_nodes, count, D)
+            _begin(master_edges, master_segment_edge[m, 0], master_nodes, count, M)
+            for k in range(2):
+                multipliers[count, k] = segments[s, k]
+                T[count, 0, k], T[count, 1, k] = 0.0, 0.0
             _integrate_halves(found, length, segment_edge[s, 1], master_segment_edge[m, 1], linear, count, D, M, T)
             count += 1
         if not close:
