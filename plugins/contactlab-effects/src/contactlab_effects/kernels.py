@@ -1,8 +1,10 @@
-"""The loop of the damper."""
+"""The loops of effects that look at whole bodies."""
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel
+import numpy as np
+
+from contactlab.api.kernel import kernel, section
 
 
 @kernel
@@ -28,3 +30,31 @@ def damp_vibration(first, last, reference, displacement, mass, velocity, rate, f
             rx, ry = reference[n, 0] + displacement[n, 0] - x, reference[n, 1] + displacement[n, 1] - y
             force[n, 0] -= rate * mass[n] * (velocity[n, 0] - px + turn * ry)
             force[n, 1] -= rate * mass[n] * (velocity[n, 1] - py - turn * rx)
+
+
+@section
+def _centre(nodes, reference, displacement, mass):
+    """Centre of mass [mm] and mass."""
+    total, x, y = 0.0, 0.0, 0.0
+    for n in nodes:
+        total += mass[n]
+        x += mass[n] * (reference[n, 0] + displacement[n, 0])
+        y += mass[n] * (reference[n, 1] + displacement[n, 1])
+    return x / total, y / total, total
+
+
+@kernel
+def attract(first, second, reference, displacement, mass, pull, force):
+    """Add `pull` [N] to both bodies (node numbers each), towards the other's centre of mass."""
+    ax, ay, a = _centre(first, reference, displacement, mass)
+    bx, by, b = _centre(second, reference, displacement, mass)
+    distance = np.sqrt((bx - ax) ** 2 + (by - ay) ** 2)
+    if distance == 0.0:
+        return
+    x, y = pull * (bx - ax) / distance, pull * (by - ay) / distance
+    for n in first:
+        force[n, 0] += mass[n] / a * x
+        force[n, 1] += mass[n] / a * y
+    for n in second:
+        force[n, 0] -= mass[n] / b * x
+        force[n, 1] -= mass[n] / b * y

@@ -9,6 +9,7 @@ from contactlab.api.plugin import Part, hookimpl
 def contactlab_parts() -> list[Part]:
     """Forces on nodes that come neither from stresses nor from contact."""
     return [
+        Part("effect", "attraction", "contactlab_effects.attraction:Attraction", "a force between two bodies"),
         Part("effect", "gravity", "contactlab_effects.gravity:Gravity", "weight of all bodies or of some"),
         Part("effect", "spring", "contactlab_effects.spring:Spring", "springs from nodes to the ground"),
         Part(
