@@ -13,6 +13,7 @@ from contactlab_statics.factor import SingularSystem
 from contactlab_statics.saddle import SaddleSystem
 
 DEEPEST = 1.0  # segment lengths that a correction may push a surface into the other
+CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once statuses go round in circles
 SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
 FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
 
@@ -56,11 +57,15 @@ class NewtonIteration:
         self.response = Response.allocate(*multipliers.shape)
         self.size = float(np.ptp(equations.reference, axis=0).max())
         self.floor = 0.0
+        self.seen: set[bytes] = set()
+        self.circling = False
 
     def run(self, dt: float, target: Floats) -> Outcome:
         """Iterate until the state is in balance with prescribed displacements `target` (p,) [mm]."""
         outcome = Outcome()
         self.floor = 0.0
+        self.seen.clear()
+        self.circling = False
         self.equations.internal_force(dt)
         given = np.zeros(self.u.size)
         while len(outcome.trace) < self.most:
@@ -94,8 +99,38 @@ class NewtonIteration:
         """Correct the state once; returns what limited the correction, the fraction taken, and status changes."""
         before = self.response.status.copy()
         du, dy = self.system.step(self.stiffness, self.force.reshape(-1), given, self.contact, self.response)
-        note, length = self._move(dt, du.reshape(self.u.shape), dy, given)
-        return note, length, int(np.count_nonzero(self.response.status != before))
+        du = du.reshape(self.u.shape)
+        note, length = self._careful(dt, du, dy, given) if self.circling else self._move(dt, du, dy, given)
+        changed = int(np.count_nonzero(self.response.status != before))
+        if changed:
+            pattern = self.response.status.tobytes()
+            self.circling = self.circling or pattern in self.seen
+            self.seen.add(pattern)
+        return note, length, changed
+
+    def _careful(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float]:
+        """Statuses go round in circles: of some fractions of the correction take the one that leaves least to do."""
+        y = self.contact.conditions.force if self.contact is not None else dy
+        start, y_start, found = self.u.copy(), y.copy(), []
+        for part in CAREFUL:
+            self.u[:], y[:] = start, y_start
+            note, length = self._move(dt, part * du, part * dy, given if part == 1.0 else part * given)
+            found.append((self._merit(), part * length, part, note))
+            if found[-1][0] < found[0][0] and found[-1] > min(found):
+                break
+        _, length, part, note = min(found)
+        if part != found[-1][2]:
+            self.u[:], y[:] = start, y_start
+            self._move(dt, part * du, part * dy, given if part == 1.0 else part * given)
+        return note or ("" if part == 1.0 else "statuses go round in circles"), length
+
+    def _merit(self) -> float:
+        """What is left to do [mm^2]: unbalanced forces and conditions, each over its stiffness."""
+        rest = float((self.force**2 * self.flexibility**2).sum())
+        if self.contact is not None:
+            c = self.contact.conditions
+            rest += float((self.response.residual[:, c.present] ** 2 / c.stiffness[c.present] ** 2).sum())
+        return rest if np.isfinite(rest) else np.inf
 
     def _move(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float]:
         """Take as much of a correction as keeps cells unfolded and surfaces from passing through each other."""
@@ -145,9 +180,9 @@ class NewtonIteration:
         self.stiffness = self.balance.stiffness(dt)
         diagonal = np.abs(self.stiffness.diagonal()).reshape(self.u.shape)
         self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
+        self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
         if self.contact is not None:
-            flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
-            self.contact.scale(flexibility)
+            self.contact.scale(self.flexibility)
         if first:
             self._balance()
 

@@ -18,6 +18,7 @@ from scipy.sparse import coo_array, csr_array
 from contactlab.api import ContactSlopes, Floats, ImplicitContact, Ints, Response
 from contactlab_statics.factor import Factor
 
+REDUNDANT = 1e-10  # softness of a condition over that of its nodes: two that hold the same motion share their force
 RIGID = 1e-12  # share of a condition's weights: below it no free degree of freedom takes part
 
 
@@ -55,7 +56,8 @@ def eliminate(response: Response) -> Elimination:
     change, residual, by_force = (np.zeros((rows, slots)) for _ in range(3))
     np.divide(-r.residual, r.by_force, out=change, where=~unknown)
     np.divide(r.residual, r.by_gap, out=residual, where=unknown)
-    np.divide(r.by_force, r.by_gap, out=by_force, where=unknown)
+    # residuals stay what they are: softness costs a digit in ten of an iteration, not of the solution
+    np.divide(r.by_force + REDUNDANT, r.by_gap, out=by_force, where=unknown)
     follow, cross = np.zeros(slots), np.zeros(slots)
     if rows > 1:
         # a multiple of the normal row removes the gap from the tangential one
@@ -175,8 +177,8 @@ class SaddleSystem:
         row, column, value = self._inside(slopes)
         parts.append((first + row, column, -value))
         diagonal = np.where(np.bincount(row, minlength=len(diagonal)) > 0, diagonal, 1.0)
-        filled = np.flatnonzero(diagonal)
-        parts.append((first + filled, first + filled, -diagonal[filled]))
+        place = first + np.arange(len(diagonal))
+        parts.append((place, place, -diagonal))
         return parts
 
 

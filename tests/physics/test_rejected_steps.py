@@ -1,0 +1,109 @@
+"""Steps taken back on purpose at random moments: the continuation is that of an undisturbed run, bit for bit."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactlab
+from contactlab.api import Floats, Integrator, StepStatus
+from contactlab.model.build import build
+from contactlab.model.memory import model_memory, restore_model
+from contactlab.model.model import Model
+from contactlab.scene import Scene
+
+ALGORITHMS = pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p0", "mortar-p1"])
+STEPS = 6
+
+
+def pressed(algorithm: str, integrator: dict[str, Any], law: dict[str, Any]) -> Scene:
+    """A disc pushed into a block with friction; laws with history below and above."""
+    material = {"young": 7000.0, "poisson": 0.3, "density": 2.7e-9}
+    return contactlab.load_scene("disc-on-block").with_(
+        {
+            "level": 1,
+            "integrator": integrator,
+            "time.end": 4e-6,
+            "materials.soft": material | law,
+            "materials.steel": {"use": "hypoelastic", "young": 70000.0, "poisson": 0.3, "density": 2.7e-9},
+            "supports.1.uy.to": -0.03,
+            "contacts.0.algorithm": algorithm,
+            "contacts.0.friction": {"use": "coulomb", "mu": 0.2},
+        }
+    )
+
+
+def undisturbed(scene: Scene, dt: float, steps: int) -> list[Floats]:
+    """The state after every step."""
+    model = build(scene, scene.registry)
+    advance, states = model.integrator.bind(model, model.state), []
+    for _ in range(steps):
+        assert advance(dt).status is StepStatus.accepted
+        states.append(model.state.snapshot())
+    return states
+
+
+@ALGORITHMS
+@pytest.mark.parametrize("use", ["newton", "implicit-dynamics"])
+def test_steps_that_fail(algorithm: str, use: str) -> None:
+    """Failing for want of iterations, for too long a step, and after its iteration has begun to converge."""
+    law = {"use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03}
+    scene = pressed(algorithm, {"use": use}, law)
+    dt = 4e-6 / STEPS
+    expected = undisturbed(scene, dt, STEPS)
+    model, draw = build(scene, scene.registry), np.random.default_rng(hash_of(algorithm))
+    advance = model.integrator.bind(model, model.state)
+    moments, failed = draw.integers(0, STEPS, 4), 0
+    for number, wanted in enumerate(expected):
+        for moment in moments[moments == number]:
+            before = model.state.snapshot()
+            iteration = advance.__self__.iteration  # type: ignore[attr-defined]
+            most, iteration.most = iteration.most, int(draw.integers(1, 4))
+            step = advance(dt * (1.0 if moment % 2 else 1.7))
+            iteration.most = most
+            if step.status is StepStatus.accepted:  # an easy one: taken back by hand instead
+                model.state.restore(before)
+            else:
+                failed += 1
+            np.testing.assert_array_equal(model.state.buffer, before)
+        assert advance(dt).status is StepStatus.accepted
+        np.testing.assert_array_equal(model.state.buffer, wanted)
+    assert failed >= 2
+
+
+def hash_of(text: str) -> int:
+    return int.from_bytes(text.encode(), "big") % (2**31)
+
+
+@ALGORITHMS
+def test_explicit_steps_taken_back(algorithm: str) -> None:
+    """They never fail by themselves: some are tried twice as long, and taken back with all that a restart keeps."""
+    law = {"use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03}
+    scene = pressed(algorithm, {"use": "central-difference"}, law)
+    model = build(scene, scene.registry)
+    dt, steps = 0.4 * model.stable_step(), 300
+    expected = undisturbed(scene, dt, steps)
+    advance, draw = model.integrator.bind(model, model.state), np.random.default_rng(1)
+    moments = set(draw.integers(0, steps, 20).tolist())
+    for number, wanted in enumerate(expected):
+        if number in moments:
+            memory = {name: np.copy(values) for name, values in model_memory(model).items()}
+            for _ in range(int(draw.integers(1, 4))):
+                advance(2.0 * dt)
+            restore_model(model, memory)
+        advance(dt)
+        assert_same(model, wanted)
+
+
+def assert_same(model: Model, wanted: Floats) -> None:
+    np.testing.assert_array_equal(model.state.buffer, wanted)
+
+
+def test_every_integrator_is_among_these() -> None:
+    registry = contactlab.load_scene("disc-on-block").registry
+    names = {
+        name for name in registry.names("integrator") if issubclass(registry.part_class("integrator", name), Integrator)
+    }
+    assert names == {"newton", "implicit-dynamics", "central-difference"}
