@@ -113,21 +113,19 @@ def test_coulomb_friction_does_not_depend_on_the_number_of_load_steps(algorithm:
 def test_statuses_that_go_round_in_circles_are_resolved(monkeypatch: pytest.MonkeyPatch) -> None:
     """Friction on a plastic block: with full corrections sticking and sliding alternate until the step is cut.
 
-    Taking the part of a correction that leaves least to do ends that with fewer cuts and iterations. Reactions
-    differ by the path that plastic flow takes in steps that are longer than others (5 and 10 steps: 1.5 %).
+    Taking the part of a correction that leaves least to do ends that, in half of the iterations and without cuts.
     """
     law = {"use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03}
     changes = {
         "materials.soft": {"young": 7000.0, "poisson": 0.3, "density": 2.7e-9} | law,
-        "contacts.0.friction": {"use": "coulomb", "mu": 0.2},
+        "contacts.0.friction": {"use": "coulomb", "mu": 0.5},
     }
     found = []
     for fractions in (iteration.CAREFUL, (1.0,)):
         monkeypatch.setattr(iteration, "CAREFUL", fractions)
-        found.append(disc("mortar-p0", True, depth=0.1581, steps=5, level=1, **changes))
+        found.append(disc("mortar-p0", False, depth=0.1581, steps=5, level=1, **changes))
     assert all(results.status == "finished" for results in found)
     cuts = [sum("taken back" in event.text for event in results.events) for results in found]
-    assert cuts[0] < cuts[1]
+    assert cuts[0] == 0 < cuts[1]
     assert any("circles" in row.note and row.length < 1.0 for row in found[0].iterations)
-    assert len(found[0].iterations) < 0.75 * len(found[1].iterations)
-    assert reaction(found[0]) == pytest.approx(reaction(found[1]), rel=0.02)
+    assert 2 * len(found[0].iterations) < len(found[1].iterations)
