@@ -46,6 +46,9 @@ REFERENCE: Final = "#8A8F98"
 STATES: Final = ("#9AA0A6", "#56B4E9", "#D55E00")
 """Of a slave node that is open, sticks, slips (by `contactlab.api.frame.STATES`)."""
 
+CLOSED: Final = "#F4F1EA"
+"""Of a slave node that is closed where there is no friction: it neither sticks nor slips."""
+
 FIELD: Final = (
     "#00224e", "#002e6a", "#1a386f", "#32436d", "#434e6c", "#535a6d", "#61656f", "#6f7073", "#7d7c78",
     "#8b8778", "#9a9376", "#aaa073", "#bbad6d", "#ccba64", "#ddc858", "#efd748", "#fee838",

@@ -74,7 +74,8 @@ class Recorder(ABC):
     def show(self, file: Path, png: Path | None, step: int | None) -> None:
         """Let a person look at `file`, or write a picture of it to `png`: at `step`, or at its end.
 
-        Raises RuntimeError, saying what to install, where this machine cannot show it.
+        Raises RuntimeError, saying what to install, where this machine cannot show it, and ValueError
+        where there is no such step.
         """
         raise NotImplementedError(f"{type(self).__name__} has nothing to show")
 

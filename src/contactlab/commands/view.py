@@ -27,6 +27,8 @@ def view(options: argparse.Namespace) -> int:
     png = _writable(Path(options.png)) if options.png is not None else None
     try:
         recorder.show(file, png, options.step)
+    except ValueError as error:
+        raise RequestError(str(error), where="--step") from error
     except RuntimeError as error:
         raise ContactlabError(f"{file}: {error}") from error
     if png is not None:

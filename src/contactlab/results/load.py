@@ -76,7 +76,7 @@ class _Reader:
         self.checkpoint = slots.newest(self.frames, self.steps, self.events) if slots is not None else None
         saved = slots.serial if slots is not None else 0
         # the summary of a run that was taken up again is that of an earlier end
-        self.closed = "summary" in self.own and self.own["summary"].attrs["serial"] >= saved
+        self.closed = "summary" in self.own and int(self.own["summary"].attrs.get("serial", saved)) >= saved
 
     def limit(self, checkpoint: Checkpoint) -> None:
         """See no more than was stored when the checkpoint was made."""

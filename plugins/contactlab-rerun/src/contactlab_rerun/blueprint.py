@@ -5,16 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 
 from contactlab.api.arrays import Floats
 from contactlab.api.units import Units
+from contactlab_rerun.axes import BOX
+from contactlab_rerun.convergence import PATH as CONVERGENCE
 from contactlab_rerun.gathered import Gathered, Look
-from contactlab_rerun.plots import BOX, LEGEND, Plot
+from contactlab_rerun.profiles import Profile
 from contactlab_rerun.projection import bounds
 from contactlab_rerun.series import Series
 
+LEGEND = np.array([0.75, 0.0])  # room for a legend right of a plot
 PAPER = (16, 18, 22)
 IN_A_ROW = 4  # meshes of a comparison
 _EDGE = rr.TimeRangeBoundary.infinite()
@@ -23,18 +27,23 @@ _WHOLE = rrb.TimeAxis(view_range=rr.TimeRange(_EDGE, _EDGE))
 
 @dataclass(frozen=True)
 class Shown:
-    """One run as the arrangement needs it: `box` is what its mesh view shows, `series` those worth a line."""
+    """One run as the arrangement needs it.
+
+    box     what its mesh view shows
+    series  with which of their lines are worth drawing
+    """
 
     look: Look
     run: Gathered
     box: tuple[Floats, Floats]
-    series: Sequence[Series]
+    series: Sequence[tuple[Series, Sequence[bool]]]
 
 
-def blueprint(shown: Sequence[Shown], plots: Sequence[Plot], timeline: str) -> rrb.Blueprint:
-    """Meshes above; profiles, curves over time, states and events below."""
-    profiles = [_profile_view(plot, shown) for plot in plots]
-    layout = _one(shown, profiles) if len(shown) == 1 else _several(shown, profiles)
+def blueprint(shown: Sequence[Shown], profiles: Sequence[Profile], converged: bool, timeline: str) -> rrb.Blueprint:
+    """Meshes above; profiles, curves over time, states and events below. `converged`: Newton's iteration is drawn."""
+    curves = [_profile_view(profile, shown) for profile in profiles]
+    solver = _tabs([*([_convergence_view(shown)] if converged else []), *_solver_views(shown)])
+    layout = _one(shown, curves, solver) if len(shown) == 1 else _several(shown, curves, solver)
     return rrb.Blueprint(
         layout,
         rrb.TimePanel(state="collapsed", timeline=timeline),
@@ -44,28 +53,29 @@ def blueprint(shown: Sequence[Shown], plots: Sequence[Plot], timeline: str) -> r
     )
 
 
-def _one(shown: Sequence[Shown], profiles: Sequence[rrb.View]) -> rrb.Container:
+def _one(shown: Sequence[Shown], profiles: Sequence[rrb.View], solver: rrb.Container) -> rrb.Container:
     mesh, u = _mesh_view(shown[0]), _units(shown)
-    energy = _series_view(shown, "energy", f"energy{_in(u.line_energy)}")
-    reaction = _series_view(shown, "reaction", f"reaction{_in(u.line_force)}")
-    below = [_tabs([energy, reaction]), _solver_tabs(shown), *_states(shown), _words(shown)]
+    energy = _series_view(shown, "energy", f"energy{_in(u.line_energy)}", legend=True)
+    reaction = _series_view(shown, "reaction", f"reaction{_in(u.line_force)}", legend=True)
+    below = [_tabs([energy, reaction]), solver, *_states(shown), _words(shown)]
     above = rrb.Horizontal(mesh, _tabs(profiles), column_shares=[3, 2]) if profiles else mesh
-    return rrb.Vertical(above, rrb.Horizontal(*below), row_shares=[3, 2])
+    shares = [1.0] * (len(below) - 1) + [1.3]
+    return rrb.Vertical(above, rrb.Horizontal(*below, column_shares=shares), row_shares=[3, 2])
 
 
-def _several(shown: Sequence[Shown], profiles: Sequence[rrb.View]) -> rrb.Container:
+def _several(shown: Sequence[Shown], profiles: Sequence[rrb.View], solver: rrb.Container) -> rrb.Container:
     """A row of meshes per slave surface, a column per algorithm."""
     slaves = list(dict.fromkeys(_slave(one) for one in shown))
     ordered = sorted(shown, key=lambda one: slaves.index(_slave(one)))
     columns = min(IN_A_ROW, max(sum(_slave(one) == slave for one in shown) for slave in slaves))
     meshes = rrb.Grid(*[_mesh_view(one) for one in ordered], grid_columns=columns)
     u = _units(shown)
-    energy = [_series_view(shown, "energy", f"{n} energy{_in(u.line_energy)}", n) for n in ("internal", "kinetic")]
-    reaction = _reaction_view(shown, f"reaction{_in(u.line_force)}")
-    below = [_tabs([reaction, *energy]), _solver_tabs(shown), *_states(shown), _words(shown)]
-    shares = [1.0] * len(below)
+    energy = [_series_view(shown, "energy", f"{n} energy{_in(u.line_energy)}", (n,)) for n in ("internal", "kinetic")]
+    below = [_tabs([_reaction_view(shown, f"reaction{_in(u.line_force)}"), *energy]), solver]
+    below += [*_states(shown), _words(shown)]
+    shares = [1.0] * (len(below) - 1) + [1.5]
     if profiles:
-        below, shares = [_tabs(profiles), *below], [1.7, *shares]
+        below, shares = [_tabs(profiles), *below], [1.9, *shares]
     rows = -(-len(shown) // columns)
     return rrb.Vertical(
         meshes, rrb.Horizontal(*below, column_shares=shares), row_shares=[3, 2] if rows == 1 else [2, 1]
@@ -96,56 +106,70 @@ def _mesh_view(one: Shown) -> rrb.Spatial2DView:
     )
 
 
-def _profile_view(plot: Plot, shown: Sequence[Shown]) -> rrb.Spatial2DView:
-    profiles = [
+def _profile_view(profile: Profile, shown: Sequence[Shown]) -> rrb.Spatial2DView:
+    curves = [
         f"+ {one.look.path}/profile/{contact.name}/**"
         for one in shown
         for contact in one.run.layout.contacts
-        if contact.slave == plot.slave
+        if contact.slave == profile.slave
     ]
+    return _plot_view(profile.axes.path, curves, f"{profile.what} along {profile.slave}", legend=len(shown) > 1)
+
+
+def _convergence_view(shown: Sequence[Shown]) -> rrb.Spatial2DView:
+    curves = [f"+ {one.look.path}/convergence/**" for one in shown if one.run.iterations]
+    return _plot_view(CONVERGENCE, curves, "convergence of the step", legend=True)
+
+
+def _plot_view(path: str, curves: Sequence[str], name: str, legend: bool) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(
-        origin=f"{plot.path}/view",
-        contents=[f"+ {plot.path}/**", *profiles],
-        name=f"{plot.what} along {plot.slave}",
-        visual_bounds=bounds(BOX[0], BOX[1] + (LEGEND if len(shown) > 1 else 0.0), margin=0.02),
+        origin=f"{path}/view",
+        contents=[f"+ {path}/**", *curves],
+        name=name,
+        visual_bounds=bounds(BOX[0], BOX[1] + (LEGEND if legend else 0.0), margin=0.02),
         background=PAPER,
     )
 
 
-def _solver_tabs(shown: Sequence[Shown]) -> rrb.Container:
-    views = [
-        _series_view(shown, "solver", "contact sweeps per step", "sweeps"),
-        _series_view(shown, "solver", "Newton iterations", "iterations"),
-        _series_view(shown, "contact", "nodes in contact, sticking", "nodes"),
-        _series_view(shown, "contact", f"contact condition violated{_in(_units(shown).length)}", "penetration"),
-        _series_view(shown, "solver", "contact residual", "residual"),
-        _series_view(shown, "solver", "step length [s]", "dt"),
-        _series_view(shown, "time-per-step", "time per step [s]"),
+def _solver_views(shown: Sequence[Shown]) -> list[rrb.View | None]:
+    length = _in(_units(shown).length)
+    alone = len(shown) == 1
+    return [
+        _series_view(shown, "solver", "sweeps per step", ("sweeps",)),
+        _series_view(shown, "solver", "iterations per step", ("iterations",)),
+        _series_view(shown, "nodes", "nodes in contact", ("active", "sticking"), legend=alone),
+        _series_view(shown, "violation", f"contact condition violated{length}"),
+        _series_view(shown, "solver", "contact residual", ("residual",)),
+        _series_view(shown, "solver", "step length [s]", ("dt",)),
+        _series_view(shown, "time-per-step", "time per step [s]", legend=alone),
     ]
-    return _tabs(views)
 
 
-def _series_view(shown: Sequence[Shown], group: str, name: str, last: str = "") -> rrb.TimeSeriesView | None:
-    """All series of a group that vary, or those whose path ends in `last`."""
-    wanted = [
-        f"{one.look.path}/{series.path}"
-        for one in shown
-        for series in one.series
-        if series.group == group and last in ("", series.last)
-    ]
-    return _lines(wanted, name, legend=len(shown) == 1) if wanted else None
+def _series_view(
+    shown: Sequence[Shown], group: str, name: str, wanted: Sequence[str] = (), legend: bool = False
+) -> rrb.TimeSeriesView | None:
+    """Lines of a group that are not always zero, all or the `wanted` ones; None where there are none."""
+    entities, overrides = [], {}
+    for one in shown:
+        for series, varying in one.series:
+            lines = [v and (not wanted or n in wanted) for n, v in zip(series.names, varying, strict=True)]
+            if series.group == group and any(lines):
+                entities.append(f"{one.look.path}/{series.path}")
+                if lines != list(varying):
+                    overrides[entities[-1]] = rr.SeriesLines(visible_series=lines)
+    return _lines(entities, name, legend, overrides) if entities else None
 
 
-def _reaction_view(shown: Sequence[Shown], name: str) -> rrb.TimeSeriesView:
-    """Of the reactions of each run the component that is largest at the end."""
-    overrides = {}
+def _reaction_view(shown: Sequence[Shown], name: str) -> rrb.TimeSeriesView | None:
+    """The same component of the same support in all runs: the one that is largest at their ends."""
+    ends: dict[str, float] = {}
     for one in shown:
         last = one.run.instants[-1].scalars
-        ends = {(on, c): abs(last.get(f"{on}.{c}", 0.0)) for on in one.run.layout.supports for c in ("fx", "fy")}
-        on, component = max(ends, key=lambda at: ends[at], default=("", ""))
-        visible = rr.SeriesLines(visible_series=[component == "fx", component == "fy"])
-        overrides[f"{one.look.path}/reaction/{on}"] = visible
-    return _lines(list(overrides), name, legend=False, overrides=overrides)
+        for on in one.run.layout.supports:
+            for component in (f"{on}.fx", f"{on}.fy"):
+                ends[component] = ends.get(component, 0.0) + abs(last.get(component, 0.0))
+    chosen = max(ends, key=lambda component: round(ends[component], 3), default="")
+    return _series_view(shown, "reaction", name, (chosen,))
 
 
 def _lines(
@@ -170,15 +194,20 @@ def _states(shown: Sequence[Shown]) -> list[rrb.View]:
 
 
 def _words(shown: Sequence[Shown]) -> rrb.Container:
-    told = ["LogLevel", "Body"] if len(shown) == 1 else ["EntityPath", "Body"]
-    log = rrb.TextLogView(
-        origin="/",
-        contents=[f"+ {one.look.path}/events" for one in shown],
-        name="events",
-        columns=rrb.TextLogColumns(timeline_columns=["step"], text_log_columns=told),
-    )
+    logs = [_log_view(shown, "events")]
+    if any(one.run.iterations for one in shown):
+        logs.append(_log_view(shown, "iterations"))
     pages = [rrb.TextDocumentView(origin=f"{one.look.path}/scene", name=f"scene: {one.look.title}") for one in shown]
-    return _tabs([log, *pages])
+    return _tabs([*logs, *pages])
+
+
+def _log_view(shown: Sequence[Shown], name: str) -> rrb.TextLogView:
+    return rrb.TextLogView(
+        origin="/",
+        contents=[f"+ {one.look.path}/{name}" for one in shown],
+        name=name,
+        columns=rrb.TextLogColumns(timeline_columns=["step"], text_log_columns=["Body"]),
+    )
 
 
 def _in(unit: str) -> str:

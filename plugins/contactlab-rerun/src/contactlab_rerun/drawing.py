@@ -9,9 +9,8 @@ import numpy as np
 import rerun as rr
 
 from contactlab.api.arrays import Floats, Ints
-from contactlab.api.colours import FIELD, STATES, rgb
-from contactlab.api.frame import ContactCurve
-from contactlab_rerun.gathered import Gathered, Instant, Look
+from contactlab.api.colours import CLOSED, FIELD, STATES, rgb
+from contactlab_rerun.gathered import Gathered, Instant, Look, Surface
 from contactlab_rerun.mesh_shape import MeshShape
 from contactlab_rerun.projection import ON_MESH, camera, in_plane, line_strips
 from contactlab_rerun.series import times
@@ -20,7 +19,6 @@ AT_ONCE = 4_000_000  # bytes of positions that are sent together
 FEW_CELLS = 2500  # up to here the sides of cells are drawn
 LONGEST_ARROW = 0.16  # of the model's size
 OUTLINE, WIRE = "#E2E5E9", (226, 229, 233, 46)
-_NONE = np.zeros((0, 3), np.float32)
 _FLAT = np.array([1.0, 1.0, 0.0], np.float32)
 HAIR, LINE = -0.6, -1.4  # radii: negative ones are pixels of the screen
 
@@ -29,11 +27,12 @@ HAIR, LINE = -0.6, -1.4  # radii: negative ones are pixels of the screen
 class Scale:
     """What is common to all frames, and to all runs of a comparison.
 
-    top       upper end of the field's colours
+    bottom, top  ends of the field's colours
     pressure  the contact pressure of the longest arrow
     size      of the model [mm]
     """
 
+    bottom: float
     top: float
     pressure: float
     size: float
@@ -72,7 +71,7 @@ class Drawing:
         nodes = self.shape.nodes
 
         def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
-            positions = np.concatenate([in_plane(i.positions) for i in instants])
+            positions = in_plane(np.array([i.positions for i in instants])).reshape(-1, 3)
             colours = np.concatenate([self._colours(i) for i in instants])
             made = rr.Mesh3D.columns(vertex_positions=positions, vertex_colors=colours)
             return made.partition(np.full(len(instants), nodes))
@@ -80,7 +79,8 @@ class Drawing:
         self._in_batches(path, 16 * nodes, columns)
 
     def _colours(self, instant: Instant) -> np.ndarray:
-        values = self.shape.nodal(instant.values) / self.scale.top
+        scale = self.scale
+        values = (self.shape.nodal(instant.values) - scale.bottom) / (scale.top - scale.bottom)
         return TABLE[np.clip(values * len(TABLE), 0, len(TABLE) - 1).astype(np.intp)]
 
     def _outlines(self) -> None:
@@ -96,25 +96,25 @@ class Drawing:
             self._style("wire", WIRE, HAIR)
 
     def _arrows(self) -> None:
-        per_frame = [self._arrows_of(instant) for instant in self.run.instants]
-        lengths = [len(origins) for origins, _, _ in per_frame]
-        origins, vectors, colours = (np.concatenate(parts) for parts in zip(*per_frame, strict=True))
-        columns = rr.Arrows3D.columns(origins=origins, vectors=vectors, colors=colours).partition(lengths)
-        self.recording.send_columns(f"{self.look.path}/arrows", self.when, columns)
-        self._style_arrows()
-
-    def _arrows_of(self, instant: Instant) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Tractions on the slave, coloured by the state of its nodes."""
-        origins, vectors, colours = [_NONE], [_NONE], [COLOURS[:0]]
+        """Tractions on the slaves, coloured by the state of their nodes."""
+        surfaces = self.run.surfaces
+        contacts = self.run.layout.contacts
+        if not contacts:
+            return
         longest = LONGEST_ARROW * self.scale.size / self.scale.pressure
-        for contact in self.run.layout.contacts:
-            curve = instant.curves[contact.name]
-            shown = np.flatnonzero(curve.state)
-            if len(shown):
-                origins.append(in_plane(np.stack([curve.x[shown], curve.y[shown]], axis=1), 2.0 * ON_MESH))
-                vectors.append(in_plane(longest * tractions(curve, contact.slave_segments)[shown]) * _FLAT)
-                colours.append(COLOURS[curve.state[shown]])
-        return np.concatenate(origins), np.concatenate(vectors), np.concatenate(colours)
+        points = np.concatenate([surfaces[c.name].points for c in contacts], axis=1)
+        pulls = np.concatenate([tractions(surfaces[c.name], c.slave_segments) for c in contacts], axis=1)
+        state = np.concatenate([surfaces[c.name].state for c in contacts], axis=1)
+        frictional = np.repeat([bool(c.friction) for c in contacts], [len(c.slave_nodes) for c in contacts])
+        touching = state > 0
+        columns = rr.Arrows3D.columns(
+            origins=in_plane(points[touching], 2.0 * ON_MESH),
+            vectors=in_plane(longest * pulls[touching]) * _FLAT,
+            colors=np.where(frictional, COLOURS[state], CLOSED_COLOUR)[touching],
+        )
+        path = f"{self.look.path}/arrows"
+        self.recording.send_columns(path, self.when, columns.partition(touching.sum(axis=1)))
+        self.recording.log(path, rr.Arrows3D.from_fields(radii=[-1.8]), static=True)
 
     # --- sending ----------------------------------------------------------------------------------
 
@@ -122,7 +122,7 @@ class Drawing:
         """Lines through nodes, so many in each, in every frame."""
 
         def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
-            points = np.concatenate([in_plane(i.positions[nodes], ON_MESH) for i in instants])
+            points = in_plane(np.array([i.positions for i in instants])[:, nodes], ON_MESH).reshape(-1, 3)
             made = rr.LineStrips3D.columns(strips=line_strips(points, np.tile(lengths, len(instants))))
             return made.partition(np.full(len(instants), len(lengths)))
 
@@ -142,21 +142,17 @@ class Drawing:
         style = rr.LineStrips3D.from_fields(colors=[colour], radii=[radius])
         self.recording.log(f"{self.look.path}/{name}", style, static=True)
 
-    def _style_arrows(self) -> None:
-        style = rr.Arrows3D.from_fields(radii=[-1.8])
-        self.recording.log(f"{self.look.path}/arrows", style, static=True)
 
-
-def tractions(curve: ContactCurve, segments: np.ndarray) -> Floats:
-    """Contact traction (m, 2) [MPa] on the slave at its nodes: pressure inwards, shear along the chain."""
-    points = np.stack([curve.x, curve.y], axis=1)
+def tractions(surface: Surface, segments: np.ndarray) -> Floats:
+    """Contact traction (F, m, 2) [MPa] on the slave at its nodes: pressure inwards, shear along the chain."""
+    points = surface.points
     tangent = np.zeros_like(points)
-    along = points[segments[:, 1]] - points[segments[:, 0]]
-    tangent[segments[:, 0]] = along  # no node starts or ends two segments
-    tangent[segments[:, 1]] += along
-    tangent /= np.maximum(np.hypot(tangent[:, 0], tangent[:, 1]), 1e-300)[:, None]
-    inward = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)  # the body lies on the left
-    return curve.pressure[:, None] * inward + curve.shear[:, None] * tangent
+    along = points[:, segments[:, 1]] - points[:, segments[:, 0]]
+    tangent[:, segments[:, 0]] = along  # no node starts or ends two segments
+    tangent[:, segments[:, 1]] += along
+    tangent /= np.maximum(np.hypot(tangent[..., 0], tangent[..., 1]), 1e-300)[..., None]
+    inward = np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)  # the body lies on the left
+    return surface.pressure[..., None] * inward + surface.shear[..., None] * tangent
 
 
 def packed(colours: Floats) -> np.ndarray:
@@ -173,3 +169,4 @@ def _table() -> np.ndarray:
 
 TABLE = _table()
 COLOURS = packed(np.array([rgb(colour) for colour in STATES], np.float64))
+CLOSED_COLOUR = packed(np.array([rgb(CLOSED)], np.float64))[0]

@@ -3,14 +3,25 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from contactlab.api.arrays import Floats
-from contactlab.api.frame import ContactCurve, Event, Frame, Layout
+from contactlab.api.arrays import XX, YY, ZZ, Floats, Ints
+from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout
+
+VON_MISES, PRESSURE, NO_FIELD = "von_mises", "pressure", "none"
+SHORT = {"plastic_strain": "equivalent_plastic_strain"}
+"""What fields may be called as well."""
+
+
+def check_field(name: str, layout: Layout) -> None:
+    """Raise ValueError where no body has such a field."""
+    known = [VON_MISES, PRESSURE, *(v for body in layout.bodies for v in body.shown_variables), NO_FIELD]
+    if SHORT.get(name, name) not in known:
+        raise ValueError(f"field: got {name}, allowed in this scene: {', '.join(dict.fromkeys(known))}")
 
 
 @dataclass(frozen=True)
@@ -37,16 +48,36 @@ class Instant:
     scalars: Mapping[str, float]
 
 
+@dataclass(frozen=True)
+class Surface:
+    """The slave surface of one contact at all F frames: s (m,), all else (F, m), see `ContactCurve`."""
+
+    s: Floats
+    x: Floats
+    y: Floats
+    pressure: Floats
+    shear: Floats
+    gap: Floats
+    state: Ints
+
+    @property
+    def points(self) -> Floats:
+        """Deformed positions (F, m, 2)."""
+        return np.stack([self.x, self.y], axis=-1)
+
+
 @dataclass
 class Gathered:
-    """One run: its frames and events, and blocks of steps that wait to be written."""
+    """One run: its frames, events and Newton iterations. `finish` must come before anything is asked of it."""
 
     layout: Layout
     shown_field: str
     every: int
     instants: list[Instant] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
+    iterations: list[IterationRow] = field(default_factory=list)
     skipped: Instant | None = None
+    surfaces: dict[str, Surface] = field(default_factory=dict)
 
     def add(self, frame: Frame) -> None:
         """Keep a frame, or hold it back in case that it is the last one."""
@@ -65,29 +96,46 @@ class Gathered:
             self.instants.append(instant)
             self.skipped = None
 
-    def finish(self) -> None:
-        """The last frame is always shown."""
+    def finish(self, summary: Mapping[str, Any]) -> None:
+        """The run is over: its last frame is always shown, and an end before its time is an event."""
         if self.skipped is not None:
             self.instants.append(self.skipped)
             self.skipped = None
+        self.surfaces = {contact.name: self._surface(contact.name) for contact in self.layout.contacts}
+        if summary.get("status", "finished") != "finished" and self.instants:
+            last = self.instants[-1]
+            text = f"{summary['status']}: {summary.get('reason', '')}"
+            self.events.append(Event(max(int(summary.get("steps", 0)), last.step), last.time, "error", text))
+
+    def _surface(self, name: str) -> Surface:
+        curves = [instant.curves[name] for instant in self.instants]
+        columns = ("x", "y", "pressure", "shear", "gap", "state")
+        return Surface(curves[0].s, *(np.array([getattr(curve, column) for curve in curves]) for column in columns))
 
     def _values(self, cells: Mapping[str, Floats]) -> Floats:
-        return cells.get(self.shown_field, np.zeros(len(cells["von_mises"])))
+        if self.shown_field == PRESSURE:
+            return np.asarray(-cells["stress"][:, [XX, YY, ZZ]].mean(axis=1))
+        return cells.get(SHORT.get(self.shown_field, self.shown_field), np.zeros(len(cells["von_mises"])))
 
     @property
-    def top(self) -> float:
-        """Upper end of the colours: a corner singularity must not leave the rest in the dark."""
-        rank = int(0.995 * (len(self.instants[0].values) - 1)) if self.instants else 0
-        return max((float(np.partition(instant.values, rank)[rank]) for instant in self.instants), default=0.0)
+    def extent(self) -> tuple[float, float]:
+        """Both ends of the colours, zero among them: a corner singularity must not leave the rest in the dark."""
+        rank = int(0.995 * (len(self.instants[0].values) - 1))
+        ends = [np.partition(i.values, [len(i.values) - 1 - rank, rank]) for i in self.instants]
+        low = min(float(values[len(values) - 1 - rank]) for values in ends)
+        return min(0.0, low), max(0.0, *(float(values[rank]) for values in ends))
 
-    def largest(self, name: str) -> float:
-        """Largest magnitude of a column of the contact curves."""
-        columns = [getattr(curve, name) for curve in self._curves()]
-        return max((float(np.abs(column).max(initial=0.0)) for column in columns), default=0.0)
+    @property
+    def largest_pressure(self) -> float:
+        """Largest magnitude of the pressure on any contact."""
+        return max(
+            (float(np.abs(surface.pressure).max(initial=0.0)) for surface in self.surfaces.values()), default=0.0
+        )
 
-    def _curves(self) -> Iterator[ContactCurve]:
-        for instant in self.instants:
-            yield from instant.curves.values()
+    @property
+    def frictional(self) -> bool:
+        """Whether any contact has friction."""
+        return any(contact.friction for contact in self.layout.contacts)
 
 
 def entity_name(text: str) -> str:

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 import rerun as rr
 
+from contactlab.api.arrays import Ints
+from contactlab.api.colours import CLOSED, rgb
 from contactlab.api.colours import STATES as COLOURS
-from contactlab.api.colours import rgb
-from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactCurve, ContactLayout, Event, Layout
-from contactlab_rerun.gathered import Gathered, Instant, Look, short
+from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow, Layout
+from contactlab_rerun.gathered import Gathered, Instant, Look, Surface, short
 from contactlab_rerun.series import times
 
 LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
@@ -26,24 +27,27 @@ def log_lanes(recording: rr.RecordingStream, run: Gathered, look: Look, lanes: i
     A lane is named by the arc length of its node.
     """
     for contact in run.layout.contacts:
-        curves = [instant.curves[contact.name] for instant in run.instants]
+        name, surface = contact.name, run.surfaces[contact.name]
         # as many decimals for all: the viewer sorts lanes by name
-        digits = max(0, 2 - int(np.floor(np.log10(max(np.ptp(curves[0].s), 1e-300)))))
-        for node in watched_nodes(curves, lanes):
-            path = f"{look.path}/state/{contact.name}/s-{curves[0].s[node]:.{digits}f}"
-            _log_lane(recording, path, run.instants, [int(curve.state[node]) for curve in curves])
+        digits = max(0, 2 - int(np.floor(np.log10(max(np.ptp(surface.s), 1e-300)))))
+        for node in watched_nodes(surface, lanes):
+            path = f"{look.path}/state/{name}/s-{surface.s[node]:.{digits}f}"
+            _log_lane(recording, path, run.instants, surface.state[:, node].tolist(), bool(contact.friction))
 
 
-def watched_nodes(curves: Sequence[ContactCurve], lanes: int) -> list[int]:
+def watched_nodes(surface: Surface, lanes: int) -> list[int]:
     """Positions of the watched nodes among the slave nodes."""
-    touched = np.flatnonzero(np.max([curve.state for curve in curves], axis=0) > OPEN)
-    touched = touched[np.argsort(curves[0].s[touched], kind="stable")]
+    touched = np.flatnonzero(surface.state.max(axis=0) > OPEN)
+    touched = touched[np.argsort(surface.s[touched], kind="stable")]
     chosen = np.linspace(0, len(touched) - 1, min(lanes, len(touched))).round().astype(int)
     return [int(node) for node in touched[chosen]]
 
 
-def _log_lane(recording: rr.RecordingStream, path: str, instants: Sequence[Instant], states: Sequence[int]) -> None:
-    known = rr.StateConfiguration(values=STATES, labels=STATES, colors=[rgb(colour) for colour in COLOURS])
+def _log_lane(
+    recording: rr.RecordingStream, path: str, instants: Sequence[Instant], states: Sequence[int], frictional: bool
+) -> None:
+    names, colours = (STATES, COLOURS) if frictional else ((*STATES[:SLIP], "closed"), (*COLOURS[:SLIP], CLOSED))
+    known = rr.StateConfiguration(values=STATES, labels=names, colors=[rgb(colour) for colour in colours])
     recording.log(path, known, static=True)
     changes = [k for k in range(len(states)) if k == 0 or states[k] != states[k - 1]]
     when = times([instants[k].step for k in changes], [instants[k].time for k in changes])
@@ -53,50 +57,77 @@ def _log_lane(recording: rr.RecordingStream, path: str, instants: Sequence[Insta
 # --- events ---------------------------------------------------------------------------------------
 
 
-def log_events(recording: rr.RecordingStream, run: Gathered, look: Look) -> None:
-    """The run's own events and the changes of its contacts between frames, in order of time."""
+def log_events(recording: rr.RecordingStream, run: Gathered, look: Look, several: bool) -> None:
+    """The run's own events and the changes of its contacts between frames, in order of time.
+
+    Among `several` runs each line begins with the name of its run.
+    """
     events = sorted([*run.events, *contact_changes(run)], key=lambda event: event.step)
     if not events:
         return
-    columns = rr.TextLog.columns(text=[event.text for event in events], level=[LEVELS[event.level] for event in events])
+    name = f"{look.title}: " if several else ""
+    texts, levels = [f"{name}{event.text}" for event in events], [LEVELS[event.level] for event in events]
     when = times([event.step for event in events], [event.time for event in events])
-    recording.send_columns(f"{look.path}/events", when, columns)
+    recording.send_columns(f"{look.path}/events", when, rr.TextLog.columns(text=texts, level=levels))
 
 
 def contact_changes(run: Gathered) -> Iterator[Event]:
     """Slave nodes that closed, opened, began to stick or slip, or came to face another segment, in numbers."""
     for contact in run.layout.contacts:
-        before: tuple[np.ndarray, np.ndarray] | None = None
-        for instant in run.instants:
-            curve = instant.curves[contact.name]
-            now = curve.state, facing(contact, curve, instant.positions)
-            if before is not None and (text := _changes(before, now)):
-                name = f"{contact.label}: " if len(run.layout.contacts) > 1 else ""
+        surface = run.surfaces[contact.name]
+        name = f"{contact.label}: " if len(run.layout.contacts) > 1 else ""
+        facing = [
+            segments_faced(contact, surface, frame, instant.positions) for frame, instant in enumerate(run.instants)
+        ]
+        for frame, instant in enumerate(run.instants[1:], start=1):
+            if text := _changes(surface.state[frame - 1], surface.state[frame], facing[frame - 1], facing[frame]):
                 yield Event(instant.step, instant.time, "info", f"{name}{text}")
-            before = now
 
 
-def _changes(before: tuple[np.ndarray, np.ndarray], now: tuple[np.ndarray, np.ndarray]) -> str:
-    (old, old_facing), (new, new_facing) = before, now
+def _changes(old: Ints, new: Ints, old_facing: Ints, new_facing: Ints) -> str:
     counts = {
         "closed": (old == OPEN) & (new != OPEN),
         "opened": (old != OPEN) & (new == OPEN),
         "began to slip": (old == STICK) & (new == SLIP),
         "began to stick": (old == SLIP) & (new == STICK),
-        "passed to another segment": (old_facing != new_facing) & (old_facing >= 0) & (new_facing >= 0),
+        "changed segment": (old_facing != new_facing) & (old_facing >= 0) & (new_facing >= 0),
     }
-    numbers = {what: int(mask.sum()) for what, mask in counts.items()}
+    numbers = {what: int(np.count_nonzero(mask)) for what, mask in counts.items()}
     return ", ".join(f"{number} {what}" for what, number in numbers.items() if number)
 
 
-def facing(contact: ContactLayout, curve: ContactCurve, positions: np.ndarray) -> np.ndarray:
-    """The master segment (m,) that each covered slave node is nearest to, -1 for the rest."""
-    ends = positions[contact.master_nodes].astype(np.float64)[contact.master_segments]
-    along = ends[:, 1] - ends[:, 0]
-    offset = np.stack([curve.x, curve.y], axis=1)[:, None] - ends[None, :, 0]
-    share = np.clip((offset * along).sum(axis=2) / np.maximum((along**2).sum(axis=1), 1e-300), 0.0, 1.0)
-    distance = ((offset - share[..., None] * along) ** 2).sum(axis=2)
-    return np.where(np.isnan(curve.gap), -1, np.argmin(distance, axis=1))
+def segments_faced(contact: ContactLayout, surface: Surface, frame: int, positions: np.ndarray) -> Ints:
+    """The master segment (m,) that each closed slave node is nearest to, -1 for open ones."""
+    closed = np.flatnonzero(surface.state[frame])
+    found = np.full(len(surface.s), -1)
+    if len(closed):
+        ends = positions[contact.master_nodes].astype(np.float64)[contact.master_segments]
+        points = np.stack([surface.x[frame, closed], surface.y[frame, closed]], axis=1)
+        along = ends[:, 1] - ends[:, 0]
+        offset = points[:, None] - ends[None, :, 0]
+        share = np.clip((offset * along).sum(axis=2) / np.maximum((along**2).sum(axis=1), 1e-300), 0.0, 1.0)
+        found[closed] = np.argmin(((offset - share[..., None] * along) ** 2).sum(axis=2), axis=1)
+    return found
+
+
+def log_iterations(recording: rr.RecordingStream, run: Gathered, look: Look) -> None:
+    """A line for each Newton iteration; those of steps that were taken back stand out."""
+    if not run.iterations:
+        return
+    last = {row.step: row.attempt for row in run.iterations}
+    texts = [_iteration_text(row) for row in run.iterations]
+    levels = ["INFO" if row.attempt == last[row.step] else "WARN" for row in run.iterations]
+    when = times([row.step for row in run.iterations], [row.time + row.dt for row in run.iterations])
+    recording.send_columns(f"{look.path}/iterations", when, rr.TextLog.columns(text=texts, level=levels))
+
+
+def _iteration_text(row: IterationRow) -> str:
+    attempt = f"attempt {row.attempt}, " if row.attempt > 1 else ""
+    shorter = f", {row.length:.3g} of the correction" if row.length < 1.0 else ""
+    return (
+        f"{attempt}iteration {row.number}: force {row.force:.1e}, contact {row.contact:.1e}; {row.active} closed, "
+        f"{row.sticking} sticking, {row.changed} changed{shorter}{'; ' + row.note if row.note else ''}"
+    )
 
 
 # --- the page about the scene ---------------------------------------------------------------------

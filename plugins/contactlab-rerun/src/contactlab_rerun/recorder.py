@@ -1,4 +1,4 @@
-"""The recorder `rerun`. The library is imported when a recording is closed or shown, not before."""
+"""The recorder `rerun`. The library is imported when a recording begins or is shown, not before."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ FILE = "timeline.rrd"
 class Rerun(Recorder):
     """Writes `timeline.rrd`: every step's scalars; the deformed mesh and the contacts at stored frames.
 
-    field      what colours the mesh: von_mises [MPa], an internal variable of the laws, or "none"
+    field      what colours the mesh: von_mises or (hydrostatic) pressure [MPa], an internal variable of the laws such
+               as plastic_strain, or "none"
     every      1: every stored frame is shown, 2: every other one, ... (the last one always)
     wire       draw the sides of all cells; "auto": where there are few enough to be told apart
     lanes      slave nodes of each contact whose state has a lane of its own
@@ -40,8 +41,10 @@ class Rerun(Recorder):
 
     def open(self, folder: Path, layout: Layout) -> Recording:
         """Begin to gather; the file is written when the run ends, with one colour scale for all of it."""
+        from contactlab_rerun.gathered import check_field
         from contactlab_rerun.recording import RerunRecording
 
+        check_field(self.field, layout)
         return RerunRecording(self, folder, layout)
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.api.arrays import Floats
 from contactlab.api.colours import STYLES, styles
-from contactlab.api.frame import Event, Frame, Layout, StoredRun
+from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recording, replay
 from contactlab_rerun.gathered import Gathered, Look, entity_name, tint
 from contactlab_rerun.timeline_file import TimelineFile
@@ -40,6 +40,10 @@ class RerunRecording(Recording):
         """Keep an event."""
         self.run.events.append(event)
 
+    def iterations(self, rows: Sequence[IterationRow]) -> None:
+        """Keep Newton iterations."""
+        self.run.iterations.extend(rows)
+
     def close(self, summary: Mapping[str, Any]) -> None:
         """Draw all frames and give the file its name."""
         self.file.finish([summary])
@@ -60,6 +64,9 @@ class _OneOfSeveral(Recording):
 
     def event(self, event: Event) -> None:
         self.run.events.append(event)
+
+    def iterations(self, rows: Sequence[IterationRow]) -> None:
+        self.run.iterations.extend(rows)
 
     def close(self, summary: Mapping[str, Any]) -> None:
         pass

@@ -13,12 +13,13 @@ from contactlab.api.colours import STYLES, rgb
 from contactlab.api.frame import Layout
 from contactlab_rerun.gathered import Look
 
+COUNTS = ("solver", "nodes")
 ROWS = 8192  # steps that are sent together: what a call costs is then shared by many
 
 
 @dataclass(frozen=True)
 class Series:
-    """Scalars that share an entity, which costs as much to write as one alone.
+    """Scalars that share an entity: together they cost little more than one of them alone.
 
     path     below the run; its first word is the group that plots choose by
     columns  among `Layout.steps`
@@ -34,38 +35,31 @@ class Series:
         """The first word of the path."""
         return self.path.partition("/")[0]
 
-    @property
-    def last(self) -> str:
-        """The last word of the path."""
-        return self.path.rpartition("/")[2]
-
-    @property
-    def counts(self) -> bool:
-        """Whether these are whole numbers, of which no mean should be drawn where pixels are too few."""
-        return self.last in ("sweeps", "iterations", "nodes")
-
 
 def all_series(layout: Layout) -> list[Series]:
     """All columns of `layout.steps` but the timelines, each in one series."""
-    solver = [(f"solver/{name}", (name,)) for name in ("sweeps", "iterations", "residual", "dt")]
-    energy = [name for name in layout.steps if name.startswith("energy.")]
-    main = ("energy.internal", "energy.kinetic")
+    energy = tuple(name for name in layout.steps if name.startswith("energy."))
     groups = [
-        *solver,
-        *((f"energy/{name.rpartition('.')[2]}", (name,)) for name in main),
-        ("energy/others", tuple(name for name in energy if name not in main)),
-        ("time-per-step/phases", ("cost.elements", "cost.contact")),
-        *((f"reaction/{on}", (f"{on}.fx", f"{on}.fy")) for on in layout.supports),
+        _series(layout, "solver", ("sweeps", "iterations", "residual", "dt")),
+        _series(layout, "energy", energy),
+        _series(layout, "time-per-step", ("cost.elements", "cost.contact")),
     ]
+    if layout.supports:
+        names = tuple(f"{on}.{component}" for on in layout.supports for component in ("fx", "fy"))
+        groups.append(Series("reaction", _columns(layout, names), names))
     for contact in layout.contacts:
-        groups.append((f"contact/{contact.name}/nodes", (f"{contact.name}.active", f"{contact.name}.sticking")))
-        groups.append((f"contact/{contact.name}/penetration", (f"{contact.name}.penetration",)))
-    return [_series(layout, path, names) for path, names in groups]
+        name = contact.name
+        groups.append(_series(layout, f"nodes/{name}", (f"{name}.active", f"{name}.sticking")))
+        groups.append(_series(layout, f"violation/{name}", (f"{name}.penetration",)))
+    return groups
+
+
+def _columns(layout: Layout, names: Sequence[str]) -> tuple[int, ...]:
+    return tuple(layout.steps.index(name) for name in names)
 
 
 def _series(layout: Layout, path: str, names: Sequence[str]) -> Series:
-    columns = tuple(layout.steps.index(name) for name in names)
-    return Series(path, columns, tuple(name.rpartition(".")[2] for name in names))
+    return Series(path, _columns(layout, names), tuple(name.rpartition(".")[2] for name in names))
 
 
 class SeriesWriter:
@@ -93,7 +87,7 @@ class SeriesWriter:
         if not self.rows:
             return
         values, self.rows = self.waiting[: self.rows], 0
-        np.maximum(self.largest, np.maximum(values.max(axis=0), -values.min(axis=0)), out=self.largest)
+        np.fmax(self.largest, np.fmax.reduce(np.abs(values), axis=0), out=self.largest)
         when = times(values[:, 0], values[:, 1])
         for series in self.series:
             columns = rr.Scalars.columns(scalars=values[:, series.columns].ravel())
@@ -104,7 +98,7 @@ class SeriesWriter:
     def log_styles(self, several: bool) -> None:
         """Names and colours of the lines, among several runs those of their run; what is always zero is hidden."""
         numbers: dict[str, int] = {}
-        for series in self.series:
+        for series, visible in self.shown():
             names, colours = [], []
             for name in series.names:
                 number = numbers[series.group] = numbers.get(series.group, -1) + 1
@@ -114,19 +108,21 @@ class SeriesWriter:
                 names=names,
                 colors=colours,
                 widths=[1.5] * len(names),
-                visible_series=[bool(self.largest[column] > 0.0) for column in series.columns],
-                aggregation_policy=rr.components.AggregationPolicy.Max if series.counts else None,
+                visible_series=visible,
+                # of whole numbers no mean should be drawn where pixels are too few
+                aggregation_policy=rr.components.AggregationPolicy.Max if series.group in COUNTS else None,
             )
             self.recording.log(f"{self.look.path}/{series.path}", style, static=True)
 
-    def shown(self) -> list[Series]:
-        """The series that are not zero all the time."""
-        return [series for series in self.series if self.largest[list(series.columns)].any()]
+    def shown(self) -> list[tuple[Series, list[bool]]]:
+        """The series, and which of their lines are not zero all the time."""
+        return [(series, [bool(self.largest[column] > 0.0) for column in series.columns]) for series in self.series]
 
 
 def times(steps: Sequence[float] | Floats, seconds: Sequence[float] | Floats) -> list[rr.TimeColumn]:
     """Both timelines: `step`, and `sim_time` to a nanosecond."""
+    nanoseconds = np.rint(1e9 * np.asarray(seconds, np.float64)).astype("timedelta64[ns]")
     return [
         rr.TimeColumn("step", sequence=np.asarray(steps, np.int64)),
-        rr.TimeColumn("sim_time", duration=np.asarray(seconds, np.float64)),
+        rr.TimeColumn("sim_time", duration=nanoseconds),
     ]

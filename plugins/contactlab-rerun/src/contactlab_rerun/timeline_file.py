@@ -13,11 +13,14 @@ from uuid import uuid4
 import numpy as np
 import rerun as rr
 
+from contactlab.api.units import Units
 from contactlab_rerun.blueprint import Shown, blueprint
+from contactlab_rerun.colour_bar import log_colour_bar, log_state_key
+from contactlab_rerun.convergence import log_convergence
 from contactlab_rerun.drawing import FEW_CELLS, OUTLINE, Drawing, Scale, model_box
-from contactlab_rerun.gathered import Gathered, Look, nice
-from contactlab_rerun.notes import log_events, log_lanes, log_page
-from contactlab_rerun.plots import Plot, log_axes, log_colour_bar, log_curves, log_legend, plot_for
+from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Gathered, Look, nice
+from contactlab_rerun.notes import log_events, log_iterations, log_lanes, log_page
+from contactlab_rerun.profiles import Profile, log_profile, profile_of
 from contactlab_rerun.series import SeriesWriter
 
 if TYPE_CHECKING:
@@ -46,39 +49,63 @@ class TimelineFile:
 
     def finish(self, summaries: Sequence[Mapping[str, Any]]) -> None:
         """Write everything that waited for the end. Raises OSError where the disk is full."""
-        _need_room(self.path.parent)
-        for run, _, writer in self.runs:
-            run.finish()
+        try:
+            _need_room(self.path.parent)
+            if all(run.instants for run, _, _ in self.runs):
+                self._finish(summaries)
+            _need_room(self.path.parent)
+        except OSError:
+            self.abandon()
+            raise
+        self.recording.disconnect()
+        self.present.replace(self.path)
+
+    def abandon(self) -> None:
+        """Leave nothing behind."""
+        self.recording.disconnect()
+        self.present.unlink(missing_ok=True)
+
+    def _finish(self, summaries: Sequence[Mapping[str, Any]]) -> None:
+        several = len(self.runs) > 1
+        for (run, _, writer), summary in zip(self.runs, summaries, strict=True):
+            run.finish(summary)
             writer.flush()
-            writer.log_styles(several=len(self.runs) > 1)
-        shown = self._draw()
-        plots = self._plot()
+            writer.log_styles(several)
+        shown, profiles = self._draw(), self._profiles()
+        converged = log_convergence(self.recording, [(run, look) for run, look, _ in self.runs], self._hang)
         for (run, look, _), summary in zip(self.runs, summaries, strict=True):
             log_lanes(self.recording, run, look, self._lanes())
-            log_events(self.recording, run, look)
+            log_events(self.recording, run, look, several)
+            log_iterations(self.recording, run, look)
             log_page(self.recording, run.layout, look, summary)
         self.recording.send_recording_name(self.runs[0][0].layout.title)
-        self.recording.send_blueprint(blueprint(shown, plots, self.timeline), make_active=True, make_default=True)
-        self.recording.disconnect()
-        _need_room(self.path.parent)
-        self.present.replace(self.path)
+        arranged = blueprint(shown, profiles, converged, self.timeline)
+        self.recording.send_blueprint(arranged, make_active=True, make_default=True)
+
+    @property
+    def _hang(self) -> float:
+        """Labels hang by pixels, and the plots of comparisons are smaller."""
+        return 0.035 if len(self.runs) == 1 else 0.07
 
     def _lanes(self) -> int:
         return self.options.lanes if len(self.runs) == 1 else max(1, MOST_LANES // len(self.runs))
 
     def _draw(self) -> list[Shown]:
         low, high = model_box([run for run, _, _ in self.runs])
-        top = nice(max(run.top for run, _, _ in self.runs))
-        pressure = max(run.largest("pressure") for run, _, _ in self.runs) or 1.0
-        scale = Scale(top, pressure, float((high - low).max()))
+        ends = [run.extent for run, _, _ in self.runs]
+        field = -nice(-min(ends)[0]) if min(ends)[0] < 0.0 else 0.0, nice(max(top for _, top in ends))
+        pressure = max(run.largest_pressure for run, _, _ in self.runs) or 1.0
+        scale = Scale(*field, pressure, float((high - low).max()))
         shown = []
         for run, look, writer in self.runs:
             outline = look.colour if len(self.runs) > 1 else OUTLINE
             Drawing(self.recording, run, look, scale, outline, self._wired(run)).draw()
             box = np.asarray(low, float), np.asarray(high, float)
-            if self.options.field != "none":
+            if run.layout.contacts:
+                log_state_key(self.recording, look.path, *box, run.frictional)
+            if self.options.field != NO_FIELD:
                 label = _label(self.options.field, run.layout.units)
-                box = log_colour_bar(self.recording, look.path, label, top, *box)
+                box = log_colour_bar(self.recording, look.path, label, field, *box)
             shown.append(Shown(look, run, box, writer.shown()))
         return shown
 
@@ -86,9 +113,9 @@ class TimelineFile:
         few = sum(len(body.cells) for body in run.layout.bodies) <= FEW_CELLS
         return few if self.options.wire == "auto" else bool(self.options.wire)
 
-    def _plot(self) -> list[Plot]:
-        """Axes for each slave surface, with the curves of all runs on it."""
-        plots = []
+    def _profiles(self) -> list[Profile]:
+        """A plot for each slave surface, with the curves of all runs on it."""
+        profiles = []
         for number, slave in enumerate(dict.fromkeys(c.slave for run, _, _ in self.runs for c in run.layout.contacts)):
             these = [
                 (contact.name, run, look)
@@ -97,23 +124,16 @@ class TimelineFile:
                 if contact.slave == slave
             ]
             contact = next(c for c in these[0][1].layout.contacts if c.slave == slave)
-            plot = plot_for(contact, [(name, run) for name, run, _ in these], f"/axes/{number}")
-            log_axes(self.recording, plot)
-            if len(self.runs) > 1:
-                log_legend(self.recording, plot, [look for _, _, look in these])
-            for name, run, look in these:
-                log_curves(self.recording, plot, run, look, name)
-            plots.append(plot)
-        return plots
+            profile = profile_of(contact, [(name, run) for name, run, _ in these], f"/axes/{number}", self._hang)
+            log_profile(self.recording, profile, these)
+            profiles.append(profile)
+        return profiles
 
 
 def _label(field: str, units: str) -> str:
-    from contactlab.api.units import Units
-
-    pressure = Units.of_label(units).pressure
-    if field == "von_mises":
-        return f"von Mises stress [{pressure}]" if pressure else "von Mises stress"
-    return field.replace("_", " ")
+    name = {VON_MISES: "von Mises stress"}.get(field, field.replace("_", " "))
+    unit = Units.of_label(units).pressure if field in (VON_MISES, PRESSURE) else ""
+    return f"{name} [{unit}]" if unit else name
 
 
 def _need_room(folder: Path) -> None:

@@ -43,12 +43,16 @@ def open_window(file: Path) -> None:
 
 
 def write_picture(file: Path, png: Path, step: int | None) -> None:
-    """A picture of the recording at `step`, or at its end. Raises RuntimeError where that is not possible."""
+    """A picture of the recording at `step`, or at its end.
+
+    Raises ValueError where there is no such step, RuntimeError where this machine cannot draw.
+    """
     with headless_viewer(file) as client:
         _wait_for(client)
-        timeline = None if step is None else "step"
-        name, last = _timeline(client, timeline)
-        _set_time(client, name, last if step is None else step)
+        first, last = _steps(client)
+        if step is not None and not first <= step <= last:
+            raise ValueError(f"got {step}, allowed: {first} to {last}, the steps of the recording")
+        client.set_time("step", sequence=last if step is None else step, play_state="paused")
         sleep(SETTLE)
         with tempfile.TemporaryDirectory() as folder:
             shot = Path(folder) / "picture.png"
@@ -140,23 +144,19 @@ def _wait_for(client: Any) -> None:
     raise RuntimeError(f"the viewer did not load the recording within {PATIENCE:.0f} s")
 
 
-def _timeline(client: Any, wanted: str | None) -> tuple[str, int]:
-    """The timeline to move on and its last value."""
+def _steps(client: Any) -> tuple[int, int]:
+    """First and last step of the recording."""
     for recording in client.get_state().recordings:
         for timeline in recording.timelines:
-            if timeline.name == (wanted or "step"):
-                return timeline.name, int(timeline.end)
+            if timeline.name == "step":
+                return int(timeline.start), int(timeline.end)
     raise RuntimeError("the recording has no timeline of steps")
 
 
-def _set_time(client: Any, timeline: str, value: int) -> None:
-    client.set_time(timeline, sequence=value, play_state="paused")
-
-
 def _publish(shot: Path, png: Path) -> None:
-    """Write the picture with five bits per colour: half the size, and no difference that an eye would find."""
-    from PIL import Image, ImageOps
+    """Write the picture with 256 colours of its own: half the size, and hardly a difference to the eye."""
+    from PIL import Image
 
     with Image.open(shot) as image:
         shown = image.convert("RGB").crop((0, MENU, *image.size))
-        ImageOps.posterize(shown, 5).save(png, optimize=True)
+        shown.quantize(256, method=Image.Quantize.MAXCOVERAGE, kmeans=3).save(png, optimize=True)

@@ -1,0 +1,92 @@
+"""How Newton's iteration of the step at the cursor converged: residuals over iterations, steps taken back included."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import groupby
+
+import numpy as np
+import rerun as rr
+
+from contactlab.api.colours import STYLES, rgb
+from contactlab.api.frame import IterationRow
+from contactlab_rerun.axes import Axes, dashed, log_legend
+from contactlab_rerun.gathered import Gathered, Look
+from contactlab_rerun.projection import line_strips
+from contactlab_rerun.series import times
+
+PATH = "/axes/newton"
+FLOOR = 1e-17  # residuals below it are drawn there
+
+
+def log_convergence(recording: rr.RecordingStream, runs: Sequence[tuple[Gathered, Look]], hang: float) -> bool:
+    """The plot for all runs that iterate; False where none does."""
+    found = [(run.iterations, look) for run, look in runs if run.iterations]
+    if not found:
+        return False
+    axes = _axes([rows for rows, _ in found], hang)
+    powers = range(int(axes.low), int(axes.high) + 1, 2 if axes.high - axes.low < 12 else 4)
+    numbers = range(0, int(axes.x1) + 1, max(1, int(axes.x1) // 5))
+    axes.log(
+        recording,
+        ("iteration of the step", "residual"),
+        [(float(n), str(n)) for n in numbers if n],
+        [(float(power), f"1e{power}") for power in powers],
+    )
+    colours = [rgb(look.colour) for _, look in found]
+    if len(found) > 1:
+        names = [(look.title, colour) for (_, look), colour in zip(found, colours, strict=True)]
+    else:
+        colours = [STYLES[0].rgb]
+        names = [("force", colours[0]), ("contact (dashed)", colours[0])]
+    log_legend(recording, axes.path, names, hang)
+    for (rows, look), colour in zip(found, colours, strict=True):
+        _log_run(recording, axes, rows, look, colour)
+    return True
+
+
+def _axes(runs: Sequence[Sequence[IterationRow]], hang: float) -> Axes:
+    values = np.array([_power(value) for rows in runs for row in rows for value in (row.force, row.contact)])
+    most = max(len(list(rows)) for run in runs for _, rows in groupby(run, key=lambda row: row.step))
+    return Axes(
+        PATH, 0.0, float(max(2, most)), float(np.floor(values.min())), float(np.ceil(values.max() + 1e-9)), hang
+    )
+
+
+def _log_run(
+    recording: rr.RecordingStream, axes: Axes, rows: Sequence[IterationRow], look: Look, colour: tuple[int, ...]
+) -> None:
+    steps = [list(of_step) for _, of_step in groupby(rows, key=lambda row: row.step)]
+    when = times([of_step[0].step for of_step in steps], [of_step[-1].time + of_step[-1].dt for of_step in steps])
+    for name in ("force", "contact"):
+        points, lengths, counts = [], [], []
+        for of_step in steps:
+            strips = _strips(axes, of_step, name)
+            points += strips
+            lengths += [len(strip) for strip in strips]
+            counts.append(len(strips))
+        lines = line_strips(np.concatenate(points), lengths)
+        path = f"{look.path}/convergence/{name}"
+        recording.send_columns(path, when, rr.LineStrips3D.columns(strips=lines).partition(counts))
+        recording.log(path, rr.LineStrips3D.from_fields(colors=[colour], radii=[-1.3]), static=True)
+
+
+def _strips(axes: Axes, rows: Sequence[IterationRow], name: str) -> list[np.ndarray]:
+    """A line for each attempt of a step, in pieces where it is dashed; attempts follow one another."""
+    strips: list[np.ndarray] = []
+    begin = 0
+    for _, attempt in groupby(rows, key=lambda row: row.attempt):
+        values = [_power(getattr(row, name)) for row in attempt]
+        x = np.arange(begin + 1.0, begin + len(values) + 1.0)
+        begin += len(values)
+        if len(values) == 1:  # a line of one point is none
+            x, values = np.array([x[0] - 0.1, x[0] + 0.1]), 2 * values
+        if name == "force":
+            strips.append(axes.points(x, np.array(values)))
+        else:
+            strips += list(axes.points(*dashed(x, np.array(values))).reshape(-1, 2, 3))
+    return strips
+
+
+def _power(residual: float) -> float:
+    return float(np.log10(max(residual, FLOOR))) if np.isfinite(residual) else 0.0

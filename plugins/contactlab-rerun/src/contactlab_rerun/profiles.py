@@ -1,0 +1,88 @@
+"""Pressure and shear over the arc length of a slave surface, at every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import rerun as rr
+
+from contactlab.api.arrays import Floats
+from contactlab.api.colours import rgb
+from contactlab.api.frame import ContactLayout
+from contactlab.api.units import Units
+from contactlab_rerun.axes import Axes, dashed, dashed_columns, log_legend, solid_columns, ticks
+from contactlab_rerun.gathered import Gathered, Look, Surface, nice
+from contactlab_rerun.series import times
+
+MARGIN = 0.08  # of what is ever pressed, on either side
+
+
+@dataclass(frozen=True)
+class Profile:
+    """A plot that several runs share: the slave surface and what is shown along it."""
+
+    axes: Axes
+    slave: str
+    what: str
+    units: Units
+
+
+def profile_of(contact: ContactLayout, runs: Sequence[tuple[str, Gathered]], path: str, hang: float) -> Profile:
+    """Axes for one slave surface in all `runs` that have it, each with the name of its contact."""
+    surfaces = [run.surfaces[name] for name, run in runs]
+    s = surfaces[0].s
+    pressed = np.concatenate([surface.s[surface.state.any(axis=0)] for surface in surfaces])
+    s0, s1 = (pressed.min(), pressed.max()) if len(pressed) else (s.min(), s.max())
+    margin = max(MARGIN * (s1 - s0), 2.0 * np.diff(np.sort(s)).max(initial=0.0))
+    frictional = any(c.friction for name, run in runs for c in run.layout.contacts if c.name == name)
+    values = [values for surface in surfaces for values in (surface.pressure, surface.shear)]
+    high = nice(max(float(part.max(initial=0.0)) for part in values))
+    low = min(float(part.min(initial=0.0)) for part in values)
+    low = -nice(-low) if low < -0.01 * high else 0.0
+    what = "pressure (solid) and shear (dashed)" if frictional else "pressure"
+    axes = Axes(path, max(s.min(), s0 - margin), min(s.max(), s1 + margin), low, high, hang)
+    return Profile(axes, contact.slave, what, Units.of_label(runs[0][1].layout.units))
+
+
+def log_profile(recording: rr.RecordingStream, profile: Profile, runs: Sequence[tuple[str, Gathered, Look]]) -> None:
+    """Axes, curves of all runs, and the names of several."""
+    axes, units = profile.axes, profile.units
+    titles = f"s along {profile.slave}{_in(units.length)}", f"p{_in(units.pressure)}"
+    axes.log(recording, titles, ticks(axes.x0, axes.x1), ticks(axes.low, axes.high))
+    if len(runs) > 1:
+        body = profile.slave.partition(".")[0]
+        names = [(look.title.removesuffix(f", slave {body}"), rgb(look.colour)) for _, _, look in runs]
+        log_legend(recording, axes.path, names, axes.hang)
+    for name, run, look in runs:
+        _log_curves(recording, axes, run, look, name)
+
+
+def _log_curves(recording: rr.RecordingStream, axes: Axes, run: Gathered, look: Look, contact: str) -> None:
+    surface = run.surfaces[contact]
+    order = np.argsort(surface.s, kind="stable")
+    order = order[(surface.s[order] >= axes.x0 - 1e-12) & (surface.s[order] <= axes.x1 + 1e-12)]
+    when = times([i.step for i in run.instants], [i.time for i in run.instants])
+    path = f"{look.path}/profile/{contact}"
+    pressure = axes.points(
+        np.broadcast_to(surface.s[order], (len(run.instants), len(order))), surface.pressure[:, order]
+    )
+    recording.send_columns(f"{path}/pressure", when, solid_columns(pressure))
+    names = ["pressure"]
+    if next(c.friction for c in run.layout.contacts if c.name == contact):
+        recording.send_columns(f"{path}/shear", when, dashed_columns(_dashed_shear(axes, surface, order)))
+        names.append("shear")
+    for name in names:
+        style = rr.LineStrips3D.from_fields(colors=[rgb(look.colour)], radii=[-1.3])
+        recording.log(f"{path}/{name}", style, static=True)
+
+
+def _dashed_shear(axes: Axes, surface: Surface, order: np.ndarray) -> np.ndarray:
+    lines = [dashed(surface.s[order], shear[order]) for shear in surface.shear]
+    s: Floats = np.array([s for s, _ in lines])
+    return axes.points(s, np.array([shear for _, shear in lines]))
+
+
+def _in(unit: str) -> str:
+    return f" [{unit}]" if unit else ""

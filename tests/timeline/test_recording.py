@@ -1,0 +1,358 @@
+"""What is in a recording, read back by rerun's own reader and held against `results.vtkhdf`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from contactlab.api.colours import CLOSED, STATES, rgb
+from contactlab.errors import RequestError
+from contactlab.registry import default_registry
+from contactlab.results.results import Results
+from contactlab.simulation import simulate
+
+pa = pytest.importorskip("pyarrow", reason="rerun-sdk is not installed (plugin contactlab-rerun)")
+chunk = pytest.importorskip("rerun.chunk", reason="rerun-sdk is not installed (plugin contactlab-rerun)")
+
+MakeScene = Callable[..., Any]
+FILE = "timeline.rrd"
+COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
+PLASTIC = {f"materials.soft.{key}": value for key, value in {
+    "use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03,
+}.items()}  # fmt: skip
+BOTH = {"record.recorders": ["vtkhdf", "rerun"]}
+# the viewer keeps single precision, and drawings are scaled: 2^-23 of the largest coordinate, a few times
+SINGLE = 1e-6
+
+
+class Rows(NamedTuple):
+    """What an entity holds of one component: steps, times [s], and a value per row."""
+
+    steps: np.ndarray
+    times: np.ndarray
+    values: list[Any]
+
+
+class Reader:
+    """All chunks of a recording by entity path, `/run/energy` and so on."""
+
+    def __init__(self, path: Path) -> None:
+        self.moving: dict[str, list[Any]] = {}
+        self.static: dict[str, list[Any]] = {}
+        for part in chunk.RrdReader(str(path)).stream():
+            kind = self.static if part.is_static else self.moving
+            kind.setdefault(part.entity_path, []).append(part.to_record_batch())
+
+    @property
+    def paths(self) -> set[str]:
+        """Entities without the recording's own properties."""
+        return {path for path in self.moving.keys() | self.static.keys() if not path.startswith("/__")}
+
+    def rows(self, path: str, component: str) -> Rows:
+        """A component of an entity, in order of the steps."""
+        batches = [batch for batch in self.moving[path] if component in batch.schema.names]
+        steps = np.concatenate([batch["step"].to_numpy() for batch in batches])
+        nanoseconds = np.concatenate([batch["sim_time"].cast(pa.int64()).to_numpy() for batch in batches])
+        values = [value for batch in batches for value in batch[component].to_pylist()]
+        order = np.argsort(steps, kind="stable")
+        return Rows(steps[order], nanoseconds[order] * 1e-9, [values[k] for k in order])
+
+    def scalars(self, path: str) -> tuple[list[str], Rows]:
+        """Names of the lines of a plot, and their values at every step."""
+        return self.constant(path, "SeriesLines:names"), self.rows(path, "Scalars:scalars")
+
+    def constant(self, path: str, component: str) -> Any:
+        """A component that does not change."""
+        (batch,) = [batch for batch in self.static[path] if component in batch.schema.names]
+        return batch[component].to_pylist()[0]
+
+
+def packed(colour: str) -> int:
+    red, green, blue = rgb(colour)
+    return red << 24 | green << 16 | blue << 8 | 0xFF
+
+
+@pytest.fixture(scope="module")
+def run(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory) -> Results:
+    """A run with friction and plasticity that leaves a recording."""
+    return simulate(small_scene({**COULOMB, **PLASTIC, **BOTH}), tmp_path_factory.mktemp("recorded") / "run")
+
+
+@pytest.fixture(scope="module")
+def reader(run: Results) -> Reader:
+    assert run.folder is not None
+    return Reader(run.folder / FILE)
+
+
+# --- one run --------------------------------------------------------------------------------------
+
+
+def test_entities(run: Results, reader: Reader) -> None:
+    expected = {f"/run/{name}" for name in (
+        "view", "mesh", "outline", "wire", "arrows", "bar", "bar/labels", "bar/stick", "bar/slip", "energy", "solver",
+        "reaction", "time-per-step", "nodes/contacts.0", "violation/contacts.0", "profile/contacts.0/pressure",
+        "profile/contacts.0/shear", "events", "scene",
+    )} | {f"/axes/0/{name}" for name in ("view", "axes", "grid", "labels")}  # fmt: skip
+    lanes = {path for path in reader.paths if path.startswith("/run/state/contacts.0/s-")}
+    assert 2 <= len(lanes) <= 8
+    assert reader.paths - lanes == expected
+
+
+def test_scalars_of_every_step_are_those_of_the_results_file(run: Results, reader: Reader) -> None:
+    """All columns but the two timelines, to the last bit."""
+    steps, found = run.steps, {}
+    for path, prefix in (
+        ("solver", ""), ("energy", "energy."), ("reaction", ""), ("time-per-step", "cost."),
+        ("nodes/contacts.0", "contacts.0."), ("violation/contacts.0", "contacts.0."),
+    ):  # fmt: skip
+        names, rows = reader.scalars(f"/run/{path}")
+        assert np.array_equal(rows.steps, steps["step"])
+        # durations are whole nanoseconds
+        assert np.abs(rows.times - steps["time"]).max() <= 0.5e-9 * (1.0 + 1e-6)
+        values = np.array(rows.values)
+        found |= {prefix + name: values[:, i] for i, name in enumerate(names)}
+    assert found.keys() == steps.keys() - {"step", "time"}
+    for name, values in found.items():
+        assert np.array_equal(values, steps[name]), name
+
+
+def test_every_frame_has_its_deformed_mesh(run: Results, reader: Reader) -> None:
+    rows = reader.rows("/run/mesh", "Mesh3D:vertex_positions")
+    assert rows.steps.tolist() == [frame.step for frame in run.frames]
+    assert len(rows.steps) >= 20
+    for frame, positions in zip(run.frames, rows.values, strict=True):
+        shown = np.array(positions)
+        assert np.abs(shown[:, :2] - (run.nodes + frame.displacement)).max() < SINGLE
+        assert (shown[:, 2] == -1.0).all()
+    triangles = np.array(reader.constant("/run/mesh", "Mesh3D:triangle_indices"))
+    cells = np.concatenate(list(run.cells.values()))
+    assert len(triangles) == 2 * len(cells)
+    assert set(triangles.ravel()) == set(cells.ravel())
+
+
+def test_colours_follow_the_field(run: Results, reader: Reader) -> None:
+    """The lightest node is where the von Mises stress is largest, and it grows lighter with the load."""
+    from contactlab_rerun.mesh_shape import MeshShape
+
+    colours = reader.rows("/run/mesh", "Mesh3D:vertex_colors").values
+    shape, frame = MeshShape(run.layout), run.frames[-1]
+    field = shape.nodal(np.concatenate([frame.cells[body.name]["von_mises"] for body in run.layout.bodies]))
+    luminance = (np.array(colours[-1]) >> np.array([[24], [16], [8]]) & 0xFF).T @ [0.2126, 0.7152, 0.0722]
+    order = np.argsort(field)
+    assert luminance[order[-5:]].min() > luminance[order[:5]].max()
+    # the colour map rises evenly in lightness, but for one step of rounding
+    assert (np.diff(luminance[order]) > -3.0).all()
+    assert len(set(colours[0])) == 1, "nothing is loaded in the first frame"
+
+
+def test_arrows_are_contact_tractions_in_the_colours_of_the_states(run: Results, reader: Reader) -> None:
+    origins = reader.rows("/run/arrows", "Arrows3D:origins").values
+    vectors = reader.rows("/run/arrows", "Arrows3D:vectors").values
+    colours = reader.rows("/run/arrows", "Arrows3D:colors").values
+    pressures, lengths = [], []
+    seen = set()
+    for number, frame in enumerate(run.frames):
+        curve = frame.curves["contacts.0"]
+        closed = np.flatnonzero(curve.state)
+        assert len(origins[number] or []) == len(closed)
+        if len(closed):
+            shown = np.array(origins[number])
+            # lines over the mesh are lifted towards the viewer, along the line of sight
+            assert np.abs(shown[:, :2] / -shown[:, 2:] - np.stack([curve.x, curve.y], axis=1)[closed]).max() < SINGLE
+            assert colours[number] == [packed(STATES[state]) for state in curve.state[closed]]
+            pressures += np.hypot(curve.pressure, curve.shear)[closed].tolist()
+            lengths += np.hypot(*np.array(vectors[number])[:, :2].T).tolist()
+            seen |= set(curve.state[closed].tolist())
+    assert seen == {1, 2}, "the run shows stick and slip"
+    scale = max(lengths) / pressures[int(np.argmax(lengths))]
+    assert np.allclose(lengths, scale * np.array(pressures), rtol=1e-5, atol=1e-7)
+
+
+def test_profiles_are_the_contact_curves(run: Results, reader: Reader) -> None:
+    """Values are affine in what is drawn: the scales follow from the axes' own corners."""
+    strips = reader.rows("/run/profile/contacts.0/pressure", "LineStrips3D:strips")
+    assert strips.steps.tolist() == [frame.step for frame in run.frames]
+    peaks = [max(point[1] for point in strip[0]) for strip in strips.values]
+    expected = [frame.curves["contacts.0"].pressure.max() for frame in run.frames]
+    assert np.corrcoef(peaks, expected)[0, 1] > 1.0 - 1e-9
+    labels = reader.constant("/axes/0/labels", "Points3D:labels")
+    assert "p [MPa]" in labels
+    assert "s along disc.arc [mm]" in labels
+    ticks = [float(label) for label in labels if label.replace(".", "").replace("-", "").isdigit()]
+    assert max(ticks) <= 1.05 * max(expected)
+
+
+def test_lanes_change_with_the_states(run: Results, reader: Reader) -> None:
+    from contactlab.api.frame import STATES as NAMES
+
+    first = run.frames[0].curves["contacts.0"]
+    lanes = [path for path in reader.paths if path.startswith("/run/state/")]
+    for path in lanes:
+        s = float(path.rpartition("s-")[2])
+        node = int(np.argmin(np.abs(first.s - s)))
+        states = [NAMES[frame.curves["contacts.0"].state[node]] for frame in run.frames]
+        changes = [k for k in range(len(states)) if k == 0 or states[k] != states[k - 1]]
+        rows = reader.rows(path, "StateChange:state")
+        assert rows.steps.tolist() == [run.frames[k].step for k in changes]
+        assert [value[0] for value in rows.values] == [states[k] for k in changes]
+
+
+def test_events_count_what_the_curves_show(run: Results, reader: Reader) -> None:
+    rows = reader.rows("/run/events", "TextLog:text")
+    told: dict[str, int] = {}
+    for (text,) in rows.values:
+        for part in text.split(", "):
+            number, _, what = part.partition(" ")
+            if number.isdigit():
+                told[what] = told.get(what, 0) + int(number)
+    states = np.array([frame.curves["contacts.0"].state for frame in run.frames])
+    old, new = states[:-1], states[1:]
+    assert told["closed"] == ((old == 0) & (new > 0)).sum() > 0
+    assert told.get("opened", 0) == ((old > 0) & (new == 0)).sum()
+    assert told.get("began to slip", 0) == ((old == 1) & (new == 2)).sum()
+    assert told.get("began to stick", 0) == ((old == 2) & (new == 1)).sum()
+
+
+def test_page_names_parts_versions_and_cost(run: Results, reader: Reader) -> None:
+    (text,) = reader.constant("/run/scene", "TextDocument:text")
+    for part in (*run.summary["parts"].values(), *run.summary["versions"].values()):
+        assert f"| {part} |" in text
+    assert f"| steps | {run.summary['steps']} |" in text
+    assert run.layout.scene.strip() in text
+
+
+@pytest.mark.parametrize(("field", "label"), [
+    ("equivalent_plastic_strain", "equivalent plastic strain"), ("plastic_strain", "plastic strain"),
+    ("pressure", "pressure [MPa]"), ("none", ""),
+])  # fmt: skip
+def test_other_fields(field: str, label: str, run: Results, tmp_path: Path) -> None:
+    read = again(run, tmp_path / "run", field=field)
+    if field == "none":
+        assert "/run/bar" not in read.paths
+    else:
+        low, name, high = read.constant("/run/bar/labels", "Points3D:labels")
+        assert name == label
+        # compression is positive; some of the block is pulled
+        assert (float(low) < 0.0) == (field == "pressure")
+        assert float(high) > 0.0
+
+
+def again(run: Results, folder: Path, **options: Any) -> Reader:
+    """The same run recorded with other options."""
+    from contactlab.recorders import record_again
+
+    folder.mkdir()
+    record_again(default_registry().make("recorder", {"use": "rerun", **options}), folder, run)
+    return Reader(folder / FILE)
+
+
+def test_field_that_no_body_has_is_refused(small_scene: MakeScene, tmp_path: Path) -> None:
+    scene = small_scene({"record.recorders": [{"use": "rerun", "field": "temperature"}]})
+    with pytest.raises(RequestError, match="field: got temperature, allowed in this scene: von_mises, pressure, none"):
+        simulate(scene, tmp_path / "run")
+
+
+def test_fewer_frames_keep_the_last_one(run: Results, tmp_path: Path) -> None:
+    read = again(run, tmp_path / "run", every=7)
+    steps = [frame.step for frame in run.frames]
+    expected = sorted({*steps[::7], steps[-1]})
+    assert read.rows("/run/mesh", "Mesh3D:vertex_positions").steps.tolist() == expected
+    assert len(read.scalars("/run/energy")[1].steps) == len(run.steps["step"])
+
+
+# --- statics --------------------------------------------------------------------------------------
+
+
+def test_newton_iterations_are_on_the_timeline(small_scene: MakeScene, tmp_path: Path) -> None:
+    scene = small_scene({"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02, **BOTH})
+    run = simulate(scene, tmp_path / "run")
+    read = Reader(tmp_path / "run" / FILE)
+    rows = read.rows("/run/iterations", "TextLog:text")
+    assert rows.steps.tolist() == [row.step for row in run.iterations]
+    for (text,), row in zip(rows.values, run.iterations, strict=True):
+        assert f"iteration {row.number}: force {row.force:.1e}, contact {row.contact:.1e}" in text
+        assert f"{row.active} closed" in text
+    curves = read.rows("/run/convergence/force", "LineStrips3D:strips")
+    assert curves.steps.tolist() == sorted({row.step for row in run.iterations})
+    # the residual falls in every step: the last point of a curve is its lowest
+    for strips in curves.values:
+        heights = [point[1] for point in strips[-1]]
+        assert heights[-1] == min(heights)
+    names, values = read.scalars("/run/solver")
+    per_step = np.array(values.values)[:, names.index("iterations")]
+    assert per_step.sum() == run.summary["iterations"]
+
+
+# --- several runs ---------------------------------------------------------------------------------
+
+
+def test_comparison_has_all_runs_on_one_cursor(small_scene: MakeScene, tmp_path: Path) -> None:
+    from contactlab.compare.recordings import record_comparison, runs_of, titled_runs
+
+    algorithms = ("mortar-p0", "node-on-segment")
+    for number, algorithm in enumerate(algorithms):
+        changes = {"contacts.0.algorithm": algorithm, "time.end": 8e-6 + 1e-6 * number}
+        simulate(small_scene(changes), tmp_path / "runs" / str(number))
+    scene = small_scene(BOTH)
+    record_comparison(scene, default_registry(), tmp_path, ["0", "1"])
+    read, runs = Reader(tmp_path / FILE), titled_runs(runs_of(tmp_path))
+    assert list(runs) == ["mortar-p0, end 8e-06", "node-on-segment, end 9e-06"]
+    colours = set()
+    for name, run in zip(("mortar-p0-end-8e-06", "node-on-segment-end-9e-06"), runs.values(), strict=True):
+        names, rows = read.scalars(f"/{name}/energy")
+        assert np.array_equal(rows.steps, run.steps["step"])
+        assert np.array_equal(np.array(rows.values)[:, 1], run.steps["energy.internal"])
+        assert set(names) == {next(title for title, other in runs.items() if other is run)}
+        frames = read.rows(f"/{name}/mesh", "Mesh3D:vertex_positions")
+        assert len(frames.steps) == len(run.frames)
+        (outline,) = read.constant(f"/{name}/outline", "LineStrips3D:colors")
+        (line,) = read.constant(f"/{name}/profile/contacts.0/pressure", "LineStrips3D:colors")
+        assert outline == line
+        colours.add(outline)
+        # frictionless contact neither sticks nor slips
+        assert {c for frame in read.rows(f"/{name}/arrows", "Arrows3D:colors").values for c in frame or ()} == {
+            packed(CLOSED)
+        }
+        assert any(text.startswith(names[0]) for (text,) in read.rows(f"/{name}/events", "TextLog:text").values)
+    assert len(colours) == 2
+
+
+def test_colours_of_algorithms_are_those_of_the_report() -> None:
+    from contactlab_rerun.gathered import tint
+
+    from contactlab.api.colours import styles
+
+    assert tint(styles(["mortar-p0", "mortar-p1"])["mortar-p1"].colour, 0) == (
+        styles(["mortar-p0", "mortar-p1"])["mortar-p1"].colour.lower()
+    )
+
+
+# --- runs that end early --------------------------------------------------------------------------
+
+
+def test_failed_run_says_so_at_its_end(small_scene: MakeScene, tmp_path: Path) -> None:
+    # a step far above the stable one
+    run = simulate(small_scene({"time.step": 1e-7, **BOTH}), tmp_path / "run")
+    assert run.status == "diverged"
+    read = Reader(tmp_path / "run" / FILE)
+    texts = [text for (text,) in read.rows("/run/events", "TextLog:text").values]
+    assert texts[-1] == f"diverged: {run.reason}"
+    levels = [level for (level,) in read.rows("/run/events", "TextLog:level").values]
+    assert levels[-1] == "ERROR"
+
+
+def test_full_disk_is_said_and_leaves_nothing_half(
+    run: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from contactlab_rerun import timeline_file
+
+    from contactlab.recorders import record_again
+
+    monkeypatch.setattr(timeline_file.shutil, "disk_usage", lambda folder: type("Usage", (), {"free": 1000}))
+    with pytest.raises(OSError, match="No space left"):
+        record_again(default_registry().make("recorder", "rerun"), tmp_path, run)
+    assert list(tmp_path.iterdir()) == []
