@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from scipy.sparse import coo_matrix, diags
+from scipy.linalg import eigh
+from scipy.sparse import coo_matrix
 from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats, Ints
 from contactlab.model.body import Body
 from contactlab.model.stiffness import cell_stiffness
+
+ROUND = 1e-12  # of the mean stiffness over mass: rigid motions keep round-off of the moduli
 
 
 def loaded_frequency(body: Body, positions: Floats, mass: Floats, fixed: Ints, directions: Floats) -> float:
@@ -16,7 +21,7 @@ def loaded_frequency(body: Body, positions: Floats, mass: Floats, fixed: Ints, d
 
     Rayleigh's method: the deflection u under its own inertia forces in a direction gives
     w^2 = u K u / u M u, a few per cent above the mode's own. `fixed` dofs (2 * node + component) are
-    held.
+    held. A body that they leave adrift is stretched evenly instead.
     inf where every degree of freedom is held.
     """
     n, a = body.cells.shape
@@ -30,18 +35,28 @@ def loaded_frequency(body: Body, positions: Floats, mass: Floats, fixed: Ints, d
         return float("inf")
     nodal = np.repeat(mass, 2)[own]
     reduced = stiffness[own][:, own]
-    if len(own) == len(everything):
+    if _adrift(reduced, positions, nodal, own):
         shapes = [_stretch(positions, nodal, own)]
     else:
-        # a weak, evenly spread spring holds what the supports leave adrift
-        solve = splu(reduced + diags(1e-9 * reduced.diagonal())).solve
+        solve = splu(reduced).solve
         shapes = [solve(nodal * direction[own % 2]) for direction in directions]
     squares = [(u @ (reduced @ u)) / (u @ (nodal * u)) for u in shapes if np.any(u)]
     return float(np.sqrt(min(squares))) if squares else float("inf")
 
 
+def _adrift(stiffness: Any, positions: Floats, nodal: Floats, own: Ints) -> bool:
+    """Whether the supports leave the body some rigid motion, which costs no energy."""
+    x = positions - positions[own // 2].mean(axis=0)
+    turn = np.stack([-x[:, 1], x[:, 0]], axis=1).reshape(-1)[own]
+    modes = np.stack([own % 2 == 0, own % 2 == 1, turn / np.abs(x).max()], axis=1).astype(np.float64)
+    energy, inertia = modes.T @ (stiffness @ modes), modes.T @ (nodal[:, None] * modes)
+    # a support that holds any of them strains its cells: far above round-off of the stiffest ones
+    rigid = ROUND * stiffness.diagonal().sum() / nodal.sum()
+    return bool(eigh(energy, inertia, eigvals_only=True)[0] < rigid)
+
+
 def _stretch(positions: Floats, nodal: Floats, own: Ints) -> Floats:
-    """An even stretch about the centre of mass: how a body without supports is squeezed by its neighbours."""
+    """An even stretch about the centre of mass: how neighbours squeeze a body that nothing else holds."""
     x = positions.reshape(-1)[own]
     centre = [(x * nodal)[own % 2 == c].sum() / nodal[own % 2 == c].sum() for c in range(2)]
     return np.asarray(x - np.asarray(centre)[own % 2])

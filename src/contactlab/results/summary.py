@@ -92,14 +92,21 @@ def summarise(
 
 
 def reaction_mismatch(model: Model) -> float:
-    """|sum of all support reactions| over the largest of them: zero in statics without loads."""
-    reactions = list(model.reactions().values())
-    largest = max((float(np.hypot(*force)) for force in reactions), default=0.0)
-    if largest == 0.0 or len(reactions) < 2:
+    """|sum of all support reactions and loads| over the largest of them: zero in statics; nan without two of them.
+
+    A load counts by the sum of its nodal forces' magnitudes, so that one that balances itself has a size, too.
+    """
+    sizes = [float(np.hypot(*force)) for force in model.reactions().values()]
+    applied = np.zeros_like(model.reference)
+    if model.external_force(model.state.time, applied):
+        sizes.append(float(np.hypot(*applied.T).sum()))
+    largest = max(sizes, default=0.0)
+    if largest == 0.0 or len(sizes) < 2:
         return float("nan")
     # a corner may belong to two supports: its force counts once
     nodes = np.unique(np.concatenate([support.nodes for support in model.supports]))
-    return float(np.hypot(*model.state["reaction"][nodes].sum(axis=0)) / largest)
+    total = model.state["reaction"][nodes].sum(axis=0) + applied.sum(axis=0)
+    return float(np.hypot(*total) / largest)
 
 
 def _contact(report: ContactReport) -> dict[str, Any]:

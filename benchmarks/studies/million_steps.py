@@ -1,0 +1,82 @@
+"""A million explicit steps of a disc that bounces in a box, with no damping and no gravity.
+
+    python benchmarks/studies/million_steps.py [steps] [algorithm ...]
+
+Energy must never rise above that of the start, momentum must be what the walls gave, and the disc must stay inside.
+One row per algorithm; `python benchmarks/studies/hard_cases.py` puts the stored rows into docs/hard-cases.md.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from pathlib import Path
+from time import process_time
+
+import numpy as np
+
+from contactlab.scene import load_scene
+from contactlab.testing.cases.watched import WatchedRun
+
+STORED = Path(__file__).with_name("million_steps.csv")
+CELLS = [8, 2]
+BOX = 2.0  # mm, half its side
+EVERY = 100  # steps between looks at the stored energy
+
+
+def bounce(algorithm: str, steps: int) -> dict[str, float | str]:
+    """The run and what was seen of it."""
+    scene = load_scene("disc-in-box").with_(
+        {"contacts.0.algorithm": algorithm, "bodies.disc.mesh.cells": CELLS, "time.end": 1.0}
+    )
+    run = WatchedRun(scene)
+    own, force, work = run.nodes("disc"), run.state["contact_force"], run.state["work"]
+    start, momentum = run.energy(), run.momentum()
+    impulse, impacts, closed, rise, highest, outside = np.zeros(2), 0, False, 0.0, 0.0, 0.0
+    spread, before, began, last = 0.0, 0.0, process_time(), 0.0
+    for number in range(steps):
+        dt = run.dt
+        run.step()
+        pushed = force[own].sum(axis=0)
+        # velocities live between the steps: a force acts for half of the step before and half of this one
+        impulse += 0.5 * (last + dt) * pushed
+        last = dt
+        impacts += bool(pushed.any()) and not closed
+        closed = bool(pushed.any())
+        rise, before = max(rise, float(work[3]) - before), float(work[3])
+        if number % EVERY == 0:
+            highest = max(highest, run.energy() / start - 1.0)
+            outside = max(outside, float(np.abs(run.model.position[own]).max()) - BOX)
+            spread = max(spread, float(np.abs(run.momentum() - momentum - impulse).max()))
+    scale = run.model.mass.sum() * float(np.hypot(3000.0, 2000.0))
+    speed = np.hypot(*run.mean(run.state["velocity"], "disc"))
+    return {
+        "algorithm": algorithm,
+        "steps": steps,
+        "time [s]": run.time,
+        "impacts": impacts,
+        "energy above the start, at most": highest,
+        "energy in the end": run.energy() / start,
+        "largest rise in a step": rise / start,
+        "momentum not given by walls": spread / scale,
+        "farthest outside the box [mm]": outside,
+        "speed in the end [mm/s]": float(speed),
+        "energy lost per impact": (1.0 - run.energy() / start) / max(1, impacts),
+        "mass of an arc node": float(run.model.mass[run.contact.pairs[0].slave.nodes].mean() / run.model.mass.sum()),
+        "CPU per step [us]": 1e6 * (process_time() - began) / steps,
+    }
+
+
+def main(words: list[str]) -> None:
+    """Run and store one row per algorithm."""
+    steps = int(words[0]) if words else 1_000_000
+    rows = [bounce(name, steps) for name in words[1:] or ("mortar-p0", "mortar-p1", "node-on-segment")]
+    with STORED.open("w", newline="") as file:
+        table = csv.DictWriter(file, list(rows[0]))
+        table.writeheader()
+        table.writerows({key: f"{v:.6g}" if isinstance(v, float) else v for key, v in row.items()} for row in rows)
+    print(STORED.read_text())
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,66 @@
+"""Runs with `end = "auto"` settle when reactions balance the loads, whatever drives them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from contactlab.model.build import build
+from contactlab.registry import default_registry
+from contactlab.scene import Scene
+from contactlab.simulation import simulate
+
+
+def pressed(**more: Any) -> Scene:
+    """A block on another one, that nothing but the contact holds up."""
+    body = {"element": "q1", "material": "m"}
+    data = {
+        "name": "pressed",
+        "time": {"end": "auto"},
+        "integrator": "central-difference",
+        "materials": {"m": {"use": "neo-hookean", "young": 1000.0, "poisson": 0.3, "density": 1e-9}},
+        "bodies": {
+            "upper": {**body, "mesh": {"use": "rectangle", "x": [0.0, 2.0], "y": [0.0, 1.0], "cells": [4, 2]}},
+            "lower": {**body, "mesh": {"use": "rectangle", "x": [0.0, 2.0], "y": [-1.0, 0.0], "cells": [5, 2]}},
+        },
+        "contacts": [{"slave": "upper.bottom", "master": "lower.top", "algorithm": "mortar-p1"}],
+        "supports": [
+            {"on": "lower.bottom", "uy": 0.0},
+            {"on": "lower.left", "ux": 0.0},
+            {"on": "upper.left", "ux": 0.0},
+        ],
+        "record": {"frames": 2},
+        **more,
+    }
+    return Scene.from_data(data)
+
+
+def test_a_run_that_a_pressure_drives_settles() -> None:
+    """The reaction is pressure times length, in balance with the load."""
+    load = {"on": "upper.top", "pressure": {"ramp": "smooth", "to": 5.0}, "follower": False}
+    results = simulate(pressed(loads=[load]))
+    assert results.status == "finished", results.reason
+    # what settled means: 2e-4 over a period, and better in the end
+    assert results.summary["reactions"]["lower.bottom"][1] == pytest.approx(10.0, rel=2e-4)
+    assert results.summary["reaction_mismatch"] < 2e-4
+
+
+def test_a_run_under_weight_settles() -> None:
+    """Gravity is a load, too: 4 mm2 of 1e-9 t/mm3 under 1e8 mm/s2 weigh 0.4 N."""
+    ramp = build(pressed(), default_registry()).pace.ramp
+    results = simulate(pressed(effects=[{"use": "gravity", "acceleration": [0.0, -1e8], "ramp": ramp}]))
+    assert results.status == "finished", results.reason
+    assert results.summary["reactions"]["lower.bottom"][1] == pytest.approx(0.4, rel=2e-4)
+
+
+@pytest.mark.parametrize("held", [{}, {"on": "upper.left", "ux": 0.0}, {"on": "upper.corner", "ux": 0.0, "uy": 0.0}])
+def test_a_body_that_its_supports_leave_adrift_is_paced_by_its_stretching(held: dict[str, Any]) -> None:
+    """Not by its rigid motion, whose frequency is zero: within a factor of 5 of the pace of the body that is held."""
+    supports = [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}] + ([held] if held else [])
+    scene = pressed(supports=supports, loads=[{"on": "upper.top", "pressure": 1.0}])
+    data = scene.data
+    data["bodies"]["upper"]["sets"] = {"corner": {"of": "left", "y": [0.5, 1.0]}}
+    loose = build(Scene.from_data(data), default_registry()).pace.period
+    fast = build(pressed(supports=[*supports[:1], {"on": "upper.top", "ux": 0.0, "uy": 0.0}]), default_registry()).pace
+    assert 0.2 * fast.period < loose < 5.0 * fast.period
