@@ -28,7 +28,7 @@ def view(options: argparse.Namespace) -> int:
     try:
         recorder.show(file, png, options.step)
     except ValueError as error:
-        raise RequestError(str(error), where="--step") from error
+        raise RequestError(str(error), where=str(file)) from error
     except RuntimeError as error:
         raise ContactlabError(f"{file}: {error}") from error
     if png is not None:

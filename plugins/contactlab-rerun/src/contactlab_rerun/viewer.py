@@ -10,12 +10,14 @@ import socket
 import subprocess
 import sys
 import tempfile
+import warnings
 from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
+MAGIC = b"RRF"  # how recordings begin
 HOST = "127.0.0.1"
 SIZE = "1600x1000"
 MEMORY = "2GB"  # unlimited, the viewer takes three quarters of the machine
@@ -30,7 +32,11 @@ NO_DRIVER = (
 
 
 def open_window(file: Path) -> None:
-    """Start the viewer with the recording and leave it running. Raises RuntimeError where it cannot start."""
+    """Start the viewer with the recording and leave it running.
+
+    Raises ValueError where `file` is no recording, RuntimeError where the viewer cannot start.
+    """
+    check_recording(file)
     process = subprocess.Popen(
         [*_command(_free_port()), str(file)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
     )
@@ -45,19 +51,35 @@ def open_window(file: Path) -> None:
 def write_picture(file: Path, png: Path, step: int | None) -> None:
     """A picture of the recording at `step`, or at its end.
 
-    Raises ValueError where there is no such step, RuntimeError where this machine cannot draw.
+    Raises ValueError where `file` is no recording or has no such step, RuntimeError where this machine cannot draw.
     """
+    check_recording(file)
     with headless_viewer(file) as client:
         _wait_for(client)
         first, last = _steps(client)
         if step is not None and not first <= step <= last:
-            raise ValueError(f"got {step}, allowed: {first} to {last}, the steps of the recording")
+            raise ValueError(f"step: got {step}, allowed: {first} to {last}, the steps of the recording")
         client.set_time("step", sequence=last if step is None else step, play_state="paused")
         sleep(SETTLE)
         with tempfile.TemporaryDirectory() as folder:
             shot = Path(folder) / "picture.png"
             client.save_screenshot(str(shot))
             _publish(shot, png)
+        for error in view_errors(client):
+            warnings.warn(f"the viewer could not draw all of {file}: {error}", RuntimeWarning, stacklevel=2)
+
+
+def check_recording(file: Path) -> None:
+    """Raise ValueError where the file is no recording: the viewer would only show nothing."""
+    with file.open("rb") as opened:
+        if opened.read(len(MAGIC)) != MAGIC:
+            raise ValueError("the file is not a recording of the rerun viewer")
+
+
+def view_errors(client: Any) -> list[str]:
+    """What views could not draw, and why."""
+    views = client.get_state().views
+    return [f"{view.name}: {report.summary}" for view in views for report in view.reports if report.severity == "error"]
 
 
 @contextlib.contextmanager

@@ -1,0 +1,55 @@
+"""`contactlab run` that is stopped ends in order, and says in one line how to go on."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from time import sleep
+from typing import Any
+
+import pytest
+
+import contactlab
+
+MakeScene = Callable[..., Any]
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_stopped_run_exits_130_and_the_printed_line_goes_on(
+    number: signal.Signals, small_scene: MakeScene, tmp_path: Path
+) -> None:
+    (tmp_path / "scene.toml").write_text(small_scene({"time.end": 4e-5, "record.frames": 100}).toml())
+    folder = tmp_path / "run"
+    words = ["run", str(tmp_path / "scene.toml"), "--set", "level=1", "--out", str(folder)]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "contactlab.cli", *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    while frames(folder) < 5 and process.poll() is None:
+        sleep(0.01)
+    process.send_signal(number)
+    told, errors = process.communicate()
+    assert process.returncode == 130, errors
+    assert "Traceback" not in errors
+    summary = json.loads((folder / "summary.json").read_text())
+    assert summary["status"] == "interrupted"
+    assert f"stopped by {number.name} after step {summary['steps']}" in summary["reason"]
+    line = told.splitlines()[-1]
+    assert line == f"go on with: contactlab {shlex.join([*words, '--resume'])}"
+    done = subprocess.run(
+        [sys.executable, "-m", "contactlab.cli", *shlex.split(line.partition("contactlab ")[2])],
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    results = contactlab.load_results(folder)
+    assert results.status == "finished"
+    assert results.summary["resumed_at_steps"] == [summary["steps"]]
+
+
+def frames(folder: Path) -> int:
+    path = folder / "history.csv"
+    return len(path.read_text().splitlines()) - 1 if path.exists() else 0

@@ -1,0 +1,206 @@
+"""`contactlab view`: errors for people, and pictures without a display."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.api.colours import STYLES, rgb, styles
+from contactlab.cli import main
+from contactlab.compare.recordings import record_comparison
+from contactlab.registry import default_registry
+from contactlab.simulation import simulate
+
+viewer = pytest.importorskip("contactlab_rerun.viewer", reason="plugin contactlab-rerun is not installed")
+pytest.importorskip("rerun.experimental", reason="rerun-sdk is not installed (plugin contactlab-rerun)")
+
+MakeScene = Callable[..., Any]
+ALGORITHMS = ("node-on-segment", "mortar-p0", "mortar-p1")
+
+
+@pytest.fixture(scope="module")
+def comparison(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of a comparison on the disc on a block: three algorithms."""
+    folder = tmp_path_factory.mktemp("comparison")
+    for number, algorithm in enumerate(ALGORITHMS):
+        simulate(small_scene({"contacts.0.algorithm": algorithm}), folder / "runs" / str(number))
+    scene = small_scene({"record.recorders": ["vtkhdf", "rerun"]})
+    record_comparison(scene, default_registry(), folder, [str(number) for number in range(len(ALGORITHMS))])
+    return folder
+
+
+def needs_driver(work: Callable[[], Any]) -> Any:
+    """The result of `work`, or a skipped test where no graphics driver is there, not even one in software."""
+    try:
+        return work()
+    except RuntimeError as error:
+        if str(error) == viewer.NO_DRIVER:
+            pytest.skip(str(error))
+        raise
+
+
+def pixels(png: Path) -> np.ndarray:
+    """Colours (height, width, 3)."""
+    from PIL import Image
+
+    with Image.open(png) as image:
+        return np.asarray(image.convert("RGB")).astype(int)
+
+
+def share_of(colour: str, picture: np.ndarray) -> float:
+    """Share of pixels that have this colour, but for what a palette of 256 colours changes (24 of 255)."""
+    return float((np.abs(picture - np.array(rgb(colour))).max(axis=2) <= 24).mean())
+
+
+# --- pictures -------------------------------------------------------------------------------------
+
+
+def test_picture_of_a_comparison_shows_every_algorithm_in_its_colour(comparison: Path, tmp_path: Path) -> None:
+    recorder = default_registry().make("recorder", "rerun")
+    pictures = []
+    for step in (10, 500):
+        png = tmp_path / f"{step}.png"
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # views that could not be drawn are warned of
+            needs_driver(lambda png=png, step=step: recorder.show(comparison / recorder.shown_file, png, step))
+        pictures.append(pixels(png))
+    early, late = pictures
+    assert late.shape == (964, 1600, 3)
+    assert len(np.unique(late.reshape(-1, 3), axis=0)) > 100, "the picture is blank"
+    chosen = styles(ALGORITHMS)
+    # outlines and curves: lines of two pixels, some thousand of them
+    for algorithm in ALGORITHMS:
+        assert share_of(chosen[algorithm].colour, late) > 1e-3, algorithm
+    unused = {style.colour for style in STYLES} - {style.colour for style in chosen.values()}
+    assert all(share_of(colour, late) < 5e-4 for colour in unused)
+    # the bodies grow lighter under load: the upper part of the picture holds the meshes
+    assert (np.abs(early - late).max(axis=2) > 30).mean() > 0.01
+    assert early[:400].sum() < late[:400].sum()
+
+
+@pytest.mark.skipif(not Path("/proc/self/net/tcp").exists(), reason="sockets are looked up in /proc")
+def test_viewer_listens_on_this_machine_alone_and_ends(comparison: Path) -> None:
+    def look() -> None:
+        children = set(children_of(os.getpid()))
+        with viewer.headless_viewer(comparison / "timeline.rrd") as client:
+            (process,) = set(children_of(os.getpid())) - children
+            viewer._wait_for(client)
+            addresses = listening(process)
+            assert addresses
+            assert {address for address, _ in addresses} == {"0100007F"}, "not 127.0.0.1 (hexadecimal, reversed)"
+            names = {view.name for view in client.get_state().views}
+            assert set(ALGORITHMS) <= names
+        assert process not in children_of(os.getpid())
+
+    needs_driver(look)
+
+
+def children_of(process: int) -> list[int]:
+    text = Path(f"/proc/{process}/task/{process}/children").read_text()
+    return [int(word) for word in text.split()]
+
+
+def listening(process: int) -> set[tuple[str, str]]:
+    """Address and port of every TCP socket on which the process waits for others."""
+    targets = {str(path.readlink()) for path in Path(f"/proc/{process}/fd").iterdir() if path.is_symlink()}
+    found = set()
+    for name in ("tcp", "tcp6"):
+        for line in Path(f"/proc/{process}/net/{name}").read_text().splitlines()[1:]:
+            words = line.split()
+            if words[3] == "0A" and f"socket:[{words[9]}]" in targets:
+                address, _, port = words[1].partition(":")
+                found.add((address, port))
+    return found
+
+
+def test_window_is_bound_to_this_machine(monkeypatch: pytest.MonkeyPatch, comparison: Path) -> None:
+    started: list[list[str]] = []
+
+    class Process:
+        returncode = None
+
+        def __init__(self, command: list[str], **options: Any) -> None:
+            started.append(command)
+
+        def communicate(self, timeout: float) -> None:
+            raise subprocess.TimeoutExpired("rerun", timeout)
+
+    monkeypatch.setattr(viewer.subprocess, "Popen", Process)
+    assert main(["view", str(comparison)]) == 0
+    (command,) = started
+    assert command[command.index("--bind") + 1] == "127.0.0.1"
+    assert command[-1] == str(comparison / "timeline.rrd")
+
+
+def test_killed_run_is_shown_as_far_as_it_came(
+    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its recording is made from the results file, and made anew when the run has gone on."""
+    shown: list[float] = []
+    monkeypatch.setattr("contactlab_rerun.viewer.open_window", lambda file: shown.append(file.stat().st_size))
+    simulate(small_scene({"record.recorders": ["vtkhdf"]}), tmp_path)
+    assert main(["view", str(tmp_path)]) == 0
+    assert shown[0] > 10_000
+    made = (tmp_path / "timeline.rrd").stat().st_mtime_ns
+    assert main(["view", str(tmp_path)]) == 0
+    assert (tmp_path / "timeline.rrd").stat().st_mtime_ns == made, "what is there is not made again"
+
+
+# --- wrong requests -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("words", "expected"), [
+    (["nowhere"], "nowhere: there is no such file or folder"),
+    (["empty"], "the folder holds no results"),
+    (["{runs}", "--step", "3"], "--step: a step is for pictures"),
+    (["{runs}", "--png", "a.jpg"], 'pictures are PNG files got "a.jpg"'),
+    (["{runs}", "--png", "no/where/a.png"], "there is no such folder"),
+])  # fmt: skip
+def test_wrong_requests(
+    words: list[str], expected: str, comparison: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "empty").mkdir()
+    assert main(["view", *(word.format(runs=comparison) for word in words)]) == 2
+    error = " ".join(capsys.readouterr().err.split())
+    assert expected in error, error
+
+
+def test_step_that_is_not_there(comparison: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    status = main(["view", str(comparison), "--png", str(tmp_path / "a.png"), "--step", "1000000"])
+    error = capsys.readouterr().err
+    if viewer.NO_DRIVER in error:
+        pytest.skip(viewer.NO_DRIVER)
+    assert status == 2
+    assert "step: got 1000000, allowed: 0 to " in error
+    assert not (tmp_path / "a.png").exists()
+
+
+def test_missing_driver_names_the_package(
+    comparison: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A viewer that dies as it does without a driver."""
+    program = tmp_path / "rerun"
+    program.write_text(
+        f"#!{sys.executable}\nimport sys; sys.stderr.write('Failed to get render context'); sys.exit(102)"
+    )
+    program.chmod(0o755)
+    monkeypatch.setattr(viewer, "_program", lambda: [str(program)])
+    assert main(["view", str(comparison), "--png", str(tmp_path / "a.png")]) == 1
+    assert "mesa-vulkan-drivers" in capsys.readouterr().err
+
+
+def test_file_that_is_no_recording(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "timeline.rrd"
+    file.write_text("nothing of a recording")
+    assert main(["view", str(file)]) == 2
+    assert f"contactlab: {file}: the file is not a recording" in capsys.readouterr().err
