@@ -60,11 +60,16 @@ class Schedule:
         if safe < SHORTEST * self.first:
             raise SimulationFailure(
                 "diverged",
-                f"step {self.state.step}: the stable step fell to {safe / self.first:.1e} of the first one; cells are "
-                "collapsing: try a finer mesh where strain is large",
+                f"step {self.state.step}: the stable step fell to {safe:.3g} s, {safe / self.first:.1e} of the first "
+                f"one, by {self._smallest()}; cells are collapsing: try a finer mesh where strain is large",
             )
         if safe < self.dt:
             self.dt = self._even(safe)
+
+    def _smallest(self) -> str:
+        """The cell that sets the step."""
+        limit = min(self.model.step_limits, key=lambda limit: limit.latest)
+        return f"cell {limit.cell} of body {limit.body.name}"
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:

@@ -99,8 +99,13 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {name: (name, {}) for name in dif
     "rate and quadratic": ("disc-on-block", RATE),
     "static": ("disc-on-block", STATIC),
 }
-BRANCHES = {"contactlab.kernels.windows.identity", "contactlab.kernels.windows.solved"}
-"""Kernels that depend on how surfaces lie: a run may come to need them later than in its first steps."""
+BRANCHES = {
+    "contactlab.kernels.windows.identity",
+    "contactlab.kernels.windows.solved",
+    "contactlab.kernels.watch.deepest",
+}
+"""Kernels that depend on how surfaces lie, or look at them now and then: a run may come to need them later than in
+its first steps."""
 
 
 def scene_of(name: str) -> Scene:

@@ -121,22 +121,3 @@ def scatter_all(matrices, pairs, place, stride, data):
     """`scatter` for all cells (B, 2a, 2a)."""
     for c in range(matrices.shape[0]):
         scatter(matrices[c], pairs[c], place, stride, data)
-
-
-@kernel
-def smallest_determinant(geometry, connectivity, slopes):
-    """Smallest Jacobian determinant of a block's points; nan counts as smallest."""
-    smallest = 1e300
-    for c in range(connectivity.shape[1]):
-        for g in range(slopes.shape[0]):
-            x_xi, x_eta, y_xi, y_eta = 0.0, 0.0, 0.0, 0.0
-            for a in range(connectivity.shape[0]):
-                x, y = geometry[connectivity[a, c], 0], geometry[connectivity[a, c], 1]
-                x_xi += slopes[g, a, 0] * x
-                x_eta += slopes[g, a, 1] * x
-                y_xi += slopes[g, a, 0] * y
-                y_eta += slopes[g, a, 1] * y
-            det = x_xi * y_eta - x_eta * y_xi
-            if not det >= smallest:
-                smallest = det if det == det else -1.0
-    return smallest

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.kernels.tangent import smallest_determinant
+from contactlab.kernels.watch import smallest_jacobian
 from contactlab.model.model import Model
 from contactlab.model.tangent import Tangent
 
@@ -54,7 +54,7 @@ class ImplicitModel(Model):
     def folded(self) -> bool:
         """Whether a cell has a point with det <= 0."""
         return any(
-            smallest_determinant(forces.geometry, block.connectivity, slopes) <= 0.0
+            not smallest_jacobian(forces.geometry, block.connectivity, slopes)[0] > 0.0
             for forces, slopes in zip(self.forces, self._slopes, strict=True)
             for block in forces.blocks
         )

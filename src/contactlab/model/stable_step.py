@@ -21,6 +21,7 @@ class StableStep:
         self.size, self.before = np.empty(len(self.body.cells)), np.empty(len(self.body.cells))
         self.frequency = cell_frequencies(self.body, positions)
         inverse_size_squared(positions, self.body.cells, self.before)
+        self.cell, self.latest = 0, float("inf")
 
     def _refresh(self, positions: Floats, growth: Floats) -> None:
         """New frequencies of the cells whose size has drifted."""
@@ -33,11 +34,17 @@ class StableStep:
     def limit(self, positions: Floats) -> float:
         """Largest stable step [s] at `positions` (N, 2)."""
         if not self.moving:
-            return float(2.0 / self.frequency.max())
+            return self._found(self.frequency**2)
         inverse_size_squared(positions, self.body.cells, self.size)
         growth = self.size / self.before
         self._refresh(positions, growth)
-        return float(2.0 / np.sqrt((self.frequency**2 * growth * self._stiffening()).max()))
+        return self._found(self.frequency**2 * growth * self._stiffening())
+
+    def _found(self, squares: Floats) -> float:
+        """The limit of squared frequencies (n,); `latest` and `cell` tell it and its place afterwards."""
+        self.cell = int(np.argmax(squares))
+        self.latest = float(2.0 / np.sqrt(squares[self.cell]))
+        return self.latest
 
     def _stiffening(self) -> Floats:
         factors = []

@@ -110,7 +110,7 @@ def _per_node(pair: Pair, values: Floats) -> Floats:
 
 
 def _per_length(pair: Pair, forces: Floats) -> Floats:
-    return np.divide(forces, pair.cover, out=np.zeros_like(forces), where=forces > 0.0)
+    return np.divide(forces, pair.cover, out=np.zeros_like(forces), where=(forces > 0.0) & (pair.cover > 0.0))
 
 
 def _node_gap(pair: Pair) -> Floats:

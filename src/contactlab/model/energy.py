@@ -1,0 +1,43 @@
+"""The energy that leapfrog keeps, from what the laws store: what contact has made of it, and what nothing explains."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contactlab.model.model import Model
+
+
+class EnergyGain(NamedTuple):
+    """Energies [mJ] at one instant.
+
+    energy       kinetic and stored
+    gained       of it beyond that of the start and the work done from outside: what contact has made, and what
+                 nothing explains. Damping, friction and plastic flow take energy away: it is the least that was made
+    unexplained  stored and dissipated beyond the work of the stresses; 0 where a law stores no energy
+    """
+
+    energy: float
+    gained: float
+    unexplained: float
+
+
+def energy_gain(model: Model) -> EnergyGain:
+    """What there is now. Looks at every point of every body once more.
+
+    Kinetic energy and works belong to the velocity half a step back, and so must what is stored: of a linear
+    body 1/2 u_n K u_{n+1}, which is U(u_{n+1}) less half a step's work of its forces (docs/theory/explicit-scheme.md).
+    The work of the stresses is exactly that then, for any stable step.
+    """
+    state, work = model.state, float(model.state["work"][0])
+    stored = float(sum(forces.stored_energy() + forces.numerical_energy() for forces in model.forces))
+    unexplained = 0.0
+    if np.isnan(stored):
+        stored = work
+    else:
+        if model.integrator.explicit and "last_dt" in state:
+            stored -= 0.5 * float(state["last_dt"][0]) * float(np.vdot(state["velocity"], state["internal_force"]))
+        unexplained = stored + sum(forces.dissipated_energy() for forces in model.forces) - work
+    energy = model.kinetic_energy() + stored
+    return EnergyGain(energy, energy - model.initial_energy - float(state["work"][1]), unexplained)
