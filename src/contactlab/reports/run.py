@@ -117,6 +117,9 @@ def _contact_lines(name: str, results: Results, scene: Mapping[str, Any], units:
     )
     if "cone_violation" in contact:
         yield "violation of the contact cone", _short(abs(contact["cone_violation"])), ""
+    if contact.get("stiffness"):
+        least, most = (significant(_float(value), 3) for value in contact["stiffness"])
+        yield "stiffness that statuses are decided by", f"{least} to {most}", f"{units.line_force}/{units.length}"
     if scene.get("symmetry") == "x":
         yield "mirror asymmetry of the pressure", percent(_asymmetry(results, name)), "%"
 

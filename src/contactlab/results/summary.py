@@ -86,7 +86,9 @@ def summarise(
         "cost": _cost(model, clock),
         "reactions": {} if sample is None else {on: list(force) for on, force in sample.reactions.items()},
         "reaction_mismatch": reaction_mismatch(model),
-        "contacts": {} if sample is None else {name: _contact(c) for name, c in sample.contacts.items()},
+        "contacts": {}
+        if sample is None
+        else {name: _contact(c) | _derived(model, name) for name, c in sample.contacts.items()},
         "balance": {} if sample is None else _balance(sample),
     }
 
@@ -123,6 +125,17 @@ def _contact(report: ContactReport) -> dict[str, Any]:
         "active": report.active,
         "sticking": report.sticking,
     }
+
+
+def _derived(model: Model, name: str) -> dict[str, Any]:
+    """What implicit contact derived from the bodies: least and largest stiffness of a condition [N/mm]."""
+    conditions: Any = getattr(model.contact, "conditions", None)
+    if conditions is None or model.contact is None:
+        return {}
+    (pair,) = (pair for pair in model.contact.pairs if pair.name == name)
+    own = slice(pair.first_slot, pair.first_slot + pair.slots)
+    stiffness = conditions.stiffness[own][conditions.present[own]]
+    return {"stiffness": [float(stiffness.min()), float(stiffness.max())] if len(stiffness) else []}
 
 
 def _balance(sample: Sample) -> dict[str, float]:

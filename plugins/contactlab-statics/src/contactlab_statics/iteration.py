@@ -13,6 +13,7 @@ from contactlab_statics.factor import SingularSystem
 from contactlab_statics.saddle import SaddleSystem
 
 DEEPEST = 1.0  # segment lengths that a correction may push a surface into the other
+AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may need
 CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once statuses go round in circles
 SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
 FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
@@ -68,7 +69,8 @@ class NewtonIteration:
         self.circling = False
         self.equations.internal_force(dt)
         given = np.zeros(self.u.size)
-        while len(outcome.trace) < self.most:
+        began = 0  # of the iterations since forces were taken over
+        while len(outcome.trace) - began < self.most:
             self._linearise(dt)
             given[self.held] = target - self.u.reshape(-1)[self.held]
             try:
@@ -83,7 +85,9 @@ class NewtonIteration:
             rest = float(np.abs(target - self.u.reshape(-1)[self.held]).max(initial=0.0))
             outcome.trace.append(self._record(residual, changed, length, note))
             if residual.largest <= self.tolerance and rest == 0.0:
-                return outcome
+                if not self._augment(outcome):
+                    return outcome
+                began = len(outcome.trace)
             if not np.isfinite(residual.largest):
                 outcome.reason = "forces are no longer finite"
                 return outcome
@@ -92,6 +96,21 @@ class NewtonIteration:
             f"and {residual.contact:.1e} (contact)"
         )
         return outcome
+
+    def _augment(self, outcome: Outcome) -> bool:
+        """Whether the enforcement wants to go on from the forces it has found; they are its anchor then."""
+        contact = self.contact
+        if contact is None or not contact.enforcement.augments:
+            return False
+        conditions = contact.conditions
+        left = float(np.abs(conditions.force - conditions.anchor).max(initial=0.0))
+        if left <= self.tolerance * max(float(np.abs(conditions.force).max(initial=0.0)), self.floor):
+            return False
+        conditions.anchor[:] = conditions.force
+        self._balance()
+        last = outcome.trace[-1]
+        outcome.trace[-1] = last._replace(note=f"forces taken over, which had changed by {left:.1e} N")
+        return len(outcome.trace) < AUGMENTATIONS * self.most
 
     # --- one iteration --------------------------------------------------------------------------
 

@@ -30,4 +30,18 @@ def contactlab_parts() -> list[Part]:
             "exact multipliers of the saddle point problem",
             "Hintermueller, Ito & Kunisch 2002; Alart & Curnier 1991",
         ),
+        Part(
+            "enforcement",
+            "penalty",
+            "contactlab_statics.penalty:Penalty",
+            "springs between the surfaces, stiffness derived from the bodies'",
+            "Wriggers 2006, ch. 10.3",
+        ),
+        Part(
+            "enforcement",
+            "augmented-lagrangian",
+            "contactlab_statics.penalty:AugmentedLagrangian",
+            "springs, whose forces are taken over until gaps vanish",
+            "Simo & Laursen 1992",
+        ),
     ]

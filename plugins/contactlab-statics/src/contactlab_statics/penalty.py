@@ -1,0 +1,74 @@
+"""Penalty and augmented Lagrangian: contact as springs, so that comparisons show what exact multipliers buy.
+
+    y_n = max(0, a_n - e g),   y_t = clip(a_t - e d, -bound(y_n), +bound(y_n))
+
+with the stiffness e, `factor` times that of the nodes in contact (`contactlab.api.Conditions.stiffness`). The anchor
+a is zero for penalty (tangentially the force at the start of the step); an augmented Lagrangian makes the forces of a
+converged iteration its next anchor until gaps and slips are those of exact multipliers.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from contactlab.api import Conditions, Floats, ImplicitEnforcement, Response
+from contactlab_statics.active_set import ActiveSet
+
+EXACT = ActiveSet()
+
+
+@dataclass(frozen=True)
+class Penalty(ImplicitEnforcement):
+    """Springs as stiff as the bodies' nodes, times `factor`: surfaces overlap by about their deflection over it.
+
+    factor  stiffness over that of the nodes in contact [-]
+    """
+
+    factor: float = 100.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.factor < float("inf"):
+            raise ValueError(f"factor: got {self.factor}, allowed: a factor > 0")
+
+    def respond(self, conditions: Conditions, out: Response) -> None:
+        """Springs without memory along the normal."""
+        springs(conditions, self.factor, np.zeros_like(conditions.gap), out)
+
+
+@dataclass(frozen=True)
+class AugmentedLagrangian(ImplicitEnforcement):
+    """Springs whose forces are taken over again and again, until gaps are those of exact multipliers (Uzawa).
+
+    factor  stiffness over that of the nodes in contact [-]; it decides how often, not where it ends
+    """
+
+    augments: ClassVar[bool] = True
+    factor: float = 100.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.factor < float("inf"):
+            raise ValueError(f"factor: got {self.factor}, allowed: a factor > 0")
+
+    def respond(self, conditions: Conditions, out: Response) -> None:
+        """Springs that start from the anchor."""
+        springs(conditions, self.factor, conditions.anchor[0], out)
+
+
+def springs(conditions: Conditions, factor: float, anchor: Floats, out: Response) -> None:
+    """Fill `out` for springs with normal forces `anchor` (k,) [N] at zero gap.
+
+    Springs are exact multipliers of the gaps g + (y - a)/e and slips d + (y_t - a_t)/e: statuses are decided alike, so
+    that stiff springs need no more iterations than none.
+    """
+    softness = np.where(conditions.present, 1.0 / (factor * conditions.stiffness), 0.0)
+    gap = conditions.gap + softness * (conditions.force[0] - anchor)
+    slip = conditions.slip
+    if len(conditions.force) > 1:
+        slip = slip + softness * (conditions.force[1] - conditions.anchor[1])
+    EXACT.respond(replace(conditions, gap=gap, slip=slip), out)
+    out.by_force += out.by_gap * softness
+    if len(conditions.force) > 1:
+        out.cross_force += out.cross_gap * softness
