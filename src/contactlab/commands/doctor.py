@@ -75,7 +75,11 @@ def _machine() -> Iterator[tuple[str, str]]:
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     yield "cores", f"{usable} usable of {os.cpu_count()}"
     limits = [f"{name}={os.environ[name]}" for name in THREADS if name in os.environ]
-    yield "threads", "one per run" + (f"; {', '.join(limits)}" if limits else "; no limit set in the environment")
+    yield (
+        "threads",
+        "one per run, or as many as the scene's `threads` says"
+        + (f"; {', '.join(limits)}" if limits else "; no limit set in the environment"),
+    )
 
 
 def _versions() -> Iterator[tuple[str, str]]:

@@ -11,6 +11,7 @@ import numpy as np
 from contactlab.api import BLOCK_CELLS, Element, Floats, Ints, Material, Mesh
 from contactlab.kernels.cells import element_kernels, midpoint
 from contactlab.kernels.size import jacobian_determinants
+from contactlab.model.lanes import colours, lanes_of
 
 if TYPE_CHECKING:
     from contactlab.model.rigid import RigidSurface
@@ -79,7 +80,8 @@ class BodyForces:
 
     geometry and field are what the law's kinematics asks for: (X, u), (x, X) or (x, du). With
     `trial_history` updates are trials from `history` until they are accepted; explicit runs give none.
-    `shape` is (X, u) whatever the kinematics, for elements that stabilise.
+    `shape` is (X, u) whatever the kinematics, for elements that stabilise. `colours` and `lanes` of the
+    blocks: see `contactlab.model.lanes`.
     """
 
     def __init__(
@@ -91,6 +93,8 @@ class BodyForces:
         history: Floats,
         trial_history: Floats | None = None,
         shape: tuple[Floats, Floats] | None = None,
+        threads: int = 1,
+        first_lane: int = 0,
     ) -> None:
         self.body = body
         self.kernels = element_kernels(body.element, body.material.kinematics)
@@ -100,22 +104,14 @@ class BodyForces:
         self.blocks = _blocks(body, history, self.trial_history)
         self.shares_gradient = trial_history is None and len(self.blocks) > 1
         self.shares_stress = self.shares_gradient and not body.material.history_size
-        _share(self.blocks, self.shares_gradient, self.shares_stress)
+        self.colours = colours([block.connectivity for block in self.blocks], len(force))
+        self.lanes = lanes_of(self.colours, threads, first_lane)
+        _share(self.blocks, self.lanes, self.shares_gradient, self.shares_stress)
         self.dt = 0.0
-        cells = max(block.connectivity.shape[1] for block in self.blocks)
-        self.scratch = [self._scratch_for(block, cells) for block in self.blocks]
+        self.scratch = _scratch(self.blocks, self.lanes)
         self.calls: tuple[Callable[[float], None], ...] = tuple(
             self._bind(block, scratch) for block, scratch in zip(self.blocks, self.scratch, strict=True)
         )
-
-    def _scratch_for(self, block: Block, cells: int) -> Floats:
-        """All full blocks share one scratch; the last, shorter one has its own."""
-        nodes, size = block.connectivity.shape
-        if size == cells:
-            if not hasattr(self, "_shared"):
-                self._shared = np.zeros((6 * nodes + 6, cells))
-            return self._shared
-        return np.zeros((6 * nodes + 6, size))
 
     def _bind(self, block: Block, scratch: Floats) -> Callable[[float], None]:
         gradient, force, _ = self.kernels
@@ -218,16 +214,26 @@ class BodyForces:
         return out
 
 
-def _share(blocks: list[Block], gradient: bool, stress: bool) -> None:
-    """One array for all blocks of a width where it can be had again: 128 bytes less to move per Q1 cell and step each.
+def _share(blocks: list[Block], lanes: Sequence[int], gradient: bool, stress: bool) -> None:
+    """One array for all blocks of a width and lane where it can be had again: 128 bytes less to move per Q1 cell and step each.
 
     A gradient follows from positions, a stress from the gradient unless the law has a history.
     """
     first: dict[tuple[int, ...], Block] = {}
-    for block in blocks:
-        like = first.setdefault(block.stress.shape, block)
+    for block, lane in zip(blocks, lanes, strict=True):
+        like = first.setdefault((lane, *block.stress.shape), block)
         block.gradient = like.gradient if gradient else block.gradient
         block.stress = like.stress if stress else block.stress
+
+
+def _scratch(blocks: Sequence[Block], lanes: Sequence[int]) -> list[Floats]:
+    """Scratch of every block; those of one size and lane share it."""
+    shared: dict[tuple[int, int], Floats] = {}
+    for block, lane in zip(blocks, lanes, strict=True):
+        nodes, cells = block.connectivity.shape
+        if (lane, cells) not in shared:
+            shared[lane, cells] = np.zeros((6 * nodes + 6, cells))
+    return [shared[lane, block.connectivity.shape[1]] for block, lane in zip(blocks, lanes, strict=True)]
 
 
 def block_size(cells: int) -> int:

@@ -13,6 +13,7 @@ from contactlab.mesh import inverted_cells, moved, nodal_measure
 from contactlab.model.body import Body, BodyForces, positions_of
 from contactlab.model.checks import check_supported
 from contactlab.model.edge_sets import with_parts
+from contactlab.model.lanes import in_order
 from contactlab.model.model import Model
 from contactlab.model.pace import find_pace
 from contactlab.model.supports import plan_supports
@@ -38,8 +39,7 @@ def build(scene: Any, registry: Any) -> Model:
     prescribed = supports.bind(pace.ramp)
     state = State(_shapes(len(reference), bodies, integrator, plans))
     position, increment = reference.copy(), _increment(bodies, len(reference))
-    explicit = integrator.explicit
-    forces = tuple(_bind(body, reference, position, increment, state, explicit) for body in bodies)
+    forces = _bind_all(scene.threads, bodies, reference, position, increment, state, integrator.explicit)
     _initial_velocity(scene, bodies, reference, mass, state)
     contact = _contact(plans, bodies, reference, prescribed.dof, state, pace.ramp)
     model = _model_class(integrator)(
@@ -55,7 +55,7 @@ def build(scene: Any, registry: Any) -> Model:
         forces=forces,
         supports=supports.sets,
         pace=pace,
-        updates=tuple(call for body in forces for call in body.calls),
+        updates=_updates(forces, scene.threads),
         loads=(
             *_loads(scene, bodies, reference, position, pace.ramp),
             *_effects(scene, registry, bodies, reference, mass, state),
@@ -198,8 +198,30 @@ def _model_class(integrator: Integrator) -> type[Model]:
     return ImplicitModel
 
 
+def _bind_all(threads: int, bodies: tuple[Body, ...], *arrays: Any) -> tuple[BodyForces, ...]:
+    """The work of all bodies, dealt out to the threads one body after the other."""
+    bound: list[BodyForces] = []
+    for body in bodies:
+        bound.append(_bind(body, *arrays, threads, sum(len(before.blocks) for before in bound)))
+    return tuple(bound)
+
+
+def _updates(forces: tuple[BodyForces, ...], threads: int) -> tuple[Any, ...]:
+    """The block calls of all bodies in the order in which they are made."""
+    calls = [call for body in forces for call in body.calls]
+    colours = [colour for body in forces for colour in body.colours]
+    return in_order(calls, colours, [lane for body in forces for lane in body.lanes], threads)
+
+
 def _bind(
-    body: Body, reference: Floats, position: Floats, increment: Floats | None, state: State, explicit: bool
+    body: Body,
+    reference: Floats,
+    position: Floats,
+    increment: Floats | None,
+    state: State,
+    explicit: bool,
+    threads: int,
+    first_lane: int,
 ) -> BodyForces:
     geometry, field = {
         "small": (reference, state["displacement"]),
@@ -211,7 +233,8 @@ def _bind(
     history = state[name] if name in state else np.zeros(0)
     shape = (reference, state["displacement"])
     trial = None if explicit else np.zeros_like(history)
-    return BodyForces(body, geometry, field, state["internal_force"], history, trial, shape)
+    force = state["internal_force"]
+    return BodyForces(body, geometry, field, force, history, trial, shape, threads, first_lane)
 
 
 def _initial_velocity(scene: Any, bodies: tuple[Body, ...], reference: Floats, mass: Floats, state: State) -> None:

@@ -30,13 +30,15 @@ class Gravity(Effect):
 
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """Weights are computed once."""
-        nodes = np.unique(np.concatenate([view.nodes(name) for name in self.on or view.bodies]))
+        nodes = np.concatenate([view.nodes(name) for name in self.on or view.bodies])
         if not len(view.mass):
             raise ValueError("gravity needs an integrator that assembles masses")
-        weight = view.mass[nodes, None] * np.asarray(self.acceleration)
+        # of all nodes, also those without weight: picking some out costs twenty times the sum
+        weight = np.zeros((len(view.mass), 2))
+        weight[nodes] = view.mass[nodes, None] * np.asarray(self.acceleration)
 
         def pull(time: float, force: Floats) -> None:
-            force[nodes] += weight if time >= self.ramp else _smooth(time / self.ramp) * weight
+            force += weight if time >= self.ramp else _smooth(time / self.ramp) * weight
 
         return pull
 

@@ -1,0 +1,173 @@
+"""Is the bill of effects honest: does a base cost plus the prices of the declared effects give what a step costs?
+
+Six effects of one scene (a disc pressed into a soft block, which is squeezed from both sides as well, so that it yields
+with and without contact): contact, friction, finite strain, plasticity, gravity and
+recording. Every valid subset is run, all in one process and in turns; costs are CPU time of a whole run over its
+steps, medians of rounds. Each run is taken relative to a fixed piece of work just before and after it, so that a
+machine that others use, too, is the same machine for all. The prices are those of the bill, one run
+of the full scene for each effect taken out; where one effect needs another (friction contact, plasticity here finite
+strain), the price of the needed one is that of both less that of the other.
+
+    python benchmarks/studies/bill_adds_up.py [--rounds 5] [--steps 1500]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+from collections.abc import Iterator, Mapping
+from itertools import combinations
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+from time import process_time
+from typing import Any
+
+os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from contactlab.model.build import build
+from contactlab.scene import Scene, load_scene
+from contactlab.simulation import simulate
+
+EFFECTS = ("contact", "friction", "finite strain", "plasticity", "gravity", "recording")
+NEEDS = {"friction": "contact", "plasticity": "finite strain"}
+DEPTH, SQUEEZE = -0.06, 0.03  # of the disc and of each side [mm]
+MARGIN = 0.6  # of the stable step of the full scene
+ELASTIC = {"young": 7000.0, "poisson": 0.3, "density": 2.7e-9}
+LAWS = {
+    "small": {"use": "linear-elastic", **ELASTIC},
+    "finite": {"use": "neo-hookean", **ELASTIC},
+    "plastic": {"use": "linear-hardening", **ELASTIC, "yield_stress": 100.0, "hardening": 500.0},
+}
+
+Subset = frozenset[str]
+
+
+def subsets() -> Iterator[Subset]:
+    """All that hold with every effect the one that it needs."""
+    for number in range(len(EFFECTS) + 1):
+        for chosen in combinations(EFFECTS, number):
+            if all(NEEDS.get(effect, effect) in chosen for effect in chosen):
+                yield frozenset(chosen)
+
+
+def scene_of(effects: Subset) -> Scene:
+    """disc-on-block at level 2 with these effects and no other."""
+    friction = {"use": "coulomb", "mu": 0.2} if "friction" in effects else None
+    law = "plastic" if "plasticity" in effects else "finite" if "finite strain" in effects else "small"
+    stiff = dict(LAWS["small" if law == "small" else "finite"], young=70000.0)
+    changes: dict[str, Any] = {
+        "level": 2, "supports": supports(), "time.damping": 0.0, "time.end": 1e-5, "record.frames": 10,
+        "materials": {"steel": stiff, "soft": LAWS[law]}, "contacts.0.friction": friction,
+        "record.recorders": ["vtkhdf"] if "recording" in effects else [],
+    }  # fmt: skip
+    if "gravity" in effects:
+        changes["effects"] = [{"use": "gravity", "acceleration": [0.0, -9810.0]}]
+    scene = load_scene("disc-on-block").with_(changes)
+    return scene if "contact" in effects else scene.with_({"contacts": []})
+
+
+def supports() -> list[dict[str, Any]]:
+    """The disc comes down, the block is squeezed between its sides."""
+
+    def driven(to: float) -> dict[str, Any]:
+        return {"ramp": "parabola", "to": to}
+
+    return [
+        {"on": "block.bottom", "uy": 0.0},
+        {"on": "block.left", "ux": driven(SQUEEZE)},
+        {"on": "block.right", "ux": driven(-SQUEEZE)},
+        {"on": "disc.top", "ux": 0.0, "uy": driven(DEPTH)},
+    ]
+
+
+def timed(step: float, steps: int) -> Mapping[Subset, Scene]:
+    """The same steps for all."""
+    return {chosen: scene_of(chosen).with_({"time.step": step, "time.end": steps * step}) for chosen in subsets()}
+
+
+class Yardstick:
+    """CPU seconds of a fixed piece of work like that of a step: small kernels on arrays that fit into the cache."""
+
+    def __init__(self) -> None:
+        scene = scene_of(frozenset(EFFECTS) - {"recording"}).with_({"time.step": 1e-12})
+        self.model = build(scene, scene.registry)
+        self.all: list[float] = []
+
+    def __call__(self) -> float:
+        """Measure."""
+        began = process_time()
+        for _ in range(200):
+            self.model.internal_force(0.0)
+        self.all.append(process_time() - began)
+        return self.all[-1]
+
+
+def cost(scene: Scene, folder: Path, yardstick: Yardstick) -> float:
+    """CPU time of a step over that of the yardstick, files included."""
+    with TemporaryDirectory(dir=folder) as out:
+        before = yardstick()
+        results = simulate(scene, out=Path(out) / "run")
+        after = yardstick()
+    assert results.status == "finished", results.reason
+    return results.summary["cost"]["run_cpu_s"] / results.summary["steps"] / (0.5 * (before + after))
+
+
+def measured(scenes: Mapping[Subset, Scene], rounds: int) -> dict[Subset, float]:
+    """Median cost of a step of every scene [us]."""
+    found: dict[Subset, list[float]] = {chosen: [] for chosen in scenes}
+    yardstick = Yardstick()
+    with TemporaryDirectory() as folder:
+        for number in range(rounds + 1):
+            for chosen, scene in scenes.items():
+                spent = cost(scene, Path(folder), yardstick)
+                if number:  # the first round compiles
+                    found[chosen].append(spent)
+    return {chosen: 1e6 * median(yardstick.all) * median(values) for chosen, values in found.items()}
+
+
+def prices(costs: Mapping[Subset, float]) -> dict[str, float]:
+    """What each effect costs in the full scene, without what needs it."""
+    found = {}
+    for effect in EFFECTS:
+        rest = frozenset(EFFECTS) - {other for other, needed in NEEDS.items() if needed == effect}
+        found[effect] = costs[rest] - costs[rest - {effect}]
+    return found
+
+
+def study(rounds: int, steps: int) -> dict[str, Any]:
+    """Costs of all subsets beside what the bill predicts."""
+    full = scene_of(frozenset(EFFECTS))
+    costs = measured(timed(MARGIN * build(full, full.registry).stable_step(), steps), rounds)
+    price, base = prices(costs), costs[frozenset()]
+    rows = []
+    for chosen, spent in costs.items():
+        predicted = base + sum(price[effect] for effect in chosen)
+        names = [effect for effect in EFFECTS if effect in chosen]
+        rows.append({"effects": names, "us": spent, "predicted_us": predicted, "error": predicted / spent - 1.0})
+    return {"base_us": base, "prices_us": price, "subsets": rows, "worst": max(abs(row["error"]) for row in rows)}
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--steps", type=int, default=1500)
+    parser.add_argument("--json", type=Path, help="write everything to this file, too")
+    chosen = parser.parse_args()
+    found = study(chosen.rounds, chosen.steps)
+    print(f"nothing declared: {found['base_us']:.1f} us of CPU time per step")
+    for effect, price in found["prices_us"].items():
+        print(f"  {effect:14s} {price:+7.1f} us")
+    print(f"{'measured':>9s} {'predicted':>9s} {'error':>7s}")
+    for row in found["subsets"]:
+        print(f"{row['us']:9.1f} {row['predicted_us']:9.1f} {row['error']:+7.1%}  {', '.join(row['effects']) or '-'}")
+    print(f"worst of {len(found['subsets'])} subsets: {found['worst']:.1%}")
+    if chosen.json is not None:
+        chosen.json.write_text(json.dumps(found, indent=1))
+
+
+if __name__ == "__main__":
+    main()
