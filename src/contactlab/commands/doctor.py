@@ -75,11 +75,8 @@ def _machine() -> Iterator[tuple[str, str]]:
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     yield "cores", f"{usable} usable of {os.cpu_count()}"
     limits = [f"{name}={os.environ[name]}" for name in THREADS if name in os.environ]
-    yield (
-        "threads",
-        "one per run, or as many as the scene's `threads` says"
-        + (f"; {', '.join(limits)}" if limits else "; no limit set in the environment"),
-    )
+    said = ", ".join(limits) or "no limit set in the environment"
+    yield "threads", f"one per run, or as many as the scene's key `threads` says; {said}"
 
 
 def _versions() -> Iterator[tuple[str, str]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -215,7 +215,9 @@ class BodyForces:
 
 
 def _share(blocks: list[Block], lanes: Sequence[int], gradient: bool, stress: bool) -> None:
-    """One array for all blocks of a width and lane where it can be had again: 128 bytes less to move per Q1 cell and step each.
+    """One array for all blocks of a width and lane where it can be had again.
+
+    That is 128 bytes less to move per Q1 cell and step for each of the two.
 
     A gradient follows from positions, a stress from the gradient unless the law has a history.
     """

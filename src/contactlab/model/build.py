@@ -202,7 +202,7 @@ def _bind_all(threads: int, bodies: tuple[Body, ...], *arrays: Any) -> tuple[Bod
     """The work of all bodies, dealt out to the threads one body after the other."""
     bound: list[BodyForces] = []
     for body in bodies:
-        bound.append(_bind(body, *arrays, threads, sum(len(before.blocks) for before in bound)))
+        bound.append(_bind(body, threads, sum(len(before.blocks) for before in bound), *arrays))
     return tuple(bound)
 
 
@@ -215,13 +215,13 @@ def _updates(forces: tuple[BodyForces, ...], threads: int) -> tuple[Any, ...]:
 
 def _bind(
     body: Body,
+    threads: int,
+    first_lane: int,
     reference: Floats,
     position: Floats,
     increment: Floats | None,
     state: State,
     explicit: bool,
-    threads: int,
-    first_lane: int,
 ) -> BodyForces:
     geometry, field = {
         "small": (reference, state["displacement"]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -43,10 +44,14 @@ def test_more_neighbours_than_bits_of_an_integer_are_done_one_by_one() -> None:
     assert len(set(colours(blocks, 1))) == 70
 
 
+def _note(made: list[int], number: int, dt: float) -> None:
+    made.append(number)
+
+
 def test_every_update_is_made_once_whatever_the_number_of_threads() -> None:
     for threads in (1, 2, 3, 5):
         made: list[int] = []
-        updates = [lambda dt, number=number: made.append(number) for number in range(11)]  # type: ignore[misc]
+        updates = [partial(_note, made, number) for number in range(11)]
         found = [0, 1, 0, 1, 2, 0, 1, 0, 2, 66, 67]
         calls = in_order(updates, found, lanes_of(found, threads, first=1), threads)
         for call in calls:
