@@ -19,7 +19,7 @@ from contactlab.scene import load_scene
 from contactlab.testing.cases.watched import WatchedRun
 
 STORED = Path(__file__).with_name("million_steps.csv")
-CELLS = [8, 2]
+CELLS = [12, 3]
 BOX = 2.0  # mm, half its side
 EVERY = 100  # steps between looks at the stored energy
 
@@ -31,8 +31,9 @@ def bounce(algorithm: str, steps: int) -> dict[str, float | str]:
     )
     run = WatchedRun(scene)
     own, force, work = run.nodes("disc"), run.state["contact_force"], run.state["work"]
-    start, momentum = run.energy(), run.momentum()
+    start, momentum, stored = run.energy(), run.momentum(), 0.0
     impulse, impacts, closed, rise, highest, outside = np.zeros(2), 0, False, 0.0, 0.0, 0.0
+    given, taken = 0.0, 0.0
     spread, before, began, last = 0.0, 0.0, process_time(), 0.0
     for number in range(steps):
         dt = run.dt
@@ -43,9 +44,12 @@ def bounce(algorithm: str, steps: int) -> dict[str, float | str]:
         last = dt
         impacts += bool(pushed.any()) and not closed
         closed = bool(pushed.any())
-        rise, before = max(rise, float(work[3]) - before), float(work[3])
+        change, before = float(work[3]) - before, float(work[3])
+        rise, given, taken = max(rise, change), given + max(change, 0.0), taken - min(change, 0.0)
+        if number % EVERY == EVERY - 1:
+            stored = run.energy() - run.model.kinetic_energy()
         if number % EVERY == 0:
-            highest = max(highest, run.energy() / start - 1.0)
+            highest = max(highest, _energy(run, stored) / start - 1.0)
             outside = max(outside, float(np.abs(run.model.position[own]).max()) - BOX)
             spread = max(spread, float(np.abs(run.momentum() - momentum - impulse).max()))
     scale = run.model.mass.sum() * float(np.hypot(3000.0, 2000.0))
@@ -57,6 +61,8 @@ def bounce(algorithm: str, steps: int) -> dict[str, float | str]:
         "impacts": impacts,
         "energy above the start, at most": highest,
         "energy in the end": run.energy() / start,
+        "given by contact, in all steps where it gives": given / start,
+        "taken by contact, in all others": taken / start,
         "largest rise in a step": rise / start,
         "momentum not given by walls": spread / scale,
         "farthest outside the box [mm]": outside,
@@ -65,6 +71,12 @@ def bounce(algorithm: str, steps: int) -> dict[str, float | str]:
         "mass of an arc node": float(run.model.mass[run.contact.pairs[0].slave.nodes].mean() / run.model.mass.sum()),
         "CPU per step [us]": 1e6 * (process_time() - began) / steps,
     }
+
+
+def _energy(run: WatchedRun, stored: float) -> float:
+    """Kinetic energy, and the energy stored half a step before and after; `stored` is that of the step before."""
+    kinetic = run.model.kinetic_energy()
+    return kinetic + 0.5 * (stored + run.energy() - kinetic)
 
 
 def main(words: list[str]) -> None:

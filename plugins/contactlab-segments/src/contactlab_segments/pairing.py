@@ -7,6 +7,9 @@ import numpy as np
 from contactlab.api.kernel import kernel, point, section
 
 EDGE = 1e-9  # how far, in segment lengths, a node may project beyond a segment's end
+LEAVE = (
+    0.02  # the same at the ends of a chain, where nothing else could hold it: bodies of one width spread differently
+)
 AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
 SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments
@@ -23,7 +26,15 @@ def _foot(p, segment, positions, segments, normal, length):
 
 
 @section
-def _nearest(p, outward, last, candidates, begin, end, positions, segments, normal, length, reach, depth, best):
+def _beyond(segment, side, segments, node_segments):
+    """How far a node may project beyond an end (0 or 1) of a segment."""
+    return EDGE if node_segments[segments[segment, side], side] >= 0 else LEAVE
+
+
+@section
+def _nearest(
+    p, outward, last, candidates, begin, end, positions, segments, node_segments, normal, length, reach, depth, best,
+):  # fmt: skip
     """Nearest segment that p projects onto; best = (gap, xi). Returns -1 if there is none."""
     found = -1
     for z in range(begin, end):
@@ -31,7 +42,9 @@ def _nearest(p, outward, last, candidates, begin, end, positions, segments, norm
         if outward[0] * normal[m, 0] + outward[1] * normal[m, 1] >= 0.0:
             continue
         gap, xi = _foot(p, m, positions, segments, normal, length)
-        if xi < -EDGE or xi > 1.0 + EDGE or gap > reach or gap < -depth:
+        if gap > reach or gap < -depth:
+            continue
+        if xi < -_beyond(m, 0, segments, node_segments) or xi > 1.0 + _beyond(m, 1, segments, node_segments):
             continue
         measure = abs(gap) * (1.0 if m == last else HYSTERESIS)
         if found < 0 or measure < best[2]:
@@ -186,8 +199,8 @@ def pair_nodes(
             s = slave_segments[i, side]
             if s < 0:
                 continue
-            m = _nearest(p, outward[i], last, candidates, start[s], start[s + 1], positions, segments, normal,
-                         length, reach, depth, best)  # fmt: skip
+            m = _nearest(p, outward[i], last, candidates, start[s], start[s + 1], positions, segments, node_segments,
+                         normal, length, reach, depth, best)  # fmt: skip
             if m >= 0 and best[2] < distance:
                 found, distance, share = m, best[2], best[1]
         memory[i] = found + 1
