@@ -12,7 +12,7 @@ INSTALLED := $(VENV)/installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test lint clean
+.PHONY: demo test lint bench clean
 
 demo: $(INSTALLED)
 	@out=runs/demo; n=2; while [ -e $$out ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
@@ -25,6 +25,9 @@ test: $(INSTALLED)
 lint: $(INSTALLED)
 	$(PIP) install -c constraints.txt -e ".[lint]" --no-build-isolation
 	$(BIN)/ruff check . && $(BIN)/ruff format --check . && $(BIN)/mypy
+
+bench: $(INSTALLED)
+	$(BIN)/python benchmarks/bench.py $(if $(QUICK),--quick)
 
 $(INSTALLED): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
 	@test -n "$(PYTHON)" || { echo "contactlab needs Python 3.11 or later; set PYTHON=/path/to/python3"; exit 1; }

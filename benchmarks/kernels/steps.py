@@ -1,8 +1,9 @@
 """What an explicit step costs, phase by phase, from 200 to 200 000 cells; contact from 100 to 10 000 slave nodes;
 start-up, compilation and memory.
 
-Two blocks are pressed onto each other, every slave node active. Phases are timed with the clock of the thread, in
-rounds, and the median round counts: seconds belong to this machine, ratios and exponents to the program.
+Two blocks are pressed onto each other between their outer edges, every slave node active. Phases are timed with the
+clock of the thread, in rounds, and the median round counts: seconds belong to this machine, ratios and
+exponents to the program.
 
     python benchmarks/kernels/steps.py                 # all of it, some minutes
     python benchmarks/kernels/steps.py --brief         # small sizes, half a minute
@@ -39,7 +40,8 @@ PLASTIC = {"use": "power-law", **{k: v for k, v in ELASTIC.items() if k != "use"
 ALGORITHMS = ("node-on-segment", "mortar-p0", "mortar-p1")
 CELLS = (200, 1_000, 5_000, 20_000, 200_000)
 NODES = (100, 300, 1_000, 3_000, 10_000)
-APPROACH = 20.0  # mm/s: the blocks press on each other from the first steps on
+SQUEEZE = 1e-3  # of the height: the blocks stay pressed onto each other
+CROSSING = 5e-7  # s/mm: time that sound needs for a cell of one millimetre; they are pressed within 20 cells' time
 ROUND = 0.05  # seconds of a round, at least
 
 
@@ -48,20 +50,19 @@ def blocks(columns: int, rows: int, algorithm: str | None, law: dict[str, Any] =
     width, height = 1.0, rows / columns
     shrink = 0.5 / columns
 
-    def body(low: float, x: list[float], velocity: float) -> dict[str, Any]:
+    def body(low: float, x: list[float]) -> dict[str, Any]:
         mesh = {"use": "rectangle", "x": x, "y": [low, low + height], "cells": [columns, rows]}
-        return {"element": element, "material": "m", "mesh": mesh, "velocity": [0.0, velocity]}
+        return {"element": element, "material": "m", "mesh": mesh}
 
+    down = {"ramp": "linear", "to": -SQUEEZE * height, "duration": 20.0 * CROSSING / columns}
     contact = {"slave": "upper.bottom", "master": "lower.top", "algorithm": algorithm}
     return Scene.from_data(
         {
-            "time": {"end": 1.0},
+            "time": {"end": 1.0, "damping": 0.1 * columns / CROSSING},
             "integrator": "central-difference",
             "materials": {"m": law},
-            "bodies": {
-                "lower": body(0.0, [0.0, width], APPROACH),
-                "upper": body(height, [shrink, width - shrink], -APPROACH),
-            },
+            "bodies": {"lower": body(0.0, [0.0, width]), "upper": body(height, [shrink, width - shrink])},
+            "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}, {"on": "upper.top", "ux": 0.0, "uy": down}],
             "contacts": [contact] if algorithm else [],
         }
     )
@@ -88,7 +89,7 @@ class Clock:
         return timed
 
 
-def measure(scene: Scene, rounds: int, warm: int = 60) -> dict[str, float]:
+def measure(scene: Scene, rounds: int, warm: int = 100) -> dict[str, float]:
     """CPU microseconds of a step by phase, medians of rounds; sweeps per step and active nodes."""
     model = build(scene, scene.registry)
     dt = 0.9 * model.stable_step()
@@ -117,7 +118,7 @@ def phases(sizes: Sequence[int], rounds: int) -> list[dict[str, float]]:
     rows = []
     for cells in sizes:
         height = max(1, round((cells / 12.0) ** 0.5))
-        rows.append(measure(blocks(6 * height, height, "mortar-p0"), rounds))
+        rows.append(measure(blocks(6 * height, height, "mortar-p0"), rounds, warm=100 + 2 * height))
         print("  {cells:8.0f} cells: {whole:10.1f} us, elements {elements:.1f}, contact {contact:.1f}, rest {rest:.1f}"
               .format(**rows[-1]), flush=True)  # fmt: skip
     return rows
@@ -140,6 +141,17 @@ def contacts(nodes: Sequence[int], rounds: int) -> list[dict[str, Any]]:
 def exponent(x: Sequence[float], y: Sequence[float]) -> float:
     """Slope of log y over log x by least squares."""
     return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+def exponents(by_cells: Sequence[dict[str, float]], by_nodes: Sequence[dict[str, Any]]) -> dict[str, float]:
+    """How cost grows: of contact with its nodes, by algorithm, and of elements with their number."""
+    slopes = {}
+    for name in ALGORITHMS:
+        rows = [row for row in by_nodes if row["algorithm"] == name]
+        slopes[name] = exponent([row["nodes"] for row in rows], [row["contact"] for row in rows])
+    return slopes | {
+        "elements": exponent([row["cells"] for row in by_cells[1:]], [r["elements"] for r in by_cells[1:]])
+    }
 
 
 def overhead(rounds: int) -> dict[str, float]:
@@ -229,14 +241,9 @@ def main() -> None:
     by_cells = phases(cells, rounds)
     print("contact alone")
     by_nodes = contacts(nodes, rounds)
-    slopes = {}
-    for name in ALGORITHMS:
-        rows = [row for row in by_nodes if row["algorithm"] == name]
-        slopes[name] = exponent([row["nodes"] for row in rows], [row["contact"] for row in rows])
-    slopes["elements"] = exponent([row["cells"] for row in by_cells[1:]], [row["elements"] for row in by_cells[1:]])
     found = {
-        "phases": by_cells, "contact": by_nodes, "exponents": slopes, "overhead": overhead(rounds), "memory": memory(),
-        "start_up": start_up(3, chosen.cold),
+        "phases": by_cells, "contact": by_nodes, "exponents": exponents(by_cells, by_nodes),
+        "overhead": overhead(rounds), "memory": memory(), "start_up": start_up(3, chosen.cold),
     }  # fmt: skip
     for title in ("exponents", "overhead", "memory", "start_up"):
         print(f"{title}: {json.dumps(found[title])}")
