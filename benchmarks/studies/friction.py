@@ -1,0 +1,110 @@
+"""Disc on block with Coulomb friction: what the choice of slave, of multipliers and of the loading speed changes.
+
+    python benchmarks/studies/friction.py
+
+Level 2, mu = 0.05 and 0.2, shallow (0.01) and deep (0.1581). Rows go to friction.csv, the page to docs/friction.md.
+"""
+
+from __future__ import annotations
+
+import csv
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contactlab.results.results import Results
+from contactlab.scene import load_scene
+from contactlab.simulation import simulate
+
+HERE = Path(__file__).parent
+STORED, PAGE = HERE / "friction.csv", HERE.parents[1] / "docs" / "friction.md"
+MORTARS = ("mortar-p0", "mortar-p1")
+LIMIT = 0.005  # by which reactions may differ
+CONE = 1e-8
+
+
+def press(mu: float, depth: float, algorithm: str, swap: bool, ramp: float | None = None) -> Results:
+    """One run; with `ramp` [s] at a speed of its own."""
+    changes: dict[str, Any] = {
+        "level": 2,
+        "contacts.0.algorithm": algorithm,
+        "contacts.0.swap": swap,
+        "contacts.0.friction": {"use": "coulomb", "mu": mu},
+        "supports.1.uy": {"ramp": "parabola", "to": -depth},
+        "record.frames": 20,
+    }
+    return simulate(load_scene("disc-on-block").with_(changes | ({} if ramp is None else {"time.ramp": ramp})))
+
+
+def row(results: Results, **keys: object) -> dict[str, str]:
+    """What is kept of a run."""
+    contact = results.summary["contacts"]["contacts.0"]
+    dissipated = np.asarray(results.history["energy.slip"])
+    return {key: str(value) for key, value in keys.items()} | {
+        "status": results.status,
+        "reaction": f"{results.summary['reactions']['disc.top'][1]:.9g}",
+        "cone": f"{contact['cone_violation']:.3g}",
+        "dissipated": f"{dissipated[-1]:.6g}",
+        "least step of it": f"{np.diff(dissipated).min() / max(dissipated[-1], 1e-300):.3g}",
+        "over internal energy": f"{dissipated[-1] / results.summary['balance']['internal']:.3g}",
+    }
+
+
+def measure(mu: float, depth: float) -> list[dict[str, str]]:
+    """Both multipliers and both slaves, and one of them at half the speed."""
+    rows = []
+    for algorithm in MORTARS:
+        for swap in (False, True):
+            slave = "block" if swap else "disc"
+            results = press(mu, depth, algorithm, swap)
+            rows.append(row(results, mu=mu, depth=depth, algorithm=algorithm, slave=slave, speed=1))
+            if not swap and algorithm == MORTARS[1]:
+                slow = press(mu, depth, algorithm, swap, 2.0 * results.summary["resolved"]["ramp"])
+                rows.append(row(slow, mu=mu, depth=depth, algorithm=algorithm, slave=slave, speed=0.5))
+    print(f"mu {mu}, depth {depth}: done", file=sys.stderr, flush=True)
+    return rows
+
+
+def summary(rows: list[dict[str, str]]) -> list[str]:
+    """Table lines: one per friction and depth."""
+    lines = [
+        "| mu | depth | reaction [N/mm] | spread over multipliers and slaves | half the speed | cone violation | "
+        "least dissipation between frames, over all | verdict |",
+        "|---|---|---|---|---|---|---|---|",
+    ]
+    for mu, depth in dict.fromkeys((r["mu"], r["depth"]) for r in rows):
+        own = [r for r in rows if (r["mu"], r["depth"]) == (mu, depth)]
+        full = np.array([float(r["reaction"]) for r in own if r["speed"] == "1"])
+        slow = next(r for r in own if r["speed"] != "1")
+        fast = next(r for r in own if r["speed"] == "1" and (r["algorithm"], r["slave"]) == (slow["algorithm"], "disc"))
+        spread = float(np.ptp(full) / np.abs(full).mean())
+        speed = abs(float(slow["reaction"]) / float(fast["reaction"]) - 1.0)
+        cone, least = max(float(r["cone"]) for r in own), min(float(r["least step of it"]) for r in own)
+        finished = all(r["status"] == "finished" for r in own)
+        met = finished and spread < LIMIT and speed < LIMIT and cone < CONE and least >= 0.0
+        lines.append(
+            f"| {mu} | {depth} | {full.mean():.6g} | {spread:.2%} | {speed:.3%} | {cone:.1e} | {least:.1e} | "
+            f"{'met' if met else '**missed**'} |"
+        )
+    return lines
+
+
+def main() -> None:
+    """Run everything, keep the rows, write the page."""
+    rows = [row for mu in (0.05, 0.2) for depth in (0.01, 0.1581) for row in measure(mu, depth)]
+    with STORED.open("w", newline="") as file:
+        table = csv.DictWriter(file, list(rows[0]))
+        table.writeheader()
+        table.writerows(rows)
+    text = (HERE / "friction.md").read_text()
+    detail = ["| " + " | ".join(rows[0]) + " |", "|---" * len(rows[0]) + "|"]
+    detail += ["| " + " | ".join(r.values()) + " |" for r in rows]
+    PAGE.write_text(
+        text.replace("<!-- summary -->", "\n".join(summary(rows))).replace("<!-- rows -->", "\n".join(detail))
+    )
+
+
+if __name__ == "__main__":
+    main()
