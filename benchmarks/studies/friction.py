@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from contactlab.model.build import build
 from contactlab.results.results import Results
 from contactlab.scene import load_scene
 from contactlab.simulation import simulate
@@ -23,10 +24,12 @@ STORED, PAGE = HERE / "friction.csv", HERE.parents[1] / "docs" / "friction.md"
 MORTARS = ("mortar-p0", "mortar-p1")
 LIMIT = 0.005  # by which reactions may differ
 CONE = 1e-8
+ROUND = 1e-7  # sticking nodes keep a slip of at most 1e-10 segments a step, of either sign
+PERIODS = 15.0  # what `auto` allows any scene is 50
 
 
-def press(mu: float, depth: float, algorithm: str, swap: bool, ramp: float | None = None) -> Results:
-    """One run; with `ramp` [s] at a speed of its own."""
+def press(mu: float, depth: float, algorithm: str, swap: bool, periods: float) -> Results:
+    """One run, loaded in so many periods of the mode that the load excites."""
     changes: dict[str, Any] = {
         "level": 2,
         "contacts.0.algorithm": algorithm,
@@ -35,7 +38,8 @@ def press(mu: float, depth: float, algorithm: str, swap: bool, ramp: float | Non
         "supports.1.uy": {"ramp": "parabola", "to": -depth},
         "record.frames": 20,
     }
-    return simulate(load_scene("disc-on-block").with_(changes | ({} if ramp is None else {"time.ramp": ramp})))
+    scene = load_scene("disc-on-block").with_(changes)
+    return simulate(scene.with_({"time.ramp": periods * build(scene, scene.registry).pace.period}))
 
 
 def row(results: Results, **keys: object) -> dict[str, str]:
@@ -45,7 +49,7 @@ def row(results: Results, **keys: object) -> dict[str, str]:
     return {key: str(value) for key, value in keys.items()} | {
         "status": results.status,
         "reaction": f"{results.summary['reactions']['disc.top'][1]:.9g}",
-        "cone": f"{contact['cone_violation']:.3g}",
+        "cone": f"{abs(contact['cone_violation']):.3g}",
         "dissipated": f"{dissipated[-1]:.6g}",
         "least step of it": f"{np.diff(dissipated).min() / max(dissipated[-1], 1e-300):.3g}",
         "over internal energy": f"{dissipated[-1] / results.summary['balance']['internal']:.3g}",
@@ -58,10 +62,10 @@ def measure(mu: float, depth: float) -> list[dict[str, str]]:
     for algorithm in MORTARS:
         for swap in (False, True):
             slave = "block" if swap else "disc"
-            results = press(mu, depth, algorithm, swap)
+            results = press(mu, depth, algorithm, swap, PERIODS)
             rows.append(row(results, mu=mu, depth=depth, algorithm=algorithm, slave=slave, speed=1))
             if not swap and algorithm == MORTARS[1]:
-                slow = press(mu, depth, algorithm, swap, 2.0 * results.summary["resolved"]["ramp"])
+                slow = press(mu, depth, algorithm, swap, 2.0 * PERIODS)
                 rows.append(row(slow, mu=mu, depth=depth, algorithm=algorithm, slave=slave, speed=0.5))
     print(f"mu {mu}, depth {depth}: done", file=sys.stderr, flush=True)
     return rows
@@ -83,7 +87,7 @@ def summary(rows: list[dict[str, str]]) -> list[str]:
         speed = abs(float(slow["reaction"]) / float(fast["reaction"]) - 1.0)
         cone, least = max(float(r["cone"]) for r in own), min(float(r["least step of it"]) for r in own)
         finished = all(r["status"] == "finished" for r in own)
-        met = finished and spread < LIMIT and speed < LIMIT and cone < CONE and least >= 0.0
+        met = finished and spread < LIMIT and speed < LIMIT and cone < CONE and least >= -ROUND
         lines.append(
             f"| {mu} | {depth} | {full.mean():.6g} | {spread:.2%} | {speed:.3%} | {cone:.1e} | {least:.1e} | "
             f"{'met' if met else '**missed**'} |"
