@@ -40,7 +40,9 @@ def faults(kind: str, target: Any) -> list[str]:
         return [f"it does not derive from {allowed}"]
     if target in (*bases, Enforcement):
         return ["it is the abstract class of the contract itself"]
-    return [*_missing_methods(target), *_missing_attributes(target), *_not_a_record(target)]
+    return [
+        *_missing_methods(target), *_missing_attributes(target), *_other_arguments(target), *_not_a_record(target)
+    ]  # fmt: skip
 
 
 def _missing_methods(target: type) -> list[str]:
@@ -59,6 +61,25 @@ def _missing_attributes(target: type) -> list[str]:
     own = [name for name, of_class in promised.items() if not of_class and name not in fields]
     texts = [f"it does not set the class attribute {', '.join(classwide)}"] if classwide else []
     return texts + ([f"it has no field {', '.join(own)}"] if own else [])
+
+
+def _other_arguments(target: type) -> list[str]:
+    """Methods that cannot be called as the contract calls them."""
+    found = []
+    for base in (base for base in target.__mro__ if base.__module__.startswith("contactlab.api.")):
+        for name, method in vars(base).items():
+            own = inspect.getattr_static(target, name)
+            if not inspect.isfunction(method) or name.startswith("_") or own is method or not inspect.isfunction(own):
+                continue
+            promised = inspect.signature(method)
+            given = {p.name: p for p in promised.parameters.values()}
+            named = {n: None for n, p in given.items() if p.kind is p.KEYWORD_ONLY}
+            try:
+                inspect.signature(own).bind(*(None for n in given if n not in named), **named)
+            except TypeError:
+                taken, asked = (f"({', '.join(inspect.signature(f).parameters)})" for f in (own, method))
+                found.append(f"its {name} takes {taken}; it is called with {asked}")
+    return found
 
 
 def _not_a_record(target: type) -> list[str]:

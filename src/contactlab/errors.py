@@ -166,6 +166,10 @@ class PartError(RequestError):
     """A part is unknown, cannot be imported, or does not keep the contract."""
 
 
+class WrongAnswer(ValueError):
+    """What a part gave is not as the contract says: the part and its method, what was got, what is needed."""
+
+
 class SimulationFailure(ContactlabError):
     """A run that was rightly asked for did not come to its end.
 

@@ -150,7 +150,7 @@ def call(plugin: Plugin, hook: str, **arguments: Any) -> list[Any] | Broken:
 
 def one_line(error: BaseException, name: bool = True) -> str:
     """An exception as one line: its type, its text, and the place it came from."""
-    text = " ".join(str(error).split())
+    text = "; ".join(" ".join(line.split()) for line in str(error).splitlines() if line.strip())
     kind = type(error).__name__
     return f"{kind}: {text}" if name and text else text or kind
 

@@ -63,6 +63,7 @@ def rehearse(scene: Any) -> Rehearsal:
     request = pickle.dumps((sys.path, pickle.dumps(scene)))
     done = subprocess.run([sys.executable, "-c", _FAR_END], input=request, capture_output=True, check=False)
     if done.returncode:
+        _build_here(scene)
         last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no word"]
         raise SimulationFailure("failed", f"the first steps: {last[0]}")
     from contactlab.model.arrays import HeldArray
@@ -71,6 +72,13 @@ def rehearse(scene: Any) -> Rehearsal:
     found["kernels"] = [KernelCalls(*row) for row in found["kernels"]]
     found["arrays"] = [HeldArray(*row) for row in found["arrays"]]
     return Rehearsal(**found)
+
+
+def _build_here(scene: Any) -> None:
+    """Raise what stands in the way of the model itself, as a run would."""
+    from contactlab.model.build import build
+
+    build(scene, scene.registry)
 
 
 # --- in the other process ------------------------------------------------------------------------

@@ -9,14 +9,19 @@ from time import perf_counter
 from typing import Any
 
 from contactlab.api import StepStatus
+from contactlab.blame import part_at_fault
 from contactlab.errors import ContactlabError, RequestError, SimulationFailure
 from contactlab.folders import run_folder
 from contactlab.guards import EVERY
 from contactlab.interruption import Interrupted, Interruption
 from contactlab.model.build import build
+from contactlab.plugins import one_line
 from contactlab.restart import finished_results
 from contactlab.results.results import Results
 from contactlab.run import Run, begin_run
+
+OURS = (ArithmeticError, LookupError, ValueError, TypeError, AttributeError, ContactlabError)
+"""What a wrong array ends in; anything else that no part raised is a mistake of the core and is shown as one."""
 
 Progress = Callable[[float, int, float, float], None]
 """Called with fraction done, step, time [s] and energy error."""
@@ -49,7 +54,7 @@ def simulate(
     run = begin_run(model, scene, registry, folder, resume)
     run.clock.build_s = perf_counter() - began
     with Interruption(run.schedule.stop) as interruption:
-        status, reason = _guarded(run, interruption, progress)
+        status, reason = _guarded(run, registry, interruption, progress)
     results = run.finish(status, reason)
     for broken in registry.run_finished(results.summary, results.folder):
         warnings.warn(f"{broken.origin}: {broken.reason}", RuntimeWarning, stacklevel=2)
@@ -58,7 +63,7 @@ def simulate(
     return results
 
 
-def _guarded(run: Run, interruption: Interruption, progress: Progress | None) -> tuple[str, str]:
+def _guarded(run: Run, registry: Any, interruption: Interruption, progress: Progress | None) -> tuple[str, str]:
     """Run the loop; how it ended and why."""
     try:
         run.clock.start()
@@ -71,8 +76,12 @@ def _guarded(run: Run, interruption: Interruption, progress: Progress | None) ->
         return failure.status, failure.reason
     except RequestError:
         raise
-    except (ArithmeticError, LookupError, ValueError, TypeError, AttributeError, ContactlabError) as failure:
-        return "failed", f"step {run.model.state.step}: {type(failure).__name__}: {failure}"
+    except Exception as failure:
+        place = part_at_fault(failure, registry)
+        if not place and not isinstance(failure, OURS):
+            raise
+        raised = f"{place}: the part raised " if place else ""
+        return "failed", f"step {run.model.state.step}: {raised}{one_line(failure)}"
 
 
 def _advance(run: Run, progress: Progress | None) -> None:

@@ -23,7 +23,7 @@ LAYERS = (
     ("api", "kernels.cache"),
     ("kernels", "api.chains", "mesh", "meshing"),
     (
-        "hookspecs", "plugins", "contract", "registry", "builtin",
+        "hookspecs", "plugins", "blame", "contract", "registry", "builtin",
         "fields", "toml_text", "overrides", "scene_keys", "scene_checks", "scene",
     ),
     ("model",),

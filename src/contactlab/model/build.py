@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import WORK, Element, Floats, Integrator, Material, Mesh, MeshSource, State
+from contactlab.blame import blamed
 from contactlab.errors import SceneError
 from contactlab.mesh import inverted_cells, moved, nodal_measure
+from contactlab.model.answers import refuse_wrong_speeds, refuse_wrong_tables
 from contactlab.model.body import Body, BodyForces, positions_of
 from contactlab.model.checks import check_supported
 from contactlab.model.edge_sets import with_parts
@@ -27,6 +29,11 @@ def build(scene: Any, registry: Any) -> Model:
 
     Raises SceneError or PartError, naming file and key, for anything that does not fit together.
     """
+    with blamed(registry):
+        return _built(scene, registry)
+
+
+def _built(scene: Any, registry: Any) -> Model:
     integrator = registry.make("integrator", scene.integrator, scene.where("integrator"))
     bodies = build_bodies(scene, registry)
     rigid = _rigid_surfaces(scene, bodies)
@@ -127,6 +134,8 @@ def build_bodies(scene: Any, registry: Any) -> tuple[Body, ...]:
         name: registry.make("material", spec, scene.where(f"materials.{name}"))
         for name, spec in scene.materials.items()
     }
+    for material in materials.values():
+        refuse_wrong_speeds(material)
     bodies: list[Body] = []
     first = 0
     for name, spec in scene.bodies.items():
@@ -138,6 +147,7 @@ def build_bodies(scene: Any, registry: Any) -> tuple[Body, ...]:
 
 def _body(scene: Any, registry: Any, name: str, spec: Any, material: Material, first: int) -> Body:
     element: Element = registry.make("element", spec.element, scene.where(f"bodies.{name}.element"))
+    refuse_wrong_tables(element)
     where = scene.where(f"bodies.{name}.mesh")
     source: MeshSource = registry.make("mesh", spec.mesh, where)
     mesh = moved(_meshed(source, element, scene.level, where), spec.rotate, spec.shift)

@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.api import Candidates, Floats, FrictionLaw, GapAlgorithm, GapConditions, Ints, Rows, Surface
 from contactlab.api.surface import SurfacePositions
+from contactlab.errors import WrongAnswer
 from contactlab.kernels import edges, rows, windows
 from contactlab.kernels.search import near_segments
 from contactlab.model.surface_pair import REACH, SKIN, Near, SurfacePair
@@ -180,7 +181,9 @@ def _per_row(found: GapConditions, weight: Floats, vectors: Floats) -> Floats:
 
 
 def refuse_wrong(found: Any, slave_nodes: int, nodes: int, tangent: bool, part: str) -> None:
-    """Raise ValueError naming what of the gap conditions of a part is not as the contract says."""
+    """Raise WrongAnswer naming what of the gap conditions of a part is not as the contract says."""
+    if not isinstance(found, GapConditions):
+        raise WrongAnswer(f"{part}: conditions gave {type(found).__name__}, needed: GapConditions")
     k, z = len(found.gap), len(found.node)
     wanted = {
         "start": (k + 1,), "normal_weight": (z, 2), "tangent_weight": (z if tangent else 0, 2), "measure": (k,),
@@ -189,7 +192,7 @@ def refuse_wrong(found: Any, slave_nodes: int, nodes: int, tangent: bool, part: 
     for name, shape in wanted.items():
         got = np.shape(getattr(found, name))
         if got != shape:
-            raise ValueError(f"{part}: {name} has the shape {got}, needed {shape} for {k} conditions of {z} entries")
+            raise WrongAnswer(f"{part}: {name} has the shape {got}, needed {shape} for {k} conditions of {z} entries")
     start, owner = np.asarray(found.start), np.asarray(found.owner)
     rules = {
         "start: row pointers from 0 to the number of entries, no row empty": k == 0
@@ -202,4 +205,4 @@ def refuse_wrong(found: Any, slave_nodes: int, nodes: int, tangent: bool, part: 
     }
     for rule, kept in rules.items():
         if not kept:
-            raise ValueError(f"{part}: a gap condition is not as allowed: {rule}")
+            raise WrongAnswer(f"{part}: a gap condition is not as allowed: {rule}")

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from contactlab.api import Candidates, ContactAlgorithm, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
+from contactlab.errors import WrongAnswer
 from contactlab.kernels import coupling, edges, rows, windows
 from contactlab.kernels.search import near_segments
 
@@ -55,6 +57,7 @@ class SurfacePair:
         self.fixed = np.tile(fixed, slots)
         self.linear_trace = slave.edges.shape[1] == 2
         self.near: Near | None = None
+        self.unchecked = True
         k = self.slots
         self.diagonal, self.lower, self.upper, self.cover = (np.zeros(k) for _ in range(4))
         self.from_left, self.full = (np.zeros(k) for _ in range(2))
@@ -97,8 +100,16 @@ class SurfacePair:
         edges.take(positions, self.master.nodes, self.at.master)
         candidates = self._candidates()
         reach = REACH * self.size
-        self.count = self.algorithm.pieces(self.slave, self.master, self.at, candidates, reach, memory, self.pieces)
+        count = self.algorithm.pieces(self.slave, self.master, self.at, candidates, reach, memory, self.pieces)
+        if self.unchecked or not 0 <= count <= len(self.pieces.slave):
+            self._check(count)
+        self.count = count
         self._couple()
+
+    def _check(self, count: Any) -> None:
+        """Raise WrongAnswer for pieces that point outside the arrays, which compiled code would follow."""
+        refuse_wrong(self.pieces, count, len(self.slave.nodes), len(self.master.nodes), type(self.algorithm).__name__)
+        self.unchecked = False
 
     def measure(self, positions: Floats) -> None:
         """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
@@ -133,14 +144,20 @@ class SurfacePair:
         """Make the near list anew, for these positions of the surfaces (m, 2)."""
         reach = (REACH + 1.0) * self.size + 2.0 * SKIN * self.size
         found = near_segments(slave, self.slave.segments, master, self.master.segments, reach)
-        self.near = Near(found, slave.copy(), master.copy())
+        self.near, self.unchecked = Near(found, slave.copy(), master.copy()), True
         capacity = self.algorithm.capacity(self.slave, found)
         if capacity > len(self.pieces.slave):
             self._room(capacity + capacity // 4)
         return self.near
 
     def _room(self, capacity: int) -> None:
-        self.pieces = Pieces.allocate(capacity, self.algorithm.widths(self.slave, self.master), self.slots)
+        widths = self.algorithm.widths(self.slave, self.master)
+        if np.shape(widths) != (3,) or min(widths) < 1:
+            raise WrongAnswer(
+                f"{type(self.algorithm).__name__}: widths gave {widths}, needed: how many slave nodes, multipliers and "
+                "master nodes a piece couples"
+            )
+        self.pieces = Pieces.allocate(capacity, widths, self.slots)
 
     def _couple(self) -> None:
         p = self.pieces
@@ -208,6 +225,21 @@ class SurfacePair:
         values = np.array(forces)
         coupling.solve(self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, values)
         return np.where(self.owner >= 0, values[self.owner], 0.0)
+
+
+def refuse_wrong(pieces: Pieces, count: Any, slave_nodes: int, master_nodes: int, part: str) -> None:
+    """Raise WrongAnswer where the first `count` pieces of a part are not as the contract says."""
+    room = len(pieces.slave)
+    if not isinstance(count, int | np.integer) or not 0 <= count <= room:
+        raise WrongAnswer(
+            f"{part}: pieces gave {count}, needed: how many of the {room} pieces of its capacity are filled"
+        )
+    sides = {"slave": slave_nodes, "multiplier": len(pieces.normal), "master": master_nodes}
+    for name, size in sides.items():
+        used = getattr(pieces, name)[:count]
+        if used.size and not 0 <= used.min() <= used.max() < size:
+            wrong = used.min() if used.min() < 0 else used.max()
+            raise WrongAnswer(f"{part}: pieces filled {name} with {wrong}, needed: positions 0 to {size - 1}")
 
 
 Window = tuple[Ints, Ints, Floats]

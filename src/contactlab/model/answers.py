@@ -1,0 +1,39 @@
+"""What elements and laws answer once, looked at before compiled code trusts it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Element, Material
+from contactlab.errors import WrongAnswer
+
+
+def refuse_wrong_tables(element: Element) -> None:
+    """Raise WrongAnswer where a table of the element has the wrong form."""
+    nodes, sides = np.shape(element.nodes), {len(edge) for edge in element.edges}
+    if len(nodes) != 2 or nodes[1] != 2 or len(sides) != 1 or len(element.edges) != 4:
+        _refuse(element, "nodes, edges", f"{nodes} and {len(element.edges)} sides", "nodes (a, 2), and 4 sides alike")
+    rule, a, b = element.quadrature(), nodes[0], sides.pop()
+    points, weights = np.shape(rule.points), np.shape(rule.weights)
+    if len(points) != 2 or points[1] != 2 or weights != points[:1]:
+        _refuse(element, "quadrature", f"points {points}, weights {weights}", "points (q, 2), weights (q,)")
+    value, gradient = element.shape(rule.points)
+    got, needed = (np.shape(value), np.shape(gradient)), ((points[0], a), (points[0], a, 2))
+    if got != needed:
+        _refuse(element, "shape", f"{got[0]} and {got[1]}", f"{needed[0]} and {needed[1]} for {points[0]} points")
+    trace = [np.shape(table) for table in element.edge_shape(np.array([-0.5, 0.0, 0.5]))]
+    if trace != [(3, b), (3, b)]:
+        _refuse(element, "edge_shape", " and ".join(map(str, trace)), f"{(3, b)} twice for 3 points")
+
+
+def refuse_wrong_speeds(material: Material) -> None:
+    """Raise WrongAnswer where a law does not tell two speeds that can set a step."""
+    speeds: Any = material.wave_speeds()
+    if np.shape(speeds) != (2,) or not all(np.isfinite(speeds)) or not speeds[0] > speeds[1] >= 0.0:
+        _refuse(material, "wave_speeds", str(speeds), "a dilatational and a smaller shear speed, finite")
+
+
+def _refuse(part: Any, method: str, got: str, needed: str) -> None:
+    raise WrongAnswer(f"{type(part).__name__}: {method} gave {got}, needed: {needed}")
