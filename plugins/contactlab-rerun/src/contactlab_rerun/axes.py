@@ -89,9 +89,9 @@ def nice_step(value: float) -> float:
     return float(unit * next(m for m in (1.0, 2.0, 5.0, 10.0) if m * unit >= value * (1.0 - 1e-9)))
 
 
-def dashed(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """The polyline as `DASHES` separate pieces of two points each: x, y (2 DASHES,); x must not fall."""
-    edges = np.linspace(x[0], x[-1], 2 * DASHES)
+def dashed(x: Floats, y: Floats, pieces: int = DASHES) -> tuple[Floats, Floats]:
+    """The polyline as separate `pieces` of two points each: x, y (2 pieces,); x must not fall."""
+    edges = np.linspace(x[0], x[-1], 2 * pieces)
     return edges, np.interp(edges, x, y)
 
 

@@ -118,7 +118,7 @@ def _profile_view(profile: Profile, shown: Sequence[Shown]) -> rrb.Spatial2DView
 
 def _convergence_view(shown: Sequence[Shown]) -> rrb.Spatial2DView:
     curves = [f"+ {one.look.path}/convergence/**" for one in shown if one.run.iterations]
-    return _plot_view(CONVERGENCE, curves, "convergence of the step", legend=True)
+    return _plot_view(CONVERGENCE, curves, "residual: force, contact (dashed)", legend=False)
 
 
 def _plot_view(path: str, curves: Sequence[str], name: str, legend: bool) -> rrb.Spatial2DView:

@@ -8,14 +8,15 @@ from itertools import groupby
 import numpy as np
 import rerun as rr
 
-from contactlab.api.colours import STYLES, rgb
+from contactlab.api.colours import rgb
 from contactlab.api.frame import IterationRow
-from contactlab_rerun.axes import Axes, dashed, log_legend
+from contactlab_rerun.axes import Axes, dashed
 from contactlab_rerun.gathered import Gathered, Look
 from contactlab_rerun.projection import line_strips
 from contactlab_rerun.series import times
 
 PATH = "/axes/newton"
+DASHES = 3  # between two iterations
 FLOOR = 1e-17  # residuals below it are drawn there
 
 
@@ -33,15 +34,8 @@ def log_convergence(recording: rr.RecordingStream, runs: Sequence[tuple[Gathered
         [(float(n), str(n)) for n in numbers if n],
         [(float(power), f"1e{power}") for power in powers],
     )
-    colours = [rgb(look.colour) for _, look in found]
-    if len(found) > 1:
-        names = [(look.title, colour) for (_, look), colour in zip(found, colours, strict=True)]
-    else:
-        colours = [STYLES[0].rgb]
-        names = [("force", colours[0]), ("contact (dashed)", colours[0])]
-    log_legend(recording, axes.path, names, hang)
-    for (rows, look), colour in zip(found, colours, strict=True):
-        _log_run(recording, axes, rows, look, colour)
+    for rows, look in found:
+        _log_run(recording, axes, rows, look, rgb(look.colour))
     return True
 
 
@@ -84,7 +78,7 @@ def _strips(axes: Axes, rows: Sequence[IterationRow], name: str) -> list[np.ndar
         if name == "force":
             strips.append(axes.points(x, np.array(values)))
         else:
-            strips += list(axes.points(*dashed(x, np.array(values))).reshape(-1, 2, 3))
+            strips += list(axes.points(*dashed(x, np.array(values), DASHES * (len(values) - 1))).reshape(-1, 2, 3))
     return strips
 
 

@@ -72,7 +72,7 @@ class TimelineFile:
             writer.flush()
             writer.log_styles(several)
         shown, profiles = self._draw(), self._profiles()
-        converged = log_convergence(self.recording, [(run, look) for run, look, _ in self.runs], self._hang)
+        converged = log_convergence(self.recording, [(run, look) for run, look, _ in self.runs], 2.0 * self._hang)
         for (run, look, _), summary in zip(self.runs, summaries, strict=True):
             log_lanes(self.recording, run, look, self._lanes())
             log_events(self.recording, run, look, several)
