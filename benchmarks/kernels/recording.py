@@ -1,9 +1,9 @@
 """What recording costs: every step's scalars, the results file and the timeline, against the step that is recorded.
 
 A run of disc-on-block is made without recorders and stepped again with its sampler at work; then everything that it
-stored is given to a recording, call by call as in a run. Times are those of the thread that steps ("blocked") and of the
-whole process ("CPU": compression goes on in threads of its own). Medians; what is printed as a share is measured in one
-process.
+stored is given to a recording, call by call as in a run. Times are those of the thread that steps ("blocked") and of
+the whole process ("CPU": compression goes on in threads of its own). The best of some rounds counts: shares of a step
+then compare what a quiet machine would do.
 
     python benchmarks/kernels/recording.py                # levels 1 and 2 of disc-on-block
     python benchmarks/kernels/recording.py --levels 1 2 4
@@ -51,12 +51,14 @@ class Cost:
         self.thread, self.process = thread_time(), process_time()
 
     def spent(self) -> np.ndarray:
+        """Both (2,) so far."""
         return np.array([thread_time() - self.thread, process_time() - self.process])
 
 
-def measured(work: Callable[[], Any]) -> np.ndarray:
+def measured(work: Callable[..., Any], *arguments: Any) -> np.ndarray:
+    """What a call costs (2,)."""
     cost = Cost()
-    work()
+    work(*arguments)
     return cost.spent()
 
 
@@ -77,7 +79,7 @@ def sampling(level: int) -> float:
         for _ in range(SAMPLES):
             sample(step, dt)
         rounds.append((thread_time() - began) / SAMPLES)
-    return median(rounds)
+    return min(rounds)
 
 
 def recorded(name: str, run: Results) -> dict[str, Any]:
@@ -95,14 +97,15 @@ def recorded(name: str, run: Results) -> dict[str, Any]:
             cost["steps"] = cost["frames"] = np.zeros(2)
             for number, frame in enumerate(frames):
                 rows = steps[ends[number] : frame.step]
-                cost["steps"] = cost["steps"] + measured(lambda rows=rows: hand_over(recording, rows))
-                cost["frames"] = cost["frames"] + measured(lambda frame=frame: recording.frame(frame))
-            cost["close"] = measured(lambda: recording.close(run.summary))
+                cost["steps"] = cost["steps"] + measured(hand_over, recording, rows)
+                cost["frames"] = cost["frames"] + measured(recording.frame, frame)
+            cost["close"] = measured(recording.close, run.summary)
             rounds.append(cost)
-    return {what: np.median([cost[what] for cost in rounds], axis=0) for what in rounds[0]}
+    return {what: np.min([cost[what] for cost in rounds], axis=0) for what in rounds[0]}
 
 
 def hand_over(recording: Any, rows: np.ndarray) -> None:
+    """Steps as the sampler gives them."""
     for begin in range(0, len(rows), BLOCK):
         recording.steps(rows[begin : begin + BLOCK])
 
@@ -140,6 +143,7 @@ def start_up() -> dict[str, float]:
 
 
 def show(report: dict[str, Any]) -> None:
+    """Print the figures of a level."""
     step, bar = report["step"], max(BAR_SCALARS, BAR_SHARE * report["step"])
     print(f"\nlevel {report['level']}: {report['steps']} steps of {step:.0f} us, {report['frames']} frames")
     print(f"  sampling all scalars         {report['sampling']:6.2f} us per step")
@@ -148,14 +152,12 @@ def show(report: dict[str, Any]) -> None:
         cells = "".join(f"{blocked:6.2f} ({cpu:5.2f})" for blocked, cpu in report[name].values())
         print(f"  {name:27s} {cells}")
     scalars = report["sampling"] + report["rerun"]["steps"][0]
-    print(
-        f"  every step's scalars on the timeline: {scalars:.2f} us per step, bar {BAR_SCALARS:.0f}: {_met(scalars, BAR_SCALARS)}"
-    )
+    verdict = _met(scalars, BAR_SCALARS)
+    print(f"  every step's scalars on the timeline: {scalars:.2f} us per step, bar {BAR_SCALARS:.0f}: {verdict}")
     for number, what in enumerate(("blocked", "CPU")):
         whole = report["sampling"] + report["rerun"]["all"][number]
-        print(
-            f"  the whole timeline, {what}: {whole:.2f} us = {whole / step:.1%} of a step, bar {bar:.1f}: {_met(whole, bar)}"
-        )
+        share = f"{whole:.2f} us = {whole / step:.1%} of a step"
+        print(f"  the whole timeline, {what}: {share}, bar {bar:.1f}: {_met(whole, bar)}")
 
 
 def _met(value: float, bar: float) -> str:

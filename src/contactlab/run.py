@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 SAVE_EVERY = 1.0  # seconds of wall time between saved states, at least
 SAVE_SHARE = 100.0  # and so many times what one costs: saving never takes more than a hundredth of a run
 ENDS = ("finished", "diverged", "not-converged")  # runs that cannot go on: what is saved is their end
+OF_THE_LAST_STEP = ("reactions", "reaction_mismatch", "contacts", "balance")  # of a summary
 KILLED = "the run ended without a word (killed, or still going on)"
 
 
@@ -48,6 +50,7 @@ class Run:
     resumed_at: list[int] = field(default_factory=list)
     save_after: float = 0.0
     first_step: int = 0
+    taken_up: dict[str, Any] = field(default_factory=dict)
     attempt: int = 1
     journal: Journal = field(init=False)
 
@@ -129,6 +132,7 @@ class Run:
         for part in self._followers:
             part.restore(checkpoint.memory)
         self.first_step = self.counts.steps
+        self.taken_up = json.loads(checkpoint.summary) if checkpoint.summary else {}
         self.clock.before = cost_so_far(checkpoint)
         self.resumed_at = [*resumed_before(checkpoint), self.counts.steps]
 
@@ -142,6 +146,9 @@ class Run:
         journal = self.journal
         summary = summarise(journal.layout, self.model, journal.last, status, reason, self.counts, self.clock)
         summary["warnings"] = self.watch.warnings()
+        if self.counts.steps == self.first_step:
+            # taken up and not stepped yet: what a step leaves in the model beside the state is not there
+            summary |= {name: self.taken_up[name] for name in OF_THE_LAST_STEP if name in self.taken_up}
         return summary | ({"resumed_at_steps": self.resumed_at} if self.resumed_at else {})
 
     def finish(self, status: str, reason: str) -> Results:

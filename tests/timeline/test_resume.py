@@ -26,6 +26,8 @@ PLASTIC = {f"materials.soft.{key}": value for key, value in {
     "use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03,
 }.items()}  # fmt: skip
 RATE = {"materials.soft.use": "hypoelastic"}
+STATICS = {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02}
+IMPLICIT = {"integrator": {"use": "implicit-dynamics", "steps": 40}, "supports.1.uy.to": -0.02}
 VARIANTS: dict[str, dict[str, Any]] = {
     "mortar-p0": {},
     "mortar-p1": {"contacts.0.algorithm": "mortar-p1"},
@@ -42,9 +44,14 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "q2": {"bodies.disc.element": "q2", "bodies.block.element": "q2-lagrange"},
     "settling": {"time.end": "auto", "time.ramp": 3e-6, "record.frames": 7},
     "fixed step": {"time.step": 8e-9},
-    "newton": {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02},
-    "newton, friction": {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02, **COULOMB},
-    "newton, plasticity": {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02, **PLASTIC},
+    "newton": STATICS,
+    "newton, friction": {**STATICS, **COULOMB},
+    "newton, penalty": {**STATICS, "contacts.0.enforcement": "penalty"},
+    "newton, augmented-lagrangian, friction": {**STATICS, **COULOMB, "contacts.0.enforcement": "augmented-lagrangian"},
+    "implicit-dynamics, friction": {**IMPLICIT, **COULOMB},
+    "implicit-dynamics, plasticity": {**IMPLICIT, **PLASTIC},
+    "implicit-dynamics, hypoelastic, settling": {**IMPLICIT, **RATE, "time.end": "auto", "time.ramp": 3e-6},
+    "newton, plasticity": {**STATICS, **PLASTIC},
 }
 
 

@@ -27,7 +27,7 @@ from numba.extending import intrinsic
 
 from contactlab.kernels.cache import cache_folder
 
-__all__ = ["exp", "kernel", "log", "point", "power", "section"]
+__all__ = ["exp", "kernel", "log", "point", "power", "section", "summation"]
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
@@ -38,12 +38,24 @@ _NO_ENTRY: dict[str, Any] = {**_ENTRY, "no_cpython_wrapper": True}
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a block kernel; see the module text for what is fixed."""
+    return _compiled(function, _OPTIONS)
+
+
+def summation(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a kernel whose sums may be taken in any order, as wide as the processor adds.
+
+    The last digits then depend on the processor: for numbers that are looked at, not for those that a run goes on with.
+    """
+    return _compiled(function, {**_OPTIONS, "fastmath": {"contract", "reassoc"}})
+
+
+def _compiled(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(function.__code__.co_filename)
     try:
         if function.__name__.startswith("_"):
-            return _made(_InnerKernel, njit(cache=True, **_NO_ENTRY, **_OPTIONS)(function))
-        return _made(Kernel, njit(cache=True, **_ENTRY, **_OPTIONS)(function))
+            return _made(_InnerKernel, njit(cache=True, **_NO_ENTRY, **options)(function))
+        return _made(Kernel, njit(cache=True, **_ENTRY, **options)(function))
     finally:
         numba.config.CACHE_DIR = before
 

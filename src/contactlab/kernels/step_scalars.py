@@ -5,26 +5,27 @@ from __future__ import annotations
 import numpy as np
 from numba import carray
 
-from contactlab.api.kernel import kernel
+from contactlab.api.kernel import kernel, summation
 from contactlab.kernels.bound_arrays import pointer
 
 
+@summation
+def kinetic(mass, velocity):
+    """1/2 sum m v.v of velocities (2N,), in any order."""
+    total = 0.0
+    for n in range(mass.size):
+        total += mass[n] * (velocity[2 * n] * velocity[2 * n] + velocity[2 * n + 1] * velocity[2 * n + 1])
+    return 0.5 * total
+
+
 @kernel
-def kinetic(mass, state, begin):
-    """1/2 sum m v.v over nodes whose velocities start at `begin` of a flat array."""
-    # four sums side by side: one alone would wait for every addition
-    a, b, c, d = 0.0, 0.0, 0.0, 0.0
-    even = mass.size - mass.size % 2
-    for n in range(0, even, 2):
-        at = begin + 2 * n
-        a += mass[n] * state[at] * state[at]
-        b += mass[n] * state[at + 1] * state[at + 1]
-        c += mass[n + 1] * state[at + 2] * state[at + 2]
-        d += mass[n + 1] * state[at + 3] * state[at + 3]
-    if even < mass.size:
-        at = begin + 2 * even
-        a += mass[even] * (state[at] * state[at] + state[at + 1] * state[at + 1])
-    return 0.5 * ((a + b) + (c + d))
+def step_scalars(
+    row, table, rows_table, dt, sweeps, iterations, residual, elements, contact, columns, works, count, pairs,
+    conditions,
+):  # fmt: skip
+    """Both of the following in one call."""
+    column = model_scalars(row, table, dt, sweeps, iterations, residual, elements, contact, columns, works)
+    contact_scalars(row, rows_table, column, columns, count, pairs, conditions)
 
 
 @kernel
@@ -44,7 +45,8 @@ def model_scalars(row, table, dt, sweeps, iterations, residual, elements, contac
     out[3], out[4], out[5], out[6], out[7] = sweeps, iterations, residual, elements, contact
     out[8] = 0.0
     if places[1] >= 0:
-        out[8] = kinetic(carray(pointer(table[0, 2]), (table[1, 2],), np.float64), state, places[1])
+        mass = carray(pointer(table[0, 2]), (table[1, 2],), np.float64)
+        out[8] = kinetic(mass, state[places[1] : places[1] + 2 * mass.size])
     column = 9
     for i in range(works):
         out[column + i] = state[places[2] + i]

@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.api import Floats, Rows, Step
 from contactlab.api.state import WORK
 from contactlab.kernels.bound_arrays import BoundArrays
-from contactlab.kernels.step_scalars import contact_scalars, model_scalars
+from contactlab.kernels.step_scalars import model_scalars, step_scalars
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
@@ -81,10 +81,10 @@ def _with_rows(sampler: StepSampler, model: Model) -> Sample:
             rows_table = bound_rows.table
         row, of_elements, of_contact = sampler.count, model.seconds - elements, contact.seconds - solving
         elements, solving = model.seconds, contact.seconds
-        column = model_scalars(
-            row, table, dt, step.sweeps, step.iterations, step.residual, of_elements, of_contact, columns, works
-        )
-        contact_scalars(row, rows_table, column, columns, rows.count, pairs, conditions)
+        step_scalars(
+            row, table, rows_table, dt, step.sweeps, step.iterations, step.residual, of_elements, of_contact, columns,
+            works, rows.count, pairs, conditions,
+        )  # fmt: skip
         sampler.count = row + 1
         if row + 1 == BLOCK:
             sampler.flush()
