@@ -13,6 +13,7 @@ export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: demo test lint bench clean
+.PHONY: demo test paper lint clean
 
 demo: $(INSTALLED)
 	@out=runs/demo; n=2; while [ -e $$out ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
@@ -21,6 +22,9 @@ demo: $(INSTALLED)
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto $(TESTS)
+
+paper: $(INSTALLED)
+	$(BIN)/python benchmarks/studies/paper/make.py
 
 lint: $(INSTALLED)
 	$(PIP) install -c constraints.txt -e ".[lint]" --no-build-isolation

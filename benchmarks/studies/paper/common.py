@@ -27,6 +27,7 @@ COLOURS = {name: style.colour for name, style in styles(["node-on-segment", "mor
 SHORT = {"node-on-segment": "node on segment", "mortar-p0": "P0", "mortar-p1": "P1"}
 STATE_COLOURS, GREY = STATES, REFERENCE
 DEEP = 0.1581
+RINGS = ("P0", "Q1", "disc is slave")
 
 Numbers = dict[str, Any]
 
@@ -86,7 +87,9 @@ def difference(a: Profile, b: Profile) -> float:
 
 def draw(axes: Axes, shape: Profile, colour: str, label: str, **style: Any) -> None:
     """A profile as its nodes and straight lines."""
-    given = {"marker": "o", "markersize": 2.6, "linewidth": 1.1} | style
+    # where two lie on each other both are seen: small dots inside large rings
+    ring = {"markersize": 5.0, "markerfacecolor": "none", "markeredgewidth": 0.8}
+    given = {"marker": "o", "markersize": 2.4, "linewidth": 1.0} | (ring if label in RINGS else {}) | style
     axes.plot(shape.x, shape.value, color=colour, label=label, **given)
 
 
@@ -96,7 +99,7 @@ def picture(name: str, rows: int, columns: int, fill: Callable[[Figure, Any], No
         figure = Figure(figsize=size, layout="constrained")
         fill(figure, figure.subplots(rows, columns, squeeze=False))
         PICTURES.mkdir(parents=True, exist_ok=True)
-        figure.savefig(PICTURES / f"{name}.svg", metadata={"Date": None})
+        figure.savefig(PICTURES / f"{name}.svg", metadata={"Date": None}, dpi=90)
 
 
 def percent(value: float, digits: int = 2) -> str:

@@ -21,7 +21,7 @@ PRESSURE, SHEAR = "pressure [MPa]", "shear [MPa]"
 
 
 def _label(axes: Any, title: str, y: str = PRESSURE) -> None:
-    axes.set(title=title, xlabel="x, deformed [mm]", ylabel=y)
+    axes.set(title=title, xlabel="x, deformed [mm]", ylabel=y, xlim=(-0.65, 0.65))
     axes.legend(fontsize=8)
 
 
@@ -237,8 +237,8 @@ def friction_paths() -> Numbers:
                     color=STATE_COLOURS[kind], label=name,
                 )  # fmt: skip
             pressed = x[state > 0]
-            place.set_xlim(1.15 * pressed.min(), 1.15 * pressed.max())
             _label(place, f"depth {depth} mm", SHEAR)
+            place.set_xlim(1.15 * pressed.min(), 1.15 * pressed.max())
 
     picture("friction-with-depth", 2, 2, fill, (9.0, 6.0))
     numbers["worst"] = percent(worst)
