@@ -25,10 +25,12 @@ def main(wanted: list[str]) -> int:
     if unknown:
         print(f"got {', '.join(unknown)}, allowed: {', '.join(figures)}")
         return 2
-    numbers: dict[str, Numbers] = json.loads(NUMBERS.read_text()) if NUMBERS.exists() else {}
+    numbers: dict[str, Numbers] = {}
     for name in wanted or figures:
         began = process_time()
-        numbers[name] = figures[name]()
+        made = figures[name]()
+        numbers = json.loads(NUMBERS.read_text()) if NUMBERS.exists() else {}
+        numbers[name] = made
         print(f"{name}: {process_time() - began:.0f} s of processor time", flush=True)
         NUMBERS.write_text(json.dumps(numbers, indent=1, sort_keys=True) + "\n")
     (ROOT / "docs" / "paper.md").write_text(filled(PAGE.read_text(), numbers))

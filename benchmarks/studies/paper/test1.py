@@ -205,7 +205,8 @@ def figure_12() -> Numbers:
     q1 = reaction(disc("mortar-p0", mu=0.05, steps=40))
     numbers["saw"] = percent(max(saw_tooth(run) for run in runs.values()))
     return numbers | {
-        "forces": percent(abs(forces[0] - forces[1]) / forces[0]), "q1": percent(abs(forces[0] - q1) / q1)
+        "forces": percent(abs(forces[0] - forces[1]) / forces[0]),
+        "q1": percent(abs(forces[0] - q1) / q1),
     }
 
 
