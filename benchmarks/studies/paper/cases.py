@@ -1,4 +1,4 @@
-"""Three cases beyond the paper's figures: the bar of Taylor, upsetting between rough dies, a disc that comes to roll."""
+"""Cases beyond the paper's figures: errors in numbers, the bar of Taylor, upsetting, a disc that comes to roll."""
 
 from __future__ import annotations
 

@@ -6,8 +6,21 @@ from typing import Any
 
 import numpy as np
 from common import (
-    COLOURS, DEEP, GREY, SHORT, STATE_COLOURS, Numbers, curve, deep_reference, difference, disc, draw, percent,
-    picture, profile, reaction,
+    COLOURS,
+    DEEP,
+    GREY,
+    SHORT,
+    STATE_COLOURS,
+    Numbers,
+    curve,
+    deep_reference,
+    difference,
+    disc,
+    draw,
+    percent,
+    picture,
+    profile,
+    reaction,
 )  # fmt: skip
 from matplotlib.figure import Figure
 
