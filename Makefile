@@ -12,8 +12,7 @@ INSTALLED := $(VENV)/installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test lint bench clean
-.PHONY: demo test paper lint clean
+.PHONY: demo test paper lint bench clean
 
 demo: $(INSTALLED)
 	@out=runs/demo; n=2; while [ -e $$out ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \

@@ -173,7 +173,8 @@ def figure_15() -> Numbers:
             dip = max(0.0, -p.min())
             inner = start(run(algorithm, "everywhere", level)) > 0.02  # the corner is singular
             numbers["dips"].append(
-                f"| {SHORT[algorithm]} | {size(level):g} | {-dip if dip else 0.0:.1f} | {percent(dip / p[inner].max())} | "
+                f"| {SHORT[algorithm]} | {size(level):g} | {-dip if dip else 0.0:.1f} | "
+                f"{percent(dip / p[inner].max())} | "
                 f"{np.abs(np.asarray(found.shear)).max():.1f} |"
             )
     violation = max(
