@@ -82,4 +82,4 @@ class TestOutcomes:
         assert "AttributeError" in outcome.reason
 
     def test_kinds_without_checks_have_none(self) -> None:
-        assert checks_for("recorder") == ()
+        assert checks_for("viewer") == ()

@@ -27,6 +27,12 @@ USUAL: dict[str, Any] = {
     "exponent": 0.03,
     "yield_stress": 350.0,
     "hardening": 500.0,
+    "acceleration": (0.0, -9810.0),
+    "between": ("upper", "lower"),
+    "force": 10.0,
+    "on": "upper",
+    "stiffness": (100.0, 200.0),
+    "rate": 1000.0,
 }
 """Values for fields without a default, in mm N s t."""
 

@@ -8,7 +8,17 @@ from typing import Any, Literal
 
 from contactlab.testing.assertions import Check, NotApplicable
 
-CHECKED_KINDS = ("element", "material", "mesh", "contact", "friction", "enforcement", "integrator")
+CHECKED_KINDS = (
+    "element",
+    "material",
+    "mesh",
+    "contact",
+    "friction",
+    "enforcement",
+    "integrator",
+    "effect",
+    "recorder",
+)
 
 
 @dataclass(frozen=True)

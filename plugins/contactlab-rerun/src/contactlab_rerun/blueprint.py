@@ -215,4 +215,5 @@ def _in(unit: str) -> str:
 
 
 def _tabs(views: Sequence[rrb.View | None]) -> rrb.Container:
-    return rrb.Tabs(*[view for view in views if view is not None], active_tab=0)
+    there = [view for view in views if view is not None]
+    return rrb.Tabs(*there, active_tab=0 if there else None)  # nothing to show where nothing ever moved

@@ -1,0 +1,139 @@
+"""What every recorder must do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Event, Floats, Frame, IterationRow, Layout, Recorder, Recording
+from contactlab.api.frame import BodyLayout
+from contactlab.results.step_columns import step_columns
+from contactlab.testing.assertions import Check, require, untouched
+
+STEPS_PER_FRAME = 5
+SUMMARY: dict[str, Any] = {"format": 1, "status": "finished", "reason": "", "steps": 3 * STEPS_PER_FRAME}
+
+
+@dataclass
+class SmallRun:
+    """A square that is pulled, in four frames. Implements `contactlab.api.StoredRun`."""
+
+    frames: list[Frame] = field(default_factory=lambda: [_frame(number) for number in range(4)])
+    events: list[Event] = field(default_factory=lambda: [Event(5, 0.5, "warning", "something was seen")])
+    iterations: list[IterationRow] = field(default_factory=list)
+    summary: dict[str, Any] = field(default_factory=lambda: dict(SUMMARY))
+
+    @property
+    def layout(self) -> Layout:
+        """Two cells side by side, without supports and contacts."""
+        nodes = np.array([[i, j] for j in range(2) for i in range(3)], float)
+        cells = np.array([[0, 1, 4, 3], [1, 2, 5, 4]], np.int32)
+        bodies = (BodyLayout("square", "q1", "law", cells),)
+        steps = step_columns((), ())
+        return Layout("format = 1\n", "square", "mm N s t", nodes, bodies, (), (), {}, {}, steps, True, 3)
+
+    @property
+    def step_count(self) -> int:
+        """Steps between the first frame and the last."""
+        return (len(self.frames) - 1) * STEPS_PER_FRAME
+
+    def step_blocks(self) -> Iterator[Floats]:
+        """The steps before each frame."""
+        for frame in self.frames[1:]:
+            yield _steps(frame.number)
+
+
+def _steps(number: int) -> Floats:
+    """Scalars (5, columns) of the steps that end with a frame."""
+    columns = step_columns((), ())
+    block = np.zeros((STEPS_PER_FRAME, len(columns)))
+    step = (number - 1) * STEPS_PER_FRAME + 1 + np.arange(STEPS_PER_FRAME)
+    for name, values in {"step": step, "time": 0.1 * step, "dt": 0.1}.items():
+        block[:, columns.index(name)] = np.asarray(values)
+    return block
+
+
+def _frame(number: int) -> Frame:
+    step = number * STEPS_PER_FRAME
+    moved = np.full((6, 2), 0.01 * number)
+    cells = {"square": {"stress": np.full((2, 4), float(number)), "von_mises": np.full(2, float(number))}}
+    scalars = {"step": float(step), "time": 0.1 * step, "energy.kinetic": 0.0, "sweeps": 0.0}
+    return Frame(number, step, 0.1 * step, scalars, {}, moved, moved.copy(), cells)
+
+
+def record(recorder: Recorder, recording: Recording, run: SmallRun, frames: slice = slice(None)) -> None:
+    """Give `recording` frames of the run as a simulation does: steps first, in an array that is used again."""
+    for frame in run.frames[frames]:
+        if recorder.every_step and frame.number:
+            block = _steps(frame.number)
+            recording.steps(block)
+            block[:] = np.nan
+        recording.frame(frame)
+    for event in run.events:
+        recording.event(event)
+
+
+def leaves_something(recorder: Recorder) -> None:
+    """A run that was recorded leaves a file in its folder, and nothing beside it."""
+    with TemporaryDirectory() as place:
+        folder = Path(place, "run")
+        folder.mkdir()
+        run = SmallRun()
+        recording = recorder.open(folder, run.layout)
+        record(recorder, recording, run)
+        recording.close(SUMMARY)
+        require(
+            any(file.stat().st_size for file in folder.rglob("*") if file.is_file()),
+            "the folder of the run has no file with anything in it",
+        )
+        beside = [file.name for file in Path(place).iterdir() if file != folder]
+        require(not beside, f"files outside the folder of the run: {', '.join(beside)}")
+        shown = recorder.shown_file
+        require(not shown or (folder / shown).is_file(), f"shown_file is {shown}, which was not written")
+
+
+def changes_nothing(recorder: Recorder) -> None:
+    """Frames belong to the run, which goes on with their arrays."""
+    run = SmallRun()
+    arrays = {
+        f"{name} of frame {f.number}": getattr(f, name) for f in run.frames for name in ("displacement", "velocity")
+    }
+    stresses = {f"stress of frame {f.number}": f.cells["square"]["stress"] for f in run.frames}
+    with TemporaryDirectory() as place, untouched(**arrays, **stresses):
+        recording = recorder.open(Path(place), run.layout)
+        record(recorder, recording, run)
+        recording.close(SUMMARY)
+
+
+def closes_after_a_failure(recorder: Recorder) -> None:
+    """A run may fail in its first step: the recording is closed with a single frame, or none at all."""
+    for frames in (0, 1):
+        with TemporaryDirectory() as place:
+            run = SmallRun()
+            recording = recorder.open(Path(place), run.layout)
+            record(recorder, recording, run, slice(frames))
+            recording.close(SUMMARY | {"status": "diverged", "reason": "step 1: it was made to", "steps": 1})
+
+
+def records_twice(recorder: Recorder) -> None:
+    """A recorder keeps nothing of a run: two recordings of it, open at once, hold the same amount."""
+    run = SmallRun()
+    with TemporaryDirectory() as first, TemporaryDirectory() as second:
+        both = [recorder.open(Path(place), run.layout) for place in (first, second)]
+        for recording in both:
+            record(recorder, recording, run)
+            recording.close(SUMMARY)
+        left = [{file.name: file.stat().st_size for file in Path(place).iterdir()} for place in (first, second)]
+        require(left[0].keys() == left[1].keys(), f"the first leaves {sorted(left[0])}, the second {sorted(left[1])}")
+        for name, size in left[0].items():
+            # time stamps and names of folders may be in it
+            require(abs(left[1][name] - size) <= 0.05 * size + 64, f"{name}: {size} and {left[1][name]} bytes")
+
+
+CHECKS: tuple[Check, ...] = (leaves_something, changes_nothing, closes_after_a_failure, records_twice)
+"""All checks of recorders."""
