@@ -55,15 +55,17 @@ def titled_runs(runs: Mapping[str, Results]) -> dict[str, Results]:
 
 def _title(results: Results, scene: Mapping[str, Any], different: Iterable[str]) -> str:
     contacts = results.layout.contacts
-    shown = [", ".join(dict.fromkeys(contact.algorithm for contact in contacts))] if contacts else []
+    shown = [", ".join(dict.fromkeys(contact.algorithm for contact in contacts)) or "no contact"]
     for key in different:
         last = key.rpartition(".")[2]
+        if not contacts and key.startswith("contacts"):
+            continue
         if last == "swap":
             shown.append(f"slave {contacts[0].slave.partition('.')[0]}")
         elif ".algorithm.use" not in key:
             name = key.removesuffix(".use").rpartition(".")[2]
             shown.append(f"{name} {scene.get(key, 'none')}")
-    return ", ".join(shown) or results.layout.title
+    return ", ".join(shown)
 
 
 def _flat(data: Any, key: str = "") -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -47,13 +48,16 @@ class Outcome:
 def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Report) -> Outcome:
     """Simulate `scene` into `folder`, `repeat` times; `report` gets (fraction done, step).
 
-    A run that was stopped there goes on, and one that is over is read back.
+    A run that was stopped there goes on, and one that is over is read back; one that recorded nothing is made anew.
     A request that only the model can see to be wrong is an outcome, too: "refused".
     """
     from contactlab.simulation import simulate
 
     def once(number: int, place: Path | None) -> Results:
         begun = place is not None and place.exists()
+        if place is not None and begun and scene.record.recorders == ():
+            begun = False
+            shutil.rmtree(place)
         progress = _progress(report, number, repeat)
         return simulate(scene, out=place, registry=scene.registry, progress=progress, resume=begun)
 

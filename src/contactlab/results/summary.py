@@ -96,6 +96,7 @@ def summarise(
 def reaction_mismatch(model: Model) -> float:
     """|sum of all support reactions and loads| over the largest of them: zero in statics; nan without two of them.
 
+    nan, too, where none is more than what the round-off of positions brings: a body that moves freely is at rest.
     A load counts by the sum of its nodal forces' magnitudes, so that one that balances itself has a size, too.
     """
     sizes = [float(np.hypot(*force)) for force in model.reactions().values()]
@@ -103,12 +104,18 @@ def reaction_mismatch(model: Model) -> float:
     if model.external_force(model.state.time, applied):
         sizes.append(float(np.hypot(*applied.T).sum()))
     largest = max(sizes, default=0.0)
-    if largest == 0.0 or len(sizes) < 2:
+    if largest <= _round_off(model) or len(sizes) < 2:
         return float("nan")
     # a corner may belong to two supports: its force counts once
     nodes = np.unique(np.concatenate([support.nodes for support in model.supports]))
     total = model.state["reaction"][nodes].sum(axis=0) + applied.sum(axis=0)
     return float(np.hypot(*total) / largest)
+
+
+def _round_off(model: Model) -> float:
+    """Force [N] that is as good as none: of a strain of 1e-12 over the size of the scene."""
+    extent = float(np.ptp(model.reference, axis=0).max())
+    return 1e-12 * extent * max(body.dilatational_modulus for body in model.bodies)
 
 
 def _contact(report: ContactReport) -> dict[str, Any]:

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, section
+from contactlab.api.kernel import kernel, point, section
 from contactlab_mortar.integrals import _POINTS, _WEIGHTS, constant_basis, trace
-from contactlab_mortar.segments import overlap
+from contactlab_mortar.segments import _begin, overlap
 
 
-@section
+@point
 def trace_slope(nodes, half, xi, i):
     """d(trace)/d(xi)."""
     if nodes == 2:
@@ -26,8 +26,8 @@ def trace_slope(nodes, half, xi, i):
     return -2.0 * s
 
 
-@section
-def edge_sum(node, positions, segments, node_segments, out):
+@kernel
+def _edge_sum(node, positions, segments, node_segments, out):
     """Sum (2,) of the edge vectors that meet at a slave node; the normal is this turned by -90 degrees."""
     before, after = node_segments[node, 0], node_segments[node, 1]
     first = segments[before, 0] if before >= 0 else node
@@ -36,8 +36,8 @@ def edge_sum(node, positions, segments, node_segments, out):
     out[1] = positions[last, 1] - positions[first, 1]
 
 
-@section
-def turned_unit(edge, change, out):
+@kernel
+def _turned_unit(edge, change, out):
     """Derivative (2,) of the unit vector (edge_y, -edge_x)/|edge| when the edge vector changes."""
     size = np.sqrt(edge[0] * edge[0] + edge[1] * edge[1])
     nx, ny = edge[1] / size, -edge[0] / size
@@ -46,8 +46,8 @@ def turned_unit(edge, change, out):
     out[0], out[1] = x - along * nx, y - along * ny
 
 
-@section
-def limit_slope(xi, eta, fixed, a, e, n, m, c, f, da, de, dn, dm, dc, df, out):
+@kernel
+def _limit_slope(xi, eta, fixed, a, e, n, m, c, f, da, de, dn, dm, dc, df, out):
     """Derivatives (2,) of xi and eta at one end of an overlap.
 
     fixed  the end is one of the slave segment, xi does not change; otherwise eta is an end of the master
@@ -121,6 +121,7 @@ def mortar_slopes(slave, master, slave_at, master_at, near, linear, pieces, out)
     moves = np.zeros((6, 2))
     edge_i, edge_j, change = np.empty(2), np.empty(2), np.empty(2)
     dn, dn_end, dm, de, df = np.empty(2), np.empty(2), np.empty(2), np.empty(2), np.empty(2)
+    n_end = np.empty(2)
     e, f, n, m, low, high = np.empty(2), np.empty(2), np.empty(2), np.empty(2), np.empty(2), np.empty(2)
     shift, p, at = slave_at.shape[0], 0, 0
     for s in range(segments.shape[0]):
@@ -129,13 +130,14 @@ def mortar_slopes(slave, master, slave_at, master_at, near, linear, pieces, out)
         e[0], e[1] = b[0] - a[0], b[1] - a[1]
         length = np.sqrt(e[0] * e[0] + e[1] * e[1])
         n[0], n[1] = -inward[i, 0], -inward[i, 1]
-        m[0], m[1] = -inward[j, 0] - n[0], -inward[j, 1] - n[1]
+        n_end[0], n_end[1] = -inward[j, 0], -inward[j, 1]
+        m[0], m[1] = n_end[0] - n[0], n_end[1] - n[1]
         before, after = node_segments[i, 0], node_segments[j, 1]
         nodes[0] = segments[before, 0] if before >= 0 else -1
         nodes[1], nodes[2] = i, j
         nodes[3] = segments[after, 1] if after >= 0 else -1
-        edge_sum(i, slave_at, segments, node_segments, edge_i)
-        edge_sum(j, slave_at, segments, node_segments, edge_j)
+        _edge_sum(i, slave_at, segments, node_segments, edge_i)
+        _edge_sum(j, slave_at, segments, node_segments, edge_j)
         for z in range(start[s], start[s + 1]):
             if p >= total or multipliers[p, 0] != i or multipliers[p, 1] != j:
                 break
@@ -145,36 +147,38 @@ def mortar_slopes(slave, master, slave_at, master_at, near, linear, pieces, out)
                 continue
             nodes[4], nodes[5] = shift + master_segments[seg, 0], shift + master_segments[seg, 1]
             c, d = master_at[master_segments[seg, 0]], master_at[master_segments[seg, 1]]
-            if not overlap(a, b, -inward[i], -inward[j], c, d, found):
+            if not overlap(a, b, n, n_end, c, d, found):
                 continue
             f[0], f[1] = d[0] - c[0], d[1] - c[1]
             for v in range(6):
                 if nodes[v] < 0:
                     continue
                 for direction in range(2):
-                    moves[:] = 0.0
+                    for x in range(6):
+                        moves[x, 0], moves[x, 1] = 0.0, 0.0
                     moves[v, direction] = 1.0
                     # the averaged normals turn with the sums of the edges that meet there
                     for x in range(2):
                         first = moves[0, x] if before >= 0 else moves[1, x]
                         change[x] = moves[2, x] - first
-                    turned_unit(edge_i, change, dn)
+                    _turned_unit(edge_i, change, dn)
                     for x in range(2):
                         last = moves[3, x] if after >= 0 else moves[2, x]
                         change[x] = last - moves[1, x]
-                    turned_unit(edge_j, change, dn_end)
+                    _turned_unit(edge_j, change, dn_end)
                     for x in range(2):
                         dm[x] = dn_end[x] - dn[x]
                         de[x], df[x] = moves[2, x] - moves[1, x], moves[5, x] - moves[4, x]
-                    limit_slope(found[0], found[2], found[0] == 0.0, a, e, n, m, c, f, moves[1], de, dn, dm,
+                    _limit_slope(found[0], found[2], found[0] == 0.0, a, e, n, m, c, f, moves[1], de, dn, dm,
                                 moves[4], df, low)  # fmt: skip
-                    limit_slope(found[1], found[3], found[1] == 1.0, a, e, n, m, c, f, moves[1], de, dn, dm,
+                    _limit_slope(found[1], found[3], found[1] == 1.0, a, e, n, m, c, f, moves[1], de, dn, dm,
                                 moves[4], df, high)  # fmt: skip
-                    o_slave[at] = edges[segment_edge[s, 0]]
+                    _begin(edges, segment_edge[s, 0], o_slave, at, dD)
+                    _begin(master_edges, master_segment_edge[seg, 0], o_master, at, dM)
                     o_multiplier[at, 0], o_multiplier[at, 1] = i, j
-                    o_master[at] = own
                     o_moved[at] = 2 * nodes[v] + direction
-                    dD[at], dM[at], dT[at] = 0.0, 0.0, 0.0
+                    for k in range(2):
+                        dT[at, 0, k], dT[at, 1, k] = 0.0, 0.0
                     dlength = (e[0] * de[0] + e[1] * de[1]) / length
                     integrate_slopes(found, low, high, length, dlength, segment_edge[s, 1],
                                      master_segment_edge[seg, 1], linear, at, dD, dM, dT)  # fmt: skip
@@ -189,7 +193,7 @@ def _normal_slopes(slave_at, segments, node_segments, normal_of, normal_moved, d
     edge, change, out, at = np.empty(2), np.empty(2), np.empty(2), 0
     for k in range(slave_at.shape[0]):
         before, after = node_segments[k, 0], node_segments[k, 1]
-        edge_sum(k, slave_at, segments, node_segments, edge)
+        _edge_sum(k, slave_at, segments, node_segments, edge)
         for end in range(2):
             if end == 0:
                 node = segments[before, 0] if before >= 0 else k
@@ -198,7 +202,7 @@ def _normal_slopes(slave_at, segments, node_segments, normal_of, normal_moved, d
             for direction in range(2):
                 change[0], change[1] = 0.0, 0.0
                 change[direction] = -1.0 if end == 0 else 1.0
-                turned_unit(edge, change, out)
+                _turned_unit(edge, change, out)
                 normal_of[at], normal_moved[at] = k, 2 * node + direction
                 dnormal[at, 0], dnormal[at, 1] = -out[0], -out[1]
                 at += 1

@@ -15,7 +15,7 @@ HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker 
 SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments
 
 
-@section
+@kernel
 def _foot(p, segment, positions, segments, normal, length):
     """Gap [mm] and xi of point p on a segment's line."""
     a, b = segments[segment, 0], segments[segment, 1]
@@ -25,13 +25,13 @@ def _foot(p, segment, positions, segments, normal, length):
     return gap, along / (length[segment] * length[segment])
 
 
-@section
+@point
 def _beyond(segment, side, segments, node_segments):
     """How far a node may project beyond an end (0 or 1) of a segment."""
     return EDGE if node_segments[segments[segment, side], side] >= 0 else LEAVE
 
 
-@section
+@kernel
 def _nearest(
     p, outward, last, candidates, begin, end, positions, segments, node_segments, normal, length, reach, depth, best,
 ):  # fmt: skip
@@ -53,7 +53,7 @@ def _nearest(
     return found
 
 
-@section
+@kernel
 def _vertex(p, outward, candidates, begin, end, positions, segments, node_segments, normal, reach, best):
     """Nearest vertex between two segments when p projects onto neither; best = (distance, ., .)."""
     found = -1
@@ -74,7 +74,7 @@ def _vertex(p, outward, candidates, begin, end, positions, segments, node_segmen
     return found
 
 
-@section
+@kernel
 def _put(p, node, slot, slots, weight, first, second, share, nx, ny, out):
     """Write one piece: tributary length `weight`, master nodes `first`, `second` with shares 1 - share, share."""
     slave_nodes, multipliers, master_nodes, D, M, T, normals = out
@@ -89,7 +89,7 @@ def _put(p, node, slot, slots, weight, first, second, share, nx, ny, out):
     normals[k, 0], normals[k, 1] = nx, ny
 
 
-@section
+@kernel
 def _put_on_parabola(count, node, point_at, slots, weight, positions, edge, s, out):
     """Write the piece of a node held by a quadratic edge (start, end, middle), at the closest point near s."""
     slave_nodes, multipliers, master_nodes, D, M, T, normals = out
@@ -106,7 +106,8 @@ def _put_on_parabola(count, node, point_at, slots, weight, positions, edge, s, o
     length = np.sqrt(tx * tx + ty * ty)
     slave_nodes[count, 0], multipliers[count, 0] = node, node
     D[count, 0, 0], T[count, 0, 0] = weight, weight
-    master_nodes[count] = edge
+    for k in range(3):
+        master_nodes[count, k] = edge[k]
     M[count, 0, 0] = 0.5 * s * (s - 1.0) * weight
     M[count, 1, 0] = 0.5 * s * (s + 1.0) * weight
     M[count, 2, 0] = (1.0 - s * s) * weight
@@ -121,7 +122,7 @@ def _parabola(a, b, m, s):
     return m[0] + s * (hx + 0.5 * s * cx), m[1] + s * (hy + 0.5 * s * cy), hx + s * cx, hy + s * cy, cx, cy
 
 
-@section
+@kernel
 def _hold_at_vertex(count, p, node, slots, weight, v, positions, segments, node_segments, normal, length, depth, out):
     """A convex vertex holds along the line to the node, a concave one with both its segments."""
     before, after = node_segments[v, 0], node_segments[v, 1]
