@@ -33,7 +33,7 @@ class SmallRun:
         """Two cells side by side, without supports and contacts."""
         nodes = np.array([[i, j] for j in range(2) for i in range(3)], float)
         cells = np.array([[0, 1, 4, 3], [1, 2, 5, 4]], np.int32)
-        bodies = (BodyLayout("square", "q1", "law", cells),)
+        bodies = (BodyLayout("square", "element", "law", cells),)
         steps = step_columns((), ())
         return Layout("format = 1\n", "square", "mm N s t", nodes, bodies, (), (), {}, {}, steps, True, 3)
 
