@@ -3,7 +3,8 @@
     python benchmarks/studies/hard_cases.py [case ...]
 
 Measured rows are kept in hard_cases.csv, those of the cases named are made anew (all without a name), and
-docs/hard-cases.md is written from them and from the rows of million_steps.py.
+docs/hard-cases.md is written from them and from the rows of million_steps.py. With `page` in place of cases nothing is
+measured.
 """
 
 from __future__ import annotations
@@ -76,9 +77,14 @@ def million_table(rows: list[Row]) -> list[str]:
     """One line per quantity, the algorithms side by side."""
     if not rows:
         return ["Not run yet."]
-    lines = ["| | " + " | ".join(row["algorithm"] for row in rows) + " |", "|---" * (len(rows) + 1) + "|"]
+    lines = [
+        "| | " + " | ".join(f"{row['cells']}, {row['algorithm']}" for row in rows) + " |",
+        "|---" * (len(rows) + 1) + "|",
+    ]
     return lines + [
-        f"| {key} | " + " | ".join(row[key] for row in rows) + " |" for key in rows[0] if key != "algorithm"
+        f"| {key} | " + " | ".join(row[key] for row in rows) + " |"
+        for key in rows[0]
+        if key not in ("cells", "algorithm")
     ]
 
 
@@ -100,11 +106,11 @@ def page(rows: list[Row]) -> str:
 
 def main(cases: list[str]) -> None:
     """Measure the named cases, keep the others, write the page."""
-    unknown = [case for case in cases if case not in CASES]
+    unknown = [case for case in cases if case not in (*CASES, "page")]
     if unknown:
         sys.exit(f"no case {unknown[0]!r}; there are: {', '.join(CASES)}")
     rows = stored(STORED)
-    for case in cases or list(CASES):
+    for case in [] if cases == ["page"] else cases or list(CASES):
         rows = [row for row in rows if row["case"] != case] + measure(case)
         rows.sort(key=lambda row: list(CASES).index(row["case"]))
         with STORED.open("w", newline="") as file:

@@ -1,9 +1,10 @@
 """A million explicit steps of a disc that bounces in a box, with no damping and no gravity.
 
-    python benchmarks/studies/million_steps.py [steps] [algorithm ...]
+    python benchmarks/studies/million_steps.py [cells] [algorithm ...]
 
 Energy must never rise above that of the start, momentum must be what the walls gave, and the disc must stay inside.
-One row per algorithm; `python benchmarks/studies/hard_cases.py` puts the stored rows into docs/hard-cases.md.
+`cells` is 8x2 or 12x3. Rows of one mesh and algorithm each are kept in million_steps.csv; hard_cases.py puts them into
+docs/hard-cases.md.
 """
 
 from __future__ import annotations
@@ -19,15 +20,19 @@ from contactlab.scene import load_scene
 from contactlab.testing.cases.watched import WatchedRun
 
 STORED = Path(__file__).with_name("million_steps.csv")
-CELLS = [12, 3]
+STEPS = 1_000_000
 BOX = 2.0  # mm, half its side
 EVERY = 100  # steps between looks at the stored energy
 
 
-def bounce(algorithm: str, steps: int) -> dict[str, float | str]:
+def bounce(algorithm: str, cells: str, steps: int) -> dict[str, float | str]:
     """The run and what was seen of it."""
     scene = load_scene("disc-in-box").with_(
-        {"contacts.0.algorithm": algorithm, "bodies.disc.mesh.cells": CELLS, "time.end": 1.0}
+        {
+            "contacts.0.algorithm": algorithm,
+            "bodies.disc.mesh.cells": [int(n) for n in cells.split("x")],
+            "time.end": 1.0,
+        }
     )
     run = WatchedRun(scene)
     own, force, work = run.nodes("disc"), run.state["contact_force"], run.state["work"]
@@ -55,6 +60,7 @@ def bounce(algorithm: str, steps: int) -> dict[str, float | str]:
     scale = run.model.mass.sum() * float(np.hypot(3000.0, 2000.0))
     speed = np.hypot(*run.mean(run.state["velocity"], "disc"))
     return {
+        "cells": cells,
         "algorithm": algorithm,
         "steps": steps,
         "time [s]": run.time,
@@ -79,14 +85,24 @@ def _energy(run: WatchedRun, stored: float) -> float:
     return kinetic + 0.5 * (stored + run.energy() - kinetic)
 
 
-def main(words: list[str]) -> None:
-    """Run and store one row per algorithm."""
-    steps = int(words[0]) if words else 1_000_000
-    rows = [bounce(name, steps) for name in words[1:] or ("mortar-p0", "mortar-p1", "node-on-segment")]
+def store(row: dict[str, str]) -> None:
+    """Put a row into the table, in the place of one of the same mesh and algorithm."""
+    rows = []
+    if STORED.exists():
+        with STORED.open(newline="") as file:
+            rows = [old for old in csv.DictReader(file) if any(old[key] != row[key] for key in ("cells", "algorithm"))]
     with STORED.open("w", newline="") as file:
-        table = csv.DictWriter(file, list(rows[0]))
+        table = csv.DictWriter(file, list(row), restval="")
         table.writeheader()
-        table.writerows({key: f"{v:.6g}" if isinstance(v, float) else v for key, v in row.items()} for row in rows)
+        table.writerows([*rows, row])
+
+
+def main(words: list[str]) -> None:
+    """Run and store one row after the other."""
+    cells = words[0] if words else "12x3"
+    for algorithm in words[1:] or ("mortar-p0", "mortar-p1", "node-on-segment"):
+        row = bounce(algorithm, cells, STEPS)
+        store({key: f"{v:.4g}" if isinstance(v, float) else str(v) for key, v in row.items()})
     print(STORED.read_text())
 
 

@@ -126,7 +126,7 @@ def _pressed_again_and_again(algorithm: str, cycles: int) -> list[Figure]:
     top = {"on": "block.top", "ux": 0.0, "uy": {"ramp": "table", "to": -0.2, "points": [list(p) for p in points]}}
     changes = {
         "contacts.0.algorithm": algorithm, "bodies.block.shift": [0.0, 0.0], "effects": [], "supports": [top],
-        "time.end": points[-1][0], "time.damping": 1000.0,
+        "time.end": points[-1][0], "time.damping": 1000.0, "time.step": 1e-4,
     }  # fmt: skip
     run = _Bounces(scene.with_(changes))
     forces = [run.pushed[int(p[0] / run.dt) - 1] for p in points[1::2]]
