@@ -21,10 +21,10 @@ def vertex_to_vertex(algorithm: str, full: bool) -> list[Figure]:
         Figure("aligned: mirror symmetry, largest error [segments]", aligned.mirrored(aligned), most=1e-8),
         Figure("aligned: overlap [segments squared]", aligned.overlap, most=0.01),
         Figure("aligned: linear momentum, change", aligned.momentum, most=1e-12),
-        Figure("missed: the two ways mirror each other, largest error [segments]", left.mirrored(right), most=1e-8),
-        Figure("missed: sideways speeds over one another, plus one", abs(speeds[0] / speeds[1] + 1.0), most=1e-8),
-        Figure("missed: overlap [segments squared]", max(left.overlap, right.overlap), most=0.01),
-        Figure("missed: linear momentum, change", max(left.momentum, right.momentum), most=1e-12),
+        Figure("offset: the two ways mirror each other, largest error [segments]", left.mirrored(right), most=1e-8),
+        Figure("offset: sideways speeds over one another, plus one", abs(speeds[0] / speeds[1] + 1.0), most=1e-8),
+        Figure("offset: overlap [segments squared]", max(left.overlap, right.overlap), most=0.01),
+        Figure("offset: linear momentum, change", max(left.momentum, right.momentum), most=1e-12),
     ]
 
 
