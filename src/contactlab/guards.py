@@ -29,6 +29,7 @@ UNEXPLAINED = 0.01  # energy stored without work, over the largest that was ther
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
 DAMPED_GAIN = 0.5  # in `auto` runs, whose damping takes what contact makes and whose verdict tells what is left
 LASTING = 100  # steps that either must last: sharp impacts borrow some energy for a few
+ROUND = 1e-10  # strains, and speeds over that of sound, that are round-off
 TOO_DEEP = 0.5  # segment lengths
 FAR_SIDE = 2.0  # segment lengths beyond which a node is on the far side of a thin body
 
@@ -40,11 +41,12 @@ class Guards:
         self.model, self.work = model, model.state["work"]
         self.loose = self.flickering = 0
         self.since = np.full(2, -1.0)  # steps at which energies became too high
-        self.largest_energy = model.initial_energy
         speeds = np.hypot(*model.state["velocity"].T) if "velocity" in model.state else np.zeros(1)
         self.input_speed = float(speeds.max(initial=0.0))
         self.held = np.unique(model.prescribed.dof // 2)
         self.wave_speed = max(body.material.wave_speeds()[0] for body in model.bodies)
+        # energies of smaller strains are round-off
+        self.largest_energy = max(model.initial_energy, float(model.mass.sum()) * (ROUND * self.wave_speed) ** 2)
         self.pairs: tuple[Pair, ...] = tuple(model.contact.pairs) if model.contact is not None else ()
         self.forces = model.state["multipliers"][0] if self.pairs else np.zeros(0)
         self.pressed = np.zeros(len(self.forces), np.bool_)

@@ -382,6 +382,16 @@ def test_a_gain_of_energy_must_last() -> None:
         guards._energy()
 
 
+def test_round_off_is_no_gain() -> None:
+    """Nothing has happened yet: speeds of 1e-14 of that of sound are all the energy that there is."""
+    model = model_of()
+    guards = Guards(model)
+    model.state["velocity"][: model.bodies[0].count] = 1e-14 * SOUND
+    for _ in range(2 * LASTING):
+        model.state["clock"][1] += 1.0
+        guards._energy()
+
+
 def test_the_energy_of_a_loaded_body_is_that_which_was_supplied() -> None:
     """Pulled by a constant load, energy is gained and lost by no more than 1e-3, the share of one step in the run."""
     from contactlab.model.energy import energy_gain
