@@ -204,3 +204,16 @@ def test_file_that_is_no_recording(tmp_path: Path, capsys: pytest.CaptureFixture
     file.write_text("nothing of a recording")
     assert main(["view", str(file)]) == 2
     assert f"contactlab: {file}: the file is not a recording" in capsys.readouterr().err
+
+
+def test_finer_runs_of_a_comparison_are_left_out(tmp_path: Path) -> None:
+    """They are there for the plot of error against cost; side by side they would hide the others."""
+    import json
+
+    from contactlab.compare.recordings import main_runs_of
+
+    rows = [{"name": "1-coarse", "refines": False}, {"name": "2-fine", "refines": True}]
+    (tmp_path / "table.json").write_text(json.dumps({"rows": rows}))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("contactlab.compare.recordings.runs_of", lambda folder: {"1-coarse": 1, "2-fine": 2})
+        assert main_runs_of(tmp_path) == {"1-coarse": 1}

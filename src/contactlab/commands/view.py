@@ -7,7 +7,7 @@ from pathlib import Path
 
 from contactlab.api.recorder import Recorder
 from contactlab.commands.common import console
-from contactlab.compare.recordings import runs_of, titled_runs
+from contactlab.compare.recordings import main_runs_of, titled_runs
 from contactlab.errors import ContactlabError, RequestError
 from contactlab.recorders import record_again
 from contactlab.registry import Registry, default_registry
@@ -65,7 +65,7 @@ def recording_in(folder: Path, recorder: Recorder) -> Path:
             record_again(recorder, folder, results)
         return file
     if not file.is_file():
-        runs: dict[str, Results] = titled_runs(runs_of(folder))
+        runs: dict[str, Results] = titled_runs(main_runs_of(folder))
         if not runs:
             raise RequestError(
                 "the folder holds no results", where=str(folder), allowed="the folder of a run or of a comparison"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -27,6 +28,14 @@ def record_comparison(scene: Any, registry: Any, folder: Path, names: Iterable[s
         except Exception as error:
             text = f"the recorder {name} could not gather the comparison: {one_line(error)}"
             warnings.warn(text, RuntimeWarning, stacklevel=2)
+
+
+def main_runs_of(folder: Path) -> dict[str, Results]:
+    """The runs that a comparison shows side by side: not those on finer meshes for the plot of error against cost."""
+    table = folder / "table.json"
+    rows = json.loads(table.read_text(encoding="utf-8"))["rows"] if table.is_file() else []
+    finer = {row["name"] for row in rows if row.get("refines")}
+    return {name: results for name, results in runs_of(folder).items() if name not in finer}
 
 
 def runs_of(folder: Path) -> dict[str, Results]:

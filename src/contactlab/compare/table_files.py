@@ -47,7 +47,7 @@ def _write_json(table: Table, path: Path) -> None:
         "wall_s": _number(table.wall_s),
         "agreement": [_plain(asdict(item)) for item in agreements(table.rows)],
         **({"bill": _bill(table.bill)} if table.bill is not None else {}),
-        "rows": [{**_plain(row.record()), "parts": _plain(row.parts)} for row in table.rows],
+        "rows": [{**_plain(row.record()), "parts": _plain(row.parts), "refines": row.refines} for row in table.rows],
     }
     path.write_text(json.dumps(data, indent=1, default=str) + "\n", encoding="utf-8")
 

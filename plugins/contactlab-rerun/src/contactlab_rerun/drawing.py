@@ -16,7 +16,7 @@ from contactlab_rerun.projection import ON_MESH, camera, in_plane, line_strips
 from contactlab_rerun.series import times
 
 AT_ONCE = 4_000_000  # bytes of positions that are sent together
-FEW_CELLS = 2500  # up to here the sides of cells are drawn
+FEW_CELLS = 800  # up to here the sides of cells are drawn
 LONGEST_ARROW = 0.16  # of the model's size
 OUTLINE, WIRE = "#E2E5E9", (226, 229, 233, 46)
 _FLAT = np.array([1.0, 1.0, 0.0], np.float32)

@@ -153,7 +153,7 @@ def nice(value: float) -> float:
 
 def short(value: Any) -> str:
     """A number for a label."""
-    return f"{value:.4g}"
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e6 else f"{value:.4g}"
 
 
 def tint(colour: str, shade: int) -> str:
