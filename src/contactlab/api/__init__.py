@@ -9,6 +9,7 @@ from contactlab.api.contact import ContactAlgorithm, GapAlgorithm, GapConditions
 from contactlab.api.effect import Effect, EffectView
 from contactlab.api.element import BlockKernels, Element, Quadrature, Shape
 from contactlab.api.enforcement import (
+    ChainedRows,
     Conditions,
     Enforcement,
     ExplicitEnforcement,
@@ -50,6 +51,7 @@ __all__ = [
     "ZZ",
     "BlockKernels",
     "Candidates",
+    "ChainedRows",
     "Conditions",
     "ContactAlgorithm",
     "ContactCurve",

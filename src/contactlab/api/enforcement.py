@@ -42,9 +42,50 @@ class Rows:
     work: Floats
 
 
+@dataclass
+class ChainedRows:
+    """Frictionless gap conditions before their coupling is inverted, `count` of them in use.
+
+    The condition i is normal . (own + [T^-T B])_i: B has few entries per condition, T couples neighbours. What
+    `Rows` says with many weights is said here with few, for enforcements that only need products.
+
+    start    (k + 1,) int32
+    node     (z,) int32 global nodes, weight (z,) [mm]: row i of B
+    own      (k,) int32  slave node that the condition weighs by one beside B; -1 where B has it
+    normal   (k, 2)      unit vectors
+    gap, size, slot      as in `Rows`, (k,)
+    above    (k,) [mm]   T[i - 1, i], 0 at the start of a chain
+    below    (k,) [mm]   T[i, i - 1], 0 at the start of a chain
+    inverse  (k,) [1/mm] of the pivots of T, eliminated in this order
+    """
+
+    count: int
+    start: Ints
+    node: Ints
+    weight: Floats
+    own: Ints
+    normal: Floats
+    gap: Floats
+    size: Floats
+    slot: Ints
+    above: Floats
+    below: Floats
+    inverse: Floats
+
+    @classmethod
+    def allocate(cls, rows: int, entries: int) -> ChainedRows:
+        """Zeroed room."""
+        ints = [np.zeros(rows, np.int32) for _ in range(2)]
+        gap, size, above, below, inverse = (np.zeros(rows) for _ in range(5))
+        return cls(
+            0, np.zeros(rows + 1, np.int32), np.zeros(entries, np.int32), np.zeros(entries), ints[0],
+            np.zeros((rows, 2)), gap, size, ints[1], above, below, inverse,
+        )  # fmt: skip
+
+
 class Solve(NamedTuple):
-    """How a contact solve went: sweeps, scaled natural residual, rows without any compliance,
-    and the largest correction of a node [mm]."""
+    """How a contact solve went: sweeps or other passes over all rows, scaled natural residual, rows without any
+    compliance, and the largest correction of a node [mm]."""
 
     sweeps: int
     residual: float
@@ -57,7 +98,16 @@ class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
 
 
 class ExplicitEnforcement(Enforcement):
-    """For integrators that predict positions and correct them with contact forces in the same step."""
+    """For integrators that predict positions and correct them with contact forces in the same step.
+
+    chained  it has `solve_chained`, which is then asked first where all conditions can be given that way
+    """
+
+    chained: ClassVar[bool] = False
+
+    def solve_chained(self, rows: ChainedRows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
+        """As `solve`; None where it gives up, with multipliers and forces as they were."""
+        raise NotImplementedError
 
     @abstractmethod
     def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:

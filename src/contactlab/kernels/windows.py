@@ -100,6 +100,12 @@ def solve_windows(count, order, lower, upper, next_, previous, from_left, start,
 
 
 @kernel
+def columns(count, multiplier, nodes, values, owner, start, end, weight):
+    """`fill`, as it is called from outside."""
+    return fill(count, multiplier, nodes, values, owner, start, end, weight)
+
+
+@kernel
 def solved(
     count, multiplier, nodes, values, owner, kept, order, lower, upper, next_, previous, from_left, start, end,
     weight, row,

@@ -22,6 +22,7 @@ class GapPair:
     """
 
     rows_per_node = 1
+    chained = False  # conditions come finished
     kept = 0
 
     def __init__(

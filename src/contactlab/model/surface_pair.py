@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Candidates, ContactAlgorithm, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
+from contactlab.api import Candidates, ChainedRows, ContactAlgorithm, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
-from contactlab.kernels import coupling, edges, rows, windows
+from contactlab.kernels import chained, coupling, edges, rows, windows
 from contactlab.kernels.search import near_segments
 
 REACH = 2.0  # segment lengths: farther slave segments are left out of the integrals
@@ -33,6 +33,8 @@ class SurfacePair:
 
     Multiplier k = slot * m + i of the pair lives at `first_slot + k` of the state's multipliers.
     """
+
+    chained = True  # conditions can be given as `ChainedRows`
 
     def __init__(
         self,
@@ -63,7 +65,10 @@ class SurfacePair:
         self.from_left, self.full = (np.zeros(k) for _ in range(2))
         self.owner, self.next, self.previous, self.order = (np.zeros(k, np.int32) for _ in range(4))
         self.separation, self.gaps = np.zeros((k, 2)), np.full((k, 2), windows.FAR)
-        self.slave_window, self.master_window = _window(k, 8), _window(k, 64)
+        self.slave_column, self.master_column = _window(k, 8), _window(k, 8)
+        self._windows = _window(k, 8), _window(k, 64)
+        self._solved = False
+        self.single = False
         self.row = np.zeros(64)
         self.kept = 0
         self.count = 0
@@ -74,6 +79,16 @@ class SurfacePair:
     def rows_per_node(self) -> int:
         """Multipliers that a slave node can carry."""
         return self.algorithm.rows_per_node
+
+    @property
+    def slave_window(self) -> Window:
+        """Weights of the slave's nodes in each condition, of the last `update`."""
+        return self._solved_windows()[0]
+
+    @property
+    def master_window(self) -> Window:
+        """Weights of the master's nodes in each condition, of the last `update`."""
+        return self._solved_windows()[1]
 
     @property
     def normals(self) -> Floats:
@@ -115,9 +130,10 @@ class SurfacePair:
         """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
         edges.take(positions, self.slave.nodes, self.measured.slave)
         edges.take(positions, self.master.nodes, self.measured.master)
-        windows.separations(
-            self.kept, self.order, self.slave_window, self.master_window, self.measured.slave, self.measured.master,
-            self.pieces.normal, self.separation, self.gaps,
+        chained.separations(
+            self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, self.single,
+            self.slave_column, self.master_column, self.measured.slave, self.measured.master, self.pieces.normal,
+            windows.FAR, self.separation, self.gaps,
         )  # fmt: skip
 
     def begin(self, positions: Floats, memory: Floats) -> None:
@@ -168,11 +184,31 @@ class SurfacePair:
         )  # fmt: skip
         if self.kept < 0:
             raise ValueError(f"{self.name}: the slave is a closed curve covered all around; swap slave and master")
-        if self.linear_trace and coupling.unmerged(self.owner, p.D, p.T, self.count):
-            windows.identity(self.kept, self.order, len(self.slave.nodes), *self.slave_window)
-        else:
-            self.slave_window = self._solved_window(p.slave, p.D, self.slave_window)
-        self.master_window = self._solved_window(p.master, p.M, self.master_window)
+        self.single = self.linear_trace and bool(coupling.unmerged(self.owner, p.D, p.T, self.count))
+        if not self.single:
+            self.slave_column = self._column(p.slave, p.D, self.slave_column)
+        self.master_column = self._column(p.master, p.M, self.master_column)
+        self._solved = False
+
+    def _column(self, nodes: Ints, values: Floats, column: Window) -> Window:
+        """Columns of D or M, widened as needed."""
+        while True:
+            needed = windows.columns(self.count, self.pieces.multiplier, nodes, values, self.owner, *column)
+            if not needed:
+                return column
+            column = _window(self.slots, needed + needed // 2)
+
+    def _solved_windows(self) -> tuple[Window, Window]:
+        """Rows of the last update, made when they are first asked for."""
+        if not self._solved:
+            p, (slave, master) = self.pieces, self._windows
+            if self.single:
+                windows.identity(self.kept, self.order, len(self.slave.nodes), *slave)
+            else:
+                slave = self._solved_window(p.slave, p.D, slave)
+            self._windows = slave, self._solved_window(p.master, p.M, master)
+            self._solved = True
+        return self._windows
 
     def _solved_window(self, nodes: Ints, values: Floats, window: Window) -> Window:
         """Windows of T^-T values^T, widened as needed."""
@@ -188,6 +224,21 @@ class SurfacePair:
             self.row = np.zeros(max(len(self.row), window[2].shape[1]))
 
     # --- from coupling to rows ------------------------------------------------------------------
+
+    def append_chained(self, out: ChainedRows) -> bool:
+        """Append all conditions to `out`; False where it is too small."""
+        count = chained.write_chained(
+            self.kept, self.order, self.lower, self.upper, self.previous, self.from_left, self.single,
+            self.slave_column, self.master_column, self.slave.nodes, self.master.nodes, self.pieces.normal, self.gaps,
+            self.full, self.first_slot, out.count,
+            (
+                out.start, out.node, out.weight, out.own, out.normal, out.gap, out.size, out.slot, out.above,
+                out.below, out.inverse,
+            ),
+        )  # fmt: skip
+        if count >= 0:
+            out.count = int(count)
+        return bool(count >= 0)
 
     def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats) -> int:
         """Append rows with a gap below `margin` [mm] or a force to `out`.

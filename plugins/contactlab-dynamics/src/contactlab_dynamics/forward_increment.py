@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
-from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve
+from contactlab.api import ChainedRows, ExplicitEnforcement, Floats, Rows, Solve
 
 DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than the sweeps that it saves
 
@@ -17,6 +18,8 @@ class ForwardIncrement(ExplicitEnforcement):
     sweeps     most sweeps in a step; a residual left over is reported
     """
 
+    chained: ClassVar[bool] = True
+
     tolerance: float = 1e-10
     sweeps: int = 200
 
@@ -25,6 +28,16 @@ class ForwardIncrement(ExplicitEnforcement):
             raise ValueError(f"tolerance: got {self.tolerance}, allowed: 0 < tolerance < 1")
         if self.sweeps < 1:
             raise ValueError(f"sweeps: got {self.sweeps}, allowed: at least 1")
+
+    def solve_chained(self, rows: ChainedRows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
+        """Active sets by conjugate gradients; None where they go round in circles."""
+        from contactlab_dynamics.active_set import solve_active
+
+        passes, residual, largest = solve_active(
+            rows.count, rows.start, rows.node, rows.weight, rows.own, rows.normal, rows.gap, rows.size, rows.slot,
+            rows.above, rows.below, rows.inverse, compliance, multipliers, force, self.tolerance, self.sweeps,
+        )  # fmt: skip
+        return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None
 
     def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
         """Sweep until the natural residual falls below the tolerance."""
