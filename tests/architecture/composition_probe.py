@@ -23,7 +23,11 @@ import numpy as np
 METHODS = {
     "material": {"stress": "material stress"},
     "contact": {"pieces": "contact pieces", "normals": "contact normals", "conditions": "contact conditions"},
-    "enforcement": {"solve": "contact enforcement", "respond": "contact enforcement"},
+    "enforcement": {
+        "solve": "contact enforcement",
+        "solve_chained": "contact enforcement",
+        "respond": "contact enforcement",
+    },
 }
 KERNELS = {"gradient": "element gradient", "force": "element force", "stabilise": "element stabilisation"}
 WATCHED = (10, 40)  # steps between which kernels are counted: no look of the guards and no frame lies there
