@@ -18,7 +18,7 @@ from scipy.sparse import coo_array, csr_array
 from contactlab.api import ContactSlopes, Floats, ImplicitContact, Ints, Response
 from contactlab_statics.factor import Factor
 
-REDUNDANT = 1e-12  # softness of a condition over that of its nodes: two that hold the same motion share their force
+REDUNDANT = 3e-12  # softness of a condition over that of its nodes: two that hold the same motion share their force
 RIGID = 1e-12  # share of a condition's weights: below it no free degree of freedom takes part
 
 
@@ -56,7 +56,7 @@ def eliminate(response: Response) -> Elimination:
     change, residual, by_force = (np.zeros((rows, slots)) for _ in range(3))
     np.divide(-r.residual, r.by_force, out=change, where=~unknown)
     np.divide(r.residual, r.by_gap, out=residual, where=unknown)
-    # residuals stay what they are: softness costs a digit in twelve of an iteration, not of the solution
+    # residuals stay what they are: softness costs a digit in eleven of an iteration, not of the solution
     np.divide(r.by_force + REDUNDANT, r.by_gap, out=by_force, where=unknown)
     follow, cross = np.zeros(slots), np.zeros(slots)
     if rows > 1:
