@@ -204,7 +204,7 @@ def test_sweeps_find_the_direct_solution(seed: int, solve: Callable[..., Any]) -
 
 def discrete_energy(model: Oscillator, before: Floats) -> float:
     """H = 1/2 v M v + 1/2 u_n K u_{n+1}, `before` is u_n."""
-    stored = 0.5 * (model.stiffness[:, None] * before * model.state["displacement"]).sum()
+    stored = 0.5 * (model.springs[:, None] * before * model.state["displacement"]).sum()
     return model.kinetic_energy() + float(stored)
 
 
