@@ -136,7 +136,10 @@ class SaddleSystem:
         return entries.row[keep], column[keep], entries.data[keep]
 
     def _fill_rigid_rows(self, plan: Elimination, slopes: ContactSlopes, response: Response) -> None:
-        """Where nothing free takes part in a condition its force answers its violation alone, until it is explicit."""
+        """Where supports decide alone, as the slip of a node that is held along the surface, a force changes nothing.
+
+        It answers the violation of its own condition, until a bound gives it, rather than make the system singular.
+        """
         for kind, (slots, rows) in enumerate(((plan.normal, slopes.gap), (plan.tangential, slopes.slip))):
             if len(slots):
                 weights = abs(rows[np.searchsorted(plan.chosen, slots)])
@@ -167,16 +170,11 @@ class SaddleSystem:
     def _both(
         self, directions: csr_array, slopes: csr_array, first: int, diagonal: Floats
     ) -> list[tuple[Ints, Ints, Floats]]:
-        """Columns of one kind of multipliers, their rows, and their diagonal.
-
-        Where supports decide alone, as the slip of a node that is held along the surface, a force changes
-        nothing: it stays near what it is, rather than make the system singular.
-        """
+        """Columns of one kind of multipliers, their rows, and their diagonal."""
         row, column, value = self._inside(directions)
         parts = [(column, first + row, -value)]
         row, column, value = self._inside(slopes)
         parts.append((first + row, column, -value))
-        diagonal = np.where(np.bincount(row, minlength=len(diagonal)) > 0, diagonal, 1.0)
         place = first + np.arange(len(diagonal))
         parts.append((place, place, -diagonal))
         return parts
