@@ -9,11 +9,12 @@ from tempfile import mkdtemp
 from typing import Any
 
 import numpy as np
-from common import SHORT, Numbers, deep_reference, difference, disc, percent, profile, reaction
+from common import ROOT, SHORT, Numbers, deep_reference, difference, disc, percent, profile, reaction
 from scipy.optimize import brentq
 
 import contactlab
 from contactlab.compare.measures import pressure_error
+from contactlab.compare.profile import Profile
 from contactlab.compare.reference import load_reference
 from contactlab.results.results import Results
 
@@ -279,4 +280,23 @@ def disc_on_block() -> Numbers:
     return numbers
 
 
-FIGURES = {"disc": disc_on_block, "taylor": taylor, "upsetting": upsetting, "rolling": rolling}
+def peers() -> Numbers:
+    """Reactions and pressures of GetFEM on the same meshes, from its files, beside ours."""
+    numbers: Numbers = {"rows": []}
+    reference = deep_reference()
+    for level in (2, 4):
+        for swap, slave in ((False, "disc"), (True, "block")):
+            path = ROOT / "benchmarks" / "references" / f"getfem-disc-on-block-{slave}-level-{level}-depth-0.1581.csv"
+            force = float(path.read_text().split("reaction")[1].split()[0])
+            shape = Profile.of_nodes(*np.loadtxt(path, delimiter=",", unpack=True))
+            own = disc("mortar-p1", swap=swap, level=level)
+            numbers["rows"].append(
+                f"| {level} | {slave} | {force:.2f} | {reaction(own):.2f} | "
+                f"{percent(abs(reaction(own) / force - 1.0))} | "
+                f"{percent(pressure_error(shape, reference.profile))} | "
+                f"{percent(pressure_error(profile(own), reference.profile))} |"
+            )
+    return numbers
+
+
+FIGURES = {"peers": peers, "disc": disc_on_block, "taylor": taylor, "upsetting": upsetting, "rolling": rolling}
