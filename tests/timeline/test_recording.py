@@ -356,3 +356,26 @@ def test_full_disk_is_said_and_leaves_nothing_half(
     with pytest.raises(OSError, match="No space left"):
         record_again(default_registry().make("recorder", "rerun"), tmp_path, run)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_recording_of_a_resumed_run_is_whole(small_scene: MakeScene, tmp_path: Path) -> None:
+    """It begins anew with all that was stored before the run was stopped."""
+    import signal
+
+    from contactlab.interruption import Interrupted
+
+    def stop(fraction: float, step: int, time: float, error: float) -> None:
+        if fraction > 0.4:
+            signal.raise_signal(signal.SIGINT)
+
+    scene = small_scene({**COULOMB, **BOTH})
+    with pytest.raises(Interrupted):
+        simulate(scene, tmp_path / "run", progress=stop)
+    texts = [text for (text,) in Reader(tmp_path / "run" / FILE).rows("/run/events", "TextLog:text").values]
+    assert texts[-1].startswith("interrupted: stopped by SIGINT")
+    run = simulate(scene, tmp_path / "run", resume=True)
+    read = Reader(tmp_path / "run" / FILE)
+    _, rows = read.scalars("/run/energy")
+    assert np.array_equal(rows.steps, run.steps["step"])
+    assert len(read.rows("/run/mesh", "Mesh3D:vertex_positions").steps) == len(run.frames)
+    assert not any("interrupted" in text for (text,) in read.rows("/run/events", "TextLog:text").values)
