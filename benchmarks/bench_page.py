@@ -48,13 +48,13 @@ def _phases(axes: Axes, found: Mapping[str, Any]) -> None:
     rows = found["phases"]
     below, at = np.zeros(len(rows)), np.arange(len(rows))
     for name, colour in PHASES.items():
-        share = np.array([100.0 * row[name] / row["whole"] for row in rows])
+        share = np.array([100.0 * row[name] / sum(row[phase] for phase in PHASES) for row in rows])
         axes.bar(at, share, bottom=below, color=colour, label=name, width=0.7)
         below += share
     axes.set_xticks(at, [f"{row['cells']:.0f} cells\n{row['whole']:.0f} µs" for row in rows])
     axes.set(ylabel="share of a step [%]", ylim=(0.0, 100.0))
     axes.set_title("two pressed blocks, mortar-p0, every slave node active", fontsize=10)
-    axes.legend(loc="lower right")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=3)
 
 
 def _contact(axes: Axes, found: Mapping[str, Any]) -> None:
@@ -65,7 +65,8 @@ def _contact(axes: Axes, found: Mapping[str, Any]) -> None:
         axes.plot(nodes, cost, marker="o", color=style.colour, label=f"{name}: exponent {slope:.2f}")
     ends = np.array([min(row["nodes"] for row in found["contact"]), max(row["nodes"] for row in found["contact"])])
     axes.plot(ends, 0.5 * ends, color=MUTED, linestyle="--", linewidth=1.0)
-    axes.annotate("proportional", (ends[1], 0.5 * ends[1]), color=INK, fontsize=9, ha="right", va="top")
+    axes.annotate("proportional", (ends[0], 0.5 * ends[0]), (4, -12), color=INK, fontsize=9, textcoords="offset points")
+    axes.set_ylim(bottom=0.25 * ends[0])
     axes.set(xscale="log", yscale="log", xlabel="active slave nodes", ylabel="contact in a step [µs]")
     axes.legend()
 

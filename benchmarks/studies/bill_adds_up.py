@@ -2,13 +2,13 @@
 
 Six effects of one scene (a disc pressed into a soft block, which is squeezed from both sides as well, so that it yields
 with and without contact): contact, friction, finite strain, plasticity, gravity and
-recording. Every valid subset is run, all in one process and in turns; costs are CPU time of a whole run over its
-steps, medians of rounds. Each run is taken relative to a fixed piece of work just before and after it, so that a
-machine that others use, too, is the same machine for all. The prices are those of the bill, one run
+recording. Every valid subset is run, all in one process and side by side, some steps of each in turn; the cost of one
+is its share in what all cost together in such a turn, so that a machine that others use, too, is the same machine for
+all. CPU time, frames and files included, medians of rounds. The prices are those of the bill, one run
 of the full scene for each effect taken out; where one effect needs another (friction contact, plasticity here finite
 strain), the price of the needed one is that of both less that of the other.
 
-    python benchmarks/studies/bill_adds_up.py [--rounds 5] [--steps 1500]
+    python benchmarks/studies/bill_adds_up.py [--rounds 5] [--steps 1000]
 """
 
 from __future__ import annotations
@@ -27,13 +27,18 @@ from typing import Any
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
+import numpy as np
+
+from contactlab.folders import made_folder
+from contactlab.guards import EVERY
 from contactlab.model.build import build
+from contactlab.run import begin_run
 from contactlab.scene import Scene, load_scene
-from contactlab.simulation import simulate
 
 EFFECTS = ("contact", "friction", "finite strain", "plasticity", "gravity", "recording")
 NEEDS = {"friction": "contact", "plasticity": "finite strain"}
 DEPTH, SQUEEZE = -0.06, 0.03  # of the disc and of each side [mm]
+SLICE = 25  # steps of a turn
 MARGIN = 0.6  # of the stable step of the full scene
 ELASTIC = {"young": 7000.0, "poisson": 0.3, "density": 2.7e-9}
 LAWS = {
@@ -88,44 +93,63 @@ def timed(step: float, steps: int) -> Mapping[Subset, Scene]:
     return {chosen: scene_of(chosen).with_({"time.step": step, "time.end": steps * step}) for chosen in subsets()}
 
 
-class Yardstick:
-    """CPU seconds of a fixed piece of work like that of a step: small kernels on arrays that fit into the cache."""
+class Slices:
+    """One run that is made a few steps at a time, as the loop of a simulation makes them."""
 
-    def __init__(self) -> None:
-        scene = scene_of(frozenset(EFFECTS) - {"recording"}).with_({"time.step": 1e-12})
-        self.model = build(scene, scene.registry)
-        self.all: list[float] = []
+    def __init__(self, scene: Scene, folder: Path) -> None:
+        model = build(scene, scene.registry)
+        self.run = begin_run(model, scene, scene.registry, folder, resume=False)
+        self.advance = model.integrator.bind(model, model.state)  # type: ignore[arg-type]
+        self.run.begin()
+        self.samples = self.run.every_step
 
-    def __call__(self) -> float:
-        """Measure."""
-        began = process_time()
-        for _ in range(200):
-            self.model.internal_force(0.0)
-        self.all.append(process_time() - began)
-        return self.all[-1]
+    def __call__(self, steps: int) -> float:
+        """Make so many steps, frames included; CPU seconds."""
+        run, began = self.run, process_time()
+        for _ in range(steps):
+            step = self.advance(run.schedule.dt)
+            run.counts.steps += 1
+            run.guards.after_step(step)
+            for sample in self.samples:
+                sample(step, run.schedule.dt)
+            if run.counts.steps % EVERY == 0:
+                run.guards.look()
+            if run.schedule.frame_due():
+                run.guards.look()
+                run.store()
+        return process_time() - began
+
+    def end(self) -> None:
+        """Close the files."""
+        self.run.finish("finished", "")
 
 
-def cost(scene: Scene, folder: Path, yardstick: Yardstick) -> float:
-    """CPU time of a step over that of the yardstick, files included."""
-    with TemporaryDirectory(dir=folder) as out:
-        before = yardstick()
-        results = simulate(scene, out=Path(out) / "run")
-        after = yardstick()
-    assert results.status == "finished", results.reason
-    return results.summary["cost"]["run_cpu_s"] / results.summary["steps"] / (0.5 * (before + after))
+def measured(scenes: Mapping[Subset, Scene], rounds: int, steps: int) -> dict[Subset, float]:
+    """Cost of a step of every scene [us]: median over rounds of its share in what all of them cost together."""
+    shares: dict[Subset, list[float]] = {chosen: [] for chosen in scenes}
+    whole = []
+    for number in range(rounds + 1):
+        table = _one_round(scenes, steps)
+        if number:  # the first round compiles
+            totals = table.sum(axis=0)
+            whole.append(totals.mean())
+            for chosen, row in zip(scenes, table, strict=True):
+                shares[chosen].append(float((row / totals).mean()))
+    return {chosen: 1e6 * median(values) * median(whole) / SLICE for chosen, values in shares.items()}
 
 
-def measured(scenes: Mapping[Subset, Scene], rounds: int) -> dict[Subset, float]:
-    """Median cost of a step of every scene [us]."""
-    found: dict[Subset, list[float]] = {chosen: [] for chosen in scenes}
-    yardstick = Yardstick()
+def _one_round(scenes: Mapping[Subset, Scene], steps: int) -> np.ndarray:
+    """CPU seconds (scenes, slices): all runs go on side by side, a slice of each in turn, in an order of chance."""
+    chance = np.random.default_rng(1)
+    table = np.zeros((len(scenes), steps // SLICE))
     with TemporaryDirectory() as folder:
-        for number in range(rounds + 1):
-            for chosen, scene in scenes.items():
-                spent = cost(scene, Path(folder), yardstick)
-                if number:  # the first round compiles
-                    found[chosen].append(spent)
-    return {chosen: 1e6 * median(yardstick.all) * median(values) for chosen, values in found.items()}
+        runs = [Slices(scene, made_folder(Path(folder) / str(n))) for n, scene in enumerate(scenes.values())]
+        for turn in range(steps // SLICE):
+            for number in chance.permutation(len(runs)):
+                table[number, turn] = runs[number](SLICE)
+        for run in runs:
+            run.end()
+    return table
 
 
 def prices(costs: Mapping[Subset, float]) -> dict[str, float]:
@@ -140,7 +164,7 @@ def prices(costs: Mapping[Subset, float]) -> dict[str, float]:
 def study(rounds: int, steps: int) -> dict[str, Any]:
     """Costs of all subsets beside what the bill predicts."""
     full = scene_of(frozenset(EFFECTS))
-    costs = measured(timed(MARGIN * build(full, full.registry).stable_step(), steps), rounds)
+    costs = measured(timed(MARGIN * build(full, full.registry).stable_step(), steps), rounds, steps)
     price, base = prices(costs), costs[frozenset()]
     rows = []
     for chosen, spent in costs.items():
@@ -154,7 +178,7 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--steps", type=int, default=1500)
+    parser.add_argument("--steps", type=int, default=1000)
     parser.add_argument("--json", type=Path, help="write everything to this file, too")
     chosen = parser.parse_args()
     found = study(chosen.rounds, chosen.steps)
