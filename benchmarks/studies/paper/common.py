@@ -99,7 +99,7 @@ def picture(name: str, rows: int, columns: int, fill: Callable[[Figure, Any], No
         figure = Figure(figsize=size, layout="constrained")
         fill(figure, figure.subplots(rows, columns, squeeze=False))
         PICTURES.mkdir(parents=True, exist_ok=True)
-        figure.savefig(PICTURES / f"{name}.svg", metadata={"Date": None}, dpi=90)
+        figure.savefig(PICTURES / f"{name}.svg", metadata={"Date": None}, dpi=70)
 
 
 def percent(value: float, digits: int = 2) -> str:
