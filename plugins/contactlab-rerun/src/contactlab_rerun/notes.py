@@ -62,7 +62,7 @@ def log_events(recording: rr.RecordingStream, run: Gathered, look: Look, several
 
     Among `several` runs each line begins with the name of its run.
     """
-    events = sorted([*run.events, *contact_changes(run)], key=lambda event: event.step)
+    events = sorted([*contact_changes(run), *run.events], key=lambda event: event.step)
     if not events:
         return
     name = f"{look.title}: " if several else ""
