@@ -15,6 +15,7 @@ from contactlab.api.kernel import kernel, section
 from contactlab_dynamics.dense_sweep import numbered
 
 SETS = 12  # active sets tried before the sweeps are asked; two or three are usual
+BEYOND = 1e-2  # of the tolerance: how far a pass more or less may leave the gaps, so that forces are as good
 
 
 @section
@@ -156,9 +157,10 @@ def _sets(
     for i in range(count):
         gaps[i] = gap[i] + change[i]
     passes = 1
-    for _ in range(SETS):
-        worst = _worst(count, gaps, y, scale, size)
-        if worst <= tolerance or passes >= limit:
+    goal = BEYOND * tolerance
+    for number in range(SETS):
+        # forces that go on from the last steps are never taken unseen, however well they hold the gaps
+        if (number > 0 and _worst(count, gaps, y, scale, size) <= goal) or passes >= limit:
             break
         # forces of conditions that open are taken away at once
         dropped = False
@@ -180,7 +182,7 @@ def _sets(
             residual[i] = -gaps[i] if active[i] else 0.0
             direction[i] = residual[i] / scale[i]
             before += residual[i] * direction[i]
-        while passes < limit:
+        while before > 0.0 and passes < limit:
             _spread(count, start, local, weight, own, normal, above, below, inverse, direction, carried, nodal)
             nodal *= soft
             _gather(count, start, local, weight, own, normal, above, below, inverse, nodal, carried, change)
@@ -199,7 +201,7 @@ def _sets(
                     residual[i] = -gaps[i]
                     after += residual[i] * residual[i] / scale[i]
                     largest = max(largest, abs(gaps[i]) / size[i])
-            if largest <= 0.5 * tolerance:
+            if largest <= 0.5 * goal:
                 break
             for i in range(count):
                 direction[i] = residual[i] / scale[i] + after / before * direction[i]
