@@ -23,7 +23,9 @@ MakeScene = Callable[..., Any]
 def test_stopped_run_exits_130_and_the_printed_line_goes_on(
     number: signal.Signals, small_scene: MakeScene, tmp_path: Path
 ) -> None:
-    (tmp_path / "scene.toml").write_text(small_scene({"time.end": 4e-5, "record.frames": 100}).toml())
+    # shallow, so that a run this long swings without the contact of so coarse a mesh adding energy
+    changes = {"time.end": 4e-5, "record.frames": 100, "supports.1.uy.to": -0.05}
+    (tmp_path / "scene.toml").write_text(small_scene(changes).toml())
     folder = tmp_path / "run"
     words = ["run", str(tmp_path / "scene.toml"), "--set", "level=1", "--out", str(folder)]
     process = subprocess.Popen(
