@@ -11,8 +11,8 @@ from contactlab.api import Candidates, Floats, FrictionLaw, GapAlgorithm, GapCon
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
 from contactlab.kernels import edges, rows, windows
-from contactlab.kernels.search import near_segments
-from contactlab.model.surface_pair import REACH, SKIN, Near, SurfacePair
+from contactlab.model.near import REACH, Near, longest_segment
+from contactlab.model.surface_pair import SurfacePair
 
 
 class GapPair:
@@ -39,7 +39,7 @@ class GapPair:
         self.first_slot, self.friction = first_slot, friction
         self.slots = m = len(slave.nodes)
         self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
-        self.size = max(_longest(self.at.slave, slave), _longest(self.at.master, master))
+        self.size = longest_segment(self.at, slave, master)
         self.near: Near | None = None
         self.full, self.cover = np.zeros(m), np.zeros(m)
         self.gaps, self.normals = np.full((m, 2), windows.FAR), np.zeros((m, 2))
@@ -103,20 +103,14 @@ class GapPair:
         return np.asarray(total / np.hypot(total[:, 0], total[:, 1])[:, None])
 
     def _candidates(self) -> Candidates:
-        near, skin = self.near, SKIN * self.size
-        if (
-            near is None
-            or edges.largest_move(self.at.slave, near.slave) > skin
-            or edges.largest_move(self.at.master, near.master) > skin
-        ):
+        near = self.near
+        if near is None or not near.holds(self.at, self.size):
             near = self.find_near(self.at.slave, self.at.master)
         return near.candidates
 
     def find_near(self, slave: Floats, master: Floats) -> Near:
         """Make the near list anew, for these positions of the surfaces (m, 2)."""
-        reach = (REACH + 1.0) * self.size + 2.0 * SKIN * self.size
-        found = near_segments(slave, self.slave.segments, master, self.master.segments, reach)
-        self.near = Near(found, slave.copy(), master.copy())
+        self.near = Near.of(self.slave, self.master, slave, master, self.size)
         return self.near
 
     # --- from conditions to rows ----------------------------------------------------------------
@@ -167,11 +161,6 @@ class GapPair:
 
 Pair = SurfacePair | GapPair
 """A pair at work, whichever way its algorithm is written."""
-
-
-def _longest(positions: Floats, surface: Surface) -> float:
-    edge = positions[surface.segments[:, 1]] - positions[surface.segments[:, 0]]
-    return float(np.hypot(edge[:, 0], edge[:, 1]).max())
 
 
 def _per_row(found: GapConditions, weight: Floats, vectors: Floats) -> Floats:

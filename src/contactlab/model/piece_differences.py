@@ -8,7 +8,8 @@ from contactlab.api import Candidates, Floats, Ints, Pieces, Surface
 from contactlab.api.slopes import PieceSlopes
 from contactlab.api.surface import SurfacePositions
 from contactlab.kernels import piece_slopes as kernels
-from contactlab.model.surface_pair import REACH, SurfacePair
+from contactlab.model.near import REACH
+from contactlab.model.surface_pair import SurfacePair
 
 STEP = 1e-5  # segment lengths; central differences of smooth pieces then err by about 1e-10
 OWN_ENTRIES = 16  # room for derivatives that an algorithm gives, for each node and multiplier of a piece

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,19 +12,7 @@ from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
 from contactlab.kernels import chained, coupling, edges, rows, windows
-from contactlab.kernels.search import near_segments
-
-REACH = 2.0  # segment lengths: farther slave segments are left out of the integrals
-SKIN = 0.5  # segment lengths that surfaces may move before the near lists are made anew
-
-
-@dataclass
-class Near:
-    """A near list and the positions it was made for."""
-
-    candidates: Candidates
-    slave: Floats
-    master: Floats
+from contactlab.model.near import REACH, Near, longest_segment
 
 
 class SurfacePair:
@@ -54,7 +41,7 @@ class SurfacePair:
         self.slots = slots * m
         self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
         self.measured = SurfacePositions(self.at.slave.copy(), self.at.master.copy())
-        self.size = max(_lengths(self.at.slave, slave).max(), _lengths(self.at.master, master).max())
+        self.size = longest_segment(self.at, slave, master)
         self.following, self.preceding = _neighbours(slave, slots)
         self.fixed = np.tile(fixed, slots)
         self.linear_trace = slave.edges.shape[1] == 2
@@ -147,21 +134,15 @@ class SurfacePair:
         )  # fmt: skip
 
     def _candidates(self) -> Candidates:
-        near, skin = self.near, SKIN * self.size
-        if (
-            near is None
-            or edges.largest_move(self.at.slave, near.slave) > skin
-            or edges.largest_move(self.at.master, near.master) > skin
-        ):
+        near = self.near
+        if near is None or not near.holds(self.at, self.size):
             near = self.find_near(self.at.slave, self.at.master)
         return near.candidates
 
     def find_near(self, slave: Floats, master: Floats) -> Near:
         """Make the near list anew, for these positions of the surfaces (m, 2)."""
-        reach = (REACH + 1.0) * self.size + 2.0 * SKIN * self.size
-        found = near_segments(slave, self.slave.segments, master, self.master.segments, reach)
-        self.near, self.unchecked = Near(found, slave.copy(), master.copy()), True
-        capacity = self.algorithm.capacity(self.slave, found)
+        self.near, self.unchecked = Near.of(self.slave, self.master, slave, master, self.size), True
+        capacity = self.algorithm.capacity(self.slave, self.near.candidates)
         if capacity > len(self.pieces.slave):
             self._room(capacity + capacity // 4)
         return self.near
@@ -299,11 +280,6 @@ Window = tuple[Ints, Ints, Floats]
 def _window(conditions: int, width: int) -> Window:
     """Room for windows of `width` weights: start, end, weight."""
     return np.zeros(conditions, np.int32), np.zeros(conditions, np.int32), np.zeros((conditions, width))
-
-
-def _lengths(positions: Floats, surface: Surface) -> Floats:
-    edge = positions[surface.segments[:, 1]] - positions[surface.segments[:, 0]]
-    return np.asarray(np.hypot(edge[:, 0], edge[:, 1]))
 
 
 def _neighbours(slave: Surface, slots: int) -> tuple[Ints, Ints]:

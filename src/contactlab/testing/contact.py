@@ -8,7 +8,7 @@ import numpy as np
 
 from contactlab.api import ContactAlgorithm, GapAlgorithm, GapConditions, Pieces, SurfacePositions
 from contactlab.kernels.search import near_segments
-from contactlab.model.surface_pair import REACH
+from contactlab.model.near import REACH
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.surfaces import (
     HIGH,

@@ -21,7 +21,8 @@ from contactlab.api import (
 from contactlab.kernels.search import near_segments
 from contactlab.mesh import surface_from_edges
 from contactlab.model.contact_system import allocate_rows
-from contactlab.model.surface_pair import REACH, SurfacePair
+from contactlab.model.near import REACH
+from contactlab.model.surface_pair import SurfacePair
 
 LOW, HIGH = 0.5, 2.5  # of the shorter surface; the other one spans 0 ... 3
 

@@ -12,13 +12,13 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.kernel import kernel, section
-from contactlab_dynamics.dense_sweep import numbered
+from contactlab_dynamics.touched import largest_correction, number_nodes
 
 SETS = 12  # active sets tried before the sweeps are asked; two or three are usual
 BEYOND = 1e-2  # of the tolerance: how far a pass more or less may leave the gaps, so that forces are as good
 
 
-@section
+@kernel
 def _spread(count, start, local, weight, own, normal, above, below, inverse, y, carried, nodal):
     """Nodal forces R^T y on the touched nodes, (L, 2)."""
     nodal[:] = 0.0
@@ -69,6 +69,14 @@ def _gather(count, start, local, weight, own, normal, above, below, inverse, mov
         out[i] = normal[i, 0] * x + normal[i, 1] * y
 
 
+@kernel
+def _product(count, start, local, weight, own, normal, above, below, inverse, soft, y, carried, nodal, change):
+    """Changes of the gaps by forces y (k,), A y."""
+    _spread(count, start, local, weight, own, normal, above, below, inverse, y, carried, nodal)
+    nodal *= soft
+    _gather(count, start, local, weight, own, normal, above, below, inverse, nodal, carried, change)
+
+
 @section
 def _scales(count, start, local, weight, own, normal, compliance, scale):
     """An estimate of every row's own compliance: its slave node's and the mean of its column's."""
@@ -104,11 +112,8 @@ def solve_active(
     """
     number = np.full(force.shape[0], -1, np.int32)
     touched = np.empty(start[count] + count, np.int32)
-    nodes = numbered(start[count], node, number, touched)
-    for i in range(count):
-        if own[i] >= 0 and number[own[i]] < 0:
-            number[own[i]], touched[nodes] = nodes, own[i]
-            nodes += 1
+    nodes = number_nodes(node[: start[count]], number, touched, 0)
+    nodes = number_nodes(own[:count], number, touched, nodes)
     local, mine = np.empty(start[count], np.int32), np.empty(count, np.int32)
     for z in range(start[count]):
         local[z] = number[node[z]]
@@ -133,14 +138,11 @@ def solve_active(
     _spread(count, start, local, weight, mine, normal, above, below, inverse, y, carried, nodal)
     force[:] = 0.0
     multipliers[:] = 0.0
-    largest = 0.0
     for n in range(nodes):
-        for c in range(2):
-            force[touched[n], c] = nodal[n, c]
-            largest = max(largest, abs(soft[n, c] * nodal[n, c]))
+        force[touched[n], 0], force[touched[n], 1] = nodal[n, 0], nodal[n, 1]
     for i in range(count):
         multipliers[0, slot[i]] = y[i]
-    return passes, residual, largest
+    return passes, residual, largest_correction(touched[:nodes], compliance, force)
 
 
 @section
@@ -151,9 +153,7 @@ def _sets(
     """Active sets until no condition changes sides; y (k,) is the start and becomes the answer."""
     residual, direction = np.empty(count), np.empty(count)
     active = np.empty(count, np.bool_)
-    _spread(count, start, local, weight, own, normal, above, below, inverse, y, carried, nodal)
-    nodal *= soft
-    _gather(count, start, local, weight, own, normal, above, below, inverse, nodal, carried, change)
+    _product(count, start, local, weight, own, normal, above, below, inverse, soft, y, carried, nodal, change)
     for i in range(count):
         gaps[i] = gap[i] + change[i]
     passes = 1
@@ -171,9 +171,9 @@ def _sets(
                 direction[i], dropped = -y[i], True
                 y[i] = 0.0
         if dropped:
-            _spread(count, start, local, weight, own, normal, above, below, inverse, direction, carried, nodal)
-            nodal *= soft
-            _gather(count, start, local, weight, own, normal, above, below, inverse, nodal, carried, change)
+            _product(
+                count, start, local, weight, own, normal, above, below, inverse, soft, direction, carried, nodal, change
+            )
             passes += 1
             for i in range(count):
                 gaps[i] += change[i]
@@ -183,9 +183,9 @@ def _sets(
             direction[i] = residual[i] / scale[i]
             before += residual[i] * direction[i]
         while before > 0.0 and passes < limit:
-            _spread(count, start, local, weight, own, normal, above, below, inverse, direction, carried, nodal)
-            nodal *= soft
-            _gather(count, start, local, weight, own, normal, above, below, inverse, nodal, carried, change)
+            _product(
+                count, start, local, weight, own, normal, above, below, inverse, soft, direction, carried, nodal, change
+            )
             passes += 1
             curvature = 0.0
             for i in range(count):

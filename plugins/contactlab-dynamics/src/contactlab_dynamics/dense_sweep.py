@@ -14,18 +14,6 @@ from contactlab_dynamics.row_updates import normal_update, tangential_update
 
 
 @section
-def numbered(entries, node, local, touched):
-    """List the nodes that the rows touch and number them in `local` (N,), -1 everywhere; returns how many."""
-    count = 0
-    for z in range(entries):
-        if local[node[z]] < 0:
-            local[node[z]] = count
-            touched[count] = node[z]
-            count += 1
-    return count
-
-
-@section
 def _weights(count, start, node, normal, tangent, local, columns):
     """Weights of all conditions by touched node and component: columns (touched, 2, conditions)."""
     per_row = 2 if tangent.shape[0] > 0 else 1

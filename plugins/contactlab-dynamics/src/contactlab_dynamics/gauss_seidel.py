@@ -9,8 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.kernel import kernel, section
-from contactlab_dynamics.dense_sweep import dense_sweeps, numbered, row_compliances
+from contactlab_dynamics.dense_sweep import dense_sweeps, row_compliances
 from contactlab_dynamics.sparse_sweep import row_diagonals, sparse_sweeps
+from contactlab_dynamics.touched import largest_correction, number_nodes
 
 
 @section
@@ -46,16 +47,6 @@ def _finish(count, start, node, normal, tangent, slot, work, multipliers, force)
             _add_force(start[k], start[k + 1], node, tangent, work[3, k], force)
 
 
-@section
-def _largest_correction(count, start, node, compliance, force):
-    """Of any node that the rows touch."""
-    largest = 0.0
-    for z in range(start[count]):
-        n = node[z]
-        largest = max(largest, abs(compliance[n, 0] * force[n, 0]), abs(compliance[n, 1] * force[n, 1]))
-    return largest
-
-
 @kernel
 def solve_dense(
     count, start, node, normal, tangent, gap, slip, measure, size, slot, bound, work, compliance, multipliers,
@@ -65,7 +56,7 @@ def solve_dense(
     frictionless = tangent.shape[0] == 0
     local = np.full(force.shape[0], -1, np.int32)
     touched = np.empty(force.shape[0], np.int32)
-    nodes = numbered(start[count], node, local, touched)
+    nodes = number_nodes(node[: start[count]], local, touched, 0)
     conditions = count if frictionless else 2 * count
     dense = np.zeros((conditions, conditions))
     row_compliances(count, start, node, normal, tangent, compliance, local, nodes, dense, work)
@@ -76,11 +67,7 @@ def solve_dense(
             count, frictionless, gap, slip, measure, size, bound, work, dense, tolerance, limit
         )
     _finish(count, start, node, normal, tangent, slot, work, multipliers, force)
-    largest = 0.0
-    for i in range(nodes):
-        n = touched[i]
-        largest = max(largest, abs(compliance[n, 0] * force[n, 0]), abs(compliance[n, 1] * force[n, 1]))
-    return sweeps, residual, rigid, largest
+    return sweeps, residual, rigid, largest_correction(touched[:nodes], compliance, force)
 
 
 @kernel
@@ -98,4 +85,4 @@ def solve_sparse(
             limit,
         )  # fmt: skip
     _finish(count, start, node, normal, tangent, slot, work, multipliers, force)
-    return sweeps, residual, rigid, _largest_correction(count, start, node, compliance, force)
+    return sweeps, residual, rigid, largest_correction(node[: start[count]], compliance, force)

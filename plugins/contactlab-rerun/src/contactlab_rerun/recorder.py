@@ -42,10 +42,10 @@ class Rerun(Recorder):
     def open(self, folder: Path, layout: Layout) -> Recording:
         """Begin to gather; the file is written when the run ends, with one colour scale for all of it."""
         from contactlab_rerun.gathered import check_field
-        from contactlab_rerun.recording import RerunRecording
+        from contactlab_rerun.recording import record_run
 
         check_field(self.field, layout)
-        return RerunRecording(self, folder, layout)
+        return record_run(self, folder, layout)
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:
         """One file with all runs side by side."""

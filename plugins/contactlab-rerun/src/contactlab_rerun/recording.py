@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,17 +16,17 @@ from contactlab_rerun.timeline_file import TimelineFile
 if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
 
+Summary = Mapping[str, Any]
 
-class RerunRecording(Recording):
-    """One run. Steps wait in memory until there are many; frames until the run ends, when their scales are known."""
 
-    def __init__(self, options: Rerun, folder: Path, layout: Layout) -> None:
-        algorithms = ", ".join(dict.fromkeys(contact.algorithm for contact in layout.contacts))
-        title = f"{layout.title}: {algorithms}" if algorithms else layout.title
-        look = Look(f"/{entity_name(folder.resolve().name)}", title, STYLES[0].colour)
-        self.run = Gathered(layout, options.field, options.every)
-        self.file = TimelineFile(folder / options.shown_file, options, timeline="step")
-        self.series = self.file.begin(self.run, look)
+class RunRecording(Recording):
+    """One run. Steps wait in memory until there are many; frames until the file ends, when their scales are known."""
+
+    def __init__(
+        self, file: TimelineFile, options: Rerun, layout: Layout, look: Look, finish: Callable[[Summary], None]
+    ) -> None:
+        self.run, self.finish = Gathered(layout, options.field, options.every), finish
+        self.series = file.begin(self.run, look)
 
     def frame(self, frame: Frame) -> None:
         """Keep what is shown of a frame."""
@@ -44,32 +44,18 @@ class RerunRecording(Recording):
         """Keep Newton iterations."""
         self.run.iterations.extend(rows)
 
-    def close(self, summary: Mapping[str, Any]) -> None:
-        """Draw all frames and give the file its name."""
-        self.file.finish([summary])
+    def close(self, summary: Summary) -> None:
+        """Draw all frames and give the file its name, where this run is the whole of it."""
+        self.finish(summary)
 
 
-class _OneOfSeveral(Recording):
-    """One run of a comparison, read back."""
-
-    def __init__(self, file: TimelineFile, options: Rerun, layout: Layout, look: Look) -> None:
-        self.run = Gathered(layout, options.field, options.every)
-        self.series = file.begin(self.run, look)
-
-    def frame(self, frame: Frame) -> None:
-        self.run.add(frame)
-
-    def steps(self, block: Floats) -> None:
-        self.series.add(block)
-
-    def event(self, event: Event) -> None:
-        self.run.events.append(event)
-
-    def iterations(self, rows: Sequence[IterationRow]) -> None:
-        self.run.iterations.extend(rows)
-
-    def close(self, summary: Mapping[str, Any]) -> None:
-        pass
+def record_run(options: Rerun, folder: Path, layout: Layout) -> RunRecording:
+    """The recording of a run that goes on, in a file of its own."""
+    algorithms = ", ".join(dict.fromkeys(contact.algorithm for contact in layout.contacts))
+    title = f"{layout.title}: {algorithms}" if algorithms else layout.title
+    look = Look(f"/{entity_name(folder.resolve().name)}", title, STYLES[0].colour)
+    file = TimelineFile(folder / options.shown_file, options, timeline="step")
+    return RunRecording(file, options, layout, look, lambda summary: file.finish([summary]))
 
 
 def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) -> None:
@@ -80,7 +66,7 @@ def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) 
     file = TimelineFile(path, options, timeline="sim_time")
     for title, look in looks(shown).items():
         run = shown[title]
-        replay(run, _OneOfSeveral(file, options, run.layout, look), steps=True)
+        replay(run, RunRecording(file, options, run.layout, look, lambda summary: None), steps=True)
     file.finish([run.summary for run in shown.values()])
 
 

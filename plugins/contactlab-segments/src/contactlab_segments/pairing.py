@@ -7,9 +7,7 @@ import numpy as np
 from contactlab.api.kernel import kernel, point, section
 
 EDGE = 1e-9  # how far, in segment lengths, a node may project beyond a segment's end
-LEAVE = (
-    0.02  # the same at the ends of a chain, where nothing else could hold it: bodies of one width spread differently
-)
+LEAVE = 0.02  # the same at the ends of a chain, where nothing else holds it: bodies of one width spread differently
 AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
 SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from contactlab.api import Enforcement, ImplicitEnforcement, ImplicitEquations, Integrator, State, Step
+from contactlab_statics.limits import refuse_limits
 
 
 @dataclass(frozen=True)
@@ -30,12 +31,7 @@ class Newton(Integrator):
     explicit: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        if self.steps < 1:
-            raise ValueError(f"steps: got {self.steps}, allowed: at least 1")
-        if not 0.0 < self.tolerance < 1e-2:
-            raise ValueError(f"tolerance: got {self.tolerance}, allowed: 0 < tolerance < 0.01")
-        if self.iterations < 1:
-            raise ValueError(f"iterations: got {self.iterations}, allowed: at least 1")
+        refuse_limits(self.steps, self.tolerance, self.iterations)
 
     def wished_steps(self) -> int:
         """The steps that the scene asks for."""

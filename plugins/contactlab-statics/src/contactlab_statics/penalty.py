@@ -30,8 +30,7 @@ class Penalty(ImplicitEnforcement):
     factor: float = 100.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.factor < float("inf"):
-            raise ValueError(f"factor: got {self.factor}, allowed: a factor > 0")
+        _refuse_factor(self.factor)
 
     def respond(self, conditions: Conditions, out: Response) -> None:
         """Springs without memory along the normal."""
@@ -49,12 +48,16 @@ class AugmentedLagrangian(ImplicitEnforcement):
     factor: float = 100.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.factor < float("inf"):
-            raise ValueError(f"factor: got {self.factor}, allowed: a factor > 0")
+        _refuse_factor(self.factor)
 
     def respond(self, conditions: Conditions, out: Response) -> None:
         """Springs that start from the anchor."""
         springs(conditions, self.factor, conditions.anchor[0], out)
+
+
+def _refuse_factor(factor: float) -> None:
+    if not 0.0 < factor < float("inf"):
+        raise ValueError(f"factor: got {factor}, allowed: a factor > 0")
 
 
 def springs(conditions: Conditions, factor: float, anchor: Floats, out: Response) -> None:
