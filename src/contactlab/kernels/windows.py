@@ -14,8 +14,8 @@ FAR = 1e300  # gap of a multiplier that is not kept
 CUT = 1e-14  # a weight below it moves a gap by less than the round-off of the positions
 
 
-@section
-def fill(count, multiplier, nodes, values, owner, start, end, weight):
+@kernel
+def columns(count, multiplier, nodes, values, owner, start, end, weight):
     """Columns of D or M (pieces, b, w) as windows of their kept multipliers.
 
     Returns 0, or the width that `weight` (k, width) lacks.
@@ -100,20 +100,18 @@ def solve_windows(count, order, lower, upper, next_, previous, from_left, start,
 
 
 @kernel
-def columns(count, multiplier, nodes, values, owner, start, end, weight):
-    """`fill`, as it is called from outside."""
-    return fill(count, multiplier, nodes, values, owner, start, end, weight)
-
-
-@kernel
-def solved(
-    count, multiplier, nodes, values, owner, kept, order, lower, upper, next_, previous, from_left, start, end,
-    weight, row,
-):  # fmt: skip
-    """`fill`, then `solve_windows`; returns 0 or the width that `weight` lacks."""
-    needed = fill(count, multiplier, nodes, values, owner, start, end, weight)
-    if needed > 0:
+def solved(kept, order, lower, upper, next_, previous, from_left, column, start, end, weight, row):
+    """Columns (start, end, weight) copied, then `solve_windows`; returns 0 or the width that `weight` lacks."""
+    first, last, value = column
+    needed = 0
+    for k in range(start.size):
+        needed = max(needed, last[k] - first[k])
+    if needed > weight.shape[1]:
         return needed
+    for k in range(start.size):
+        start[k], end[k] = first[k], last[k]
+        for i in range(last[k] - first[k]):
+            weight[k, i] = value[k, i]
     return solve_windows(kept, order, lower, upper, next_, previous, from_left, start, end, weight, row)
 
 
@@ -124,29 +122,3 @@ def identity(count, order, nodes, start, end, weight):
         k = order[i]
         start[k], end[k] = k % nodes, k % nodes + 1
         weight[k, 0] = 1.0
-
-
-@kernel
-def separations(count, order, slave, master, slave_at, master_at, normals, separation, gaps):
-    """Vector from the master's to the slave's weighted position, its normal and tangential part (k, 2).
-
-    slave, master = (start, end, weight). Conditions that are not kept count as far open (`FAR`).
-    """
-    slave_start, slave_end, slave_weight = slave
-    master_start, master_end, master_weight = master
-    for k in range(gaps.shape[0]):
-        gaps[k, 0] = FAR
-    for i in range(count):
-        k = order[i]
-        x, y = 0.0, 0.0
-        shift = slave_start[k]
-        for z in range(slave_start[k], slave_end[k]):
-            x += slave_weight[k, z - shift] * slave_at[z, 0]
-            y += slave_weight[k, z - shift] * slave_at[z, 1]
-        shift = master_start[k]
-        for z in range(master_start[k], master_end[k]):
-            x -= master_weight[k, z - shift] * master_at[z, 0]
-            y -= master_weight[k, z - shift] * master_at[z, 1]
-        separation[k, 0], separation[k, 1] = x, y
-        gaps[k, 0] = normals[k, 0] * x + normals[k, 1] * y
-        gaps[k, 1] = normals[k, 1] * x - normals[k, 0] * y

@@ -59,10 +59,8 @@ class PairLinearisation:
         if pair.friction is None:
             return
         pair.begin(start, memory)
-        windows.separations(
-            pair.kept, pair.order, pair.slave_window, pair.master_window, pair.began.slave, pair.began.master,
-            pair.before, self.start_separation, self.start_gaps,
-        )  # fmt: skip
+        # summed as the pair's own gaps are, so that a surface that has not moved has not slipped, to the last bit
+        pair.separations(pair.began, pair.before, self.start_separation, self.start_gaps)
         np.subtract(pair.gaps[:, 1], self.start_gaps[:, 1], out=self.slip)
 
     def slopes(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairSlopes:

@@ -117,10 +117,13 @@ class SurfacePair:
         """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
         edges.take(positions, self.slave.nodes, self.measured.slave)
         edges.take(positions, self.master.nodes, self.measured.master)
+        self.separations(self.measured, self.pieces.normal, self.separation, self.gaps)
+
+    def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:
+        """Separations (k, 2) and gaps (k, 2) of surfaces at `at`, with the coupling of the last `update`."""
         chained.separations(
             self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, self.single,
-            self.slave_column, self.master_column, self.measured.slave, self.measured.master, self.pieces.normal,
-            windows.FAR, self.separation, self.gaps,
+            self.slave_column, self.master_column, at.slave, at.master, normals, windows.FAR, separation, gaps,
         )  # fmt: skip
 
     def begin(self, positions: Floats, memory: Floats) -> None:
@@ -182,22 +185,21 @@ class SurfacePair:
     def _solved_windows(self) -> tuple[Window, Window]:
         """Rows of the last update, made when they are first asked for."""
         if not self._solved:
-            p, (slave, master) = self.pieces, self._windows
+            slave, master = self._windows
             if self.single:
                 windows.identity(self.kept, self.order, len(self.slave.nodes), *slave)
             else:
-                slave = self._solved_window(p.slave, p.D, slave)
-            self._windows = slave, self._solved_window(p.master, p.M, master)
+                slave = self._solved_window(self.slave_column, slave)
+            self._windows = slave, self._solved_window(self.master_column, master)
             self._solved = True
         return self._windows
 
-    def _solved_window(self, nodes: Ints, values: Floats, window: Window) -> Window:
-        """Windows of T^-T values^T, widened as needed."""
+    def _solved_window(self, column: Window, window: Window) -> Window:
+        """Windows of T^-T column^T, widened as needed."""
         while True:
-            start, end, weight = window
             needed = windows.solved(
-                self.count, self.pieces.multiplier, nodes, values, self.owner, self.kept, self.order, self.lower,
-                self.upper, self.next, self.previous, self.from_left, start, end, weight, self.row,
+                self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, column, *window,
+                self.row,
             )  # fmt: skip
             if not needed:
                 return window

@@ -11,7 +11,6 @@ from contactlab_statics.friction_bound import limits
 
 OPEN, STICK, SLIP = 0, 1, 2
 TOUCHING = 1e-9  # segment lengths
-ROUND_OFF = 1e-12  # segment lengths
 
 
 @dataclass(frozen=True)
@@ -53,8 +52,7 @@ def _tangential(conditions: Conditions, stiffness: Floats, normal: Floats, close
     # a slip that would turn round within an iteration has met its solution in between: it sticks
     turns = (trial * force < 0.0) & (np.abs(trial) >= limit) & (limit > 0.0)
     stick = conditions.present & ((np.abs(trial) < limit) | turns)
-    # round-off of a slip has no direction: surfaces that only touch yet would start with friction of random signs
-    sign = np.where(np.abs(trial) > ROUND_OFF * stiffness * conditions.size, np.sign(trial), 0.0)
+    sign = np.sign(trial)
     out.residual[1] = np.where(stick, stiffness * conditions.slip, force - sign * limit)
     out.by_force[1] = np.where(stick, 0.0, 1.0)
     out.by_gap[1] = np.where(stick, stiffness, 0.0)
