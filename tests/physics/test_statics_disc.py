@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contactlab_statics import iteration
 
 import contactlab
 from contactlab.results.results import Results
@@ -108,24 +107,3 @@ def test_coulomb_friction_does_not_depend_on_the_number_of_load_steps(algorithm:
     assert all(results.status == "finished" for results in found)
     assert not any(results.events for results in found)
     assert [reaction(results) for results in found] == pytest.approx([reaction(found[-1])] * 3, rel=1e-3)
-
-
-def test_statuses_that_go_round_in_circles_are_resolved(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Friction on a plastic block: with full corrections sticking and sliding alternate until the step is cut.
-
-    Taking the part of a correction that leaves least to do ends that, with fewer cuts and fewer iterations.
-    """
-    law = {"use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03}
-    changes = {
-        "materials.soft": {"young": 7000.0, "poisson": 0.3, "density": 2.7e-9} | law,
-        "contacts.0.friction": {"use": "coulomb", "mu": 0.5},
-    }
-    found = []
-    for fractions in (iteration.CAREFUL, (1.0,)):
-        monkeypatch.setattr(iteration, "CAREFUL", fractions)
-        found.append(disc("mortar-p0", False, depth=0.1581, steps=5, level=1, **changes))
-    assert all(results.status == "finished" for results in found)
-    cuts = [sum("taken back" in event.text for event in results.events) for results in found]
-    assert cuts[0] < cuts[1]
-    assert any("circles" in row.note and row.length < 1.0 for row in found[0].iterations)
-    assert len(found[0].iterations) < len(found[1].iterations)

@@ -198,8 +198,8 @@ class SurfacePair:
         """Windows of T^-T column^T, widened as needed."""
         while True:
             needed = windows.solved(
-                self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, column, *window,
-                self.row,
+                self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, column,
+                *window, self.row,
             )  # fmt: skip
             if not needed:
                 return window
