@@ -48,6 +48,12 @@ EFFECTS: dict[str, Traces] = {
         "contact normals",
     ),
     "rigid surfaces": Traces(modules=r"contactlab\.model\.rigid"),
+    "several bodies": Traces(arrays=r"(bodies|forces)\.1\."),
+    "finite strain": Traces(
+        r"contactlab_solids\.(neo_hookean|hypoelastic|j2)",
+        r"contactlab_solids\.(kernels\.(?!linear_elastic)|hypoelastic_kernels|j2_kernels)",
+    ),
+    "quadratic shape functions": Traces(modules=r"contactlab_quads\.(q2|quadratic)"),
     "inertia": Traces(kernels=r"contactlab_dynamics\.leapfrog", arrays=r"mass|state\.velocity"),
     "material history": Traces(arrays=r"state\.history"),
     "plasticity": Traces(modules=r"contactlab_solids\.j2"),

@@ -1,0 +1,22 @@
+"""Scenes that come with the project, as they are: each runs to its end and lacks no effect."""
+
+from __future__ import annotations
+
+import pytest
+
+from contactlab.scene import bundled_scenes, load_scene
+from contactlab.simulation import simulate
+
+MEANT = {
+    # the closed form of a bouncing bar is that of a linear one, at strains that rubber would not stand linearly
+    "bouncing-bar": {"finite-strain"},
+}
+"""Warnings that a scene deserves and is meant to have."""
+
+
+@pytest.mark.parametrize("name", bundled_scenes())
+def test_it_ends_and_has_the_effects_that_it_needs(name: str) -> None:
+    results = simulate(load_scene(name).with_({"record.recorders": []}))
+    assert results.status == "finished", results.reason
+    warned = {warning["name"]: warning["text"] for warning in results.summary["warnings"]}
+    assert warned.keys() == MEANT.get(name, set()), warned
