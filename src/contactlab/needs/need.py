@@ -62,4 +62,6 @@ Looks = Iterator[Look]
 
 def per_cent(share: float) -> str:
     """0.0523 as "5.2 %"."""
-    return f"{100.0 * share:.2g} %" if share < 10.0 else f"{share:.0f} times"
+    if share < 0.1:
+        return f"{100.0 * share:.2g} %"
+    return f"{100.0 * share:.0f} %" if share < 10.0 else f"{share:.0f} times"

@@ -25,10 +25,13 @@ def overlap_looks(scene: Any, model: Model) -> Looks:
 
 
 class Overlap:
-    """`worst`: node, and body inside which it was found, of the first overlap; -1 for none."""
+    """`worst`: node, body inside which it was found, and that body's nearest node, of the first overlap; -1 for none.
+
+    The nearest node is looked up at once: later the first may be nearer to the far side.
+    """
 
     def __init__(self, scene: Any, model: Model) -> None:
-        self.scene, self.model, self.worst = scene, model, np.full(2, -1.0)
+        self.scene, self.model, self.worst = scene, model, np.full(3, -1.0)
         self.outlines = [Outline(body, model) for body in model.bodies]
 
     def look(self) -> None:
@@ -39,20 +42,20 @@ class Overlap:
             for number, other in enumerate(self.outlines):
                 found = one.inside(other, self.model.position)
                 if len(found):
-                    self.worst[:] = found[0], number
+                    at = self.model.position[found[0]]
+                    self.worst[:] = found[0], number, other.nearest(at, self.model.position)
                     return
 
     def need(self) -> Need | None:
         """A contact between the two surfaces."""
-        node, number = (int(value) for value in self.worst)
+        node, number, opposite = (int(value) for value in self.worst)
         if node < 0:
             return None
         other = self.outlines[number].body
         body = next(b for b in self.model.bodies if b.first <= node < b.first + b.count)
         x, y = self.model.reference[node]
         met = "itself" if body is other else f"body {other.name}"
-        slave = _edge_set(body, node)
-        master = _edge_set(other, self.outlines[number].nearest(self.model.position[node], self.model.position))
+        slave, master = _edge_set(body, node), _edge_set(other, opposite)
         return Need(
             "contact",
             f"contacts.{len(self.scene.contacts)}",

@@ -10,6 +10,7 @@ from contactlab.model.model import Model
 from contactlab.needs.need import Looks, Need, per_cent
 
 SHARE = 0.01  # of kinetic over internal energy
+UNRESISTED = 0.5  # a body that meets a resistance stores more than half of its kinetic energy at any pace
 
 
 def pace_looks(scene: object, model: Model) -> Looks:
@@ -40,6 +41,15 @@ class KineticEnergy:
         if kinetic <= SHARE * internal:
             return None
         share = kinetic / max(internal, 1e-300)
+        if share > UNRESISTED:
+            return Need(
+                "slower-loading",
+                "time.ramp",
+                "nothing resists the motion of a run that is meant to be quasi-static: kinetic energy reaches "
+                f"{per_cent(share)} of the internal energy ({per_cent(SHARE)} at most)",
+                "hold or join what moves by supports and contacts, or slow down: "
+                f"write time.ramp = {10.0 * self.model.pace.ramp:.3g} or more",
+            )
         slower = math.ceil(10.0 * math.sqrt(share / SHARE)) / 10.0
         return Need(
             "slower-loading",

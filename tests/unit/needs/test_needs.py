@@ -109,6 +109,14 @@ def test_what_is_needed_is_named_once_with_its_number(seed: str) -> None:
     assert re.search(number, found[0]["text"]), found[0]["text"]
 
 
+def test_a_run_that_nothing_resists_is_not_only_told_to_be_slower() -> None:
+    scene = squeezed(50.0 * WAVE)
+    scene["supports"] = scene["supports"][1:]  # nothing holds the other end: the block moves as a whole
+    (found,) = [warning for warning in warnings_of(scene) if warning["name"] == "slower-loading"]
+    assert "nothing resists" in found["text"]
+    assert "contacts" in found["add"]
+
+
 @pytest.mark.parametrize("seed", SEEDED)
 def test_what_it_says_to_write_mends_it(seed: str) -> None:
     name, data, _ = SEEDED[seed]
@@ -179,6 +187,19 @@ def test_bodies_touch_where_one_lies_a_hundredth_of_an_edge_deep(depth: float, n
 
     # edges of `high` are 0.2 mm long: and their corners' normals lean: nodes at 0.0014 mm are on the brink
     assert ("contact" in look_at(colliding(contacts=False), lowered)) is named
+
+
+def test_the_contact_to_add_joins_the_edges_that_met_first() -> None:
+    """Also when the body has come nearer to the other one's far side since."""
+    scene = Scene.from_data(colliding(contacts=False))
+    model = build(scene, default_registry())
+    watch = Watch(scene, model)
+    for depth in (0.05, 0.9):
+        np.copyto(model.position, model.reference)
+        model.position[16:, 1] -= depth
+        watch.look()
+    (found,) = [need for need in watch.needs() if need.name == "contact"]
+    assert set(re.findall(r'"([^"]+)"', found.add)) == {"high.bottom", "low.top"}
 
 
 def test_surfaces_with_a_contact_may_press_into_each_other() -> None:
