@@ -129,7 +129,7 @@ def level_report(level: int) -> dict[str, Any]:
 def bare_step(scene: Any) -> float:
     """CPU seconds of a step without recorders, the first one left out."""
     cost = simulate(scene.with_({"record.recorders": []})).summary
-    return (cost["cost"]["run_cpu_s"] - cost["cost"]["compile_s"]) / (cost["steps"] - 1)
+    return (cost["cost"]["run_cpu_s"] - cost["cost"]["compile_s"]) / cost["steps"]
 
 
 def start_up() -> dict[str, float]:

@@ -29,7 +29,7 @@ UNEXPLAINED = 0.01  # energy stored without work, over the largest that was ther
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
 DAMPED_GAIN = 0.5  # in `auto` runs, whose damping takes what contact makes and whose verdict tells what is left
 LASTING = 100  # steps that either must last: sharp impacts borrow some energy for a few
-ROUND = 1e-10  # strains, and speeds over that of sound, that are round-off
+ROUND = 1e-7  # strains that are round-off: energies of laws, quadratic in them, are differences of numbers near one
 TOO_DEEP = 0.5  # segment lengths
 FAR_SIDE = 2.0  # segment lengths beyond which a node is on the far side of a thin body
 

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from contactlab.api import Floats, IterationRow, Layout, Step, StepStatus
@@ -56,14 +56,9 @@ class Run:
 
     def begin(self) -> None:
         """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
-        self.began = process_time()
         if not self.journal.frames:
             self.store()
         self.save()
-
-    def compiled(self) -> None:
-        """The first step is done: whatever compiles is compiled. CPU time, as `run_cpu_s` that it is a part of."""
-        self.clock.compile_s = process_time() - self.began
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:

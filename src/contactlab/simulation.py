@@ -95,8 +95,6 @@ def _advance(run: Run, progress: Progress | None) -> None:
         if step.status is not StepStatus.accepted:
             run.taken_back(step)
             continue
-        if counts.steps == run.first_step:
-            run.compiled()
         counts.steps += 1
         counts.iterations += step.iterations
         counts.sweeps += step.sweeps

@@ -112,6 +112,7 @@ def test_repetitions_that_were_made_are_kept(
         return simulate(scene, out=out, **others)
 
     monkeypatch.setattr(simulation, "simulate", counted)
+    monkeypatch.setattr(run_job, "warm_up", lambda scene, report: None)
     scene = small_scene({"time.end": 4e-6})
     with pytest.raises(KeyboardInterrupt):
         run_job.run(scene, tmp_path / "run", 0, 4, lambda message: None)

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from contactlab.api.kernel import exp, kernel, log, point, power
+from contactlab.api.kernel import COMPILATION, exp, kernel, log, point, power
 
 
 @kernel
@@ -46,6 +46,14 @@ def test_an_inner_kernel_is_compiled_once_for_all_constants_and_serves_python_to
     assert len(_add.signatures) <= 1, "none where `twice` came from the cache on disk"  # type: ignore[attr-defined]
     _add(values, 1, out)
     np.testing.assert_array_equal(out, 8.0 * values)
+
+
+def test_time_for_compiling_and_loading_is_counted_apart_from_work() -> None:
+    before = COMPILATION.seconds
+    twice(np.zeros(2, np.float32), np.zeros(2, np.float32))  # of types that no other test has
+    first = COMPILATION.seconds
+    twice(np.zeros(2, np.float32), np.zeros(2, np.float32))
+    assert before < first == COMPILATION.seconds
 
 
 @pytest.mark.parametrize("collecting", [True, False])

@@ -16,6 +16,7 @@ from __future__ import annotations
 import gc
 from collections.abc import Callable
 from functools import cached_property
+from time import thread_time
 from typing import Any
 
 import numba
@@ -65,8 +66,33 @@ def point(function: Callable[..., Any]) -> Callable[..., Any]:
     return _made(_Inner, njit(forceinline=True, **_NO_ENTRY, **_OPTIONS)(function))
 
 
+class Compilation:
+    """CPU seconds that this process has spent on compiling kernels and on loading them from the cache."""
+
+    def __init__(self) -> None:
+        self.seconds, self._depth, self._began = 0.0, 0, 0.0
+
+    def __enter__(self) -> None:
+        if not self._depth:
+            self._began = thread_time()
+        self._depth += 1
+
+    def __exit__(self, *raised: object) -> None:
+        self._depth -= 1
+        if not self._depth:
+            self.seconds += thread_time() - self._began
+
+
+COMPILATION = Compilation()
+
+
 class Kernel(CPUDispatcher):
     """Compiled once for all numbers that callers write out as constants, instead of once for each of them."""
+
+    def compile(self, sig: Any) -> Any:
+        """Called at the first call with arguments of new types."""
+        with COMPILATION:
+            return super().compile(sig)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Called where another kernel calls this one."""

@@ -122,7 +122,7 @@ def make_bill(plan: BillPlan, outcomes: Mapping[str, Outcome]) -> Bill:
 
 
 def _costs(outcome: Outcome) -> tuple[float, float, float]:
-    """CPU seconds of a step and of the run without its first step, and MiB of arrays."""
+    """CPU seconds of a step and of the run without the compiling and loading of kernels, and MiB of arrays."""
     cost = outcome.summary.get("cost", {})
     run = max(0.0, float(cost.get("run_cpu_s", math.nan)) - float(cost.get("compile_s", 0.0)))
     steps = outcome.summary.get("steps", 0)

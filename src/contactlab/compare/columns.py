@@ -112,7 +112,7 @@ MEASURES: Final = (
     Column("kinetic_share", "kinetic/internal", "", "Kinetic energy over the work of stresses at the end.", 2, "small"),
     Column("steps", "steps", "", "Accepted time or load steps.", 0),
     Column("sweeps", "sweeps per step", "", "Sweeps of the contact solver per step, on average.", 3),
-    Column("cpu_s", "CPU", "s", "CPU time of the run without import, model building and the first step.", 3, "small"),
+    Column("cpu_s", "CPU", "s", "CPU time of the steps, without compiling or loading kernels.", 3, "small"),
     Column("wall_s", "wall", "s", "Wall time of the same.", 3),
     Column("memory_mib", "memory", "MiB", "Largest memory of the process so far, earlier runs in it included.", 4),
 )

@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import shutil
 import statistics
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from contactlab.api.arrays import Floats
@@ -22,7 +24,10 @@ COSTS = "costs.json"
 """In the folder of a run: the cost of each repetition."""
 
 # Far below the stable step of any scene and far above round-off in time: enough to call every kernel.
-_WARM_UP = {"level": 1, "time.step": 1e-12, "time.end": 4e-12, "time.ramp": 1.0, "record.recorders": []}
+_WARM_UP = {"level": 1, "time.step": 1e-12, "time.end": 4e-12, "time.ramp": 1.0}
+
+_ready: set[frozenset[str]] = set()
+"""Compositions of scenes that this process has imported and loaded all for."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,8 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
         progress = _progress(report, number, repeat)
         return simulate(scene, out=place, registry=scene.registry, progress=progress, resume=begun)
 
+    if folder is None or not folder.exists():
+        _be_ready(scene)
     try:
         first = once(0, folder)
         costs = costs_in(folder, first)
@@ -92,7 +99,31 @@ def warm_up(scene: Scene, report: Report) -> None:
     """A few tiny steps, so that every kernel of the scene is compiled and in the cache on disk."""
     from contactlab.simulation import simulate
 
-    simulate(scene.with_(_WARM_UP), registry=scene.registry)
+    with TemporaryDirectory() as folder:
+        simulate(scene.with_(_WARM_UP), out=Path(folder) / "run", registry=scene.registry)
+    _ready.add(composition(scene))
+
+
+def _be_ready(scene: Scene) -> None:
+    """What the first run of a process pays for all that follow (imports, loading of kernels) is no cost of this one."""
+    if composition(scene) not in _ready:
+        with suppress(Exception):  # what is wrong is wrong in the run itself, and told there
+            warm_up(scene, lambda message: None)
+
+
+def composition(scene: Scene) -> frozenset[str]:
+    """Names of all parts: what decides which kernels are called and what is imported."""
+    return frozenset(_names(scene.data))
+
+
+def _names(data: Any) -> Iterator[str]:
+    if isinstance(data, Mapping):
+        if "use" in data:
+            yield str(data["use"])
+        data = list(data.values())
+    if isinstance(data, list | tuple):
+        for item in data:
+            yield from _names(item)
 
 
 def _progress(report: Report, number: int, repeat: int) -> Callable[[float, int, float, float], None]:

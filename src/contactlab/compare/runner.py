@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import CancelledError, Future, as_completed
 from pathlib import Path
 from time import perf_counter
@@ -163,23 +163,12 @@ def _run_all(
 
 def _warm_up(pool: WorkerPool, jobs: Sequence[Job], bars: Bars) -> None:
     """Compile once, in one process, before several would compile the same side by side."""
-    first = {frozenset(_parts_used(job.scene.data)): job for job in reversed(jobs)}
+    first = {run_job.composition(job.scene): job for job in reversed(jobs)}
     bars.say("compiling kernels")
     for job in first.values():
         # Whatever is wrong here is wrong in the run itself, and told there.
         pool.submit(run_job.warm_up, job.scene).exception()
     bars.say("")
-
-
-def _parts_used(data: Any) -> Iterator[str]:
-    """Names of all parts in a scene's data: what decides which kernels are called."""
-    if isinstance(data, Mapping):
-        if "use" in data:
-            yield str(data["use"])
-        data = list(data.values())
-    if isinstance(data, list | tuple):
-        for item in data:
-            yield from _parts_used(item)
 
 
 def _submit(pool: WorkerPool, plan: Plan, job: Job, folder: Path | None, bars: Bars) -> Future[Outcome]:

@@ -76,7 +76,8 @@ _PRESSURE = (
 )
 _COST = (
     "Further left is cheaper, further down more accurate. Each line is one algorithm with one choice of slave; "
-    "the numbers are mesh levels. CPU seconds are those of one thread, without import, building and the first step."
+    "the numbers are mesh levels. CPU seconds are those of one thread, without imports, "
+    "building, and compiling or loading kernels."
 )
 
 

@@ -154,7 +154,7 @@ def _cost_lines(cost: Mapping[str, Any]) -> Iterator[Line]:
     for name, seconds in phases.items():
         if whole > 0.0:
             yield f"  of it {name}", percent(seconds / whole), "%"
-    for key, name in (("compile_s", "first step, compiling included"), ("build_s", "building the model")):
+    for key, name in (("compile_s", "  of it compiling and loading kernels"), ("build_s", "building the model")):
         if key in cost:
             yield name, significant(_float(cost[key]), 2), "s"
     if "peak_memory_mib" in cost:
