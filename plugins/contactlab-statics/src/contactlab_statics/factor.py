@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats
@@ -23,19 +24,30 @@ class Factor:
 
     def __init__(self, matrix: Any) -> None:
         self.matrix = matrix
-        self.size = abs(matrix)
         try:
-            self.lu = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=PIVOT, options={"SymmetricMode": True})
+            # supernodes that are not padded: entries that are zero cost more than they save at these sizes
+            self.lu = splu(
+                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=PIVOT, relax=1, options={"SymmetricMode": True}
+            )
         except RuntimeError as error:
             raise SingularSystem(str(error)) from error
 
+    def once(self, right: Floats) -> Floats:
+        """Solution for one right-hand side (n,), as the factors give it."""
+        return np.asarray(self.lu.solve(right))
+
     def solve(self, right: Floats) -> Floats:
         """Solution for one right-hand side (n,), refined until its backward error is that of round-off."""
-        solution = np.asarray(self.lu.solve(right))
+        solution, sizes = self.once(right), magnitudes(self.matrix)
         for _ in range(REFINEMENTS):
             rest = right - self.matrix @ solution
-            scale = self.size @ np.abs(solution) + np.abs(right)
+            scale = sizes @ np.abs(solution) + np.abs(right)
             if not (np.abs(rest) > BACKWARD * scale).any():
                 break
-            solution = solution + self.lu.solve(rest)
+            solution = solution + self.once(rest)
         return solution
+
+
+def magnitudes(matrix: Any) -> Any:
+    """The matrix (CSC) of absolute values."""
+    return csc_array((np.abs(matrix.data), matrix.indices, matrix.indptr), shape=matrix.shape)

@@ -64,6 +64,7 @@ class NewtonIteration:
     def run(self, dt: float, target: Floats) -> Outcome:
         """Iterate until the state is in balance with prescribed displacements `target` (p,) [mm]."""
         outcome = Outcome()
+        self.system.solver.forget()
         self.floor = 0.0
         self.seen.clear()
         self.circling = False
@@ -74,7 +75,8 @@ class NewtonIteration:
             self._linearise(dt)
             given[self.held] = target - self.u.reshape(-1)[self.held]
             try:
-                note, length, changed = self._iterate(dt, given)
+                left = outcome.residual.largest if outcome.trace else np.inf
+                note, length, changed = self._iterate(dt, given, left)
             except SingularSystem as problem:
                 outcome.reason = f"the linear system has no solution ({problem}): a body may be held by nothing"
                 return outcome
@@ -114,10 +116,13 @@ class NewtonIteration:
 
     # --- one iteration --------------------------------------------------------------------------
 
-    def _iterate(self, dt: float, given: Floats) -> tuple[str, float, int]:
-        """Correct the state once; returns what limited the correction, the fraction taken, and status changes."""
+    def _iterate(self, dt: float, given: Floats, left: float) -> tuple[str, float, int]:
+        """Correct the state once; returns what limited the correction, the fraction taken, and status changes.
+
+        left  residual before it
+        """
         before = self.response.status.copy()
-        du, dy = self.system.step(self.stiffness, self.force.reshape(-1), given, self.contact, self.response)
+        du, dy = self.system.step(self.stiffness, self.force.reshape(-1), given, self.contact, self.response, left)
         du = du.reshape(self.u.shape)
         note, length = self._careful(dt, du, dy, given) if self.circling else self._move(dt, du, dy, given)
         changed = int(np.count_nonzero(self.response.status != before))

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ContactSlopes, Floats, ImplicitContact, Ints, Response
-from contactlab_statics.factor import Factor
+from contactlab_statics.reuse import ReusedFactor
 
 REDUNDANT = 3e-12  # softness of a condition over that of its nodes: two that hold the same motion share their force
 RIGID = 1e-12  # share of a condition's weights: below it no free degree of freedom takes part
@@ -82,15 +82,23 @@ class SaddleSystem:
         self.number = np.full(self.size, -1, np.int32)
         self.number[self.free] = np.arange(len(self.free))
         self._pattern: tuple[Ints, Ints, Ints] | None = None
+        self.solver = ReusedFactor()
 
     def step(
-        self, stiffness: Any, unbalanced: Floats, given: Floats, contact: ImplicitContact | None, response: Response
+        self,
+        stiffness: Any,
+        unbalanced: Floats,
+        given: Floats,
+        contact: ImplicitContact | None,
+        response: Response,
+        residual: float,
     ) -> tuple[Floats, Floats]:
         """Corrections of displacements (2N,) and multipliers (r, k).
 
         stiffness   (2N, 2N) CSC, always of the same pattern
         unbalanced  (2N,) [N] external and contact forces minus internal ones
         given       (2N,) [mm] corrections of prescribed displacements
+        residual    relative residual of the equilibrium, which says how exactly to solve
         """
         moving = bool(np.any(given))
         right = unbalanced - stiffness @ given if moving else unbalanced
@@ -105,15 +113,18 @@ class SaddleSystem:
             if moving:
                 right = right + slopes.force @ given
             lower = _conditions_right(plan, slopes, given if moving else None)
-        du, unknown = self._solve(matrix, right, lower)
+        kind = plan.normal.tobytes(), plan.tangential.tobytes()
+        du, unknown = self._solve(matrix, right, lower, kind, residual)
         du[self.held] = given[self.held]
         return du, _forces(plan, unknown)
 
-    def _solve(self, parts: list[Any], right: Floats, lower: list[Floats]) -> tuple[Floats, Floats]:
+    def _solve(
+        self, parts: list[Any], right: Floats, lower: list[Floats], kind: tuple[bytes, ...], residual: float
+    ) -> tuple[Floats, Floats]:
         row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
         full = np.concatenate([right[self.free], *lower])
         matrix = coo_array((value, (row, column)), shape=(len(full), len(full))).tocsc()
-        solution = Factor(matrix).solve(full)
+        solution = self.solver.solve(matrix, full, kind, residual)
         du = np.zeros(self.size)
         du[self.free] = solution[: len(self.free)]
         return du, solution[len(self.free) :]
@@ -142,8 +153,12 @@ class SaddleSystem:
         """
         for kind, (slots, rows) in enumerate(((plan.normal, slopes.gap), (plan.tangential, slopes.slip))):
             if len(slots):
-                weights = abs(rows[np.searchsorted(plan.chosen, slots)])
-                rigid = slots[weights[:, self.free].sum(axis=1) < RIGID * np.maximum(weights.sum(axis=1), 1.0)]
+                row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
+                weights = np.abs(rows.data)
+                total = np.bincount(row, weights, rows.shape[0])
+                moving = np.bincount(row, weights * (self.number[rows.indices] >= 0), rows.shape[0])
+                held = moving < RIGID * np.maximum(total, 1.0)
+                rigid = slots[held[np.searchsorted(plan.chosen, slots)]]
                 plan.by_force[kind, rigid] = 1.0 / response.by_gap[kind, rigid]
 
     def _border(self, plan: Elimination, slopes: ContactSlopes) -> list[tuple[Ints, Ints, Floats]]:
