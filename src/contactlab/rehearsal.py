@@ -44,7 +44,8 @@ class Rehearsal:
 
     modules  imported modules of the project and of plugins, and top-level names of other libraries
     arrays   every array that the model, the bound integrator and what follows the run hold
-    import_s, build_s, first_step_s  wall time [s]; step_s  CPU time of each further step [s]
+    import_s, build_s, first_step_s  wall time [s]
+    step_s   CPU time of each further step [s]; where there is none, of the first without what it compiled or loaded
     steps    further steps that were made
     """
 
@@ -94,6 +95,7 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
     began = perf_counter()
     kernels = count_kernel_calls()
     scene = load()
+    from contactlab.api.kernel import COMPILATION
     from contactlab.model.arrays import held_arrays
     from contactlab.model.build import build
     from contactlab.run import begin_run
@@ -105,11 +107,13 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
         run = begin_run(model, scene, scene.registry, Path(folder), resume=False)
         built = perf_counter()
         advance = model.integrator.bind(model, model.state)
+        before, cpu = Counter(kernels.calls), thread_time() - COMPILATION.seconds
         _steps(run, advance, 1)
-        first = perf_counter()
-        before, cpu = Counter(kernels.calls), thread_time()
+        first, cost = perf_counter(), thread_time() - COMPILATION.seconds - cpu
+        after, cpu = Counter(kernels.calls), thread_time()
         made = _steps(run, advance, STEPS)
-        cost = (thread_time() - cpu) / max(1, made)
+        if made:
+            before, cost = after, (thread_time() - cpu) / made
         rows = kernels.rows(before, max(1, made))
         run.guards.look()
         run.schedule.follow()
