@@ -1,9 +1,9 @@
 """Updates per second of explicit steps, by element, law and size, node update and Python included.
 
 Each row is timed beside two yardsticks in the same process, in turns: a fused scalar loop written by hand
-for that law (`fused_loops.py`) or element (`fused_elements.py`, neo-Hookean), which must give the same forces, and the
-time that the memory of this machine needs for the bytes that no scheme can avoid, from a triad. Ratios carry over to other machines, seconds
-do not. Times are of the thread (CPU), medians of rounds.
+for that law (`fused_loops.py`) or element (`fused_elements.py`, neo-Hookean), which must give the same
+forces, and the time that the memory of this machine needs for the bytes that no scheme can avoid, from a
+triad. Ratios carry over to other machines, seconds do not. Times are of the thread (CPU), medians of rounds.
 
     python benchmarks/kernels/elements.py                              # bilinear, all laws, 1k to 1M cells
     python benchmarks/kernels/elements.py --elements q2 --sizes 10000 --laws neo-hookean

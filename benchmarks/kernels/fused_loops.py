@@ -1,8 +1,8 @@
 """What one would write by hand: one scalar loop over cells and points for one element and one law.
 
-Bilinear quadrilateral with 2x2 points (others in `fused_elements.py`), everything of a cell in local variables, mathematics from the C
-library, compiled with the options of the block kernels. They compute what the parts compute, so a test
-of a benchmark is that forces agree.
+Bilinear quadrilateral with 2x2 points (others in `fused_elements.py`), everything of a cell in local
+variables, mathematics from the C library, compiled with the options of the block kernels. They compute
+what the parts compute, so a test of a benchmark is that forces agree: `elements.py` makes it.
 """
 
 from __future__ import annotations
