@@ -76,6 +76,7 @@ def _assert_same_run(a: Results, b: Results) -> None:
         assert history.times == b.contact[contact].times
         assert history.curves == b.contact[contact].curves
     assert list(a.events) == list(b.events)
+    assert list(a.iterations) == list(b.iterations)
     _assert_same_arrays(_steps(a), _steps(b))
     _assert_same_frames(a, b)
 
@@ -84,6 +85,9 @@ def _assert_same_files(a: Path, b: Path) -> None:
     """The text files are the same to the last byte."""
     for name in ("history.csv", "contact.csv", "scene.toml"):
         assert (a / name).read_bytes() == (b / name).read_bytes(), name
+    assert (a / "iterations.csv").is_file() == (b / "iterations.csv").is_file()
+    if (a / "iterations.csv").is_file():
+        assert (a / "iterations.csv").read_bytes() == (b / "iterations.csv").read_bytes()
 
 
 def _without_cost(summary: dict[str, Any]) -> dict[str, Any]:

@@ -1,4 +1,4 @@
-"""The text files that a run leaves: history.csv, contact.csv, summary.json, scene.toml."""
+"""The text files that a run leaves: history.csv, iterations.csv, contact.csv, summary.json, scene.toml."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import csv
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, get_type_hints
+from typing import Any
 
 import numpy as np
 
@@ -68,19 +68,6 @@ class IterationFile:
     def close(self) -> None:
         """No more rows."""
         self.file.close()
-
-
-def read_iterations(folder: Path, last_step: float) -> list[IterationRow]:
-    """Iterations of the steps up to `last_step`; none where the run made none."""
-    path = folder / ITERATIONS
-    if not path.is_file():
-        return []
-    kinds = get_type_hints(IterationRow)
-    with path.open(newline="") as file:
-        reader = csv.reader(file)
-        next(reader, None)
-        rows = [IterationRow(*(kinds[name](text) for name, text in zip(kinds, row, strict=True))) for row in reader]
-    return [row for row in rows if row.step <= last_step]
 
 
 def _claim(file: Any, folder: Path) -> None:

@@ -15,7 +15,7 @@ from contactlab.api.frame import BodyLayout, ContactCurve, Frame, Layout
 from contactlab.errors import RequestError
 from contactlab.results.checkpoint_slots import Checkpoint, Slots
 from contactlab.results.event_table import read_events
-from contactlab.results.files import read_iterations
+from contactlab.results.iteration_table import read_iterations
 from contactlab.results.layout_file import read_layout
 from contactlab.results.results import ContactHistory, Results
 
@@ -96,7 +96,7 @@ class _Reader:
             stress=end.stress,
             internal_variables=end.internal_variables,
             events=read_events(self.own, self.events),
-            iterations=read_iterations(self.folder, self.last_step),
+            iterations=read_iterations(self.own, self.last_step),
             frames=self._frames(),
             folder=self.folder,
             step_source=StoredSteps(self.folder, self.steps),

@@ -1,14 +1,14 @@
 """The recorder `vtkhdf`: all of a run in one file that ParaView opens and that survives a kill.
 
 Group `VTKHDF` is a transient unstructured grid, see `grid_file.py`. Group `contactlab` holds the same
-run for this project: history, contact curves, every step's scalars, events, provenance, and what a
-restart needs. `load.py` reads it back.
+run for this project: history, contact curves, every step's scalars, Newton iterations, events, provenance,
+and what a restart needs. `load.py` reads it back.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -17,12 +17,13 @@ import h5py
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.api.frame import ContactCurve, ContactLayout, Event, Frame, Layout, StoredRun
+from contactlab.api.frame import ContactCurve, ContactLayout, Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recorder, Recording
 from contactlab.results.checkpoint_slots import Slots
 from contactlab.results.event_table import EventTable
 from contactlab.results.grid_file import GridFile, write_grid
 from contactlab.results.growing import Column, GrowingFile, Number
+from contactlab.results.iteration_table import GROUP, IterationTable
 from contactlab.results.layout_file import write_layout
 
 FILE = "results.vtkhdf"
@@ -47,12 +48,12 @@ class VtkHdf(Recorder):
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
         """The file as it lies, cut back to what `run` holds."""
         recording = VtkHdfRecording(GrowingFile(folder / FILE, new=False), layout)
-        recording.cut(len(run.frames), run.step_count, len(run.events))
+        recording.cut(len(run.frames), run.step_count, len(run.events), len(run.iterations))
         return recording
 
 
 class VtkHdfRecording(Recording):
-    """One open file. Steps come into sight with the next frame, and a frame at once."""
+    """One open file. Steps and iterations come into sight with the next frame, and a frame at once."""
 
     keeps_state: ClassVar[bool] = True
 
@@ -74,6 +75,7 @@ class VtkHdfRecording(Recording):
         self.step_count = Number(self.step_rows.dataset, "count")
         self.steps_written = self.step_count.value
         self.events = EventTable(growing, self.own)
+        self.newton = IterationTable(growing, self.own) if GROUP in self.own else None
         self.slots = Slots.of(self.own)
 
     def frame(self, frame: Frame) -> None:
@@ -90,7 +92,7 @@ class VtkHdfRecording(Recording):
             column.write(row, np.stack([getattr(curve, key) for key in ContactCurve.COLUMNS], axis=1))
         self.history.write(row, [float(value) for value in frame.scalars.values()])
         self.grid.append_time(frame.time)
-        self.step_count.write(self.steps_written)
+        self._show_steps()
         self.growing.publish()
 
     def steps(self, block: Floats) -> None:
@@ -104,19 +106,26 @@ class VtkHdfRecording(Recording):
         """Append an event."""
         self.events.add(event)
 
+    def iterations(self, rows: Sequence[IterationRow]) -> None:
+        """Append Newton iterations."""
+        if self.newton is None:
+            self.newton = IterationTable(self.growing, self.own)
+        self.newton.add(rows)
+
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:
         """Keep what a restart needs, and let readers see everything so far."""
         if self.slots is None:
             self.growing.reserve(Slots.bytes_for(memory))
             self.slots = Slots.create(self.own, memory)
-        self.step_count.write(self.steps_written)
+        self._show_steps()
         self.slots.write(memory, json.dumps(summary), self.grid.count.value, self.steps_written, self.events.count)
         self.growing.flush()
 
     def close(self, summary: Mapping[str, Any]) -> None:
         """Give the spare room back and write the summary."""
         try:
-            self.cut(self.grid.count.value, self.steps_written, self.events.count)
+            made = self.newton.count if self.newton is not None else 0
+            self.cut(self.grid.count.value, self.steps_written, self.events.count, made)
             text = json.dumps(summary)
             self.growing.reserve(len(text), metadata=SUMMARY_METADATA)
             if "summary" in self.own:
@@ -126,8 +135,8 @@ class VtkHdfRecording(Recording):
         finally:
             self.growing.close()
 
-    def cut(self, frames: int, steps: int, events: int) -> None:
-        """Have exactly so many frames, steps and events, and no spare room."""
+    def cut(self, frames: int, steps: int, events: int, iterations: int) -> None:
+        """Have exactly so many frames, steps, events and Newton iterations, and no spare room."""
         self.grid.cut(frames)
         for column in self._own_columns():
             column.resize(frames)
@@ -135,7 +144,15 @@ class VtkHdfRecording(Recording):
         self.steps_written = steps
         self.step_count.write(steps)
         self.events.cut(events)
+        if self.newton is not None:
+            self.newton.cut(iterations)
         self.growing.flush()
+
+    def _show_steps(self) -> None:
+        """Readers see the steps and iterations so far."""
+        self.step_count.write(self.steps_written)
+        if self.newton is not None:
+            self.newton.show()
 
     def _own_columns(self) -> list[Column]:
         return [*self.curves.values(), *([self.history] if self.history is not None else [])]

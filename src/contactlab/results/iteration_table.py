@@ -1,0 +1,66 @@
+"""Newton iterations in `results.vtkhdf`: present only in implicit runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import get_type_hints
+
+import h5py
+import numpy as np
+
+from contactlab.api.frame import IterationRow
+from contactlab.results.growing import Column, GrowingFile, Number
+
+GROUP = "iterations"
+NOTE = 160  # bytes of a note; what it says of a correction is one short sentence
+ROOM = 256  # rows by which room grows, at least
+NUMBERS = IterationRow._fields[:-1]
+
+
+class IterationTable:
+    """The group `contactlab/iterations`: a row of numbers and a note each. Rows come into sight with `show`."""
+
+    def __init__(self, growing: GrowingFile, own: h5py.Group) -> None:
+        self.growing = growing
+        group = own.require_group(GROUP)
+        self.numbers = Column(group, "rows", "f8", 1, (len(NUMBERS),), ROOM)
+        self.numbers.dataset.attrs["columns"] = list(NUMBERS)
+        self.notes = Column(group, "note", f"S{NOTE}", 1, (), ROOM)
+        self.shown = Number(group, "count")
+        self.count = self.shown.value
+
+    def add(self, rows: Sequence[IterationRow]) -> None:
+        """Append rows."""
+        if not rows:
+            return
+        if self.count + len(rows) > self.numbers.room:
+            self.growing.grow([self.numbers, self.notes], max(ROOM, self.count // 8, len(rows)))
+        self.numbers.write(self.count, [row[:-1] for row in rows], len(rows))
+        self.notes.write(self.count, [row.note.encode()[:NOTE] for row in rows], len(rows))
+        self.count += len(rows)
+
+    def show(self) -> None:
+        """Let readers see all rows so far."""
+        self.shown.write(self.count)
+
+    def cut(self, count: int) -> None:
+        """Have exactly `count` rows, and no spare room."""
+        for column in (self.numbers, self.notes):
+            column.resize(count)
+        self.count = count
+        self.show()
+
+
+def read_iterations(own: h5py.Group, last_step: float) -> list[IterationRow]:
+    """Iterations of the steps up to `last_step` from the group `contactlab`; none in explicit runs."""
+    if GROUP not in own:
+        return []
+    group, kinds = own[GROUP], get_type_hints(IterationRow)
+    count = int(group.attrs["count"])
+    numbers, notes = group["rows"][:count], group["note"][:count]
+    table = numbers[numbers[:, NUMBERS.index("step")] <= last_step] if count else np.zeros((0, len(NUMBERS)))
+    # the record is in the order of the steps: what is left is its beginning
+    return [
+        IterationRow._make([*(kinds[name](value) for name, value in zip(NUMBERS, row, strict=True)), note.decode()])
+        for row, note in zip(table.tolist(), notes[: len(table)], strict=True)
+    ]
