@@ -101,6 +101,38 @@ def test_upsetting_to_half_height(tmp_path: Path, element: str) -> None:
         assert balance["numerical"] == 0.0
 
 
+DIE = """
+[rigid.die]
+line = [[-5.0, 15.0], [40.0, 15.0]]
+uy = { ramp = "smooth", to = -8.0 }
+[[contacts]]
+slave = ["block.right", "block.top"]
+master = "die"
+algorithm = "mortar-p0"
+friction = { use = "coulomb", mu = 0.5 }
+"""
+BY_A_ROUGH_DIE = UPSETTING.replace(UPSETTING[UPSETTING.rindex("[[supports]]") : UPSETTING.index("[record]")], DIE)
+
+
+def test_sides_of_a_sharp_corner_fold_onto_a_rough_die(tmp_path: Path) -> None:
+    """They lie on it, hold, and press as hard as single nodes do: on a flat die both have the same conditions."""
+    force = {}
+    for algorithm in ("mortar-p0", "mortar-p1", "node-on-segment"):
+        changes = {"bodies.block.mesh.cells": [4, 6], "bodies.block.element": "q1-fbar", "time.ramp": 5e-4,
+                   "time.damping": 2e4, "contacts.0.algorithm": algorithm}  # fmt: skip
+        results = run(tmp_path, BY_A_ROUGH_DIE, changes)
+        y = 15.0 - (results.nodes + results.displacement)[:, 1] - 8.0
+        side = np.isclose(results.nodes[:, 0], 10.0) & (results.nodes[:, 1] < 14.9)
+        # closed conditions keep their tolerance, far below 1e-6 of a segment of 2.5 mm
+        assert np.count_nonzero(side & (np.abs(y) < 1e-4)) == 3
+        assert y.min() > -1e-4
+        assert results.summary["balance"]["ledger_error"] < 1e-10  # round-off of the bookkeeping
+        force[algorithm] = results.summary["reactions"]["die"][1]
+    # what is left is the lean below which normals of the slave stay: 3 degrees of the pressure of one node in six
+    assert force["mortar-p0"] == pytest.approx(force["node-on-segment"], rel=0.005)
+    assert force["mortar-p1"] == pytest.approx(force["node-on-segment"], rel=0.005)
+
+
 def test_taylor_bar_locks_without_averaged_dilatation(tmp_path: Path) -> None:
     """Elements that do not lock agree in length; plain Q1 is narrower and full of elastic pressure."""
     shape, stored = {}, {}

@@ -184,3 +184,29 @@ def test_gap_of_parallel_arcs_is_their_distance(algorithm: ContactAlgorithm) -> 
     gap = conditions(algorithm, chains(inner, outer)).gap
     sagitta = 0.05**2 / 8
     np.testing.assert_allclose(gap[1:-1], 0.02, atol=sagitta)
+
+
+def folding(angle: float, rise: float = 0.0) -> Chains:
+    """A slave that lies on a plane up to a vertex at x = 0 and rises from there; the plane is turned by `rise`."""
+    flank = 0.1 * np.array([[-2.0, 0.0], [-1.0, 0.0], [0.0, 0.0], [np.cos(angle), np.sin(angle)]])
+    turn = np.array([[np.cos(rise), np.sin(rise)], [-np.sin(rise), np.cos(rise)]])
+    return chains(flank, np.array([[-1.0, 0.0], [-0.03, 0.0], [1.0, 0.0]]) @ turn)
+
+
+@BOTH
+def test_a_vertex_is_pressed_along_the_normal_of_the_face(algorithm: ContactAlgorithm) -> None:
+    """And smooth slaves along their own: to the last bit, for nothing is added there."""
+    for angle in (0.5, 0.9, 1.3):
+        np.testing.assert_allclose(pair_of(algorithm, folding(angle))[0].normals[2], [0.0, 1.0], atol=ROUND_OFF)
+    for angle, rise in ((0.1, 0.0), (0.19, 0.05), (0.0, 0.3)):
+        expected = np.array([-np.sin(0.5 * angle), np.cos(0.5 * angle)])
+        found = pair_of(algorithm, folding(angle, rise))[0].normals[2]
+        np.testing.assert_allclose(found, expected, atol=ROUND_OFF)
+
+
+@BOTH
+def test_normals_of_a_fold_turn_without_a_jump(algorithm: ContactAlgorithm) -> None:
+    """As the flank lies down no step of its angle turns the normal by more than three times as much."""
+    angles = np.linspace(0.0, 1.25, 126)
+    normals = np.array([pair_of(algorithm, folding(angle))[0].normals[2] for angle in angles])
+    assert np.hypot(*np.diff(normals, axis=0).T).max() < 3.0 * (angles[1] - angles[0])

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
+
 from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, PieceSlopes, Surface, SurfacePositions
 
 DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
@@ -37,7 +39,7 @@ class _Mortar(ContactAlgorithm):
         """Segment-wise D, M and T on the common abscissa; normals point from master to slave."""
         from contactlab_mortar.segments import mortar_pieces
 
-        return mortar_pieces(
+        count = mortar_pieces(
             (slave.segments, slave.node_segments, slave.edges, slave.segment_edge),
             (master.segments, master.edges, master.segment_edge),
             at.slave,
@@ -48,6 +50,8 @@ class _Mortar(ContactAlgorithm):
             self.linear,
             (out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
         )
+        self._turn(slave, at, out, count, out.normal)
+        return count
 
     def slopes(
         self,
@@ -60,9 +64,14 @@ class _Mortar(ContactAlgorithm):
         count: int,
         out: PieceSlopes,
     ) -> bool:
-        """Derivatives of overlaps, integrals and averaged normals."""
+        """Derivatives of overlaps, integrals and averaged normals; none where vertices turn normals to the master's."""
+        from contactlab_mortar.segments import inward_normals
         from contactlab_mortar.slopes import mortar_slopes
 
+        averaged = np.empty_like(pieces.normal)
+        inward_normals(at.slave, slave.segments, slave.node_segments, averaged)
+        if not np.array_equal(averaged, pieces.normal):
+            return False
         out.count, out.normal_count = mortar_slopes(
             (slave.segments, slave.node_segments, slave.edges, slave.segment_edge),
             (master.segments, master.edges, master.segment_edge),
@@ -88,10 +97,26 @@ class _Mortar(ContactAlgorithm):
         count: int,
         out: Floats,
     ) -> None:
-        """Averaged slave normals, turned to point away from the master."""
+        """Averaged slave normals, turned to point away from the master; with their own overlaps at vertices."""
         from contactlab_mortar.segments import inward_normals
 
         inward_normals(at.slave, slave.segments, slave.node_segments, out)
+        if self._turn(slave, at, pieces, count, out):
+            super().normals(slave, master, at, near, reach, memory, pieces, count, out)
+
+    def _turn(self, slave: Surface, at: SurfacePositions, pieces: Pieces, count: int, normals: Floats) -> int:
+        """Normals at vertices of the slave become the master's; returns how many."""
+        from contactlab_mortar.vertices import turn_at_vertices
+
+        turned = turn_at_vertices(
+            count,
+            (pieces.multiplier, pieces.master, pieces.T),
+            (slave.segments, slave.node_segments),
+            at.slave,
+            at.master,
+            normals,
+        )
+        return int(turned)
 
 
 @dataclass(frozen=True)
