@@ -135,7 +135,7 @@ class ContactAlgorithm(ABC):
 
         Asked for by implicit integrators. The default says no, and the core takes differences of
         `pieces`: right, and slower by about fifty calls of it. `out` has room for 2 (s + r + 8) entries
-        of each piece and for 20 of each normal.
+        of each piece, for 20 of each normal and 32 more of the normals for each piece.
         """
         return False
 

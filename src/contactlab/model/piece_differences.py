@@ -13,6 +13,7 @@ from contactlab.model.surface_pair import SurfacePair
 
 STEP = 1e-5  # segment lengths; central differences of smooth pieces then err by about 1e-10
 OWN_ENTRIES = 16  # room for derivatives that an algorithm gives, for each node and multiplier of a piece
+OWN_NORMALS = 32  # room for derivatives of normals that follow from what a piece sees, for each piece
 RING = 2  # further nodes on either side of a piece that averaged normals may bring in
 
 
@@ -36,7 +37,8 @@ class PieceDerivatives:
     def slopes(self, memory: Floats) -> PieceSlopes:
         """Derivatives of the pair's pieces at its present positions; the same object every call."""
         pair = self.pair
-        self._make_room(OWN_ENTRIES * pair.count * sum(pair.algorithm.widths(pair.slave, pair.master)), 20 * pair.slots)
+        widths = sum(pair.algorithm.widths(pair.slave, pair.master))
+        self._make_room(OWN_ENTRIES * pair.count * widths, 20 * pair.slots + OWN_NORMALS * pair.count)
         assert pair.near is not None
         if pair.algorithm.slopes(
             pair.slave, pair.master, pair.at, pair.near.candidates, memory, pair.pieces, pair.count, self.out

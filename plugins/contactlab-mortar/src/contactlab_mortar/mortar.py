@@ -64,14 +64,12 @@ class _Mortar(ContactAlgorithm):
         count: int,
         out: PieceSlopes,
     ) -> bool:
-        """Derivatives of overlaps, integrals and averaged normals; none where vertices turn normals to the master's."""
+        """Derivatives of overlaps, integrals and normals."""
         from contactlab_mortar.segments import inward_normals
         from contactlab_mortar.slopes import mortar_slopes
 
         averaged = np.empty_like(pieces.normal)
         inward_normals(at.slave, slave.segments, slave.node_segments, averaged)
-        if not np.array_equal(averaged, pieces.normal):
-            return False
         out.count, out.normal_count = mortar_slopes(
             (slave.segments, slave.node_segments, slave.edges, slave.segment_edge),
             (master.segments, master.edges, master.segment_edge),
@@ -79,11 +77,30 @@ class _Mortar(ContactAlgorithm):
             at.master,
             (near.start, near.master),
             self.linear,
-            (count, pieces.multiplier, pieces.master, pieces.normal),
+            (count, pieces.multiplier, pieces.master, averaged),
             (out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT,
              out.normal_of, out.normal_moved, out.dnormal),
         )  # fmt: skip
+        if not np.array_equal(averaged, pieces.normal):
+            self._turned_slopes(slave, at, pieces, count, averaged, out)
         return True
+
+    def _turned_slopes(
+        self, slave: Surface, at: SurfacePositions, pieces: Pieces, count: int, averaged: Floats, out: PieceSlopes
+    ) -> None:
+        """Derivatives of the normals at vertices, in place of those of averaged ones."""
+        from contactlab_mortar.vertex_slopes import vertex_slopes
+
+        out.normal_count = vertex_slopes(
+            (count, pieces.multiplier, pieces.master, pieces.T),
+            (out.count, out.multiplier, out.master, out.moved, out.dT),
+            (slave.segments, slave.node_segments),
+            at.slave,
+            at.master,
+            averaged,
+            out.normal_count,
+            (out.normal_of, out.normal_moved, out.dnormal),
+        )
 
     def normals(
         self,

@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, point, section
+from contactlab.api.kernel import kernel, point
 
-LEAN = (0.05, 0.15)  # sine of the angle to the master's normal: none below, all above
-TURN = (0.2, 0.4)  # sine by which the slave turns at a node: none below, all above; ends of chains turn by all
+LEAN = (0.2, 0.3)  # sine of the angle to the master's normal: none below, all above
+TURN = (0.3, 0.5)  # sine by which the slave turns at a node: none below, all above; ends of chains turn by all
 
 
 @point
@@ -37,8 +37,8 @@ def slave_turn(i, positions, segments, node_segments):
     return abs(ex * fy - ey * fx) / np.sqrt((ex * ex + ey * ey) * (fx * fx + fy * fy))
 
 
-@section
-def _facing(count, multiplier, master_nodes, T, master_at, facing):
+@kernel
+def facing_sums(count, multiplier, master_nodes, T, master_at, facing):
     """Sum (m, 2) of the master's outward normals, each by the length over which a multiplier sees it."""
     for k in range(facing.shape[0]):
         facing[k, 0], facing[k, 1] = 0.0, 0.0
@@ -61,7 +61,7 @@ def turn_at_vertices(count, pieces, slave, slave_at, master_at, normals):
     multiplier, master_nodes, T = pieces
     segments, node_segments = slave
     facing, turned = np.empty(normals.shape), 0
-    _facing(count, multiplier, master_nodes, T, master_at, facing)
+    facing_sums(count, multiplier, master_nodes, T, master_at, facing)
     for k in range(normals.shape[0]):
         size = np.sqrt(facing[k, 0] * facing[k, 0] + facing[k, 1] * facing[k, 1])
         if size == 0.0:
