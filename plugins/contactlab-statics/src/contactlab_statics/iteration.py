@@ -17,6 +17,7 @@ AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may
 CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once statuses go round in circles
 SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
 FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
+ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the force of the largest displacement: no iteration gets below it
 
 
 class Balance(Protocol):
@@ -203,7 +204,9 @@ class NewtonIteration:
         first = self.floor == 0.0
         self.stiffness = self.balance.stiffness(dt)
         diagonal = np.abs(self.stiffness.diagonal()).reshape(self.u.shape)
-        self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
+        stiffest, cell = float(diagonal.max()), 1e-2 * self.size
+        # bodies that move without being loaded yet are in balance as far as round-off lets them be
+        self.floor = stiffest * max(FLOOR * cell, ROUND_OFF * (float(np.abs(self.u).max()) + cell) / self.tolerance)
         self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
         if self.contact is not None:
             self.contact.scale(self.flexibility)

@@ -1,0 +1,148 @@
+"""Shallow ironing: a stiff rounded block is pressed into a soft foundation and drawn along it, mu = 0.3.
+
+Geometry, laws and path are those of a benchmark that six codes have published forces of; there is no exact answer. They
+spread over 24 % (vertical, end of press), 25 % (vertical, half-way) and a factor 1.8 (horizontal, half-way).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Floats
+from contactlab.scene import Scene
+from contactlab.simulation import simulate
+from statics.common import MORTARS, Figure, Rows, label, percent
+
+PRESS, SLIDE = 1.0, 10.0
+PUBLISHED = {"end of press": (267.9, 332.0), "vertical half-way": (337.4, 421.0), "horizontal half-way": (102.1, 188.8)}
+"""Least and largest of Code_Aster, Hartmann, Fischer & Wriggers, Yastrebov, Poulios & Renard, solids4foam [N/mm]."""
+
+
+def ironing(
+    algorithm: str, swap: bool = False, level: int = 1, steps: int = 220, slide: float = SLIDE, **keys: Any
+) -> Scene:
+    """Foundation 12 x 4 under a block 1.2 wide with a rounded lower side (sagitta 0.3), 0.2 above it at the start."""
+    hyperelastic = {"use": "neo-hookean", "poisson": 0.32, "density": 1.0}
+    bodies = {
+        "block": {
+            "element": "q1",
+            "material": "hard",
+            "shift": [0.8, 0.2],
+            "mesh": {"use": "arc-block", "radius": 0.75, "half_width": 0.6, "top": 1.2, "cells": [14, 12]},
+        },
+        "foundation": {
+            "element": "q1",
+            "material": "soft",
+            "mesh": {"use": "rectangle", "x": [0.0, 12.0], "y": [-4.0, 0.0], "cells": [120, 30]},
+        },
+    }
+    path = {
+        "on": "block.top",
+        "uy": {"ramp": "linear", "to": -PRESS, "duration": 1.0},
+        "ux": {"ramp": "linear", "to": slide, "begin": 1.0, "duration": 1.0},
+    }
+    data = {
+        "name": "shallow-ironing",
+        "level": level,
+        "time": {"end": 2.0},
+        "integrator": {"use": "newton", "steps": steps},
+        "materials": {"soft": hyperelastic | {"young": 689.6}, "hard": hyperelastic | {"young": 6896.0}},
+        "bodies": bodies,
+        "contacts": [
+            {
+                "slave": "block.arc",
+                "master": "foundation.top",
+                "algorithm": algorithm,
+                "swap": swap,
+                "friction": {"use": "coulomb", "mu": 0.3},
+            }
+        ],
+        "supports": [{"on": "foundation.bottom", "ux": 0.0, "uy": 0.0}, path],
+        "record": {"recorders": [], "frames": 2 * steps},
+    }
+    return Scene.from_data(data | keys)
+
+
+@dataclass
+class Forces:
+    """Of the block on the foundation by the way of its top: down PRESS, then along [mm, N/mm]."""
+
+    along: Floats
+    vertical: Floats
+    horizontal: Floats
+    pressed: float
+    iterations: int
+    status: str
+
+
+def forces(scene: Scene, slide: float = SLIDE) -> Forces:
+    """Run the scene."""
+    results = simulate(scene)
+    time = np.asarray(results.history["time"])
+    fx, fy = (np.asarray(results.history[f"block.top.{component}"]) for component in ("fx", "fy"))
+    sliding = time >= 1.0
+    pressed = float(np.interp(1.0, time, -fy))
+    iterations = int(results.summary["iterations"])
+    status = results.status if results.status == "finished" else f"{results.status}: {results.reason}"
+    return Forces((time[sliding] - 1.0) * slide, -fy[sliding], fx[sliding], pressed, iterations, status)
+
+
+def saw_tooth(along: Floats, force: Floats, size: float, start: float, end: float) -> float:
+    """Largest distance of the force from its mean over two segments, as a fraction of the force; start < along < end."""
+    even = np.linspace(along[0], along[-1], 4 * len(along))
+    values = np.interp(even, along, force)
+    window = max(3, round(2.0 * size / float(even[1] - even[0])))
+    smooth = np.convolve(values, np.full(window, 1.0 / window), mode="same")
+    inside = (even > start) & (even < end)
+    return float(np.abs(values - smooth)[inside].max() / np.abs(smooth[inside]).mean())
+
+
+def ironing_figures(found: Forces, judged: bool = True) -> list[Figure]:
+    """Against the published spread, and how smooth the vertical force is between 2 and 8 mm."""
+    half = 0.5 * SLIDE
+    values = {
+        "end of press": found.pressed,
+        "vertical half-way": float(np.interp(half, found.along, found.vertical)),
+        "horizontal half-way": float(np.interp(half, found.along, found.horizontal)),
+    }
+    figures = [Figure(f"{key} N/mm", value, *PUBLISHED[key]) for key, value in values.items()]
+    ratio = values["horizontal half-way"] / values["vertical half-way"]
+    tooth = saw_tooth(found.along, found.vertical, 0.1, 2.0, 8.0)
+    return [
+        *figures,
+        Figure("global friction ratio", ratio, 0.30, 0.53),
+        percent("saw-tooth of the vertical force", tooth, 1.0 if judged else np.inf),
+        Figure("iterations", float(found.iterations)),
+    ]
+
+
+def case_ironing() -> Rows:
+    """Eight steps per segment, either slave; then three meshes for an own value with an error bar."""
+    for algorithm in (*MORTARS, "node-on-segment"):
+        for swap in (False, True):
+            found = forces(ironing(algorithm, swap, steps=880))
+            slave = "foundation slave" if swap else "block slave"
+            if found.status == "finished":
+                yield label(algorithm, slave), ironing_figures(found, algorithm in MORTARS)
+            else:
+                way = float(found.along[-1]) if len(found.along) else 0.0
+                yield label(algorithm, slave), [Figure(f"stopped at mm of {SLIDE:g} ({found.status})", way)]
+
+
+def case_ironing_converged() -> Rows:
+    """Half, equal and twice the published mesh up to half-way, in steps of 1/20 mm; the difference is the error bar."""
+    slide = 0.5 * SLIDE
+    for algorithm in MORTARS:
+        for cells in (0.5, 1.0, 2.0):
+            scene = ironing(algorithm, steps=120, slide=slide, level=max(1, round(cells)))
+            if cells < 1.0:
+                scene = scene.with_({"bodies.block.mesh.cells": [7, 6], "bodies.foundation.mesh.cells": [60, 15]})
+            found = forces(scene, slide)
+            values = [found.pressed, float(found.vertical[-1]), float(found.horizontal[-1])]
+            figures = [
+                Figure(f"{key} N/mm", value, *PUBLISHED[key]) for key, value in zip(PUBLISHED, values, strict=True)
+            ]
+            yield label(algorithm, f"{120 * cells:g} x {30 * cells:g} cells"), figures
