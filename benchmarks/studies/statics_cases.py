@@ -20,7 +20,7 @@ from statics.hertz import case_cgs1, case_contrast, case_incompressible, case_me
 from statics.ironing import case_ironing, case_ironing_converged
 from statics.mindlin import case_mindlin
 from statics.patches import case_patch, case_patch_ratio
-from statics.plates import case_high_friction, case_one_node, case_plate, case_pulled_block, case_tresca
+from statics.plates import case_high_friction, case_plate, case_pulled_block, case_tresca
 from statics.punches import case_elastic_punch, case_rigid_punch
 
 HERE = Path(__file__).parent
@@ -39,7 +39,6 @@ CASES: dict[str, Callable[[], Rows]] = {
     "plate": case_plate,
     "high-friction": case_high_friction,
     "pulled-block": case_pulled_block,
-    "one-node": case_one_node,
     "contrast": case_contrast,
     "incompressible": case_incompressible,
     "mesh-ratio": case_mesh_ratio,
@@ -104,7 +103,9 @@ def table(rows: list[Row]) -> list[str]:
     ]
     for variant in dict.fromkeys(kept["variant"] for kept in rows):
         found = [values.get((variant, name)) for name in names]
-        cells = ["" if f is None else f"**{f['value']}**" if f["verdict"].startswith("**") else f["value"] for f in found]
+        cells = [
+            "" if f is None else f"**{f['value']}**" if f["verdict"].startswith("**") else f["value"] for f in found
+        ]
         lines.append(f"| {variant} | " + " | ".join(cells) + " |")
     return lines
 

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from contactlab.api import Floats
 from contactlab.model.model import Model
+from contactlab.model.ramps import course_of
 
 SAMPLES = 1024
+NEARLY = 1e-9  # of the whole time: differences below it are round-off
 LEAST = 1e-3  # of the whole path that time itself counts, so that a hold is passed in few steps
 
 
@@ -17,9 +21,12 @@ class LoadPath:
     Between two times the loading advances by the largest change of any prescribed displacement, over the range
     of that displacement, or of any load, over the largest one. Inertia plays no part in statics: what counts
     for the accuracy of a step is how much is loaded in it, not how long it takes.
+
+    Where the loading turns a corner a step must end: what is reached there depends on the path (friction, flow).
     """
 
-    def __init__(self, model: Model, end: float) -> None:
+    def __init__(self, model: Model, scene: Any, end: float) -> None:
+        self.corners = corners(scene, model.pace.ramp, end)
         self.times: Floats = np.linspace(0.0, end, SAMPLES + 1)
         change = np.full(SAMPLES, LEAST / SAMPLES)
         np.maximum(change, _motion(model, self.times), out=change)
@@ -35,6 +42,11 @@ class LoadPath:
         """When that much of the loading is done [s]."""
         return float(np.interp(fraction, self.fractions, self.times))
 
+    def stop(self, time: float) -> float:
+        """The next corner of the loading after a time [s], or its end."""
+        later = (corner for corner in self.corners if corner > time + NEARLY * self.corners[-1])
+        return next(later, self.corners[-1])
+
 
 class EvenPath:
     """Time itself, for runs in which it matters."""
@@ -49,6 +61,19 @@ class EvenPath:
     def time(self, fraction: float) -> float:
         """And back [s]."""
         return fraction * self.end
+
+    def stop(self, time: float) -> float:
+        """The end: forces in time have no corner that inertia would not round off."""
+        return self.end
+
+
+def corners(scene: Any, ramp_time: float, end: float) -> list[float]:
+    """Times [s] in (0, end] at which the speed of a prescribed motion or of a load may jump; the last is the end."""
+    moved = [*scene.supports, *scene.rigid.values()]
+    values = [value for spec in moved for value in (spec.ux, spec.uy, spec.turn)]
+    values += [value for spec in scene.loads for value in (spec.pressure, spec.shear, spec.tx, spec.ty)]
+    times = {time for value in values if value is not None for time in course_of(value).corners(ramp_time)}
+    return [*sorted(time for time in times if NEARLY * end < time < (1.0 - NEARLY) * end), end]
 
 
 def _motion(model: Model, times: Floats) -> Floats:

@@ -21,14 +21,14 @@ NEARLY = 1e-9  # of a step: differences below it are round-off
 class LoadSchedule(Schedule):
     """Equal steps as long as they converge. A failed step is cut and tried again from the same state.
 
-    Without inertia steps are equal parts of the loading (`LoadPath`), unless the scene fixes their length;
-    otherwise of time. `wished` and `part` are the wished and the present step as fractions of the whole.
+    Without inertia steps are equal parts of the loading (`LoadPath`) that end where it turns a corner, unless the scene
+    fixes their length; otherwise of time. `wished` and `part` are the wished and the present step as fractions of the whole.
     """
 
     def _first_step(self) -> float:
         total = self.pace.end or self.pace.ramp
         statics = not self.model.integrator.inertia and self.fixed is None
-        self.path = LoadPath(self.model, total) if statics else EvenPath(total)
+        self.path = LoadPath(self.model, self.scene, total) if statics else EvenPath(total)
         self.wished = 1.0 / self.model.integrator.wished_steps() if self.fixed is None else float(self.fixed) / total
         self.part = self.wished
         return self._length()
@@ -64,15 +64,16 @@ class LoadSchedule(Schedule):
         """Nothing limits an implicit step but its convergence."""
 
     def _length(self) -> float:
-        """The step in time; the last one ends where the run does, without a sliver before it."""
+        """The step in time; the last before a corner of the loading or the end meets it, without a sliver before."""
         time = self.state.time
         if self.pace.end is None:
             return self.path.time(self.part)  # until it settles: there is no end to meet
         done = self.path.fraction(time)
-        rest = 1.0 - done
+        stop = self.path.stop(time)
+        rest = self.path.fraction(stop) - done
         number = max(1, int(np.ceil(rest / self.part * (1.0 - NEARLY))))
         if number == 1:
-            return self.pace.end - time
+            return stop - time
         return self.path.time(done + (rest / number if number <= 2 else self.part)) - time
 
     def _over(self, limit: float) -> bool:

@@ -27,7 +27,7 @@ class Schedule:
     """
 
     def __init__(self, model: Model, scene: Any) -> None:
-        self.model, self.pace, self.state = model, model.pace, model.state
+        self.model, self.scene, self.pace, self.state = model, scene, model.pace, model.state
         self.fraction_of_limit, self.fixed = scene.time.fraction, scene.time.step
         self.dt = self.first = self._first_step()
         self.limit = self.end = self.pace.end if self.pace.end is not None else self.pace.ramp + self.pace.hold

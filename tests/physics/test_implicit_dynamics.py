@@ -1,100 +1,29 @@
-"""Implicit dynamics: impacts with closed forms in steps far beyond the stable one, energy, momentum, order."""
+"""Implicit dynamics: impacts with closed forms in steps far beyond the stable one, energy, momentum, order.
+
+Scenes are those of `benchmarks/studies/statics/bars.py`.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import cache
-from typing import Any
-
 import numpy as np
 import pytest
-
-from contactlab.api import Floats
-from contactlab.model.build import build
-from contactlab.registry import default_registry
-from contactlab.scene import Scene
-
-
-@dataclass
-class Record:
-    """After every step: time, contact force on the first body, energy, momentum of each body, displacement of a node,
-    whether there is contact; closure of the ledger and displacements at the end."""
-
-    time: Floats
-    force: Floats
-    energy: Floats
-    momentum: Floats
-    tip: Floats
-    closed: Floats
-    ledger: float
-    end: Floats
-
-
-def strip(x: tuple[float, float], y: tuple[float, float], cells: list[int], **more: Any) -> dict[str, Any]:
-    return {"element": "q1", "material": "m", "mesh": {"use": "rectangle", "x": x, "y": y, "cells": cells}, **more}
-
-
-def scene(bodies: dict[str, Any], material: dict[str, Any], **more: Any) -> Scene:
-    return Scene.from_data(
-        {
-            "name": "impact",
-            "time": {"end": 1e9},
-            "integrator": "implicit-dynamics",
-            "materials": {"m": {"use": "linear-elastic"} | material},
-            "bodies": bodies,
-        }
-        | more
-    )
-
-
-def run(scene: Scene, steps: int, dt: float, axis: int = 0, weight: float = 0.0) -> Record:
-    """`weight` is the acceleration of gravity against the axis, whose potential counts as energy."""
-    model = build(scene, default_registry())
-    advance, state = model.integrator.bind(model, model.state), model.state
-    bodies = [slice(b.first, b.first + b.count) for b in model.bodies]
-    tip = model.contact.pairs[0].slave.nodes[0] if model.contact is not None else -1
-    rows = []
-    for _ in range(steps):
-        step = advance(dt)
-        assert step.status.name == "accepted", step.reason
-        u, force = state["displacement"], 0.0
-        if model.contact is not None:
-            force = float(state["contact_force"][bodies[0], axis].sum())
-        energy = model.kinetic_energy() + sum(part.stored_energy() for part in model.forces)
-        energy += weight * float(model.mass @ u[:, axis])
-        momenta = [float(model.mass[b] @ state["velocity"][b, axis]) for b in bodies]
-        rows.append((state.time, force, energy, momenta, u[tip, axis], force > 0.0))
-    internal, external, damping, contact, friction, numerical, _ = state["work"]
-    change = model.kinetic_energy() + internal + damping + numerical - external - contact - friction
-    time, force_, energy_, momentum, moved, closed = (np.array(column) for column in zip(*rows, strict=True))
-    balance = float(change) - model.initial_energy
-    return Record(time, force_, energy_, momentum, moved, closed, balance, state["displacement"])
-
-
-# --- a bar against a wall: L = 10, E = 900, rho = 1, c = 30, arrives at 10 after 0.5 s --------------
-
-LENGTH, SPEED, SOUND = 10.0, 10.0, 30.0
-CELLS = 50
-BAR = {"young": SOUND**2, "poisson": 0.0, "density": 1.0}
-ENERGY = 0.5 * LENGTH * SPEED**2  # per unit of height, which is 1
-
-
-@cache
-def wall_impact(courant: float, algorithm: str = "mortar-p0", phase: float = 0.0, cells: int = CELLS) -> Record:
-    """One cell of unit height across; `phase` is the part of a step that is left when the bar arrives."""
-    dt = courant * LENGTH / cells / SOUND
-    arrival = (round(0.5 / dt) - phase) * dt
-    return run(
-        scene(
-            {"bar": strip((0.0, LENGTH), (0.0, 1.0), [cells, 1], velocity=[-SPEED, 0.0], shift=[SPEED * arrival, 0.0])},
-            BAR,
-            rigid={"wall": {"line": [[0.0, -1.0], [0.0, 2.0]]}},
-            contacts=[{"slave": "bar.left", "master": "wall", "algorithm": algorithm}],
-            supports=[{"on": "bar", "uy": 0.0}],
-        ),
-        round(1.4 / dt),
-        dt,
-    )
+from statics.bars import (
+    BAR,
+    CELLS,
+    ENERGY,
+    LENGTH,
+    PUBLISHED,
+    SOUND,
+    SPEED,
+    Record,
+    bouncing_bar,
+    dropped_block,
+    run,
+    scene,
+    strip,
+    two_beams,
+    wall_impact,
+)
 
 
 @pytest.mark.parametrize(
@@ -131,27 +60,6 @@ def test_loss_vanishes_with_the_mesh() -> None:
     assert coarse / fine == pytest.approx(4.0, rel=1e-3)
 
 
-# --- a bar that falls and bounces, period 16/3 s ----------------------------------------------------
-
-
-def bouncing_bar(cells: int, courant: float, periods: float) -> Record:
-    dt = courant * LENGTH / cells / SOUND
-    return run(
-        scene(
-            {"bar": strip((0.0, 1.0), (0.0, LENGTH), [1, cells], shift=[0.0, 5.0])},
-            BAR,
-            rigid={"ground": {"line": [[2.0, 0.0], [-1.0, 0.0]]}},
-            contacts=[{"slave": "bar.bottom", "master": "ground", "algorithm": "mortar-p0"}],
-            supports=[{"on": "bar", "ux": 0.0}],
-            effects=[{"use": "gravity", "acceleration": [0.0, -10.0]}],
-        ),
-        round(periods * 16.0 / 3.0 / dt),
-        dt,
-        axis=1,
-        weight=10.0,
-    )
-
-
 def test_bouncing_bar() -> None:
     """First contact: 300 + 300 t for 2/3 s, impulse 800/3. Energy never rises, and two impacts take about a node
     mass each. Back at the top after 16/3 s: within 1.5 % of the period, which the rule lengthens."""
@@ -169,31 +77,11 @@ def test_bouncing_bar() -> None:
     assert abs(record.momentum[-1, 0]) / LENGTH < 10.0 * 0.015 * period
 
 
-# --- two beams, one clamped: SDNL111 of Code_Aster --------------------------------------------------
-
-BEAM = {"young": 2e11, "poisson": 0.3, "density": 7800.0}  # N, m, kg, s
-PUBLISHED = {2e-4: -1.05e-4, 4e-4: -1.554199e-4, 6e-4: -5.541991e-5, 8e-4: 9.916018e-5, 1e-3: 2.991602e-4}
-
-
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 def test_two_beams(algorithm: str) -> None:
     """Tip of the struck beam, steps of two cells' way: within the 5 % of the published test (2.2 % is seen, right after
     the beams part; 1.3 % with half the step and twice the cells)."""
-    cells, steps = 100, 300
-    bodies = {
-        "free": strip((0.0, 1.0), (0.0, 0.01), [cells, 1], velocity=[-1.0, 0.0], shift=[1e-5, 0.0]),
-        "clamped": strip((-1.0, 0.0), (0.0, 0.01), [cells, 1]),
-    }
-    record = run(
-        scene(
-            bodies,
-            BEAM,
-            contacts=[{"slave": "free.left", "master": "clamped.right", "algorithm": algorithm}],
-            supports=[{"on": "free", "uy": 0.0}, {"on": "clamped", "uy": 0.0}, {"on": "clamped.left", "ux": 0.0}],
-        ),
-        steps,
-        1e-3 / steps,
-    )
+    record = two_beams(algorithm, 100, 300)
     for time, exact in PUBLISHED.items():
         assert np.interp(time, record.time, record.tip) == pytest.approx(exact, rel=0.05), f"tip at {time} s"
     assert np.diff(record.energy).max() < 1e-9 * record.energy[0]
@@ -219,22 +107,7 @@ def test_free_pair_keeps_its_momentum() -> None:
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 def test_a_dropped_block_comes_to_rest(algorithm: str) -> None:
     """Damped, on a plane: no energy from contact, then no change of status, the weight as reaction, no tension."""
-    block = strip((0.0, 2.0), (0.0, 1.0), [4, 2], shift=[0.0, 0.05])
-    record = run(
-        scene(
-            {"block": block},
-            {"young": 1000.0, "poisson": 0.3, "density": 1.0},
-            time={"end": 1e9, "damping": 20.0},
-            rigid={"ground": {"line": [[4.0, 0.0], [-2.0, 0.0]]}},
-            contacts=[{"slave": "block.bottom", "master": "ground", "algorithm": algorithm}],
-            effects=[{"use": "gravity", "acceleration": [0.0, -10.0]}],
-            supports=[{"on": "block.left", "ux": 0.0}],
-        ),
-        200,
-        0.01,
-        axis=1,
-        weight=10.0,
-    )
+    record = dropped_block(algorithm)
     assert np.diff(record.energy).max() < 1e-9 * 20.0 * 0.05
     np.testing.assert_allclose(record.force[-60:], 20.0, rtol=1e-3)
     assert record.closed[-60:].all()

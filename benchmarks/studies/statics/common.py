@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Floats
+from contactlab.results.results import Results
 from contactlab.scene import Scene
 from contactlab.testing.cases.figures import Figure
 
@@ -68,6 +69,13 @@ def l2_error(x: Floats, values: Floats, exact: Callable[[Floats], Floats], reach
     at, found = spread(x, values, reach)
     wanted = exact(at)
     return float(np.sqrt(((found - wanted) ** 2).sum() / (wanted**2).sum()))
+
+
+def stopped(results: Results) -> list[Figure]:
+    """What is said of a run that did not come to its end; empty if it did."""
+    if results.status == "finished":
+        return []
+    return [Figure("iterations until it stopped, " + results.status, float(results.summary["iterations"]), most=-INF)]
 
 
 def label(algorithm: str, *parts: object) -> str:

@@ -34,6 +34,14 @@ class Course(NamedTuple):
         shape, duration = SHAPES[self.shape], ramp_time if self.duration is None else self.duration
         return _shifted(shape(duration), self.begin)
 
+    def corners(self, ramp_time: float) -> tuple[float, ...]:
+        """Times [s] at which the value's speed may jump."""
+        if self.shape == "table":
+            return tuple(self.begin + time for time, _ in self.points)
+        if self.shape == "constant":
+            return (self.begin,)
+        return self.begin, self.begin + (ramp_time if self.duration is None else self.duration)
+
     @property
     def moves(self) -> bool:
         """Whether the value is ever another than zero."""

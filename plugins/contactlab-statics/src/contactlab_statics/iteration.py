@@ -16,6 +16,8 @@ DEEPEST = 1.0  # segment lengths that a correction may push a surface into the o
 AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may need
 CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once statuses go round in circles
 SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
+AWAY = 100.0  # times the size of the model: a correction that large means that nothing holds a body
+TOUCHING = 1e-9  # segment lengths
 FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
 ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the force of the largest displacement: no iteration gets below it
 
@@ -123,7 +125,7 @@ class NewtonIteration:
         left  residual before it
         """
         before = self.response.status.copy()
-        du, dy = self.system.step(self.stiffness, self.force.reshape(-1), given, self.contact, self.response, left)
+        du, dy = self._correction(given, left)
         du = du.reshape(self.u.shape)
         note, length = self._careful(dt, du, dy, given) if self.circling else self._move(dt, du, dy, given)
         changed = int(np.count_nonzero(self.response.status != before))
@@ -132,6 +134,31 @@ class NewtonIteration:
             self.circling = self.circling or pattern in self.seen
             self.seen.add(pattern)
         return note, length, changed
+
+    def _correction(self, given: Floats, left: float) -> tuple[Floats, Floats]:
+        """Of displacements and multipliers; what is held by nothing but friction is held from its first touch on."""
+        try:
+            du, dy = self._solved(given, left)
+        except SingularSystem:
+            if not self._hold():
+                raise
+        else:
+            if np.abs(du).max() <= AWAY * self.size or not self._hold():
+                return du, dy
+        return self._solved(given, left)
+
+    def _solved(self, given: Floats, left: float) -> tuple[Floats, Floats]:
+        return self.system.step(self.stiffness, self.force.reshape(-1), given, self.contact, self.response, left)
+
+    def _hold(self) -> bool:
+        """Let surfaces stick that touch without a force yet, as friction has no bound then; whether any do."""
+        if self.contact is None or not len(self.contact.conditions.slip):
+            return False
+        c = self.contact.conditions
+        touch = c.present & (c.force[0] == 0.0) & (np.abs(c.gap) <= TOUCHING * c.size)
+        c.force[0, touch] = 2.0 * TOUCHING * (c.stiffness * c.size)[touch]
+        self._balance()
+        return bool(touch.any())
 
     def _careful(self, dt: float, du: Floats, dy: Floats, given: Floats) -> tuple[str, float]:
         """Statuses go round in circles: of some fractions of the correction take the one that leaves least to do."""
@@ -206,7 +233,8 @@ class NewtonIteration:
         diagonal = np.abs(self.stiffness.diagonal()).reshape(self.u.shape)
         stiffest, cell = float(diagonal.max()), 1e-2 * self.size
         # bodies that move without being loaded yet are in balance as far as round-off lets them be
-        self.floor = stiffest * max(FLOOR * cell, ROUND_OFF * (float(np.abs(self.u).max()) + cell) / self.tolerance)
+        moved = min(float(np.abs(self.u).max()), AWAY * self.size)  # what flies away is not in balance
+        self.floor = stiffest * max(FLOOR * cell, ROUND_OFF * (moved + cell) / self.tolerance)
         self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
         if self.contact is not None:
             self.contact.scale(self.flexibility)
