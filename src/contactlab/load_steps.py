@@ -22,7 +22,8 @@ class LoadSchedule(Schedule):
     """Equal steps as long as they converge. A failed step is cut and tried again from the same state.
 
     Without inertia steps are equal parts of the loading (`LoadPath`) that end where it turns a corner, unless the scene
-    fixes their length; otherwise of time. `wished` and `part` are the wished and the present step as fractions of the whole.
+    fixes their length; otherwise of time. `wished` and `part` are the wished and the present step as fractions of the
+    whole.
     """
 
     def _first_step(self) -> float:

@@ -26,8 +26,8 @@ def values(figures: list[Figure]) -> dict[str, float]:
 def test_hertz_of_a_cylinder_on_a_block(algorithm: str, swap: bool) -> None:
     """NAFEMS CGS-1 at a/h = 8: largest pressure within 3 %, half-width within half a cell.
 
-    Exact nodal values leave 3.9 % in L2 to a linear interpolant at these nodes, and theory, which takes the circle for a
-    parabola, is 3.2 % off at a/R = 1/8: 4.5 to 5.1 % are seen.
+    Exact nodal values leave 3.9 % in L2 to a linear interpolant at these nodes, and theory, which takes the circle
+    for a parabola, is 3.2 % off at a/R = 1/8: 4.5 to 5.1 % are seen.
     """
     modulus = 1.0 / (0.91 / hertz.STEEL + 0.91 / hertz.ALUMINIUM)
     results = hertz.cgs1(algorithm, swap, 8)

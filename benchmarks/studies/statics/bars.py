@@ -7,12 +7,12 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from statics.common import INF, MORTARS, Figure, Rows, label, percent
 
 from contactlab.api import Floats
 from contactlab.model.build import build
 from contactlab.registry import default_registry
 from contactlab.scene import Scene
-from statics.common import INF, MORTARS, Figure, Rows, label, percent
 
 
 @dataclass

@@ -1,7 +1,7 @@
 """Hertz: a cylinder on a block; like and unlike moduli, like and unlike meshes, and a nearly incompressible block.
 
-Discs are pushed down by a prescribed displacement; closed forms are evaluated at the forces that are measured with it, so
-that the compliance of the finite bodies plays no part. Half-plane theory takes the circle for a parabola and the block
+Discs are pushed down by a prescribed displacement; closed forms are evaluated at the forces measured with it, so that
+the compliance of the finite bodies plays no part. Half-plane theory takes the circle for a parabola and the block
 for infinite: what that makes is seen on the finest meshes.
 """
 
@@ -11,11 +11,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-
-from contactlab.api import ContactCurve, Floats
-from contactlab.results.results import Results
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
 from statics.common import (
     INF,
     MORTARS,
@@ -32,6 +27,11 @@ from statics.common import (
     within,
 )
 
+from contactlab.api import ContactCurve, Floats
+from contactlab.results.results import Results
+from contactlab.scene import Scene
+from contactlab.simulation import simulate
+
 HALF = 0.4  # width of a disc's cut, in radii, on either side
 STEEL, ALUMINIUM = 210000.0, 70000.0
 
@@ -39,7 +39,7 @@ STEEL, ALUMINIUM = 210000.0, 70000.0
 def hertz(
     algorithm: str, swap: bool, radius: float = 10.0, moduli: tuple[float, float] = (70000.0, 70000.0), **keys: Any
 ) -> Scene:
-    """Arc of `radius` on a block 4 x 4 radii wide, whose cells in contact are radius * `h`, and `ratio` h on the disc."""
+    """Arc of `radius` on a block 4 x 4 radii wide; cells in contact: radius * `h` there, `ratio` h on the disc."""
     h, ratio, growth = keys.pop("h", 0.00114), keys.pop("ratio", 1.0), keys.pop("growth", 1.045)
     depth, poisson, steps = keys.pop("depth", 8e-4), keys.pop("poisson", 0.3), keys.pop("steps", 1)
     zone, element = keys.pop("zone", 0.03), keys.pop("element", "q1")
@@ -195,7 +195,8 @@ def case_mesh_ratio() -> Rows:
         for swap in (False, True):
             reference = force_of(simulate(hertz(algorithm, swap, h=0.01745 / 16, growth=1.02)))
             for block, disc, element in (
-                (80, 8, "q1"), (8, 80, "q1"), (8, 0.8, "q1"), (0.8, 8, "q1"), (80, 8, ("q2", "q1")), (8, 0.8, ("q2", "q1")),
+                (80, 8, "q1"), (8, 80, "q1"), (8, 0.8, "q1"), (0.8, 8, "q1"),
+                (80, 8, ("q2", "q1")), (8, 0.8, ("q2", "q1")),
             ):  # fmt: skip
                 h = 0.01745 / block
                 results = simulate(hertz(algorithm, swap, h=h, ratio=block / disc, growth=1.02, element=element))

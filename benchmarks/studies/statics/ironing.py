@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from statics.common import MORTARS, Figure, Rows, label, percent
 
 from contactlab.api import Floats
 from contactlab.scene import Scene
 from contactlab.simulation import simulate
-from statics.common import MORTARS, Figure, Rows, label, percent
 
 PRESS, SLIDE = 1.0, 10.0
 PUBLISHED = {"end of press": (267.9, 332.0), "vertical half-way": (337.4, 421.0), "horizontal half-way": (102.1, 188.8)}
@@ -91,7 +91,7 @@ def forces(scene: Scene, slide: float = SLIDE) -> Forces:
 
 
 def saw_tooth(along: Floats, force: Floats, size: float, start: float, end: float) -> float:
-    """Largest distance of the force from its mean over two segments, as a fraction of the force; start < along < end."""
+    """Largest distance of the force from its mean over two segments, as a fraction of it; start < along < end."""
     even = np.linspace(along[0], along[-1], 4 * len(along))
     values = np.interp(even, along, force)
     window = max(3, round(2.0 * size / float(even[1] - even[0])))

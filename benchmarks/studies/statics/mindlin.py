@@ -10,11 +10,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-
-from contactlab.api import ContactCurve, Floats
-from contactlab.results.results import Results
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
 from statics.common import (
     INF,
     MORTARS,
@@ -29,6 +24,11 @@ from statics.common import (
     within,
 )
 from statics.hertz import hertz, hertz_profile, side
+
+from contactlab.api import ContactCurve, Floats
+from contactlab.results.results import Results
+from contactlab.scene import Scene
+from contactlab.simulation import simulate
 
 FRICTION, RADIUS, MODULUS = 0.3, 10.0, plane_strain(70000.0, 0.3) / 2.0
 PHASES = {2: "loaded", 3: "half-way back", 4: "reversed"}

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from statics.common import INF, MORTARS, Figure, Rows, label
 
 from contactlab.results.results import Results
 from contactlab.scene import Scene
 from contactlab.simulation import simulate
-from statics.common import INF, MORTARS, Figure, Rows, label
 
 YOUNG, DEPTH = 1e6, 0.01
 

@@ -1,15 +1,15 @@
-"""Rough contact: a plate on a plane (SSNV128 of Code_Aster), at high friction too; a block that is pulled, a Tresca block."""
+"""Rough contact: a plate on a plane (SSNV128 of Code_Aster), at high friction too; a pulled block; the Tresca block."""
 
 from __future__ import annotations
 
 import numpy as np
+from statics.common import INF, MORTARS, Figure, Rows, label, ordered, percent, scene, stopped
 
 import contactlab
 from contactlab.api import Floats
 from contactlab.results.results import Results
 from contactlab.scene import Scene
 from contactlab.simulation import simulate
-from statics.common import INF, MORTARS, Figure, Rows, label, ordered, percent, scene, stopped
 
 PUBLISHED = {0.0: 2.86e-5, 1.25e-3: 2.72e-5, 5e-3: 2.28e-5, 7.5e-3: 1.98e-5, 11.25e-3: 1.50e-5}
 """Tangential displacements [m] at places along the plane, mu = 1, tolerance 5 %."""
@@ -112,7 +112,7 @@ def pulled_figures(results: Results, unlimited: Results) -> list[Figure]:
     size, curve, free = 0.5, results.contact["contacts.0"].last, unlimited.contact["contacts.0"].last
     bottom = np.isclose(results.nodes[:, 1], 0.0) & np.isin(np.arange(len(results.nodes)), results.cells["block"])
     slip = np.abs(results.displacement[bottom, 0])[np.argsort(results.nodes[bottom, 0])]
-    x, state = ordered(curve.x, curve.state)
+    state = ordered(curve.x, curve.state)[1]
     pulls, others = (np.array(r.summary["reactions"]["plane"]) for r in (results, unlimited))
     normal, other = (c.nodal_pressure[np.argsort(c.x)] for c in (curve, free))
     return [

@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from statics.common import INF, MORTARS, Figure, Rows, graded_count, l2_error, label, ordered, percent, scene, within
 
 from contactlab.api import Floats
 from contactlab.results.results import Results
 from contactlab.scene import Scene
 from contactlab.simulation import simulate
-from statics.common import INF, MORTARS, Figure, Rows, graded_count, l2_error, label, ordered, percent, scene, within
 
 EXPONENTS = {1.0: -0.2260, 10.0: -0.4443, 100.0: -0.4937, 0.1: -0.0378}
-"""p ~ r^e at a frictionless corner of 90 degrees on a half-plane, nu = 0.3, by the ratio of moduli (punch over block)."""
+"""p ~ r^e at a frictionless corner of 90 degrees on a half-plane, nu = 0.3, by E of the punch over E of the block."""
 
 
 def rigid_punch(algorithm: str, cells: int = 40) -> Scene:
