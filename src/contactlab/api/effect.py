@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 from contactlab.api.arrays import Floats, Ints
 
@@ -13,7 +13,7 @@ class EffectView(NamedTuple):
     """What an effect may see. Arrays are read-only and always current.
 
     reference     (N, 2) undeformed positions [mm]
-    mass          (N,) lumped [t]; 0 for nodes of rigid surfaces, (0,) without inertia
+    mass          (N,) lumped [t]; 0 for nodes of rigid surfaces; (0,) in statics unless an effect needs it
     displacement  (N, 2) [mm]
     velocity      (N, 2) [mm/s], half a step back in explicit runs; zero without inertia
     bodies        names of all bodies
@@ -31,8 +31,13 @@ class EffectView(NamedTuple):
 class Effect(ABC):
     """Gravity, springs, dampers ... Subclasses are frozen dataclasses.
 
-    Their fields are the TOML keys; a ValueError that `bind` raises is reported at the effect.
+    Their fields are the TOML keys; a ValueError that `bind` raises is reported at the effect. Implicit integrators
+    find out by themselves how forces change with the positions and velocities of the nodes that they act on.
+
+    needs_mass  whether masses are assembled for it in statics, too
     """
+
+    needs_mass: ClassVar[bool] = False
 
     @abstractmethod
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:

@@ -171,6 +171,12 @@ class ImplicitEquations(Equations, Protocol):
     def stiffness(self, dt: float) -> Any:
         """d(internal force)/d(displacement) (2N, 2N) at the last `internal_force`, a SciPy CSC array."""
 
+    def add_load_stiffness(self, time: float, stiffness: Any, share: float, rate: float) -> None:
+        """Add `share` of -d(external force)/d(displacement) at `time` to a matrix of the pattern of `stiffness`.
+
+        rate  d(velocity)/d(displacement) [1/s] of the step, for forces that depend on velocities; 0 in statics
+        """
+
     def folded(self) -> bool:
         """Whether a cell is turned inside out at the last `internal_force`."""
 

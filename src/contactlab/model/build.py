@@ -49,6 +49,7 @@ def _built(scene: Any, registry: Any) -> Model:
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, integrator.explicit)
     _initial_velocity(scene, bodies, reference, mass, state)
     contact = _contact(plans, bodies, reference, prescribed.dof, state, pace.ramp)
+    effects = _effects(scene, registry, bodies, rigid, reference, state)
     model = _model_class(integrator)(
         reference=reference,
         position=position,
@@ -63,10 +64,8 @@ def _built(scene: Any, registry: Any) -> Model:
         supports=supports.sets,
         pace=pace,
         updates=_updates(forces, scene.threads),
-        loads=(
-            *_loads(scene, bodies, reference, position, pace.ramp),
-            *_effects(scene, registry, bodies, reference, mass, state),
-        ),
+        loads=(*_loads(scene, bodies, reference, position, pace.ramp), *effects),
+        effects=effects,
         increment=increment,
     )
     model.internal_force(0.0)
@@ -117,12 +116,19 @@ def _loads(scene: Any, *arguments: Any) -> Any:
     return build_loads(scene, *arguments)
 
 
-def _effects(scene: Any, *arguments: Any) -> Any:
+def _effects(
+    scene: Any,
+    registry: Any,
+    bodies: tuple[Body, ...],
+    rigid: tuple[RigidSurface, ...],
+    reference: Floats,
+    state: State,
+) -> Any:
     if not scene.effects:
         return ()
     from contactlab.model.effects import build_effects
 
-    return build_effects(scene, *arguments)
+    return build_effects(scene, registry, bodies, reference, lambda: masses_of(bodies, rigid), state)
 
 
 # --- bodies -------------------------------------------------------------------------------------
@@ -174,8 +180,11 @@ def _meshed(source: MeshSource, element: Element, level: int, where: Any) -> Mes
 
 
 def _masses(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator) -> Floats:
-    if not integrator.inertia:
-        return np.zeros(0)
+    return masses_of(bodies, rigid) if integrator.inertia else np.zeros(0)
+
+
+def masses_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floats:
+    """Lumped masses (N,) [t], zero for nodes of rigid surfaces."""
     own = [body.material.density * nodal_measure(body.mesh, body.element) for body in bodies]
     return np.concatenate([*own, *(np.zeros(surface.count) for surface in rigid)])
 

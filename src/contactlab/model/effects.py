@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -17,17 +18,20 @@ if TYPE_CHECKING:
 
 
 def build_effects(
-    scene: Any, registry: Any, bodies: tuple[Body, ...], reference: Floats, mass: Floats, state: State
+    scene: Any, registry: Any, bodies: tuple[Body, ...], reference: Floats, masses: Callable[[], Floats], state: State
 ) -> tuple[Load, ...]:
-    """One call for each of the scene's effects."""
+    """One call for each of the scene's effects; `masses` makes the nodal masses, which statics may do without."""
+    made = [
+        registry.make("effect", spec, scene.where(f"effects.{number}")) for number, spec in enumerate(scene.effects)
+    ]
+    mass = masses() if "velocity" in state or any(effect.needs_mass for effect in made) else np.zeros(0)
     displacement = state["displacement"]
     velocity = state["velocity"] if "velocity" in state else np.zeros_like(displacement)
     reference, mass, displacement, velocity = map(_read_only, (reference, mass, displacement, velocity))
     names = tuple(body.name for body in bodies)
     loads = []
-    for number, spec in enumerate(scene.effects):
+    for number, effect in enumerate(made):
         where = scene.where(f"effects.{number}")
-        effect = registry.make("effect", spec, where)
         nodes = partial(nodes_of, bodies, where=below(where, "on"))
         view = EffectView(reference, mass, displacement, velocity, names, nodes)
         try:

@@ -14,6 +14,7 @@ from contactlab.model.tangent import Tangent
 
 if TYPE_CHECKING:
     from contactlab.model.implicit_contact import ImplicitContactSystem
+    from contactlab.model.load_stiffness import LoadStiffness
 
 
 @dataclass
@@ -26,6 +27,7 @@ class ImplicitModel(Model):
         super().__post_init__()
         self._start = None if self.increment is None else np.zeros_like(self.increment)
         self._tangent: Tangent | None = None
+        self._load_stiffness: LoadStiffness | None = None
         self._slopes = [
             np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
         ]
@@ -50,6 +52,17 @@ class ImplicitModel(Model):
         matrix = self._tangent.assemble(dt)
         self.seconds += perf_counter() - began
         return matrix
+
+    def add_load_stiffness(self, time: float, stiffness: Any, share: float, rate: float) -> None:
+        """Add how loads fall as nodes move; see `contactlab.api.ImplicitEquations`."""
+        if not self.loads:
+            return
+        if self._load_stiffness is None:
+            from contactlab.model.load_stiffness import LoadStiffness
+
+            assert self._tangent is not None
+            self._load_stiffness = LoadStiffness(self, self._tangent.pattern.place_of)
+        self._load_stiffness.add(time, share, rate, stiffness.data)
 
     def folded(self) -> bool:
         """Whether a cell has a point with det <= 0."""

@@ -58,21 +58,52 @@ class _EdgeTable:
         return out
 
 
+class FollowerLoad:
+    """Pressure and shear on the edges as they lie at `position`. A `Load`."""
+
+    def __init__(
+        self, table: _EdgeTable, position: Floats, sizes: tuple[float, float], ramps: tuple[Ramp, Ramp]
+    ) -> None:
+        self.table, self.position, self.sizes, self.ramps = table, position, sizes, ramps
+
+    def __call__(self, time: float, out: Floats) -> None:
+        """Add the nodal forces (N, 2) [N] at a time [s]."""
+        self.table.add(self.position, *self.values(time), out)
+
+    def values(self, time: float) -> tuple[float, float]:
+        """Pressure and shear [MPa] at a time [s]."""
+        return self.sizes[0] * self.ramps[0](time), self.sizes[1] * self.ramps[1](time)
+
+    def slopes(self) -> tuple[Ints, Ints, Floats, Floats]:
+        """Derivatives of the nodal forces by positions: rows and columns (degrees of freedom), values per MPa of
+        pressure and of shear."""
+        t = self.table
+        # forces are shape_a times the tangent sum_b slope_b x_b, turned by a right angle for the pressure
+        share = np.einsum("g,ga,gb->ab", t.weights, t.shape, t.slope)
+        row, column = (2 * np.broadcast_to(nodes, (len(t.edges), *share.shape)) for nodes in _pairs(t.edges))
+        share = np.broadcast_to(share, row.shape)
+        zero = np.zeros_like(share)
+        rows, columns = np.stack([row, row, row + 1, row + 1]), np.stack([column, column + 1, column, column + 1])
+        pressure, shear = np.stack([zero, -share, share, zero]), np.stack([share, zero, zero, share])
+        return rows.ravel(), columns.ravel(), pressure.ravel(), shear.ravel()
+
+
+def _pairs(edges: Ints) -> tuple[Ints, Ints]:
+    """Nodes a and b of every pair of an edge's nodes, [edge, a, b]."""
+    return edges[:, :, None], edges[:, None, :]
+
+
 def _along_edges(
     table: _EdgeTable, reference: Floats, position: Floats | None, courses: list[Course], ramp_time: float
 ) -> Load:
     """Pressure and shear; on the undeformed edges where no `position` is given."""
     (p, pressure), (q, shear) = ((course.to, course.bind(ramp_time)) for course in courses)
-    if position is None:
-        units = [np.zeros_like(reference), np.zeros_like(reference)]
-        table.add(reference, 1.0, 0.0, units[0])
-        table.add(reference, 0.0, 1.0, units[1])
-        return _fixed(units, [p, q], [pressure, shear])
-
-    def follow(time: float, out: Floats) -> None:
-        table.add(position, p * pressure(time), q * shear(time), out)
-
-    return follow
+    if position is not None:
+        return FollowerLoad(table, position, (p, q), (pressure, shear))
+    units = [np.zeros_like(reference), np.zeros_like(reference)]
+    table.add(reference, 1.0, 0.0, units[0])
+    table.add(reference, 0.0, 1.0, units[1])
+    return _fixed(units, [p, q], [pressure, shear])
 
 
 def _dead(table: _EdgeTable, reference: Floats, courses: list[Course], ramp_time: float) -> Load:

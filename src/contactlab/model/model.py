@@ -24,7 +24,8 @@ class Model:
     """What `build` makes of a scene.
 
     Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator and
-    the supports by name. `updates` are the bound block calls of all bodies, `loads` those of effects.
+    the supports by name. `updates` are the bound block calls of all bodies, `loads` those of loads and effects,
+    `effects` the latter alone.
     `seconds` counts the wall time spent on stresses and internal forces.
     """
 
@@ -41,6 +42,7 @@ class Model:
     supports: tuple[SupportedSet, ...]
     updates: tuple[Callable[[float], None], ...]
     loads: tuple[Callable[[float, Floats], None], ...]
+    effects: tuple[Callable[[float, Floats], None], ...]
     increment: Floats | None
     pace: Pace
 

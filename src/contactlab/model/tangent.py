@@ -37,6 +37,7 @@ class Pattern:
     def __init__(self, nodes: int, connectivities: list[Ints]) -> None:
         keys = [_pair_keys(connectivity, nodes) for connectivity in connectivities]
         found, number = np.unique(np.concatenate([key.ravel() for key in keys]), return_inverse=True)
+        self.nodes, self.keys = nodes, found
         self.pairs = _split(number.astype(np.int32), [key.shape for key in keys])
         column, row = np.divmod(found, nodes)
         count = np.bincount(column, minlength=nodes)
@@ -52,6 +53,13 @@ class Pattern:
         self.matrix = csc_array((self.data, index, start), shape=(2 * nodes, 2 * nodes))
         # SciPy may copy what it is given
         self.data = self.matrix.data
+
+    def place_of(self, row: Ints, column: Ints) -> Ints:
+        """Where entries of these degrees of freedom, of nodes that share a cell, stand in the matrix's data."""
+        (n, i), (m, k) = np.divmod(row, 2), np.divmod(column, 2)
+        pair = np.searchsorted(self.keys, m.astype(np.int64) * self.nodes + n)
+        place: Ints = self.place[pair] + i + k * self.stride[pair]
+        return place
 
 
 def _pair_keys(connectivity: Ints, nodes: int) -> Ints:

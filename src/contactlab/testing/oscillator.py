@@ -81,6 +81,9 @@ class Oscillator:
         n = 2 * len(self.springs)
         return csc_array((np.repeat(self.springs, 2), np.arange(n), np.arange(n + 1)), (n, n))
 
+    def add_load_stiffness(self, time: float, stiffness: Any, share: float, rate: float) -> None:
+        """There are no loads."""
+
     def folded(self) -> bool:
         """There are no cells."""
         return False

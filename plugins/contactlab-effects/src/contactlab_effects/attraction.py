@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 from contactlab.api import Effect, EffectView, Floats
 
@@ -19,6 +20,8 @@ class Attraction(Effect):
     force    [N]; below zero they are driven apart
     """
 
+    needs_mass: ClassVar[bool] = True
+
     between: tuple[str, str]
     force: float
 
@@ -32,8 +35,6 @@ class Attraction(Effect):
         """The line follows the centres of mass."""
         from contactlab_effects.kernels import attract
 
-        if not len(view.mass):
-            raise ValueError("attraction needs an integrator that assembles masses")
         for name in self.between:
             if name not in view.bodies:
                 raise ValueError(f"between: got {name!r}, allowed: {', '.join(view.bodies)}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,6 +21,8 @@ class Gravity(Effect):
     ramp          time in which it rises from nothing, without a jolt [s]; 0: there from the start
     """
 
+    needs_mass: ClassVar[bool] = True
+
     acceleration: tuple[float, float]
     on: tuple[str, ...] = ()
     ramp: float = 0.0
@@ -31,8 +34,6 @@ class Gravity(Effect):
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """Weights are computed once."""
         nodes = np.concatenate([view.nodes(name) for name in self.on or view.bodies])
-        if not len(view.mass):
-            raise ValueError("gravity needs an integrator that assembles masses")
         # of all nodes, also those without weight: picking some out costs twenty times the sum
         weight = np.zeros((len(view.mass), 2))
         weight[nodes] = view.mass[nodes, None] * np.asarray(self.acceleration)

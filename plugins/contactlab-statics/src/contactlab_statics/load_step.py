@@ -86,8 +86,10 @@ class LoadStep:
         return self.external, self.state["internal_force"], self.normal
 
     def stiffness(self, dt: float) -> Any:
-        """That of the bodies."""
-        return self.equations.stiffness(dt)
+        """That of the bodies and of loads that follow them."""
+        matrix = self.equations.stiffness(dt)
+        self.equations.add_load_stiffness(self.time, matrix, 1.0, 0.0)
+        return matrix
 
 
 def _friction(equations: ImplicitEquations) -> bool:

@@ -100,9 +100,11 @@ class TimeStep:
                 out += self.tangential
 
     def stiffness(self, dt: float) -> Any:
-        """Of mean stresses and inertia."""
+        """Of mean stresses, mean loads and inertia."""
         inertia = (2.0 / dt + self.equations.damping) / dt * self.mass.reshape(-1)
-        return _with_diagonal(self.equations.stiffness(dt), 0.5 + self.lead, inertia)
+        matrix = _with_diagonal(self.equations.stiffness(dt), 0.5 + self.lead, inertia)
+        self.equations.add_load_stiffness(self.time, matrix, 0.5, 2.0 / dt)
+        return matrix
 
     # --- the end of a step ----------------------------------------------------------------------
 
