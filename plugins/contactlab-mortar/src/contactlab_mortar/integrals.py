@@ -54,3 +54,31 @@ def integrate(low, high, eta_low, eta_high, length, slave_half, master_half, lin
                 M[p, i, k] += psi * trace(master_nodes, master_half, eta, i)
             T[p, 0, k] += psi * (1.0 - xi)
             T[p, 1, k] += psi * xi
+
+
+@section
+def integrate_straight(low, high, eta_low, eta_high, length, linear, p, D, M, T):
+    """Fill piece p for edges of two nodes: in closed form what `integrate` sums, break of the P0 basis included.
+
+    Traces and multipliers are linear along the overlap; the integral of two linear functions f and g is
+    f_0 (2 g_0 + g_1)/6 + f_1 (g_0 + 2 g_1)/6 of its width.
+    """
+    if linear:
+        w = (high - low) * length / 6.0
+        begin, end = 1.0 - low, 1.0 - high
+        a, b = w * (2.0 * begin + end), w * (begin + 2.0 * end)
+        c, d = w * (2.0 * low + high), w * (low + 2.0 * high)
+        T[p, 0, 0], T[p, 1, 1] = a * begin + b * end, c * low + d * high
+        T[p, 1, 0], T[p, 0, 1] = a * low + b * high, a * low + b * high
+        M[p, 0, 0], M[p, 0, 1] = a * (1.0 - eta_low) + b * (1.0 - eta_high), c * (1.0 - eta_low) + d * (1.0 - eta_high)
+        M[p, 1, 0], M[p, 1, 1] = a * eta_low + b * eta_high, c * eta_low + d * eta_high
+    else:
+        slope = (eta_high - eta_low) / (high - low)
+        for k in range(2):
+            begin, end = (low, min(high, 0.5)) if k == 0 else (max(low, 0.5), high)
+            w, middle = max(end - begin, 0.0) * length, 0.5 * (begin + end)
+            eta = eta_low + (middle - low) * slope
+            T[p, 0, k], T[p, 1, k] = w * (1.0 - middle), w * middle
+            M[p, 0, k], M[p, 1, k] = w * (1.0 - eta), w * eta
+    for k in range(2):
+        D[p, 0, k], D[p, 1, k] = T[p, 0, k], T[p, 1, k]

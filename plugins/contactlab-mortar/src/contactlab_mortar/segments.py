@@ -6,11 +6,36 @@ import numpy as np
 
 from contactlab.api.chains import nodal_normals, segment_normals
 from contactlab.api.kernel import kernel, point, section
-from contactlab_mortar.integrals import integrate
+from contactlab_mortar.integrals import integrate, integrate_straight
 from contactlab_mortar.projection import master_parameter, opening, slave_parameter
 
 FACING = 0.25  # cosine by which normals must be opposed: flanks of a corner are no partners
 SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
+
+
+@point
+def _ends(first, second):
+    """Part of the slave segment between two parameters: low and high, high below low where there is none."""
+    if np.isnan(first) or np.isnan(second):
+        return 1.0, 0.0
+    return max(0.0, min(first, second)), min(1.0, max(first, second))
+
+
+@point
+def _seen(xi, first, second, ax, ay, ex, ey, nx, ny, mx, my, cx, cy, fx, fy):
+    """eta at an end xi of an overlap: a master node where the end is one, else where the normal meets the segment."""
+    if xi == first:
+        return 0.0
+    if xi == second:
+        return 1.0
+    return min(1.0, max(0.0, master_parameter(xi, ax, ay, ex, ey, nx, ny, mx, my, cx, cy, fx, fy)))
+
+
+@point
+def _faces(ex, ey, fx, fy):
+    """Whether two segments face each other: their directions are opposed, as the bodies lie on the left of both."""
+    along = ex * fx + ey * fy
+    return along < 0.0 and along * along >= FACING * FACING * ((ex * ex + ey * ey) * (fx * fx + fy * fy))
 
 
 @section
@@ -22,19 +47,16 @@ def overlap(a, b, na, nb, c, d, out):
     """
     ex, ey, fx, fy = b[0] - a[0], b[1] - a[1], d[0] - c[0], d[1] - c[1]
     nx, ny, mx, my = na[0], na[1], nb[0] - na[0], nb[1] - na[1]
-    if ex * fx + ey * fy > -FACING * np.sqrt((ex * ex + ey * ey) * (fx * fx + fy * fy)):
+    if not _faces(ex, ey, fx, fy):
         return False
     first = slave_parameter(a[0], a[1], ex, ey, nx, ny, mx, my, c[0], c[1])
     second = slave_parameter(a[0], a[1], ex, ey, nx, ny, mx, my, d[0], d[1])
-    if np.isnan(first) or np.isnan(second):
-        return False
-    low, high = max(0.0, min(first, second)), min(1.0, max(first, second))
+    low, high = _ends(first, second)
     if not high - low > SMALLEST:
         return False
     for i in range(2):
         xi = low if i == 0 else high
-        eta = master_parameter(xi, a[0], a[1], ex, ey, nx, ny, mx, my, c[0], c[1], fx, fy)
-        eta = min(1.0, max(0.0, eta))
+        eta = _seen(xi, first, second, a[0], a[1], ex, ey, nx, ny, mx, my, c[0], c[1], fx, fy)
         out[i] = xi
         out[2 + i] = eta
         out[4 + i] = opening(xi, eta, a[0], a[1], ex, ey, nx, ny, mx, my, c[0], c[1], fx, fy)
@@ -42,20 +64,11 @@ def overlap(a, b, na, nb, c, d, out):
 
 
 @point
-def _tilt(tx, ty, na, nb):
-    """Largest slope of the normal field against the segment's own normal."""
-    a = abs(na[0] * tx + na[1] * ty) / max(abs(na[0] * ty - na[1] * tx), 1e-3)
-    b = abs(nb[0] * tx + nb[1] * ty) / max(abs(nb[0] * ty - nb[1] * tx), 1e-3)
+def _tilt(tx, ty, ax, ay, bx, by):
+    """Largest slope of the field between the normals a and b against the segment's own normal."""
+    a = abs(ax * tx + ay * ty) / max(abs(ax * ty - ay * tx), 1e-3)
+    b = abs(bx * tx + by * ty) / max(abs(bx * ty - by * tx), 1e-3)
     return max(a, b)
-
-
-@point
-def _beside(a, tx, ty, length, tilt, c, d):
-    """Whether a master segment lies beside the slave segment, beyond where any of its normals leads."""
-    c_along, d_along = (c[0] - a[0]) * tx + (c[1] - a[1]) * ty, (d[0] - a[0]) * tx + (d[1] - a[1]) * ty
-    c_away, d_away = abs((c[0] - a[0]) * ty - (c[1] - a[1]) * tx), abs((d[0] - a[0]) * ty - (d[1] - a[1]) * tx)
-    slack = tilt * max(c_away, d_away) + 1e-9 * length
-    return max(c_along, d_along) < -slack or min(c_along, d_along) > length + slack
 
 
 @kernel
@@ -73,13 +86,13 @@ def inward_normals(positions, segments, node_segments, normals):
 
 
 @point
-def _passes(found, length, starts, ends):
-    """Whether the end of a chain slips past the end of the other: deeper behind it than both overlap.
+def _passes(low, high, least, length, starts, ends):
+    """Whether the end of a chain slips past the end of the other: `least` deeper behind it than both overlap.
 
     That is the far flank of a corner whose near flank carries the contact.
     """
-    at_end = (starts and found[0] == 0.0) or (ends and found[1] == 1.0)
-    return at_end and -min(found[4], found[5]) > 2.0 * (found[1] - found[0]) * length
+    at_end = (starts and low == 0.0) or (ends and high == 1.0)
+    return at_end and -least > 2.0 * (high - low) * length
 
 
 @kernel
@@ -103,44 +116,73 @@ def mortar_pieces(slave, master, slave_at, master_at, near, reach, depth, linear
     start, candidates = near
     slave_nodes, multipliers, master_nodes, D, M, T, inward = out
     depth *= inward_normals(slave_at, segments, node_segments, inward)
-    normals, found = np.empty(inward.shape), np.empty(6)
-    for i in range(inward.shape[0]):
-        normals[i, 0], normals[i, 1] = -inward[i, 0], -inward[i, 1]
+    straight = edges.shape[1] == 2 and master_edges.shape[1] == 2
     count = 0
     for s in range(segments.shape[0]):
+        if start[s] == start[s + 1]:
+            continue
         i, j = segments[s, 0], segments[s, 1]
-        a, b = slave_at[i], slave_at[j]
-        ex, ey = b[0] - a[0], b[1] - a[1]
+        ax, ay, bx, by = slave_at[i, 0], slave_at[i, 1], slave_at[j, 0], slave_at[j, 1]
+        nx, ny, mx, my = -inward[i, 0], -inward[i, 1], -inward[j, 0], -inward[j, 1]
+        starts, ends = node_segments[i, 0] < 0, node_segments[j, 1] < 0
+        ex, ey = bx - ax, by - ay
         length = np.sqrt(ex * ex + ey * ey)
-        tilt = _tilt(ex / length, ey / length, normals[i], normals[j])
-        begin, close = count, False
+        tx, ty = ex / length, ey / length
+        tilt, slack = _tilt(tx, ty, nx, ny, mx, my), 1e-9 * length
+        mx, my = mx - nx, my - ny
+        begin, close, before, parameter = count, False, -1, 0.0
         for z in range(start[s], start[s + 1]):
             m = candidates[z]
-            c, d = master_at[master_segments[m, 0]], master_at[master_segments[m, 1]]
-            if _beside(a, ex / length, ey / length, length, tilt, c, d):
+            first_node, second_node = master_segments[m, 0], master_segments[m, 1]
+            cx, cy = master_at[first_node, 0], master_at[first_node, 1]
+            dx, dy = master_at[second_node, 0], master_at[second_node, 1]
+            # beside the slave segment, beyond where any of its normals leads
+            c_along, d_along = (cx - ax) * tx + (cy - ay) * ty, (dx - ax) * tx + (dy - ay) * ty
+            c_away, d_away = abs((cx - ax) * ty - (cy - ay) * tx), abs((dx - ax) * ty - (dy - ay) * tx)
+            beyond = tilt * max(c_away, d_away) + slack
+            if max(c_along, d_along) < -beyond or min(c_along, d_along) > length + beyond:
                 continue
-            if not overlap(a, b, normals[i], normals[j], c, d, found):
+            fx, fy = dx - cx, dy - cy
+            if not _faces(ex, ey, fx, fy):
                 continue
-            least = min(found[4], found[5])
-            if least < -depth or _passes(found, length, node_segments[i, 0] < 0, node_segments[j, 1] < 0):
+            # neighbours on the master share a node
+            first = parameter
+            if before != first_node:
+                first = slave_parameter(ax, ay, ex, ey, nx, ny, mx, my, cx, cy)
+            second = slave_parameter(ax, ay, ex, ey, nx, ny, mx, my, dx, dy)
+            before, parameter = second_node, second
+            low, high = _ends(first, second)
+            if not high - low > SMALLEST:
+                continue
+            eta_low = _seen(low, first, second, ax, ay, ex, ey, nx, ny, mx, my, cx, cy, fx, fy)
+            eta_high = _seen(high, first, second, ax, ay, ex, ey, nx, ny, mx, my, cx, cy, fx, fy)
+            least = min(
+                opening(low, eta_low, ax, ay, ex, ey, nx, ny, mx, my, cx, cy, fx, fy),
+                opening(high, eta_high, ax, ay, ex, ey, nx, ny, mx, my, cx, cy, fx, fy),
+            )
+            if least < -depth or _passes(low, high, least, length, starts, ends):
                 continue
             close = close or least <= reach
-            _begin(edges, segment_edge[s, 0], slave_nodes, count, D)
-            _begin(master_edges, master_segment_edge[m, 0], master_nodes, count, M)
-            for k in range(2):
-                multipliers[count, k] = segments[s, k]
-                T[count, 0, k], T[count, 1, k] = 0.0, 0.0
-            _integrate_halves(found, length, segment_edge[s, 1], master_segment_edge[m, 1], linear, count, D, M, T)
+            multipliers[count, 0], multipliers[count, 1] = i, j
+            if straight:
+                slave_nodes[count, 0], slave_nodes[count, 1] = i, j
+                master_nodes[count, 0], master_nodes[count, 1] = first_node, second_node
+                integrate_straight(low, high, eta_low, eta_high, length, linear, count, D, M, T)
+            else:
+                _begin(edges, segment_edge[s, 0], slave_nodes, count, D)
+                _begin(master_edges, master_segment_edge[m, 0], master_nodes, count, M)
+                halves = (segment_edge[s, 1], master_segment_edge[m, 1])
+                _integrate_halves(low, high, eta_low, eta_high, length, halves, linear, count, D, M, T)
             count += 1
         if not close:
             count = begin
     return count
 
 
-@section
-def _integrate_halves(found, length, slave_half, master_half, linear, p, D, M, T):
+@kernel
+def _integrate_halves(low, high, eta_low, eta_high, length, halves, linear, p, D, M, T):
     """Integrate an overlap, cut where the P0 basis jumps."""
-    low, high, eta_low, eta_high = found[0], found[1], found[2], found[3]
+    T[p, 0, 0], T[p, 0, 1], T[p, 1, 0], T[p, 1, 1] = 0.0, 0.0, 0.0, 0.0
     slope = (eta_high - eta_low) / (high - low)
     for part in range(2):
         begin, finish = low, high
@@ -149,4 +191,4 @@ def _integrate_halves(found, length, slave_half, master_half, linear, p, D, M, T
         if finish <= begin or (linear and part == 1):
             continue
         first, last = eta_low + (begin - low) * slope, eta_low + (finish - low) * slope
-        integrate(begin, finish, first, last, length, slave_half, master_half, linear, p, D, M, T)
+        integrate(begin, finish, first, last, length, halves[0], halves[1], linear, p, D, M, T)
