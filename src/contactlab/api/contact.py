@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -36,6 +36,7 @@ class Pieces:
     M           (capacity, r, k) [mm]  integral of master trace l times multiplier basis j
     T           (capacity, k, k) [mm]  integral of linear hat i times multiplier basis j
     normal      (multipliers, 2) unit vectors from the master towards the slave
+    bound       room for what an algorithm keeps about these arrays, a `BoundArrays` say; None at first
     """
 
     slave: Ints
@@ -45,6 +46,7 @@ class Pieces:
     M: Floats
     T: Floats
     normal: Floats
+    bound: Any = None
 
     @classmethod
     def allocate(cls, capacity: int, widths: tuple[int, int, int], multipliers: int) -> Pieces:

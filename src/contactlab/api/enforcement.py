@@ -9,6 +9,10 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
+from contactlab.api.bound_arrays import BoundArrays
+
+CHAINED = "i1 i1 d1 i1 d2 d1 d1 i1 d1 d1 d1 d1"
+"""Layout of the arrays that `ChainedRows` binds."""
 
 
 @dataclass
@@ -57,6 +61,8 @@ class ChainedRows:
     above    (k,) [mm]   T[i - 1, i], 0 at the start of a chain
     below    (k,) [mm]   T[i, i - 1], 0 at the start of a chain
     inverse  (k,) [1/mm] of the pivots of T, eliminated in this order
+    left     (k,) [mm]   gaps under the forces, filled by the enforcement for those who record them
+    bound    all arrays but `count`, in this order, for kernels that unpack `CHAINED`
     """
 
     count: int
@@ -71,16 +77,19 @@ class ChainedRows:
     above: Floats
     below: Floats
     inverse: Floats
+    left: Floats
+    bound: BoundArrays
 
     @classmethod
     def allocate(cls, rows: int, entries: int) -> ChainedRows:
         """Zeroed room."""
-        ints = [np.zeros(rows, np.int32) for _ in range(2)]
-        gap, size, above, below, inverse = (np.zeros(rows) for _ in range(5))
-        return cls(
-            0, np.zeros(rows + 1, np.int32), np.zeros(entries, np.int32), np.zeros(entries), ints[0],
-            np.zeros((rows, 2)), gap, size, ints[1], above, below, inverse,
+        own, slot = (np.zeros(rows, np.int32) for _ in range(2))
+        gap, size, above, below, inverse, left = (np.zeros(rows) for _ in range(6))
+        arrays = (
+            np.zeros(rows + 1, np.int32), np.zeros(entries, np.int32), np.zeros(entries), own, np.zeros((rows, 2)),
+            gap, size, slot, above, below, inverse, left,
         )  # fmt: skip
+        return cls(0, *arrays, BoundArrays(CHAINED, *arrays))
 
 
 class Solve(NamedTuple):

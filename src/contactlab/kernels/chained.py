@@ -82,15 +82,15 @@ def _write_column(k, column, sign, numbers, at, node, weight):
 
 
 @kernel
-def write_chained(
+def write_rows(
     count, order, lower, upper, previous, from_left, single, slave, master, slave_nodes, master_nodes, normals, gaps,
     sizes, first_slot, row, out,
 ):  # fmt: skip
     """Append all conditions of a pair to those of the model; returns their number, or -1 if out of room.
 
-    out = (start, node, weight, own, normal, gap, size, slot, above, below, inverse)
+    out = the arrays of `ChainedRows`
     """
-    start, node, weight, own, normal, gap, size, slot, above, below, inverse = out
+    start, node, weight, own, normal, gap, size, slot, above, below, inverse, _ = out
     at = start[row]
     for i in range(count):
         k = order[i]

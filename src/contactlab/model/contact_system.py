@@ -8,7 +8,7 @@ import numpy as np
 
 from contactlab.api import ChainedRows, ExplicitEnforcement, Floats, Rows, Solve, State
 from contactlab.kernels.rows import tangential_work
-from contactlab.kernels.warm_start import displaced, extrapolate
+from contactlab.kernels.warm_start import extrapolate
 from contactlab.model.gap_pair import Pair
 from contactlab.model.surface_pair import SurfacePair
 
@@ -29,7 +29,6 @@ class ContactSystem:
         self.chained: ChainedRows | None = None
         if enforcement.chained and not self.friction and all(pair.chained for pair in pairs):
             self.chained = ChainedRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap))
-        self.geometry: Floats = np.zeros_like(state["contact_force"])
         self.last = Solve(0, 0.0, 0, 0.0)
         self.seconds = 0.0
 
@@ -38,10 +37,8 @@ class ContactSystem:
         began = perf_counter()
         # normals and weights belong to where the nodes will be: predicted, pushed by the last forces.
         # `predicted` alone is off by dt^2 f/m, some per cent of a segment in pressed zones.
-        displaced(predicted, compliance, force, self.geometry)
         for pair, memory in zip(self.pairs, self.memories, strict=True):
-            pair.update(self.geometry, memory)
-            pair.measure(predicted)
+            pair.follow(predicted, compliance, force, memory)
             if pair.friction is not None:
                 pair.begin(current, memory)
         self._solve_rows(current, compliance, force)
@@ -67,6 +64,7 @@ class ContactSystem:
             if done is not None:
                 self.last = done
                 return
+            self.chained.count = 0
         margin, warm = self.margin, self.multipliers.copy()
         while True:
             self._assemble(margin, current)
@@ -79,9 +77,10 @@ class ContactSystem:
 
     def _assemble_chained(self) -> ChainedRows:
         assert self.chained is not None
+        self.rows.count = 0
         while True:
             self.chained.count = 0
-            if all(pair.append_chained(self.chained) for pair in self.pairs if isinstance(pair, SurfacePair)):
+            if all(p.append_chained(self.chained) for p in self.pairs if isinstance(p, SurfacePair)):
                 return self.chained
             self.chained = ChainedRows.allocate(len(self.chained.gap), int(GROW * len(self.chained.node)) + 64)
 

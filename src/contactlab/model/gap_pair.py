@@ -11,6 +11,7 @@ from contactlab.api import Candidates, Floats, FrictionLaw, GapAlgorithm, GapCon
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
 from contactlab.kernels import edges, rows, windows
+from contactlab.kernels.warm_start import displaced
 from contactlab.model.near import REACH, Near, longest_segment
 from contactlab.model.surface_pair import SurfacePair
 
@@ -44,6 +45,7 @@ class GapPair:
         self.full, self.cover = np.zeros(m), np.zeros(m)
         self.gaps, self.normals = np.full((m, 2), windows.FAR), np.zeros((m, 2))
         self.updated: Floats = reference.copy()
+        self.pushed: Floats = reference.copy()
         self.of_slave = np.zeros(len(reference), np.bool_)
         self.of_slave[slave.nodes] = True
         self.found: GapConditions | None = None
@@ -72,6 +74,12 @@ class GapPair:
         self.cover[found.owner] = found.measure
         self.normals[found.owner] = self._normals(found)
 
+    def follow(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
+        """`update` at predicted + compliance * force, all (N, 2), and `measure` at `predicted`."""
+        displaced(predicted, compliance, force, self.pushed)
+        self.update(self.pushed, memory)
+        self.measure(predicted)
+
     def _conditions(self, at: SurfacePositions) -> GapConditions:
         near, tangent = self._candidates(), self.friction is not None
         return self.algorithm.conditions(self.slave, self.master, at, near, REACH * self.size, tangent=tangent)
@@ -85,6 +93,10 @@ class GapPair:
         self.gaps[found.owner, 0] = found.gap + _per_row(found, found.normal_weight, moved)
         if self.friction is not None:
             self.gaps[found.owner, 1] = _per_row(found, found.tangent_weight, positions[found.node])
+        self.settle()
+
+    def settle(self) -> None:
+        """What is done to gaps that were just measured: nothing, but for pairs that take overlaps back."""
 
     def begin(self, positions: Floats, memory: Floats) -> None:
         """Normals at `positions`, where the step starts (friction only); unchanged where there were none."""

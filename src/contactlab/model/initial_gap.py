@@ -119,9 +119,8 @@ class EasedGaps:
         self.offset = np.minimum(initial_gaps(self, positions), 0.0)
         self.clock, self.ramp = clock, smooth(duration)
 
-    def measure(self, positions: Floats) -> None:
+    def settle(self) -> None:
         """Gaps less what is left of the overlaps of the start."""
-        super().measure(positions)  # type: ignore[misc]
         if len(self.offset):
             self.gaps[:, 0] -= (1.0 - self.ramp(float(self.clock[0]))) * self.offset  # type: ignore[attr-defined]
 

@@ -9,10 +9,30 @@ import numpy as np
 
 from contactlab.api import Candidates, ChainedRows, ContactAlgorithm, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
 from contactlab.api.arrays import Flags
+from contactlab.api.bound_arrays import BoundArrays
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
 from contactlab.kernels import chained, coupling, edges, rows, windows
-from contactlab.model.near import REACH, Near, longest_segment
+from contactlab.kernels import pair as kernels
+from contactlab.model.near import REACH, SKIN, Near, longest_segment
+
+
+class _Bound:
+    """The arrays of a pair as kernels are given them."""
+
+    def __init__(
+        self,
+        places: BoundArrays,
+        coupling: BoundArrays,
+        pieces: BoundArrays,
+        columns: BoundArrays,
+        gaps: BoundArrays,
+    ) -> None:
+        self.places, self.others = places, (coupling, pieces, columns, gaps)
+        self.addresses = tuple(bound.address for bound in self.others)
+
+
+_NONE = Candidates(np.zeros(0, np.int32), np.zeros(0, np.int32), 0.0)
 
 
 class SurfacePair:
@@ -59,7 +79,9 @@ class SurfacePair:
         self.row = np.zeros(64)
         self.kept = 0
         self.count = 0
+        self.skin = SKIN * self.size
         self._room(0)
+        self._bind()
         self._prepare_friction()
 
     @property
@@ -98,15 +120,25 @@ class SurfacePair:
 
     def update(self, positions: Floats, memory: Floats) -> None:
         """Search, integrate and factorise at `positions` (N, 2)."""
-        edges.take(positions, self.slave.nodes, self.at.slave)
-        edges.take(positions, self.master.nodes, self.at.master)
-        candidates = self._candidates()
-        reach = REACH * self.size
-        count = self.algorithm.pieces(self.slave, self.master, self.at, candidates, reach, memory, self.pieces)
+        self._follow(positions, positions, positions, memory, kernels.AT | kernels.MEASURED)
+
+    def follow(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
+        """`update` at predicted + compliance * force, all (N, 2), and `measure` at `predicted`."""
+        self._follow(predicted, compliance, force, memory, kernels.AT | kernels.MEASURED | kernels.PUSHED)
+        self.settle()
+
+    def _follow(self, positions: Floats, compliance: Floats, force: Floats, memory: Floats, asked: int) -> None:
+        bound = self.bound_arrays
+        if not kernels.place(bound.places.address, positions, compliance, force, asked) <= self.skin:
+            self.find_near(self.at.slave, self.at.master)
+        assert self.near is not None
+        count = self.algorithm.pieces(
+            self.slave, self.master, self.at, self.near.candidates, REACH * self.size, memory, self.pieces
+        )
         if self.unchecked or not 0 <= count <= len(self.pieces.slave):
             self._check(count)
         self.count = count
-        self._couple()
+        self._join()
 
     def _check(self, count: Any) -> None:
         """Raise WrongAnswer for pieces that point outside the arrays, which compiled code would follow."""
@@ -115,9 +147,13 @@ class SurfacePair:
 
     def measure(self, positions: Floats) -> None:
         """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
-        edges.take(positions, self.slave.nodes, self.measured.slave)
-        edges.take(positions, self.master.nodes, self.measured.master)
-        self.separations(self.measured, self.pieces.normal, self.separation, self.gaps)
+        bound = self.bound_arrays
+        kernels.place(bound.places.address, positions, positions, positions, kernels.MEASURED)
+        kernels.measure(*bound.addresses, self.kept, self.single, windows.FAR)
+        self.settle()
+
+    def settle(self) -> None:
+        """What is done to gaps that were just measured: nothing, but for pairs that take overlaps back."""
 
     def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:
         """Separations (k, 2) and gaps (k, 2) of surfaces at `at`, with the coupling of the last `update`."""
@@ -136,18 +172,13 @@ class SurfacePair:
             self.count, self.before,
         )  # fmt: skip
 
-    def _candidates(self) -> Candidates:
-        near = self.near
-        if near is None or not near.holds(self.at, self.size):
-            near = self.find_near(self.at.slave, self.at.master)
-        return near.candidates
-
     def find_near(self, slave: Floats, master: Floats) -> Near:
         """Make the near list anew, for these positions of the surfaces (m, 2)."""
         self.near, self.unchecked = Near.of(self.slave, self.master, slave, master, self.size), True
         capacity = self.algorithm.capacity(self.slave, self.near.candidates)
         if capacity > len(self.pieces.slave):
             self._room(capacity + capacity // 4)
+        self._bind()
         return self.near
 
     def _room(self, capacity: int) -> None:
@@ -159,28 +190,40 @@ class SurfacePair:
             )
         self.pieces = Pieces.allocate(capacity, widths, self.slots)
 
-    def _couple(self) -> None:
+    def _bind(self) -> None:
+        """Bind all arrays that kernels of every step work on; anew whenever one of them is another."""
         p = self.pieces
-        edges.tributary_lengths(self.at.slave, self.slave.segments, self.slave.node_segments, self.full)
-        self.kept = coupling.couple(
-            self.count, p.multiplier, p.T, self.full, self.fixed, self.following, self.preceding, self.diagonal,
-            self.lower, self.upper, self.cover, self.owner, self.next, self.previous, self.from_left, self.order,
+        near = self.near or Near(_NONE, np.full_like(self.at.slave, np.inf), np.full_like(self.at.master, np.inf))
+        self.bound_arrays = _Bound(
+            BoundArrays(
+                kernels.PLACES, self.slave.nodes, self.master.nodes, self.slave.segments, self.slave.node_segments,
+                *self.at, *self.measured, near.slave, near.master, self.full,
+            ),
+            BoundArrays(
+                kernels.COUPLING, self.following, self.preceding, self.fixed, self.full, self.diagonal, self.lower,
+                self.upper, self.cover, self.from_left, self.owner, self.next, self.previous, self.order,
+            ),
+            BoundArrays(kernels.PIECES, p.slave, p.multiplier, p.master, p.D, p.M, p.T, p.normal),
+            BoundArrays(kernels.COLUMNS, *self.slave_column, *self.master_column),
+            BoundArrays(kernels.GAPS, *self.measured, self.separation, self.gaps),
         )  # fmt: skip
-        if self.kept < 0:
-            raise ValueError(f"{self.name}: the slave is a closed curve covered all around; swap slave and master")
-        self.single = self.linear_trace and bool(coupling.unmerged(self.owner, p.D, p.T, self.count))
-        if not self.single:
-            self.slave_column = self._column(p.slave, p.D, self.slave_column)
-        self.master_column = self._column(p.master, p.M, self.master_column)
-        self._solved = False
 
-    def _column(self, nodes: Ints, values: Floats, column: Window) -> Window:
-        """Columns of D or M, widened as needed."""
+    def _join(self) -> None:
+        """Coupling, columns (widened as needed) and gaps of the pieces."""
         while True:
-            needed = windows.columns(self.count, self.pieces.multiplier, nodes, values, self.owner, *column)
-            if not needed:
-                return column
-            column = _window(self.slots, needed + needed // 2)
+            self.kept, self.single, lacking, missing = kernels.join(
+                *self.bound_arrays.addresses, self.count, self.linear_trace, windows.FAR
+            )
+            if self.kept < 0:
+                raise ValueError(f"{self.name}: the slave is a closed curve covered all around; swap slave and master")
+            if not lacking and not missing:
+                break
+            if lacking:
+                self.slave_column = _window(self.slots, lacking + lacking // 2)
+            if missing:
+                self.master_column = _window(self.slots, missing + missing // 2)
+            self._bind()
+        self._solved = False
 
     def _solved_windows(self) -> tuple[Window, Window]:
         """Rows of the last update, made when they are first asked for."""
@@ -210,17 +253,12 @@ class SurfacePair:
 
     def append_chained(self, out: ChainedRows) -> bool:
         """Append all conditions to `out`; False where it is too small."""
-        count = chained.write_chained(
-            self.kept, self.order, self.lower, self.upper, self.previous, self.from_left, self.single,
-            self.slave_column, self.master_column, self.slave.nodes, self.master.nodes, self.pieces.normal, self.gaps,
-            self.full, self.first_slot, out.count,
-            (
-                out.start, out.node, out.weight, out.own, out.normal, out.gap, out.size, out.slot, out.above,
-                out.below, out.inverse,
-            ),
-        )  # fmt: skip
+        own = self.bound_arrays
+        count = kernels.write_chained(
+            *own.addresses, own.places.address, self.kept, self.single, self.first_slot, out.count, out.bound.address
+        )
         if count >= 0:
-            out.count = int(count)
+            out.count = count
         return bool(count >= 0)
 
     def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats) -> int:

@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Floats, Rows, Step
+from contactlab.api import ChainedRows, Floats, Step
+from contactlab.api.bound_arrays import BoundArrays
 from contactlab.api.state import WORK
-from contactlab.kernels.bound_arrays import BoundArrays
-from contactlab.kernels.step_scalars import model_scalars, step_scalars
+from contactlab.kernels.step_scalars import CONTACT, MODEL, model_scalars, step_scalars
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
@@ -48,13 +48,13 @@ def _sample_of(sampler: StepSampler, model: Model) -> Sample:
 
 
 def _without_contact(sampler: StepSampler, model: Model) -> Sample:
-    bound, columns, works = _bound_model(sampler.rows, model), sampler.rows.shape[1], len(WORK)
-    table, elements = bound.table, model.seconds
+    bound, works = _bound_model(sampler.rows, model), len(WORK)
+    address, elements = bound.address, model.seconds
 
     def sample(step: Step, dt: float) -> None:
         nonlocal elements
         row, spent, elements = sampler.count, model.seconds - elements, model.seconds
-        model_scalars(row, table, dt, step.sweeps, step.iterations, step.residual, spent, 0.0, columns, works)
+        model_scalars(row, address, dt, step.sweeps, step.iterations, step.residual, spent, 0.0, works)
         sampler.count = row + 1
         if row + 1 == BLOCK:
             sampler.flush()
@@ -66,24 +66,23 @@ def _without_contact(sampler: StepSampler, model: Model) -> Sample:
 def _with_rows(sampler: StepSampler, model: Model) -> Sample:
     contact = model.contact
     assert contact is not None
-    bound, columns, works = _bound_model(sampler.rows, model), sampler.rows.shape[1], len(WORK)
-    table, elements, solving = bound.table, model.seconds, contact.seconds
-    pairs, conditions = len(contact.pairs), contact.multipliers.shape[1]
-    rows = contact.rows
-    bound_rows = _bound_rows(sampler.rows, model, contact, rows)
-    rows_table = bound_rows.table
+    bound, works = _bound_model(sampler.rows, model), len(WORK)
+    address, elements, solving = bound.address, model.seconds, contact.seconds
+    rows, chained = contact.rows, contact.chained
+    bound_rows = _bound_rows(sampler.rows, model, contact)
+    rows_address = bound_rows.address
 
     def sample(step: Step, dt: float) -> None:
-        nonlocal elements, solving, rows, bound_rows, rows_table
-        if contact.rows is not rows:  # they were made anew with more room
-            rows = contact.rows
-            bound_rows = _bound_rows(sampler.rows, model, contact, rows)
-            rows_table = bound_rows.table
+        nonlocal elements, solving, rows, chained, bound_rows, rows_address
+        if contact.rows is not rows or contact.chained is not chained:  # they were made anew with more room
+            rows, chained = contact.rows, contact.chained
+            bound_rows = _bound_rows(sampler.rows, model, contact)
+            rows_address = bound_rows.address
         row, of_elements, of_contact = sampler.count, model.seconds - elements, contact.seconds - solving
         elements, solving = model.seconds, contact.seconds
         step_scalars(
-            row, table, rows_table, dt, step.sweeps, step.iterations, step.residual, of_elements, of_contact, columns,
-            works, rows.count, pairs, conditions,
+            row, address, rows_address, dt, step.sweeps, step.iterations, step.residual, of_elements, of_contact, works,
+            rows.count, 0 if chained is None else chained.count,
         )  # fmt: skip
         sampler.count = row + 1
         if row + 1 == BLOCK:
@@ -96,7 +95,7 @@ def _with_rows(sampler: StepSampler, model: Model) -> Sample:
 def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
     """Implicit steps take thousands of times as long as a sample: plain NumPy serves."""
     contact: Any = model.contact
-    table, works = _bound_model(sampler.rows, model), len(WORK)
+    bound, works = _bound_model(sampler.rows, model), len(WORK)
     elements, solving = model.seconds, contact.seconds
 
     def sample(step: Step, dt: float) -> None:
@@ -104,8 +103,7 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
         row, of_elements, of_contact = sampler.count, model.seconds - elements, contact.seconds - solving
         elements, solving = model.seconds, contact.seconds
         counts = (step.sweeps, step.iterations, step.residual)
-        columns = sampler.rows.shape[1]
-        at = model_scalars(row, table.table, dt, *counts, of_elements, of_contact, columns, works)
+        at = model_scalars(row, bound.address, dt, *counts, of_elements, of_contact, works)
         for pair in contact.pairs:
             sampler.rows[row, at : at + 3] = _conditions_of(contact.conditions, pair)
             at += 3
@@ -133,14 +131,14 @@ def _conditions_of(conditions: Any, pair: SurfacePair) -> tuple[int, int, float]
 
 def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
     starts, nodes = _support_nodes(model)
-    return BoundArrays(buffer, model.state.buffer, model.mass, _places(model), starts, nodes)
+    return BoundArrays(MODEL, buffer, model.state.buffer, model.mass, _places(model), starts, nodes)
 
 
-def _bound_rows(buffer: Floats, model: Model, contact: ContactSystem, r: Rows) -> BoundArrays:
-    pairs = contact.pairs
+def _bound_rows(buffer: Floats, model: Model, contact: ContactSystem) -> BoundArrays:
+    pairs, r, chained = contact.pairs, contact.rows, contact.chained or ChainedRows.allocate(0, 0)
     starts = np.array([*(pair.first_slot for pair in pairs), pairs[-1].first_slot + pairs[-1].slots], np.int32)
-    of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.bound)
-    return BoundArrays(buffer, model.position, contact.multipliers, starts, *of_rows)
+    of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.bound, chained.slot, chained.left)
+    return BoundArrays(CONTACT, buffer, model.position, contact.multipliers, starts, *of_rows)
 
 
 _FIELDS = ("clock", "velocity", "work", "reaction")

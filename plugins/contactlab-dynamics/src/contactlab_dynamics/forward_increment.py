@@ -34,9 +34,8 @@ class ForwardIncrement(ExplicitEnforcement):
         from contactlab_dynamics.active_set import solve_active
 
         passes, residual, largest = solve_active(
-            rows.count, rows.start, rows.node, rows.weight, rows.own, rows.normal, rows.gap, rows.size, rows.slot,
-            rows.above, rows.below, rows.inverse, compliance, multipliers, force, self.tolerance, self.sweeps,
-        )  # fmt: skip
+            rows.count, rows.bound.address, compliance, multipliers, force, self.tolerance, self.sweeps
+        )
         return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None
 
     def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:

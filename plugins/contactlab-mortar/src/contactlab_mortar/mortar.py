@@ -8,8 +8,29 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, PieceSlopes, Surface, SurfacePositions
+from contactlab.api.bound_arrays import BoundArrays
 
 DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
+
+
+class _Bound:
+    """The arrays that pieces are made from and written to, bound for the kernel."""
+
+    def __init__(self, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates, out: Pieces) -> None:
+        from contactlab_mortar.segments import ARRAYS, mortar_pieces
+
+        self.of, self.kernel = (slave, master, at, near), mortar_pieces
+        self.arrays = BoundArrays(
+            ARRAYS, slave.segments, slave.node_segments, slave.edges, slave.segment_edge, master.segments, master.edges,
+            master.segment_edge, at.slave, at.master, near.start, near.master, out.slave, out.multiplier, out.master,
+            out.D, out.M, out.T, out.normal,
+        )  # fmt: skip
+        self.address = self.arrays.address
+
+    def holds(self, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates) -> bool:
+        """Whether these are the very objects whose arrays are bound."""
+        of = self.of
+        return of[0] is slave and of[1] is master and of[2] is at and of[3] is near
 
 
 class _Mortar(ContactAlgorithm):
@@ -37,21 +58,10 @@ class _Mortar(ContactAlgorithm):
         out: Pieces,
     ) -> int:
         """Segment-wise D, M and T on the common abscissa; normals point from master to slave."""
-        from contactlab_mortar.segments import mortar_pieces
-
-        count = mortar_pieces(
-            (slave.segments, slave.node_segments, slave.edges, slave.segment_edge),
-            (master.segments, master.edges, master.segment_edge),
-            at.slave,
-            at.master,
-            (near.start, near.master),
-            reach,
-            DEPTH,
-            self.linear,
-            (out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
-        )
-        self._turn(slave, at, out, count, out.normal)
-        return count
+        bound = out.bound
+        if bound is None or not bound.holds(slave, master, at, near):
+            out.bound = bound = _Bound(slave, master, at, near, out)
+        return int(bound.kernel(bound.address, reach, DEPTH, self.linear))
 
     def slopes(
         self,

@@ -6,9 +6,11 @@ import numpy as np
 
 from contactlab.api.chains import nodal_normals, segment_normals
 from contactlab.api.kernel import kernel, point, section
+from contactlab.api.unpack import unpack
 from contactlab_mortar.integrals import integrate, integrate_straight
 from contactlab_mortar.projection import master_parameter, opening, slave_parameter
 
+ARRAYS = "i2 i2 i2 i2 i2 i2 i2 d2 d2 i1 i1 i2 i2 i2 d3 d3 d3 d2"
 FACING = 0.25  # cosine by which normals must be opposed: flanks of a corner are no partners
 SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
 
@@ -104,17 +106,17 @@ def _begin(edges, edge, nodes, p, values):
 
 
 @kernel
-def mortar_pieces(slave, master, slave_at, master_at, near, reach, depth, linear, out):
+def mortar_pieces(bound, reach, depth, linear):
     """Fill the pieces; returns their number.
 
-    slave = (segments, node_segments, edges, segment_edge), master = (segments, edges, segment_edge)
-    near = (start, master segments); out = (slave nodes, multipliers, master nodes, D, M, T, normals)
+    `bound` are the slave's segments, node_segments, edges and segment_edge, the master's segments, edges and
+    segment_edge, positions of both, near list (start, master segments), and the arrays of `Pieces`.
     A slave segment farther than `reach` [mm] or deeper than `depth` segments at all its overlaps is left out.
     """
-    segments, node_segments, edges, segment_edge = slave
-    master_segments, master_edges, master_segment_edge = master
-    start, candidates = near
-    slave_nodes, multipliers, master_nodes, D, M, T, inward = out
+    (
+        segments, node_segments, edges, segment_edge, master_segments, master_edges, master_segment_edge, slave_at,
+        master_at, start, candidates, slave_nodes, multipliers, master_nodes, D, M, T, inward,
+    ) = unpack(bound, ARRAYS)  # fmt: skip
     depth *= inward_normals(slave_at, segments, node_segments, inward)
     straight = edges.shape[1] == 2 and master_edges.shape[1] == 2
     count = 0
