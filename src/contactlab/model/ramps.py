@@ -43,6 +43,11 @@ class Course(NamedTuple):
         return self.begin, self.begin + (ramp_time if self.duration is None else self.duration)
 
     @property
+    def steady(self) -> bool:
+        """Whether the value never changes."""
+        return not self.moves or (self.shape == "constant" and self.begin <= 0.0)
+
+    @property
     def moves(self) -> bool:
         """Whether the value is ever another than zero."""
         return self.to != 0.0

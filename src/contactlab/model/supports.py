@@ -13,7 +13,7 @@ from contactlab.api import Floats, Ints
 from contactlab.errors import SceneError, below
 from contactlab.model.body import Body
 from contactlab.model.edge_sets import nodes_of
-from contactlab.model.ramps import Course, course_of
+from contactlab.model.ramps import Course, Ramp, course_of
 
 if TYPE_CHECKING:
     from contactlab.model.rigid import RigidSurface
@@ -35,10 +35,14 @@ class Shift(NamedTuple):
     course: Course
     size: int = 1
 
-    def bind(self, ramp_time: float) -> Values:
-        """The value (1,) at a time."""
-        ramp = self.course.bind(ramp_time)
-        return lambda time: np.asarray(ramp(time))
+    def bind(self, ramp_time: float) -> Ramp:
+        """The value at a time."""
+        return self.course.bind(ramp_time)
+
+    @property
+    def steady(self) -> bool:
+        """Whether the value never changes."""
+        return self.course.steady
 
 
 class Rotation(NamedTuple):
@@ -52,6 +56,11 @@ class Rotation(NamedTuple):
     angle: Course
     ux: Course
     uy: Course
+
+    @property
+    def steady(self) -> bool:
+        """Whether the values never change."""
+        return self.angle.steady and self.ux.steady and self.uy.steady
 
     @property
     def size(self) -> int:
@@ -82,15 +91,29 @@ Motion = Shift | Rotation
 class Prescribed:
     """Implements `contactlab.api.PrescribedMotion`: displacement = scale * ramp value."""
 
-    def __init__(self, dof: Ints, scale: Floats, ramp: Ints, motions: tuple[tuple[int, int, Values], ...]) -> None:
-        self.dof, self.scale, self.ramp, self.motions = dof, scale, ramp, motions
-        self._values = np.zeros(max(1, *(end for _, end, _ in motions)) if motions else 1)
+    def __init__(self, dof: Ints, scale: Floats, ramp: Ints, motions: tuple[Motion, ...], ramp_time: float) -> None:
+        self.dof, self.scale, self.ramp = dof, scale, ramp
+        sizes = [motion.size for motion in motions]
+        self._values = np.zeros(max(1, sum(sizes)))
+        self._single: list[tuple[int, Ramp]] = []
+        self._several: list[tuple[slice, Values]] = []
+        for begin, motion in zip(np.cumsum([0, *sizes]).tolist(), motions, strict=False):
+            value = motion.bind(ramp_time)
+            if motion.steady:
+                self._values[begin : begin + motion.size] = value(0.0)
+            elif isinstance(motion, Shift):
+                self._single.append((begin, motion.bind(ramp_time)))
+            else:
+                self._several.append((slice(begin, begin + motion.size), motion.bind(ramp_time)))
 
     def values(self, time: float) -> Floats:
         """Ramp values at `time` [s]; the same array every call."""
-        for begin, end, value in self.motions:
-            self._values[begin:end] = value(time)
-        return self._values
+        values = self._values
+        for place, ramp in self._single:
+            values[place] = ramp(time)
+        for several, value in self._several:
+            values[several] = value(time)
+        return values
 
 
 @dataclass(frozen=True)
@@ -111,12 +134,7 @@ class SupportPlan:
 
     def bind(self, ramp_time: float) -> Prescribed:
         """The prescribed motion when ramps that name no duration take `ramp_time` [s]."""
-        ends = np.cumsum([motion.size for motion in self.motions])
-        bound = [
-            (int(end) - motion.size, int(end), motion.bind(ramp_time))
-            for end, motion in zip(ends, self.motions, strict=True)
-        ]
-        return Prescribed(self.dof, self.scale, self.ramp, tuple(bound))
+        return Prescribed(self.dof, self.scale, self.ramp, self.motions, ramp_time)
 
 
 def plan_supports(

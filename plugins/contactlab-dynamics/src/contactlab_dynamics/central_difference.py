@@ -18,6 +18,7 @@ from contactlab.api import (
     State,
     Step,
 )
+from contactlab.api.bound_arrays import BoundArrays
 
 
 @dataclass(frozen=True)
@@ -40,12 +41,16 @@ class CentralDifference(Integrator):
         return _Leapfrog(equations, state).step
 
 
+_NOTHING = Step()
+
+
 class _Leapfrog:
     """One run's arrays, bound once."""
 
     def __init__(self, equations: Equations, state: State) -> None:
         nodes = len(equations.reference)
         self.equations, self.state = equations, state
+        self.clock, self.last = state["clock"], state["last_dt"]
         inverse_mass = np.divide(1.0, equations.mass, out=np.zeros(nodes), where=equations.mass > 0.0)
         self.mobility: Floats = np.repeat(inverse_mass, 2).reshape(-1, 2)
         self.mobility.reshape(-1)[equations.prescribed.dof] = 0.0
@@ -56,57 +61,58 @@ class _Leapfrog:
         self.compliance, self.predicted = (np.zeros((nodes if touching else 0, 2)) for _ in range(2))
         self.compliance_dt = 0.0
         self.contact = state["contact_force"] if touching else np.zeros((0, 2))
+        self.bound: BoundArrays | None = None
 
     def step(self, dt: float) -> Step:
         """Advance the state by dt."""
-        from contactlab_dynamics import leapfrog
-
-        equations, state = self.equations, self.state
-        clock, last = state["clock"], state["last_dt"]
+        equations = self.equations
+        bound = self.bound or self._bind()
+        time = float(self.clock[0])
         # at the start only half a step of acceleration leads from v_0 to v_{1/2}
-        mean_dt = 0.5 * (last[0] + dt)
-        loaded = equations.external_force(clock[0], self.external)
-        prescribed = equations.prescribed
-        forces = (
-            state["displacement"], state["velocity"], state["internal_force"], self.external, loaded, self.mobility,
-            equations.damping, dt, mean_dt, prescribed.dof, prescribed.scale, prescribed.ramp,
-            prescribed.values(clock[0] + dt),
-        )  # fmt: skip
-        done = Step()
+        mean_dt = 0.5 * (float(self.last[0]) + dt)
+        loaded = equations.external_force(time, self.external)
+        equations.prescribed.values(time + dt)
+        now = (bound.address, loaded, equations.damping, dt, mean_dt)
+        done = _NOTHING
         if equations.contact is None:
-            leapfrog.move(*forces, self.before, self.trial)
+            self.move(*now)
         else:
-            leapfrog.predict(equations.reference, *forces, self.trial, self.predicted)
-            done = self._contact(equations.contact, dt, mean_dt)
-        leapfrog.book(
-            equations.mass, self.external, loaded, self.contact, equations.contact is not None,
-            state["internal_force"], equations.damping, mean_dt, prescribed.dof, self.before, state["velocity"],
-            self.trial, state["reaction"], state["work"], self.products,
-        )  # fmt: skip
-        if equations.contact is not None:
-            self._book_friction(equations.contact, mean_dt)
-        last[0] = dt
-        clock[0] += dt
-        clock[1] += 1.0
+            self.predict(*now)
+            done = self._contact(equations.contact, mean_dt, now)
         equations.internal_force(dt)
         return done
 
-    def _contact(self, contact: ContactEquations, dt: float, mean_dt: float) -> Step:
-        """Contact forces of the step, and with them its end."""
+    def _bind(self) -> BoundArrays:
+        """Bind all arrays and kernels at the first step."""
         from contactlab_dynamics import leapfrog
 
+        equations, state = self.equations, self.state
+        self.move, self.predict, self.correct = leapfrog.move, leapfrog.predict, leapfrog.correct
+        prescribed = equations.prescribed
+        fields = (
+            equations.reference, state["displacement"], state["velocity"], state["internal_force"], self.external,
+            self.mobility, equations.mass, prescribed.dof, prescribed.scale, prescribed.ramp, prescribed.values(0.0),
+            self.before, self.trial, self.predicted, self.contact, self.compliance, state["reaction"], state["work"],
+            self.products, self.clock, self.last,
+        )  # fmt: skip
+        self.bound = BoundArrays(leapfrog.ARRAYS, *(field.reshape(-1) for field in fields))
+        return self.bound
+
+    def _contact(self, contact: ContactEquations, mean_dt: float, now: tuple[int, bool, float, float, float]) -> Step:
+        """Contact forces of the step, and with them its end."""
+        dt = now[3]
         self._set_compliance(dt, mean_dt, self.equations.damping)
         solve = contact.solve(self.predicted, self.equations.position, self.compliance, self.contact)
-        leapfrog.correct(
-            self.contact, self.compliance, dt, self.equations.prescribed.dof, self.before, self.trial,
-            self.state["displacement"], self.state["velocity"],
-        )  # fmt: skip
+        self.correct(*now)
+        self._book_friction(contact, mean_dt)
         return Step(sweeps=solve.sweeps, residual=solve.residual)
 
     def _book_friction(self, contact: ContactEquations, mean_dt: float) -> None:
         """Move the tangential share of the contact work to its own entries (`trial` holds mean velocities)."""
-        work = self.state["work"]
         rubbed, dissipated = contact.friction_work(self.trial, mean_dt, self.compliance, self.contact)
+        if rubbed == dissipated == 0.0:
+            return
+        work = self.state["work"]
         work[3] -= rubbed
         work[4] += rubbed
         work[6] += dissipated

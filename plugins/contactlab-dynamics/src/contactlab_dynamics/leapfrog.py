@@ -1,14 +1,18 @@
 """Node updates of the central-difference scheme, with the energy ledger (docs/theory/explicit-scheme.md).
 
 A step without contact is `move`, one with contact `predict` and, when the contact forces are known,
-`correct`; both end with `book`. Fields are taken as flat arrays of degrees of freedom, `mobility` being the
-inverse mass of each, 0 where motion is prescribed.
+`correct`. Fields are flat arrays of degrees of freedom, `mobility` being the inverse mass of each, 0 where
+motion is prescribed. `before` receives the old velocities of prescribed motion, `trial` becomes the mean velocity.
 """
 
 from __future__ import annotations
 
 from contactlab.api.kernel import kernel
+from contactlab.api.unpack import unpack
 
+ARRAYS = "d1 d1 d1 d1 d1 d1 d1 i1 d1 i1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1"
+"""reference, displacement, velocity, internal, external, mobility; mass by node; dof, scale, ramp and values of prescribed
+motion; before, trial, predicted, contact, compliance, reaction, work, products, clock, last step."""
 CHUNK = 512  # degrees of freedom summed at a time
 
 
@@ -23,30 +27,23 @@ def _velocities(velocity, internal, external, loaded, mobility, keep, gain, tria
 
 
 @kernel
-def _trial(
-    displacement, velocity, internal, external, loaded, mobility, alpha, dt, mean_dt, dof, scale, ramp, ramps, trial
-):  # fmt: skip
+def _trial(bound, loaded, alpha, dt, mean_dt):
     """v+ = [(1 - alpha dt/2) v- + dt M^-1 f]/(1 + alpha dt/2), and what is prescribed, into `trial`."""
+    found = unpack(bound, ARRAYS)
+    _, u, velocity, internal, external, mobility, _, dof, scale, ramp, ramps, _, trial = found[:13]
     scaling = 1.0 / (1.0 + 0.5 * alpha * mean_dt)
     keep, gain = (1.0 - 0.5 * alpha * mean_dt) * scaling, mean_dt * scaling
-    v, f, e = velocity.reshape(velocity.size), internal.reshape(internal.size), external.reshape(external.size)
-    u, new = displacement.reshape(displacement.size), trial.reshape(trial.size)
-    _velocities(v, f, e, loaded, mobility.reshape(mobility.size), keep, gain, new)
+    _velocities(velocity, internal, external, loaded, mobility, keep, gain, trial)
     for i in range(dof.size):
-        new[dof[i]] = (scale[i] * ramps[ramp[i]] - u[dof[i]]) / dt
+        trial[dof[i]] = (scale[i] * ramps[ramp[i]] - u[dof[i]]) / dt
 
 
 @kernel
-def predict(
-    reference, displacement, velocity, internal, external, loaded, mobility, alpha, dt, mean_dt, dof, scale, ramp,
-    ramps, trial, predicted,
-):  # fmt: skip
-    """Velocities `trial` and positions `predicted` (N, 2) without contact forces; prescribed motion is exact."""
-    _trial(
-        displacement, velocity, internal, external, loaded, mobility, alpha, dt, mean_dt, dof, scale, ramp, ramps, trial
-    )
-    x, u = reference.reshape(reference.size), displacement.reshape(displacement.size)
-    v, out = trial.reshape(trial.size), predicted.reshape(predicted.size)
+def predict(bound, loaded, alpha, dt, mean_dt):
+    """Velocities `trial` and positions `predicted` without contact forces; prescribed motion is exact."""
+    _trial(bound, loaded, alpha, dt, mean_dt)
+    found = unpack(bound, ARRAYS)
+    x, u, v, out = found[0], found[1], found[12], found[13]
     for i in range(x.size):
         out[i] = x[i] + (u[i] + dt * v[i])
 
@@ -68,28 +65,29 @@ def _advance(trial, velocity, displacement, dt):
 
 
 @kernel
-def move(
-    displacement, velocity, internal, external, loaded, mobility, alpha, dt, mean_dt, dof, scale, ramp, ramps, before,
-    trial,
-):  # fmt: skip
-    """The whole step where nothing is in contact; `before` receives the old velocities of prescribed motion."""
-    _trial(
-        displacement, velocity, internal, external, loaded, mobility, alpha, dt, mean_dt, dof, scale, ramp, ramps, trial
-    )
-    u, v = displacement.reshape(displacement.size), velocity.reshape(velocity.size)
+def move(bound, loaded, alpha, dt, mean_dt):
+    """The whole step where nothing is in contact."""
+    _trial(bound, loaded, alpha, dt, mean_dt)
+    found = unpack(bound, ARRAYS)
+    u, v, dof, before, trial = found[1], found[2], found[7], found[11], found[12]
     for i in range(dof.size):
         before[i] = v[dof[i]]
-    _advance(trial.reshape(trial.size), v, u, dt)
+    _advance(trial, v, u, dt)
+    _book(bound, loaded, False, alpha, dt, mean_dt)
 
 
 @kernel
-def correct(contact, compliance, dt, dof, before, trial, displacement, velocity):
-    """Add the contact forces' share of `trial` and move the nodes; `before` as in `move`."""
-    new, v = trial.reshape(trial.size), velocity.reshape(velocity.size)
+def correct(bound, loaded, alpha, dt, mean_dt):
+    """Add the contact forces' share of `trial`, move the nodes, and book the step."""
+    found = unpack(bound, ARRAYS)
+    u, v, dof, before, trial, contact, compliance = (
+        found[1], found[2], found[7], found[11], found[12], found[14], found[15]
+    )  # fmt: skip
     for i in range(dof.size):
         before[i] = v[dof[i]]
-    _push(new, compliance.reshape(compliance.size), contact.reshape(contact.size), 1.0 / dt)
-    _advance(new, v, displacement.reshape(displacement.size), dt)
+    _push(trial, compliance, contact, 1.0 / dt)
+    _advance(trial, v, u, dt)
+    _book(bound, loaded, True, alpha, dt, mean_dt)
 
 
 @kernel
@@ -117,29 +115,26 @@ def _power(mean, force, products):
 def _damped(mass, mean):
     total = 0.0
     for n in range(mass.size):
-        total += mass[n] * (mean[n, 0] * mean[n, 0] + mean[n, 1] * mean[n, 1])
+        total += mass[n] * (mean[2 * n] * mean[2 * n] + mean[2 * n + 1] * mean[2 * n + 1])
     return total
 
 
 @kernel
-def book(
-    mass, external, loaded, contact, touching, internal, alpha, mean_dt, dof, before, velocity, trial, reaction, work,
-    products,
-):  # fmt: skip
-    """Work of every force with the mean velocity, and reactions of prescribed motion.
+def _book(bound, loaded, touching, alpha, dt, mean_dt):
+    """Work of every force with the mean velocity, reactions of prescribed motion, and the clock.
 
     work = internal, external (with reactions), damping, contact, ... (see contactlab.api.WORK); only
     what acts is summed.
     """
-    mean, f = trial.reshape(trial.size), internal.reshape(internal.size)
-    e, y = external.reshape(external.size), contact.reshape(contact.size)
-    v, r = velocity.reshape(velocity.size), reaction.reshape(reaction.size)
+    (
+        _, _, v, f, e, _, mass, dof, _, _, _, before, mean, _, y, _, r, work, products, clock, last,
+    ) = unpack(bound, ARRAYS)  # fmt: skip
     work[0] += mean_dt * _power(mean, f, products)
     load = _power(mean, e, products) if loaded else 0.0
     if touching:
         work[3] += mean_dt * _power(mean, y, products)
     if alpha != 0.0:
-        work[2] += mean_dt * alpha * _damped(mass, trial)
+        work[2] += mean_dt * alpha * _damped(mass, mean)
     for k in range(dof.size):
         i = dof[k]
         needed = mass[i // 2] * ((v[i] - before[k]) / mean_dt + alpha * mean[i]) + f[i]
@@ -148,3 +143,6 @@ def book(
         r[i] = needed
         load += mean[i] * needed
     work[1] += mean_dt * load
+    last[0] = dt
+    clock[0] += dt
+    clock[1] += 1.0
