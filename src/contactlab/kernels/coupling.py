@@ -20,6 +20,21 @@ def accumulate(count, multiplier, T, following, diagonal, lower, upper, cover):
     for k in range(cover.size):
         diagonal[k], lower[k], upper[k], cover[k] = 0.0, 0.0, 0.0, 0.0
     width = multiplier.shape[1]
+    if width == 2:  # the common case, without inner loops
+        for p in range(count):
+            a, b = multiplier[p, 0], multiplier[p, 1]
+            own, to, fro, other = T[p, 0, 0], T[p, 0, 1], T[p, 1, 0], T[p, 1, 1]
+            diagonal[a] += own
+            diagonal[b] += other
+            cover[a] += own + fro
+            cover[b] += to + other
+            if following[a] == b:
+                upper[a] += to
+                lower[b] += fro
+            if following[b] == a:
+                upper[b] += fro
+                lower[a] += to
+        return
     for p in range(count):
         for i in range(width):
             a = multiplier[p, i]

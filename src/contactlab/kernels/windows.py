@@ -23,16 +23,17 @@ def columns(count, multiplier, nodes, values, owner, start, end, weight):
     width, rows = multiplier.shape[1], nodes.shape[1]
     for k in range(start.size):
         start[k], end[k] = 2147483647, 0
-    needed = 0
     for p in range(count):
+        low, high = nodes[p, 0], nodes[p, 0]
+        for i in range(1, rows):
+            low, high = min(low, nodes[p, i]), max(high, nodes[p, i])
         for j in range(width):
             k = owner[multiplier[p, j]]
-            if k < 0:
-                continue
-            for i in range(rows):
-                start[k] = min(start[k], nodes[p, i])
-                end[k] = max(end[k], nodes[p, i] + 1)
-            needed = max(needed, end[k] - start[k])
+            if k >= 0:
+                start[k], end[k] = min(start[k], low), max(end[k], high + 1)
+    needed = 0
+    for k in range(start.size):
+        needed = max(needed, end[k] - start[k])
     if needed > weight.shape[1]:
         return needed
     for k in range(start.size):
@@ -42,8 +43,9 @@ def columns(count, multiplier, nodes, values, owner, start, end, weight):
         for j in range(width):
             k = owner[multiplier[p, j]]
             if k >= 0:
+                shift = start[k]
                 for i in range(rows):
-                    weight[k, nodes[p, i] - start[k]] += values[p, i, j]
+                    weight[k, nodes[p, i] - shift] += values[p, i, j]
     return 0
 
 

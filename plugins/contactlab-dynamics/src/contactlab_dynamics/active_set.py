@@ -76,13 +76,13 @@ def solve_active(count, bound, compliance, multipliers, force, tolerance, limit)
         if scale[i] == 0.0:
             return 0, np.inf, 0.0  # nothing there can give way: a matter for the sweeps
     # every own node counts once and in no column: nothing but the band joins conditions
-    band = np.empty((0, count, 1))
+    band = np.empty((0, 4, count))
     if alone == nodes:
         band = band_of(count, start, local, weight, soft, columns)
-    rows = (count, start, local, weight, mine, normal, above, below, inverse)
     passes, residual = _sets(
-        rows, (soft, band, stiff), gap, size, scale, y, gaps, change, carried, nodal, tolerance, limit
-    )
+        count, start, local, weight, mine, normal, above, below, inverse, soft, band, stiff, gap, size, scale, y, gaps,
+        change, carried, nodal, tolerance, limit,
+    )  # fmt: skip
     if residual > tolerance:
         return passes, residual, 0.0
     spread(count, start, local, weight, mine, normal, above, below, inverse, y, carried, nodal)
@@ -98,61 +98,72 @@ def solve_active(count, bound, compliance, multipliers, force, tolerance, limit)
 
 
 @section
-def _sets(rows, softness, gap, size, scale, y, gaps, change, carried, nodal, tolerance, limit):
-    """Active sets until no condition changes sides; y (k,) is the start and becomes the answer."""
-    count = rows[0]
-    padded = np.zeros((2, count + softness[1].shape[2] - 1))
+def _sets(
+    count, start, local, weight, own, normal, above, below, inverse, soft, band, stiff, gap, size, scale, y, gaps,
+    change, carried, nodal, tolerance, limit,
+):  # fmt: skip
+    """Active sets until no condition changes sides; y (k,) is the start and becomes the answer.
+
+    Each turn of the loop is a product with forces `direction`: those of the start, those taken away from conditions
+    that open, or a direction of the conjugate gradients on one set.
+    """
+    padded = np.zeros((2, count + band.shape[1]))
     residual, direction = np.empty(count), np.empty(count)
+    easy, small = np.empty(count), np.empty(count)  # 1/scale, and 1/size
     active = np.empty(count, np.bool_)
-    product(*rows, *softness, y, padded, carried, nodal, change)
     for i in range(count):
-        gaps[i] = gap[i] + change[i]
-    passes = 1
-    goal = BEYOND * tolerance
-    for number in range(SETS):
-        # forces that go on from the last steps are never taken unseen, however well they hold the gaps
-        if (number > 0 and _worst(count, gaps, y, scale, size) <= goal) or passes >= limit:
-            break
-        # forces of conditions that open are taken away at once
-        dropped = False
-        for i in range(count):
-            active[i] = scale[i] * y[i] > gaps[i]
-            direction[i] = 0.0
-            if not active[i] and y[i] != 0.0:
-                direction[i], dropped = -y[i], True
-                y[i] = 0.0
-        if dropped:
-            product(*rows, *softness, direction, padded, carried, nodal, change)
-            passes += 1
-            for i in range(count):
-                gaps[i] += change[i]
-        before = 0.0
-        for i in range(count):
-            residual[i] = -gaps[i] if active[i] else 0.0
-            direction[i] = residual[i] / scale[i]
-            before += residual[i] * direction[i]
-        while before > 0.0 and passes < limit:
-            product(*rows, *softness, direction, padded, carried, nodal, change)
-            passes += 1
+        easy[i], small[i] = 1.0 / scale[i], 1.0 / size[i]
+        direction[i], gaps[i] = y[i], gap[i]
+    passes, sets, goal = 0, 0, BEYOND * tolerance
+    searching, dropped, before = False, False, 0.0
+    while passes < limit:
+        product(
+            count, start, local, weight, own, normal, above, below, inverse, soft, band, stiff, direction, padded,
+            carried, nodal, change,
+        )  # fmt: skip
+        passes += 1
+        if searching:
             curvature = 0.0
             for i in range(count):
                 curvature += direction[i] * change[i]
-            if not curvature > 0.0:
-                break
-            length = before / curvature
-            after, largest = 0.0, 0.0
+            if curvature > 0.0:
+                length, after, largest = before / curvature, 0.0, 0.0
+                for i in range(count):
+                    y[i] += length * direction[i]
+                    gaps[i] += length * change[i]
+                    residual[i] = -gaps[i] if active[i] else 0.0
+                for i in range(count):
+                    after += residual[i] * (residual[i] * easy[i])
+                    largest = max(largest, abs(residual[i]) * small[i])
+                if largest > 0.5 * goal:
+                    share, before = after / before, after
+                    for i in range(count):
+                        direction[i] = residual[i] * easy[i] + share * direction[i]
+                    continue
+        else:
             for i in range(count):
-                y[i] += length * direction[i]
-                gaps[i] += length * change[i]
-                if active[i]:
-                    residual[i] = -gaps[i]
-                    after += residual[i] * residual[i] / scale[i]
-                    largest = max(largest, abs(gaps[i]) / size[i])
-            if largest <= 0.5 * goal:
+                gaps[i] += change[i]
+        if not dropped:
+            # forces that go on from the last steps are never taken unseen, however well they hold the gaps
+            if sets == SETS or (sets > 0 and _worst(count, gaps, y, scale, size) <= goal):
                 break
+            sets += 1
             for i in range(count):
-                direction[i] = residual[i] / scale[i] + after / before * direction[i]
-            before = after
+                active[i] = scale[i] * y[i] > gaps[i]
+                direction[i] = 0.0
+                if not active[i] and y[i] != 0.0:
+                    direction[i], dropped = -y[i], True
+                    y[i] = 0.0
+            if dropped:  # forces of conditions that open are taken away at once
+                searching = False
+                continue
+        before, dropped, searching = 0.0, False, True
+        for i in range(count):
+            residual[i] = -gaps[i] if active[i] else 0.0
+            direction[i] = residual[i] * easy[i]
+            before += residual[i] * direction[i]
+        if not before > 0.0:
+            break
     # a force that a dying condition keeps by round-off alone is no tension
     for i in range(count):
         if y[i] < 0.0 and -scale[i] * y[i] <= tolerance * size[i]:

@@ -88,29 +88,39 @@ def _through_nodes(count, start, local, weight, own, normal, above, below, inver
 
 
 @kernel
-def _by_band(count, band, stiff, normal, above, below, inverse, y, padded, carried, out):
-    """A y by the band (layers, k, 2 h + 1), `stiff` (k,) being the share of the own nodes.
+def _weighed(count, band, moved, out):
+    """Rows of a band, stored by diagonals, times `moved` (k + 2 h,), four diagonals at a time."""
+    for i in range(count):
+        out[i] = 0.0
+    for d in range(0, band.shape[0], 4):
+        a, b, c, e = band[d], band[d + 1], band[d + 2], band[d + 3]
+        p, q, r, s = moved[d:], moved[d + 1 :], moved[d + 2 :], moved[d + 3 :]
+        for i in range(count):
+            out[i] += (a[i] * p[i] + b[i] * q[i]) + (c[i] * r[i] + e[i] * s[i])
 
-    `padded` (2, k + 2 h) is scratch, zero in the first and last h places.
+
+@section
+def _by_band(count, band, stiff, normal, above, below, inverse, y, padded, carried, out):
+    """A y by the band, `stiff` (k,) being the share of the own nodes.
+
+    `padded` (2, k + diagonals) is scratch, zero in the first h places and after those of the conditions.
     """
-    half, other = band.shape[2] // 2, band.shape[0] - 1
+    half = band.shape[1] // 2 - 1
     cx, cy, wx, wy = padded[0], padded[1], carried[0], carried[1]
     _solve(count, normal, above, below, inverse, y, cx, cy, half)
+    _weighed(count, band[0], cx, wx)
+    _weighed(count, band[band.shape[0] - 1], cy, wy)
     px, py = 0.0, 0.0
     for i in range(count):
-        x, y_ = 0.0, 0.0
-        for d in range(band.shape[2]):
-            x += band[0, i, d] * cx[i + d]
-            y_ += band[other, i, d] * cy[i + d]
         u, v = inverse[i], -above[i] * inverse[i]
-        px, py = v * px + u * x, v * py + u * y_
+        px, py = v * px + u * wx[i], v * py + u * wy[i]
         wx[i], wy[i] = px, py
     _finish(count, normal, below, inverse, wx, wy, out)
     for i in range(count):
         out[i] += stiff[i] * y[i]
 
 
-@kernel
+@section
 def product(
     count, start, local, weight, own, normal, above, below, inverse, soft, band, stiff, y, padded, carried, nodal, out
 ):  # fmt: skip
@@ -125,37 +135,40 @@ def product(
 
 @kernel
 def band_of(count, start, local, weight, soft, nodes):
-    """B C B^T about its diagonal, (1 or 2, k, 2 h + 1), for the first `nodes` touched ones, those of B.
+    """B C B^T by diagonals for the first `nodes` touched ones, those of B: (1 or 2, diagonals, k).
 
-    One layer where all nodes give way alike in x and y. Without any layer where the band were too wide.
+    Diagonals from -h to h and what fills their number up to a multiple of four, so that h = diagonals / 2 - 1. One layer
+    where all nodes give way alike in x and y; none where the band were too wide.
     """
-    first, last = np.full(nodes, count), np.full(nodes, -1)
+    first, last = np.full(nodes, -1), np.zeros(nodes, np.int64)
+    entering = np.zeros((nodes, WIDEST + 1))
+    half, layers = 1, 1
     for i in range(count):
         for z in range(start[i], start[i + 1]):
             n = local[z]
-            first[n], last[n] = min(first[n], i), max(last[n], i)
-    half, layers = 0, 1
-    for n in range(nodes):
-        if soft[n, 0] != 0.0 or soft[n, 1] != 0.0:
-            half = max(half, last[n] - first[n])
-        if soft[n, 0] != soft[n, 1]:
-            layers = 2
-    if half > WIDEST:
-        return np.empty((0, count, 1))
-    band = np.zeros((layers, count, 2 * half + 1))
-    entering = np.zeros((nodes, half + 1))
-    for i in range(count):
-        for z in range(start[i], start[i + 1]):
-            n = local[z]
-            if i - first[n] <= half:  # of nodes that cannot move anything goes
-                entering[n, i - first[n]] += weight[z]
+            if soft[n, 0] == 0.0 and soft[n, 1] == 0.0:
+                continue  # of nodes that cannot move anything goes
+            if first[n] < 0:
+                first[n] = i
+            reach = i - first[n]
+            if reach > WIDEST:
+                return np.empty((0, 4, count))
+            entering[n, reach] += weight[z]
+            last[n], half = i, max(half, reach)
+            if soft[n, 0] != soft[n, 1]:
+                layers = 2
+    half |= 1
+    band = np.zeros((layers, 2 * half + 2, count))
     for c in range(layers):
         for n in range(nodes):
-            if soft[n, c] == 0.0:
+            if first[n] < 0:
                 continue
             begin, size = first[n], last[n] - first[n] + 1
             for k in range(size):
-                w, at = soft[n, c] * entering[n, k], half - k
-                for j in range(size):
-                    band[c, begin + k, at + j] += w * entering[n, j]
+                w = soft[n, c] * entering[n, k]
+                band[c, half, begin + k] += w * entering[n, k]
+                for j in range(k + 1, size):
+                    value = w * entering[n, j]
+                    band[c, half + j - k, begin + k] += value
+                    band[c, half - j + k, begin + j] += value
     return band

@@ -11,8 +11,8 @@ from contactlab.api.kernel import kernel
 from contactlab.api.unpack import unpack
 
 ARRAYS = "d1 d1 d1 d1 d1 d1 d1 i1 d1 i1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1"
-"""reference, displacement, velocity, internal, external, mobility; mass by node; dof, scale, ramp and values of prescribed
-motion; before, trial, predicted, contact, compliance, reaction, work, products, clock, last step."""
+"""reference, displacement, velocity, internal, external, mobility; mass by node; dof, scale, ramp and values of what is
+prescribed; before, trial, predicted, contact, compliance, reaction, work, products, clock, last step."""
 CHUNK = 512  # degrees of freedom summed at a time
 
 

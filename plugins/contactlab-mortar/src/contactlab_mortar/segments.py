@@ -132,27 +132,32 @@ def mortar_pieces(bound, reach, depth, linear):
         tx, ty = ex / length, ey / length
         tilt, slack = _tilt(tx, ty, nx, ny, mx, my), 1e-9 * length
         mx, my = mx - nx, my - ny
-        begin, close, before, parameter = count, False, -1, 0.0
+        begin, close, before, seen, parameter = count, False, -1, -1, 0.0
+        dx, dy, d_along, d_away = 0.0, 0.0, 0.0, 0.0
         for z in range(start[s], start[s + 1]):
             m = candidates[z]
             first_node, second_node = master_segments[m, 0], master_segments[m, 1]
-            cx, cy = master_at[first_node, 0], master_at[first_node, 1]
+            # neighbours on the master share a node
+            if before == first_node:
+                cx, cy, c_along, c_away = dx, dy, d_along, d_away
+            else:
+                cx, cy = master_at[first_node, 0], master_at[first_node, 1]
+                c_along, c_away = (cx - ax) * tx + (cy - ay) * ty, abs((cx - ax) * ty - (cy - ay) * tx)
             dx, dy = master_at[second_node, 0], master_at[second_node, 1]
+            d_along, d_away = (dx - ax) * tx + (dy - ay) * ty, abs((dx - ax) * ty - (dy - ay) * tx)
+            before = second_node
             # beside the slave segment, beyond where any of its normals leads
-            c_along, d_along = (cx - ax) * tx + (cy - ay) * ty, (dx - ax) * tx + (dy - ay) * ty
-            c_away, d_away = abs((cx - ax) * ty - (cy - ay) * tx), abs((dx - ax) * ty - (dy - ay) * tx)
             beyond = tilt * max(c_away, d_away) + slack
             if max(c_along, d_along) < -beyond or min(c_along, d_along) > length + beyond:
                 continue
             fx, fy = dx - cx, dy - cy
             if not _faces(ex, ey, fx, fy):
                 continue
-            # neighbours on the master share a node
             first = parameter
-            if before != first_node:
+            if seen != first_node:
                 first = slave_parameter(ax, ay, ex, ey, nx, ny, mx, my, cx, cy)
             second = slave_parameter(ax, ay, ex, ey, nx, ny, mx, my, dx, dy)
-            before, parameter = second_node, second
+            seen, parameter = second_node, second
             low, high = _ends(first, second)
             if not high - low > SMALLEST:
                 continue
