@@ -137,7 +137,7 @@ def product(
 def band_of(count, start, local, weight, soft, nodes):
     """B C B^T by diagonals for the first `nodes` touched ones, those of B: (1 or 2, diagonals, k).
 
-    Diagonals from -h to h and what fills their number up to a multiple of four, so that h = diagonals / 2 - 1. One layer
+    Diagonals from -h to h and what fills their number up to a multiple of four: h = diagonals / 2 - 1. One layer
     where all nodes give way alike in x and y; none where the band were too wide.
     """
     first, last = np.full(nodes, -1), np.zeros(nodes, np.int64)
