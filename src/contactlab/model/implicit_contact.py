@@ -29,6 +29,7 @@ class ImplicitContactSystem:
         self.flexibility = np.ones((nodes, 2))
         self.multipliers = state["multipliers"]
         self.rows = allocate_rows(self.multipliers.shape[1], 32, self.friction)
+        self.chained = None  # conditions that are never written as `ChainedRows`
         self.seconds = 0.0
 
     def _memory(self, pair: SurfacePair) -> Floats:
