@@ -9,6 +9,7 @@ from contactlab.api.kernel import kernel, point, section
 from contactlab.api.unpack import unpack
 from contactlab_mortar.integrals import integrate, integrate_straight
 from contactlab_mortar.projection import master_parameter, opening, slave_parameter
+from contactlab_mortar.vertices import turn_at_vertices
 
 ARRAYS = "i2 i2 i2 i2 i2 i2 i2 d2 d2 i1 i1 i2 i2 i2 d3 d3 d3 d2"
 FACING = 0.25  # cosine by which normals must be opposed: flanks of a corner are no partners
@@ -183,6 +184,7 @@ def mortar_pieces(bound, reach, depth, linear):
             count += 1
         if not close:
             count = begin
+    turn_at_vertices(count, (multipliers, master_nodes, T), (segments, node_segments), slave_at, master_at, inward)
     return count
 
 

@@ -86,7 +86,7 @@ def vertex_slopes(pieces, entries, slave, slave_at, master_at, averaged, given, 
     normal_of, normal_moved, dnormal = normals
     m, at = averaged.shape[0], given
     sums, state, turned = np.empty((m, 2)), np.empty((m, 9)), np.zeros(m, np.bool_)
-    facing_sums(count, multiplier, master_nodes, T, master_at, sums)
+    facing_sums(count, multiplier, master_nodes, T, master_at, np.ones(sums.shape[0]), sums)
     for k in range(m):
         turned[k] = _state(k, averaged, sums, slave_turn(k, slave_at, segments, node_segments), state[k])
     change, normal = np.empty(2), np.empty(2)

@@ -38,11 +38,16 @@ def slave_turn(i, positions, segments, node_segments):
 
 
 @kernel
-def facing_sums(count, multiplier, master_nodes, T, master_at, facing):
-    """Sum (m, 2) of the master's outward normals, each by the length over which a multiplier sees it."""
+def facing_sums(count, multiplier, master_nodes, T, master_at, wanted, facing):
+    """Sum (m, 2) of the master's outward normals, each by the length over which a multiplier sees it.
+
+    Only pieces that have to do with multipliers of which `wanted` (m,) is not zero are looked at.
+    """
     for k in range(facing.shape[0]):
         facing[k, 0], facing[k, 1] = 0.0, 0.0
     for p in range(count):
+        if wanted[multiplier[p, 0]] == 0.0 and wanted[multiplier[p, 1]] == 0.0:
+            continue
         c, d = master_at[master_nodes[p, 0]], master_at[master_nodes[p, 1]]
         x, y = d[1] - c[1], c[0] - d[0]
         size = np.sqrt(x * x + y * y)
@@ -60,16 +65,22 @@ def turn_at_vertices(count, pieces, slave, slave_at, master_at, normals):
     """
     multiplier, master_nodes, T = pieces
     segments, node_segments = slave
+    vertices = False
+    turns = np.empty(normals.shape[0])
+    for k in range(normals.shape[0]):
+        turns[k] = _ramp(slave_turn(k, slave_at, segments, node_segments), TURN[0], TURN[1])
+        vertices = vertices or turns[k] > 0.0
+    if not vertices:
+        return 0
     facing, turned = np.empty(normals.shape), 0
-    facing_sums(count, multiplier, master_nodes, T, master_at, facing)
+    facing_sums(count, multiplier, master_nodes, T, master_at, turns, facing)
     for k in range(normals.shape[0]):
         size = np.sqrt(facing[k, 0] * facing[k, 0] + facing[k, 1] * facing[k, 1])
-        if size == 0.0:
+        if size == 0.0 or turns[k] == 0.0:
             continue
         x, y = facing[k, 0] / size, facing[k, 1] / size
         share = _ramp(abs(normals[k, 0] * y - normals[k, 1] * x), LEAN[0], LEAN[1])
-        if share > 0.0:
-            share *= _ramp(slave_turn(k, slave_at, segments, node_segments), TURN[0], TURN[1])
+        share *= turns[k]
         if share == 0.0:
             continue
         x, y = normals[k, 0] + share * (x - normals[k, 0]), normals[k, 1] + share * (y - normals[k, 1])
