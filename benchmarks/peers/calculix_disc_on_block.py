@@ -73,8 +73,7 @@ def deck(level: int, slave: str, depth: float, stiffness: float) -> tuple[str, n
         held = first[name] + (rows * (columns + 1) if name == "disc" else 0)
         layers[name] = [held + i + layer * count for layer in range(2) for i in range(columns + 1)]
     master = "block" if slave == "disc" else "disc"
-    both = np.concatenate([rim[slave], rim[slave] + count])
-    text += ["*SURFACE, NAME=SLAVE, TYPE=NODE", *map(str, both), "*SURFACE, NAME=MASTER", *faces[master]]
+    text += ["*SURFACE, NAME=SLAVE", *faces[slave], "*SURFACE, NAME=MASTER", *faces[master]]
     for name in bodies:
         text += [f"*NSET, NSET=HELD{name}", *map(str, layers[name])]
     text += ["*NSET, NSET=RIM", *map(str, rim[slave]), "*SURFACE INTERACTION, NAME=PENALTY",

@@ -9,6 +9,7 @@ from common import (
     COLOURS,
     DEEP,
     GREY,
+    ROOT,
     SHORT,
     STATE_COLOURS,
     Numbers,
@@ -24,8 +25,10 @@ from common import (
 )  # fmt: skip
 from matplotlib.figure import Figure
 
+import contactlab
 from contactlab.compare.measures import excess_turning_points, pressure_error
 from contactlab.compare.profile import Profile
+from contactlab.registry import Registry
 from contactlab.results.results import Results
 
 MORTARS = ("mortar-p0", "mortar-p1")
@@ -42,6 +45,23 @@ def _reference(axes: Any) -> Profile:
     shape = deep_reference().profile
     axes.plot(shape.x, shape.value, color=GREY, linewidth=2.2, label="reference", zorder=1)
     return shape
+
+
+def second_code(swap: bool, depth: float) -> tuple[Profile, float, Profile, float]:
+    """Nodes on segments by CalculiX, from its file, and ours with its law: pressure and reaction of each."""
+    slave = "block" if swap else "disc"
+    path = ROOT / "benchmarks" / "references" / f"calculix-disc-on-block-{slave}-level-2-depth-{depth:g}.csv"
+    force = float(path.read_text().split("reaction")[1].split()[0])
+    registry = Registry(files=[ROOT / "benchmarks" / "peers" / "calculix_law.py"])
+    changes: dict[str, Any] = {
+        "level": 2, "contacts.0.algorithm": "node-on-segment", "contacts.0.swap": swap, "supports.1.uy.to": -depth,
+        "integrator": {"use": "newton", "steps": 10}, "record.frames": 1,
+    }  # fmt: skip
+    for material, young in (("steel", 70000.0), ("soft", 7000.0)):
+        law = {"use": "calculix-neo-hooke", "young": young, "poisson": 0.3, "density": 2.7e-9}
+        changes[f"materials.{material}"] = law
+    own = contactlab.simulate(contactlab.load_scene("disc-on-block", registry).with_(changes))
+    return Profile.of_nodes(*np.loadtxt(path, delimiter=",", unpack=True)), force, profile(own), reaction(own)
 
 
 def figure_7() -> Numbers:
@@ -63,9 +83,16 @@ def figure_7() -> Numbers:
     share = 1.0 - max(0.0, 1.0 - time / ramp) ** 2
     full = profile(runs[True])
     reference = deep_reference().profile
+    peers = {(swap, depth): second_code(swap, depth) for swap, depth in ((False, 0.01), (True, 0.01), (True, DEEP))}
 
     def fill(figure: Figure, axes: Any) -> None:
-        one, two = axes[0]
+        one, two, three = axes[0]
+        for swap, colour in ((False, COLOURS["node-on-segment"]), (True, "#0072B2")):
+            theirs, _, ours, _ = peers[swap, 0.01]
+            draw(three, ours, colour, SLAVES[swap], marker="s" if swap else "o")
+            three.plot(theirs.x, theirs.value, "x", color="#000000", markersize=4.5, label="" if swap else "CalculiX")
+        _label(three, "depth 0.01 mm, law of CalculiX")
+        three.set_xlim(-0.16, 0.16)
         draw(one, same[False], COLOURS["node-on-segment"], SLAVES[False])
         draw(one, same[True], "#0072B2", SLAVES[True], marker="s")
         _label(one, f"{100 * share:.0f} % of the depth, both slaves")
@@ -73,8 +100,16 @@ def figure_7() -> Numbers:
         draw(two, full, "#0072B2", SLAVES[True], marker="s")
         _label(two, "full depth")
 
-    picture("figure-07", 1, 2, fill, (9.0, 3.4))
+    picture("figure-07", 1, 3, fill, (12.6, 3.4))
+    rows = [
+        f"| {depth} | {SLAVES[swap]} | {theirs_force:.2f} | {ours_force:.2f} | "
+        f"{percent(abs(ours_force / theirs_force - 1.0))} | {percent(pressure_error(ours, theirs))} |"
+        for (swap, depth), (theirs, theirs_force, ours, ours_force) in peers.items()
+    ]
     return {
+        "peer_rows": rows,
+        "peer_apart": percent(difference(peers[False, 0.01][0], peers[True, 0.01][0])),
+        "own_apart": percent(difference(peers[False, 0.01][2], peers[True, 0.01][2])),
         "asymmetry": percent(difference(same[False], same[True])),
         "depth": f"{share * DEEP:.4f}", "share": percent(share), "status": runs[False].status,
         "reason": runs[False].reason.split(";")[0],

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any
@@ -22,14 +23,21 @@ from contactlab.results.results import Results
 
 BODIES = ("anvil", "billet", "punch")
 SEGMENT, ARC = 1.0, 0.0125  # mm: of the slaves, and rise of the billet's arc over it
+RADIUS = 10.0  # mm, of the billet's nose
 FRAMES = 200
+NEARER = {1.25: ([56, 11], [40, 8]), 1.0: ([70, 14], [50, 10])}  # ratio of segments: cells of anvil and punch
 
 
-def forge(algorithm: str, *, fine: bool = False) -> Results:
-    """A run with its frames; `fine` takes the billet as slave instead of the tools."""
+def forge(algorithm: str, *, fine: bool = False, ratio: float = 1.75, level: int = 1) -> Results:
+    """A run with its frames; `fine`: the billet is slave; `ratio` of the tools' segments to the billet's."""
     changes: dict[str, Any] = {f"contacts.{number}.algorithm": algorithm for number in range(3)}
     if fine:
         changes |= {"contacts.0.swap": True, "contacts.1.swap": True}
+    if ratio in NEARER:
+        changes |= {
+            f"bodies.{body}.mesh.cells": cells for body, cells in zip(("anvil", "punch"), NEARER[ratio], strict=True)
+        }
+    changes["level"] = level
     folder = Path(mkdtemp()) / "run"
     scene = contactlab.load_scene("three-body-forging").with_(
         changes | {"record.frames": FRAMES, "record.recorders": ["vtkhdf"]}
@@ -83,11 +91,50 @@ def figure_16() -> Numbers:
     fine = {algorithm: forge(algorithm, fine=True) for algorithm in ("node-on-segment", "mortar-p0")}
     frames = {algorithm: sound(results.frames) for algorithm, results in runs.items()}
     _strip(runs, frames)
-    _penetrations(frames, {name: sound(results.frames) for name, results in fine.items()})
-    numbers = _numbers(runs, frames, fine)
-    for results in (*runs.values(), *fine.values()):
+    finer = forge("mortar-p0", level=2)
+    curves = {
+        "P0, tools are slaves": forces(frames["mortar-p0"]), "P0, billet is slave": forces(fine["mortar-p0"].frames),
+        "P0, tools, cells half as long": forces(finer.frames),
+    }  # fmt: skip
+    _curves(frames, {name: sound(results.frames) for name, results in fine.items()}, curves)
+    numbers = _numbers(runs, frames, fine) | {"ratios": _ratios()}
+    way = np.linspace(0.2, 2.5, 231)
+    tools, billet, reference = (np.interp(way, *curve) for curve in curves.values())
+    numbers["finer"] = f"{reference[-1]:.0f}"
+    numbers["finer_tools"] = percent(float(np.abs(tools - reference).max() / reference.max()))
+    numbers["finer_billet"] = percent(float(np.abs(billet - reference).max() / reference.max()))
+    numbers["finer_end"] = percent(abs(tools[-1] / reference[-1] - 1.0))
+    numbers["finer_end_billet"] = percent(abs(billet[-1] / reference[-1] - 1.0))
+    for results in (*runs.values(), *fine.values(), finer):
         shutil.rmtree(results.folder.parent)  # type: ignore[union-attr]
     return numbers
+
+
+def forces(frames: Sequence[Frame]) -> tuple[Any, Any]:
+    """Way of the punch [mm] and force on the floor [N/mm] of every frame, until the punch is down."""
+    way = np.array([depth(frame) for frame in frames])
+    force = np.array([frame.scalars["floor.fy"] for frame in frames])
+    first = int(np.argmax(way > way.max() - 1e-9)) + 1
+    way, force = way[:first], np.abs(force[:first])
+    # its last value is that of the run's end, when vibrations have died
+    force[-1] = abs(frames[-1].scalars["floor.fy"])
+    return way, force
+
+
+def _ratios() -> list[str]:
+    """Penetration with tool segments nearer to the billet's: largest over the run, beside the limit."""
+    rows = []
+    for ratio, algorithm in product(NEARER, ("node-on-segment", "mortar-p0", "mortar-p1")):
+        results = forge(algorithm, ratio=ratio)
+        segment = 40.0 / NEARER[ratio][0][0]
+        deepest = max(frame.scalars["contacts.0.max_penetration"] for frame in sound(results.frames)) / segment
+        force = abs(results.summary["reactions"]["floor"][1])
+        rows.append(
+            f"| {ratio:g} | {SHORT[algorithm]} | {results.status} | {force:.0f} | {percent(deepest)} | "
+            f"{percent(0.02 + segment / (8.0 * RADIUS))} |"
+        )
+        shutil.rmtree(results.folder.parent)  # type: ignore[union-attr]
+    return rows
 
 
 def _strip(runs: dict[str, Results], frames: dict[str, list[Frame]]) -> None:
@@ -114,10 +161,14 @@ def _strip(runs: dict[str, Results], frames: dict[str, list[Frame]]) -> None:
         figure.savefig(PICTURES / "figure-16.png", dpi=92)
 
 
-def _penetrations(frames: dict[str, list[Frame]], fine: dict[str, list[Frame]]) -> None:
+def _curves(frames: dict[str, list[Frame]], fine: dict[str, list[Frame]], curves: dict[str, tuple[Any, Any]]) -> None:
     with house_style():
-        figure = Figure(figsize=(6.4, 3.5), layout="constrained")
-        axes = figure.subplots()
+        figure = Figure(figsize=(10.4, 3.5), layout="constrained")
+        axes, right = figure.subplots(1, 2)
+        for (label, (way, force)), colour in zip(curves.items(), (COLOURS["mortar-p0"], "#D55E00", GREY), strict=True):
+            right.plot(way, force, color=colour, label=label, linewidth=1.2)
+        right.set(xlabel="way of the punch [mm]", ylabel="force on the floor [N/mm]", title="force")
+        right.legend(fontsize=7.5)
         for marker, (group, slaves) in zip(("-", ":"), ((frames, "tools"), (fine, "billet")), strict=True):
             for algorithm, found in group.items():
                 deep = [max(frame.scalars["contacts.0.max_penetration"], 1e-5) / SEGMENT for frame in found]
