@@ -30,12 +30,14 @@ class Scale:
     bottom, top  ends of the field's colours
     pressure  the contact pressure of the longest arrow
     size      of the model [mm]
+    distance  of the camera from the plane [mm]
     """
 
     bottom: float
     top: float
     pressure: float
     size: float
+    distance: float
 
 
 def model_box(gathered: Sequence[Gathered]) -> tuple[Floats, Floats]:
@@ -58,7 +60,7 @@ class Drawing:
 
     def draw(self) -> None:
         """Everything."""
-        self.recording.log(f"{self.look.path}/view", camera(), static=True)
+        self.recording.log(f"{self.look.path}/view", camera(self.scale.distance), static=True)
         self._mesh()
         self._outlines()
         if self.wire:
@@ -71,7 +73,7 @@ class Drawing:
         nodes = self.shape.nodes
 
         def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
-            positions = in_plane(np.array([i.positions for i in instants])).reshape(-1, 3)
+            positions = in_plane(np.array([i.positions for i in instants]), 0.0, self.scale.distance).reshape(-1, 3)
             colours = np.concatenate([self._colours(i) for i in instants])
             made = rr.Mesh3D.columns(vertex_positions=positions, vertex_colors=colours)
             return made.partition(np.full(len(instants), nodes))
@@ -108,7 +110,7 @@ class Drawing:
         frictional = np.repeat([bool(c.friction) for c in contacts], [len(c.slave_nodes) for c in contacts])
         touching = state > 0
         columns = rr.Arrows3D.columns(
-            origins=in_plane(points[touching], 2.0 * ON_MESH),
+            origins=in_plane(points[touching], 2.0 * ON_MESH, self.scale.distance),
             vectors=in_plane(longest * pulls[touching]) * _FLAT,
             colors=np.where(frictional, COLOURS[state], CLOSED_COLOUR)[touching],
         )
@@ -122,7 +124,8 @@ class Drawing:
         """Lines through nodes, so many in each, in every frame."""
 
         def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
-            points = in_plane(np.array([i.positions for i in instants])[:, nodes], ON_MESH).reshape(-1, 3)
+            positions = np.array([i.positions for i in instants])[:, nodes]
+            points = in_plane(positions, ON_MESH, self.scale.distance).reshape(-1, 3)
             made = rr.LineStrips3D.columns(strips=line_strips(points, np.tile(lengths, len(instants))))
             return made.partition(np.full(len(instants), len(lengths)))
 

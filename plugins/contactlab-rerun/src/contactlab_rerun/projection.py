@@ -1,7 +1,8 @@
 """Drawing in the plane, y upwards, in a viewer whose plane views point down.
 
-Everything is drawn at (x, y, -1) before a pinhole camera of focal length 1 that looks along -z: its
-image is the plane itself. The root of a view holds the camera.
+Everything is drawn at (x, y, -d) before a pinhole camera of focal length d that looks along -z: its
+image is the plane itself. The root of a view holds the camera. The distance d is of the size of what is
+drawn: seen from much nearer, lines at the rim are drawn far too wide and arrows run out of the picture.
 """
 
 from __future__ import annotations
@@ -20,19 +21,19 @@ ON_MESH = 1e-3
 """Lift of lines over a mesh, which would else come and go."""
 
 
-def camera() -> rr.Pinhole:
+def camera(distance: float = 1.0) -> rr.Pinhole:
     """What the root of every plane view holds."""
     return rr.Pinhole(
-        focal_length=1.0, principal_point=[0.0, 0.0], resolution=[2.0, 2.0], camera_xyz=rr.ViewCoordinates.RUB
+        focal_length=distance, principal_point=[0.0, 0.0], resolution=[2.0, 2.0], camera_xyz=rr.ViewCoordinates.RUB
     )
 
 
-def in_plane(points: Floats, lift: float = 0.0) -> np.ndarray:
+def in_plane(points: Floats, lift: float = 0.0, distance: float = 1.0) -> np.ndarray:
     """Points (..., 2) as the viewer takes them, (..., 3) in single precision.
 
     With `lift` they are nearer to the camera by that share, and drawn before what has less of it.
     """
-    flat = np.full((*points.shape[:-1], 3), lift - 1.0, np.float32)
+    flat = np.full((*points.shape[:-1], 3), (lift - 1.0) * distance, np.float32)
     flat[..., :2] = (1.0 - lift) * np.asarray(points)
     return flat
 

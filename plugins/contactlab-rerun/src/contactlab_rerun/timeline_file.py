@@ -95,17 +95,17 @@ class TimelineFile:
         ends = [run.extent for run, _, _ in self.runs]
         field = -nice(-min(ends)[0]) if min(ends)[0] < 0.0 else 0.0, nice(max(top for _, top in ends))
         pressure = max(run.largest_pressure for run, _, _ in self.runs) or 1.0
-        scale = Scale(*field, pressure, float((high - low).max()))
+        scale = Scale(*field, pressure, float((high - low).max()), float(np.abs([low, high]).max()))
         shown = []
         for run, look, writer in self.runs:
             outline = look.colour if len(self.runs) > 1 else OUTLINE
             Drawing(self.recording, run, look, scale, outline, self._wired(run)).draw()
             box = np.asarray(low, float), np.asarray(high, float)
             if run.layout.contacts:
-                log_state_key(self.recording, look.path, *box, run.frictional)
+                log_state_key(self.recording, look.path, *box, run.frictional, scale.distance)
             if self.options.field != NO_FIELD:
                 label = _label(self.options.field, run.layout.units)
-                box = log_colour_bar(self.recording, look.path, label, field, *box)
+                box = log_colour_bar(self.recording, look.path, label, field, *box, scale.distance)
             shown.append(Shown(look, run, box, writer.shown()))
         return shown
 
