@@ -24,6 +24,8 @@ TOLERANCE = 1e-8
 class Columns:
     """Equations, contact and balance in one: only vertical displacements are free."""
 
+    dynamic = False
+
     def __init__(self, coupling: Floats, load: Floats, start: Floats) -> None:
         n = len(load)
         self.coupling, self.load = coupling, load

@@ -55,6 +55,8 @@ class Obstacle:
 class OneNode:
     """Implements what the iteration sees of a model, and its balance."""
 
+    dynamic = False
+
     def __init__(self, mu: float, start: tuple[float, float]) -> None:
         self.state = State({"displacement": (1, 2), "internal_force": (1, 2), "multipliers": (2, 1)})
         self.state["displacement"][0] = start

@@ -19,11 +19,16 @@ SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
 AWAY = 100.0  # times the size of the model: a correction that large means that nothing holds a body
 TOUCHING = 1e-9  # segment lengths
 FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
-ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the force of the largest displacement: no iteration gets below it
+ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the force of the largest displacement or position: nothing is exacter
 
 
 class Balance(Protocol):
-    """What is in balance at the end of a step."""
+    """What is in balance at the end of a step.
+
+    dynamic  whether `stiffness` holds that of masses, which says nothing of the round-off of stresses
+    """
+
+    dynamic: bool
 
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
         """Fill `out` (N, 2) with external and contact forces minus all others; returns the forces by kind."""
@@ -60,7 +65,9 @@ class NewtonIteration:
         multipliers = state["multipliers"] if self.contact is not None else np.zeros((1, 0))
         self.response = Response.allocate(*multipliers.shape)
         self.size = float(np.ptp(equations.reference, axis=0).max())
+        self.farthest = float(np.abs(equations.reference).max())
         self.floor = 0.0
+        self.round_off: Floats = np.zeros((nodes, 2))
         self.seen: set[bytes] = set()
         self.circling = False
 
@@ -236,6 +243,8 @@ class NewtonIteration:
         moved = min(float(np.abs(self.u).max()), AWAY * self.size)  # what flies away is not in balance
         self.floor = stiffest * max(FLOOR * cell, ROUND_OFF * (moved + cell) / self.tolerance)
         self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
+        if not self.balance.dynamic:
+            np.multiply(ROUND_OFF * self.farthest, diagonal, out=self.round_off)
         if self.contact is not None:
             self.contact.scale(self.flexibility)
         if first:
@@ -253,9 +262,11 @@ class NewtonIteration:
         self.parts = self.balance.unbalanced(self.force)
 
     def _residual(self) -> Residual:
-        unbalanced = float((np.abs(self.force) * self.free).max())
+        # against forces so small that round-off is all there is, it is what they are measured by
+        scale = np.maximum(force_scale(list(self.parts), self.floor), self.round_off / self.tolerance)
+        unbalanced = float((np.abs(self.force) * self.free / scale).max())
         contact = contact_residual(self.contact.conditions, self.response) if self.contact is not None else 0.0
-        return Residual(unbalanced / force_scale(list(self.parts), self.floor), contact)
+        return Residual(unbalanced, contact)
 
     def _record(self, residual: Residual, changed: int, length: float, note: str) -> Iteration:
         status = self.response.status

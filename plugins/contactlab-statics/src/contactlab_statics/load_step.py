@@ -14,6 +14,8 @@ from contactlab_statics.ledger import Ledger
 class LoadStep:
     """Implements `Balance` for statics."""
 
+    dynamic = False
+
     def __init__(self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int) -> None:
         self.equations, self.state = equations, state
         nodes = len(equations.reference)

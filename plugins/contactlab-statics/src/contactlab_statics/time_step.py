@@ -22,6 +22,8 @@ INTERNAL, EXTERNAL, DAMPING, CONTACT, FRICTION, NUMERICAL, SLIP = range(len(WORK
 class TimeStep:
     """Implements `Balance` for dynamics."""
 
+    dynamic = True
+
     def __init__(
         self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int, dissipation: float
     ) -> None:
