@@ -53,13 +53,23 @@ class LoadSchedule(Schedule):
             raise SimulationFailure(
                 "not-converged",
                 f"after step {self.state.step}, at time {self.state.time:.6g}: a step of {tried:.3g} failed, "
-                f"1/{CUT * self.wished / self.part:.0f} of the wished one: {step.reason}; {StepStatus.gave_up.value}",
+                f"1/{CUT * self.wished / self.part:.0f} of the wished one: {step.reason}; {self._advice()}",
             )
         self.dt = self._length()
         return (
             f"a step of {tried:.6g} from time {self.state.time:.6g} was taken back after {step.iterations} iterations: "
             f"{step.reason}; {self.dt:.6g} is tried"
         )
+
+    def _advice(self) -> str:
+        """What to try after the shortest step failed."""
+        if self.model.contact is not None:
+            return (
+                "the shortest step failed, and none helps where forces jump (a node on a vertex of a coarse master) or "
+                "statuses find no rest (very high friction); try another contact algorithm, the other side as slave "
+                "(swap), finer cells, less friction, or more steps"
+            )
+        return StepStatus.gave_up.value
 
     def follow(self) -> None:
         """Nothing limits an implicit step but its convergence."""
