@@ -58,7 +58,8 @@ def row(case: str, variant: str, figure: Figure) -> Row:
     verdict = "" if not figure.judged else "met" if figure.met else "**missed**"
     limit = figure.most if figure.least == -figure.most else None
     criterion = f"at most {limit:.4g}" if limit is not None and figure.judged else figure.criterion
-    values = (case, variant, figure.says, f"{figure.value:.3g}", criterion, verdict)
+    value = f"{figure.value:.0f}" if abs(figure.value) >= 1000.0 else f"{figure.value:.3g}"
+    values = (case, variant, figure.says, value, criterion, verdict)
     return dict(zip(COLUMNS, values, strict=True))
 
 

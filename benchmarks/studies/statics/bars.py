@@ -216,9 +216,8 @@ def case_bouncing() -> Rows:
 
 def case_beams() -> Rows:
     """Tip of the struck beam at five instants, aim 1 %, 5 % in the published test."""
-    for algorithm, cells, steps in [(a, 200, n) for a in MORTARS for n in (600, 1200, 2400)] + [
-        ("mortar-p0", 800, 4800)
-    ]:
+    cells, variants = 200, [(algorithm, steps) for algorithm in MORTARS for steps in (600, 1200, 2400)]
+    for algorithm, steps in (*variants, ("mortar-p0", 4800)):
         found = two_beams(algorithm, cells, steps)
         way = 5875.0 * 1e-3 / steps * cells
         yield (

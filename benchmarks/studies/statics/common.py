@@ -71,11 +71,11 @@ def l2_error(x: Floats, values: Floats, exact: Callable[[Floats], Floats], reach
     return float(np.sqrt(((found - wanted) ** 2).sum() / (wanted**2).sum()))
 
 
-def stopped(results: Results) -> list[Figure]:
+def stopped(results: Results, judged: bool = True) -> list[Figure]:
     """What is said of a run that did not come to its end; empty if it did."""
     if results.status == "finished":
         return []
-    return [Figure("iterations until it stopped, " + results.status, float(results.summary["iterations"]), most=-INF)]
+    return [Figure("finished (1) or not converged (0)", 0.0, least=1.0 if judged else -INF)]
 
 
 def label(algorithm: str, *parts: object) -> str:

@@ -121,10 +121,9 @@ def partial_slip(force: float, side: float, a: float, before: float | None) -> C
 def case_mindlin() -> Rows:
     """a/h = 16 on both bodies, twice and half of it, either slave; then other numbers of load steps."""
     variants = [(alg, swap, 16, 16) for alg in MORTARS for swap in (False, True)]
-    variants += [("mortar-p1", True, 8, 16), ("mortar-p1", True, 32, 16)]
-    variants += [("mortar-p1", True, 16, steps) for steps in (4, 64)]
+    variants += [("mortar-p0", False, 8, 16), ("mortar-p0", False, 32, 16), ("mortar-p0", False, 16, 4)]
     for algorithm, swap, cells, steps in variants:
-        made = mindlin(algorithm, swap, h=0.0175 / cells, growth=1.015, zone=0.024, steps=steps)
+        made = mindlin(algorithm, swap, h=0.0182 / cells, growth=1.015, zone=0.024, steps=steps)
         results = simulate(made)
         variant = label(algorithm, side(swap), f"a/h = {cells}", f"{steps} steps")
         yield variant, stopped(results) or mindlin_figures(results, cells == 16)

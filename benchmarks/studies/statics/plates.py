@@ -79,7 +79,7 @@ def case_high_friction() -> Rows:
     for algorithm in MORTARS:
         for mu in (2.0, 5.0, 20.0, 1000.0):
             results = simulate(plate(algorithm, mu))
-            yield label(algorithm, f"mu = {mu:g}"), stopped(results) or plate_figures(results, False)
+            yield label(algorithm, f"mu = {mu:g}"), stopped(results, False) or plate_figures(results, False)
 
 
 def pulled_block(algorithm: str, mu: float, shear: float, poisson: float = 0.3, cells: int = 20) -> Scene:
