@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from contactlab.api import Floats, Step, StepStatus
-from contactlab.errors import SimulationFailure
+from contactlab.errors import SceneError, SimulationFailure
 from contactlab.load_path import EvenPath, LoadPath
 from contactlab.schedule import Schedule
 
@@ -15,6 +15,7 @@ CUT = 0.5  # of the step that failed
 GROW = 2.0  # after a step that converged easily
 EASY = 8  # iterations of a step after which a longer one is tried
 SHORTEST = 2.0**-12  # of the wished step: below it the run is given up
+MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
 NEARLY = 1e-9  # of a step: differences below it are round-off
 
 
@@ -31,6 +32,14 @@ class LoadSchedule(Schedule):
         statics = not self.model.integrator.inertia and self.fixed is None
         self.path = LoadPath(self.model, self.scene, total) if statics else EvenPath(total)
         self.wished = 1.0 / self.model.integrator.wished_steps() if self.fixed is None else float(self.fixed) / total
+        if self.wished * MOST < 1.0:
+            raise SceneError(
+                f"steps this short would be {1.0 / self.wished:.0f}",
+                where=self.scene.where("time.step"),
+                got=self.fixed,
+                allowed=f"at least {total / MOST:.3g}",
+                hint="leave it out: implicit integrators say by `steps` how many they take, and find their length",
+            )
         self.part = self.wished
         return self._length()
 
@@ -38,6 +47,18 @@ class LoadSchedule(Schedule):
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
         """What to call after each accepted step, with the step and its length."""
         return (self._took,)
+
+    def estimated_steps(self) -> int:
+        """Those that the scene wishes, leg by leg of the loading."""
+        if self.pace.end is None:
+            return super().estimated_steps()
+        time, count = 0.0, 0
+        while time < self.pace.end:
+            stop = self.path.stop(time)
+            leg = self.path.fraction(stop) - self.path.fraction(time)
+            count += max(1, int(np.ceil(leg / self.wished * (1.0 - NEARLY))))
+            time = stop
+        return count
 
     def _took(self, step: Step, dt: float) -> None:
         """Follow an accepted step: longer again where it was easy."""

@@ -66,6 +66,11 @@ class Schedule:
         if safe < self.dt:
             self.dt = self._even(safe)
 
+    def estimated_steps(self) -> int:
+        """Steps of the whole run if nothing changes their length; a run that settles is taken to do so in a period."""
+        pace = self.pace
+        return max(1, round((pace.end if pace.end is not None else pace.ramp + pace.period) / self.first))
+
     def _smallest(self) -> str:
         """The cell that sets the step."""
         limit = min(self.model.step_limits, key=lambda limit: limit.latest)

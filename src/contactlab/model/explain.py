@@ -75,8 +75,7 @@ def explain(scene: Any, registry: Any, rehearsed: Rehearsal | None = None) -> Ex
     """
     model = build(scene, registry)
     schedule = _schedule(model, scene)
-    duration = model.pace.end if model.pace.end is not None else model.pace.ramp + model.pace.period
-    steps = max(1, round(duration / schedule.dt))
+    steps = schedule.estimated_steps()
     bound = model.integrator.bind(model, model.state)
     arrays = held_arrays(model, integrator=bound)
     seconds = _seconds(rehearsed, steps)

@@ -1,0 +1,41 @@
+"""What `explain` says of the number of steps is what a run then takes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import contactlab
+from contactlab.errors import RequestError
+from contactlab.model.explain import explain
+from contactlab.simulation import simulate
+
+SHALLOW = {"level": 1, "supports.1.uy.to": -0.03, "record.frames": 1}
+HELD = {"ramp": "linear", "to": -0.03, "duration": 0.5}
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"integrator": "newton"},
+        {"integrator": {"use": "newton", "steps": 3}, "time.end": 2.0, "supports.1.uy": HELD},
+        {"integrator": {"use": "newton", "steps": 3}, "time.step": 0.25, "time.end": 1.0},
+        {"integrator": {"use": "implicit-dynamics", "steps": 4}, "time.end": 1e-5},
+    ],
+    ids=["steps of equal loading", "a corner of the loading", "a length in the scene", "steps in time"],
+)
+def test_implicit_runs_take_the_steps_that_are_announced(changes: dict[str, Any]) -> None:
+    scene = contactlab.load_scene("disc-on-block").with_(SHALLOW | changes)
+    results = simulate(scene)
+    assert results.status == "finished"
+    assert not [event for event in results.events if "taken back" in event.text]
+    assert explain(scene, scene.registry).estimated_steps == results.summary["steps"]
+
+
+def test_a_step_left_over_from_an_explicit_run_is_refused() -> None:
+    """A hundred million load steps of 1e-8 are nobody's wish."""
+    scene = contactlab.load_scene("disc-on-block").with_(SHALLOW | {"integrator": "newton", "time.step": 1e-8})
+    with pytest.raises(RequestError, match="steps this short would be 100000000") as told:
+        simulate(scene)
+    assert "leave it out" in str(told.value)
