@@ -9,7 +9,7 @@ from contactlab.api.kernel import kernel
 
 
 @kernel
-def _depths(points, positions, segments, limit, out):
+def depths_behind(points, positions, segments, limit, out):
     """Depth of every point behind its nearest segment; 0 outside, beyond the chain's ends or past `limit`."""
     for i in range(points.shape[0]):
         nearest, out[i] = limit, 0.0
@@ -30,7 +30,7 @@ def _depths(points, positions, segments, limit, out):
 def depths(points: Floats, positions: Floats, segments: Ints, limit: float) -> Floats:
     """Penetration (p,) [mm] of points (p, 2) into the body behind a chain, up to `limit` deep."""
     out = np.empty(len(points))
-    _depths(np.ascontiguousarray(points), np.ascontiguousarray(positions), segments, limit, out)
+    depths_behind(np.ascontiguousarray(points), np.ascontiguousarray(positions), segments, limit, out)
     return out
 
 

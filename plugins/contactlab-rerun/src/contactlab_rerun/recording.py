@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,11 +13,13 @@ from contactlab.api.colours import STYLES, styles
 from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recording, replay
 from contactlab_rerun.gathered import Gathered, Look, entity_name, tint
-from contactlab_rerun.timeline_file import TimelineFile
 
 if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
+    from contactlab_rerun.series import SeriesWriter
+    from contactlab_rerun.timeline_file import TimelineFile
 
+MANY = 4096  # steps that wait before the library is needed
 Summary = Mapping[str, Any]
 
 
@@ -23,10 +27,24 @@ class RunRecording(Recording):
     """One run. Steps wait in memory until there are many; frames until the file ends, when their scales are known."""
 
     def __init__(
-        self, file: TimelineFile, options: Rerun, layout: Layout, look: Look, finish: Callable[[Summary], None]
+        self,
+        begin: Callable[[Gathered], SeriesWriter],
+        options: Rerun,
+        layout: Layout,
+        finish: Callable[[Summary], None],
     ) -> None:
-        self.run, self.finish = Gathered(layout, options.field, options.every), finish
-        self.series = file.begin(self.run, look)
+        self.run, self.begin, self.finish = Gathered(layout, options.field, options.every), begin, finish
+        self.series: SeriesWriter | None = None
+        self.waiting: list[Floats] = []
+
+    def _series(self) -> SeriesWriter:
+        """Where steps go, from the first time on that they must: that imports the library and begins the file."""
+        if self.series is None:
+            self.series = self.begin(self.run)
+            for block in self.waiting:
+                self.series.add(block)
+            self.waiting.clear()
+        return self.series
 
     def frame(self, frame: Frame) -> None:
         """Keep what is shown of a frame."""
@@ -34,7 +52,10 @@ class RunRecording(Recording):
 
     def steps(self, block: Floats) -> None:
         """Send scalars of steps on, many at a time."""
-        self.series.add(block)
+        if self.series is None and sum(map(len, self.waiting)) < MANY:
+            self.waiting.append(block.copy())
+        else:
+            self._series().add(block)
 
     def event(self, event: Event) -> None:
         """Keep an event."""
@@ -46,6 +67,7 @@ class RunRecording(Recording):
 
     def close(self, summary: Summary) -> None:
         """Draw all frames and give the file its name, where this run is the whole of it."""
+        self._series()
         self.finish(summary)
 
 
@@ -54,8 +76,17 @@ def record_run(options: Rerun, folder: Path, layout: Layout) -> RunRecording:
     algorithms = ", ".join(dict.fromkeys(contact.algorithm for contact in layout.contacts))
     title = f"{layout.title}: {algorithms}" if algorithms else layout.title
     look = Look(f"/{entity_name(folder.resolve().name)}", title, STYLES[0].colour)
-    file = TimelineFile(folder / options.shown_file, options, timeline="step")
-    return RunRecording(file, options, layout, look, lambda summary: file.finish([summary]))
+    if find_spec("rerun") is None:  # told before the run, though the library is not needed yet
+        raise ModuleNotFoundError("No module named 'rerun'")
+    files: list[TimelineFile] = []
+
+    def begin(run: Gathered) -> SeriesWriter:
+        from contactlab_rerun.timeline_file import TimelineFile
+
+        files.append(TimelineFile(folder / options.shown_file, options, timeline="step"))
+        return files[0].begin(run, look)
+
+    return RunRecording(begin, options, layout, lambda summary: files[0].finish([summary]))
 
 
 def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) -> None:
@@ -63,10 +94,14 @@ def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) 
     shown = {title: run for title, run in runs.items() if len(run.frames)}
     if not shown:
         return
+    from contactlab_rerun.timeline_file import TimelineFile
+
     file = TimelineFile(path, options, timeline="sim_time")
     for title, look in looks(shown).items():
         run = shown[title]
-        replay(run, RunRecording(file, options, run.layout, look, lambda summary: None), steps=True)
+        one = RunRecording(partial(file.begin, look=look), options, run.layout, lambda summary: None)
+        replay(run, one, steps=True)
+        one.close(run.summary)
     file.finish([run.summary for run in shown.values()])
 
 
