@@ -21,6 +21,7 @@ class ContactSystem:
 
     def __init__(self, pairs: tuple[Pair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         self.pairs, self.enforcement, self.state = pairs, enforcement, state
+        self.surfaces = [pair for pair in pairs if isinstance(pair, SurfacePair)]
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)
         self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]
@@ -80,7 +81,10 @@ class ContactSystem:
         self.rows.count = 0
         while True:
             self.chained.count = 0
-            if all(p.append_chained(self.chained) for p in self.pairs if isinstance(p, SurfacePair)):
+            for pair in self.surfaces:
+                if not pair.append_chained(self.chained):
+                    break
+            else:
                 return self.chained
             self.chained = ChainedRows.allocate(len(self.chained.gap), int(GROW * len(self.chained.node)) + 64)
 
