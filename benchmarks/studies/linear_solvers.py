@@ -16,7 +16,8 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from contactlab_statics import saddle
+from contactlab_statics import reuse
+from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 
 import contactlab
@@ -24,6 +25,7 @@ from contactlab.api import Floats
 from contactlab.model.build import build
 
 REPEAT = 5
+REFINEMENTS = 30
 System = tuple[Any, Floats]
 Solver = Callable[[Any, Floats], tuple[Floats, float]]
 
@@ -32,18 +34,20 @@ def system(level: int, wanted: int = 4) -> System:
     """Matrix (CSC) and right-hand side of an iteration."""
     kept: list[System] = []
 
-    class Keeping(saddle.Factor):  # type: ignore[misc]
+    class Keeping(reuse.Factor):  # type: ignore[misc]
         def solve(self, right: Floats) -> Floats:
             kept.append((self.matrix.copy(), right.copy()))
             return super().solve(right)
 
     scene = contactlab.load_scene("disc-on-block").with_({"level": level, "integrator": {"use": "newton", "steps": 5}})
     model = build(scene, scene.registry)
-    original, saddle.Factor = saddle.Factor, Keeping
+    original = reuse.Factor, reuse.preconditioned
+    # every iteration is to have factors of its own
+    reuse.Factor, reuse.preconditioned = Keeping, lambda *_: None
     try:
         model.integrator.bind(model, model.state)(0.1)
     finally:
-        saddle.Factor = original
+        reuse.Factor, reuse.preconditioned = original
     return kept[min(wanted, len(kept)) - 1]
 
 
@@ -88,6 +92,24 @@ def solvers() -> Iterator[tuple[str, Solver]]:
             return np.asarray(umfpack.spsolve(matrix, right)), float("nan")
 
         yield "UMFPACK (scikit-sparse)", umf
+    try:
+        import qdldl
+    except ImportError:
+        print("qdldl is not installed: left out")
+    else:
+
+        def symmetric(matrix: Any, right: Floats) -> tuple[Floats, float]:
+            # it factorises symmetric matrices only: the rest is left to refinement
+            factors = qdldl.Solver(csc_matrix(0.5 * (matrix + matrix.T)))
+            found = np.asarray(factors.solve(right))
+            for _ in range(REFINEMENTS):
+                rest = right - matrix @ found
+                if np.linalg.norm(rest) <= 1e-12 * np.linalg.norm(right):
+                    break
+                found = found + factors.solve(rest)
+            return found, float("nan")
+
+        yield "QDLDL (qdldl) of the symmetric part, refined", symmetric
     try:
         import mumps
     except ImportError:
