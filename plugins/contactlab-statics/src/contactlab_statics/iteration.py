@@ -238,13 +238,12 @@ class NewtonIteration:
         first = self.floor == 0.0
         self.stiffness = self.balance.stiffness(dt)
         diagonal = np.abs(self.stiffness.diagonal()).reshape(self.u.shape)
-        stiffest, cell = float(diagonal.max()), 1e-2 * self.size
-        # bodies that move without being loaded yet are in balance as far as round-off lets them be
-        moved = min(float(np.abs(self.u).max()), AWAY * self.size)  # what flies away is not in balance
-        self.floor = stiffest * max(FLOOR * cell, ROUND_OFF * (moved + cell) / self.tolerance)
+        self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
         self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
         if not self.balance.dynamic:
-            np.multiply(ROUND_OFF * self.farthest, diagonal, out=self.round_off)
+            # also of bodies that are carried far before anything loads them; what flies away is not in balance
+            moved = min(float(np.abs(self.u).max()), AWAY * self.size)
+            np.multiply(ROUND_OFF * (self.farthest + moved), diagonal, out=self.round_off)
         if self.contact is not None:
             self.contact.scale(self.flexibility)
         if first:
