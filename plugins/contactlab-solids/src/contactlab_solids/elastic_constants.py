@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from functools import cache
+from importlib import import_module
+from typing import Any, NamedTuple
 
 
 class Lame(NamedTuple):
@@ -31,6 +33,13 @@ def elastic_limit(yield_stress: float | None) -> float:
     return math.inf if yield_stress is None else yield_stress
 
 
+@cache
+def late(module: str) -> Any:
+    """A module of kernels of this package, imported when it is first asked for; costs less than an import statement."""
+    return import_module(f"contactlab_solids.{module}")
+
+
+@cache
 def lame_constants(young: float, poisson: float) -> Lame:
     """Lame's constants of an isotropic solid."""
     return Lame(young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson)))

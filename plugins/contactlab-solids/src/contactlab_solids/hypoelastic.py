@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants, late
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,9 @@ class Hypoelastic(Material):
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """sigma = R (R sigma_old R^T + lambda tr(d) I + 2 mu d) R^T, R R = Q; `gradient`: increment at mid-step."""
-        from contactlab_solids import hypoelastic_kernels
-
         if new_history is not history:
             new_history[:] = history
-        hypoelastic_kernels.stress(gradient, new_history, stress, *lame_constants(self.young, self.poisson))
+        late("hypoelastic_kernels").stress(gradient, new_history, stress, *lame_constants(self.young, self.poisson))
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of the increment gradient at mid-step), (4, 4, P)."""

@@ -12,12 +12,13 @@ a proportional path gives the same result in one step as in a thousand.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab_solids.elastic_constants import lame_constants
+from contactlab_solids.elastic_constants import lame_constants, late
 
 HISTORY = (
     "plastic_metric_difference",
@@ -36,6 +37,7 @@ class Moduli(NamedTuple):
     bulk: float
 
 
+@cache
 def moduli(young: float, poisson: float) -> Moduli:
     """Moduli of the elastic part."""
     lame, shear = lame_constants(young, poisson)
@@ -62,8 +64,7 @@ def elastic_trial(
 
     flow   yield stress at the start, slope, and the history row that the slope multiplies
     """
-    from contactlab_solids import j2_kernels
-
+    j2_kernels = late("j2_kernels")
     yielding, wide = j2_kernels.trial(gradient, history, stress, *constants, *flow)
     if wide:
         j2_kernels.wide_trial(gradient, history, stress, *constants, False)

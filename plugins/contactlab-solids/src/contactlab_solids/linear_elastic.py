@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants, late
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,7 @@ class LinearElastic(Material):
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """sigma = lambda tr(eps) I + 2 mu eps."""
-        from contactlab_solids import kernels
-
-        kernels.linear_elastic(gradient, stress, *lame_constants(self.young, self.poisson))
+        late("kernels").linear_elastic(gradient, stress, *lame_constants(self.young, self.poisson))
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """Hooke's constants, the same at every point."""

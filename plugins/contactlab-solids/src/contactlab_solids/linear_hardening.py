@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api import Floats, Kinematics, Material
 from contactlab_solids import j2
-from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
+from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds, late
 
 
 @dataclass(frozen=True)
@@ -57,8 +57,7 @@ class LinearHardening(Material):
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """Elastic trial and radial return; `gradient` is F^-1."""
-        from contactlab_solids import j2_kernels
-
+        j2_kernels = late("j2_kernels")
         if new_history is not history:
             new_history[:] = history
         constants, flow = j2.moduli(self.young, self.poisson), (self.yield_stress, self.hardening)

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants, late
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,7 @@ class NeoHookean(Material):
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """sigma = [mu (b - I) + lambda ln J I]/J with b = F F^T; `gradient` is F^-1."""
-        from contactlab_solids import kernels
-
-        kernels.neo_hookean(gradient, stress, *lame_constants(self.young, self.poisson))
+        late("kernels").neo_hookean(gradient, stress, *lame_constants(self.young, self.poisson))
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of F^-1), (4, 4, P)."""

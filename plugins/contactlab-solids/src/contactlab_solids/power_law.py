@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api import Floats, Kinematics, Material
 from contactlab_solids import j2
-from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
+from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds, late
 
 RISE = 4  # history row: yield stress less that of the start
 
@@ -65,8 +65,7 @@ class PowerLaw(Material):
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """Elastic trial and radial return; `gradient` is F^-1."""
-        from contactlab_solids import j2_kernels
-
+        j2_kernels = late("j2_kernels")
         if new_history is not history:
             new_history[:] = history
         constants, start = j2.moduli(self.young, self.poisson), self.strength * self.prestrain**self.exponent
