@@ -1,0 +1,95 @@
+"""What contact gives and takes between curved surfaces in steps in time, and why."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from contactlab_statics.time_step import TimeStep
+
+import contactlab
+from contactlab.api import Floats
+from contactlab.simulation import simulate
+
+SCENE = """
+format = 1
+name = "discs that meet off centre"
+
+[integrator]
+use = "implicit-dynamics"
+steps = {steps}
+
+[time]
+end = 1e-4
+
+[materials.soft]
+use = "neo-hookean"
+young = 1000.0
+poisson = 0.3
+density = 1e-9
+
+[bodies.upper]
+element = "q1"
+material = "soft"
+mesh = {{ use = "disc", radius = 1.0, cells = [{cells}, {rings}] }}
+velocity = [0.0, -20000.0]
+
+[bodies.lower]
+element = "q1"
+material = "soft"
+mesh = {{ use = "disc", radius = 1.0, cells = [{more}, {rings}] }}
+shift = [0.3, -2.0]
+
+[[contacts]]
+slave = "upper.bottom"
+master = "lower.top"
+algorithm = "mortar-p0"
+"""
+BROUGHT = 0.5 * np.pi * 1e-9 * 20000.0**2  # mJ, kinetic energy of the upper disc
+
+
+def works(cells: int, rings: int, steps: int, tmp_path: Path) -> tuple[float, float]:
+    """Largest work -y dg of a step by gaps that close or open, and all of that by normals that turn, over `BROUGHT`.
+
+    Both make up the work of contact forces y on the nodes: along nu, y nu . P v = y (dg + (nu . P - dg/dx) v).
+    """
+    closing, turning = [0.0], [0.0]
+    original = TimeStep._book_contact
+
+    def book(self: TimeStep, moved: Floats) -> None:
+        contact = self.equations.contact
+        assert contact is not None
+        force = contact.conditions.force[0]
+        closed = np.flatnonzero(contact.conditions.present & (force > 0.0)).astype(np.int32)
+        if len(closed):
+            slopes, by = contact.linearise(closed), moved.reshape(-1)
+            gaps = contact.conditions.gap[closed].copy()
+            contact.evaluate(self.equations.reference + self.u_start)
+            before = np.where(contact.conditions.present, contact.conditions.gap, 0.0)[closed]
+            contact.evaluate(self.equations.position)
+            contact.conditions.force[0] = force
+            closing.append(float(force[closed] @ (gaps - before)))
+            turning.append(float(force[closed] @ ((slopes.normal - slopes.gap) @ by)))
+        original(self, moved)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(TimeStep, "_book_contact", book)
+        (tmp_path / "discs.toml").write_text(SCENE.format(cells=cells, more=cells + 1, rings=rings, steps=steps))
+        results = simulate(contactlab.load_scene(tmp_path / "discs.toml"))
+    assert results.status == "finished"
+    return max(closing) / BROUGHT, sum(turning) / BROUGHT
+
+
+def test_only_normals_that_turn_give_energy(tmp_path: Path) -> None:
+    """Gaps that close take energy or leave it; what is given belongs to the mesh and goes with it.
+
+    Forces act along averaged normals, whose turning is part of a gap's change but not of the force: 13 % of the energy
+    that is brought to four segments per quarter of a circle, 1 % with eight. Explicit runs make 14 and 4 % there.
+    Halving the cells is to take at least three quarters of it, for an error of second order.
+    """
+    coarse = works(4, 3, 100, tmp_path)
+    fine = works(8, 6, 100, tmp_path)
+    # gaps are zero at the end of a step within 1e-8 of a segment
+    assert max(coarse[0], fine[0]) < 1e-6
+    assert 0.0 < fine[1] < 0.25 * coarse[1]
