@@ -84,6 +84,11 @@ class LoadSchedule(Schedule):
 
     def _advice(self) -> str:
         """What to try after the shortest step failed."""
+        if not self.model.integrator.inertia and not self.state.step and self.model.loads:
+            return (
+                "nothing was in equilibrium yet, and loads push already: a body that moves freely needs an integrator "
+                "with inertia (implicit-dynamics), a load that is there from the start a ramp"
+            )
         if self.model.contact is not None:
             return (
                 "the shortest step failed, and none helps where forces jump (a node on a vertex of a coarse master) or "

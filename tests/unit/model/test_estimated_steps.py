@@ -39,3 +39,11 @@ def test_a_step_left_over_from_an_explicit_run_is_refused() -> None:
     with pytest.raises(RequestError, match="steps this short would be 100000000") as told:
         simulate(scene)
     assert "leave it out" in str(told.value)
+
+
+def test_a_falling_body_is_told_what_statics_cannot_do() -> None:
+    """Nothing holds the block up before it lands: no load step is short enough, and the reason says what to try."""
+    scene = contactlab.load_scene("dropped-block").with_({"integrator": {"use": "newton", "iterations": 4}})
+    results = simulate(scene)
+    assert results.status == "not-converged"
+    assert "a body that moves freely needs an integrator with inertia" in results.reason

@@ -222,7 +222,9 @@ class NewtonIteration:
         for piece in range(1, min(pieces, 64) + 1):
             part = piece / min(pieces, 64)
             self.contact.evaluate(reference + start + part * du)
-            depth = np.where(conditions.present, -conditions.gap / np.maximum(conditions.size, 1e-300), 0.0)
+            depth = np.divide(
+                -conditions.gap, conditions.size, out=np.zeros_like(conditions.gap), where=conditions.present
+            )
             if depth.max() > DEEPEST:
                 length, note = part, "surfaces would pass through each other"
                 if depth.max() > 2.0 * DEEPEST and piece > 1:
