@@ -196,6 +196,12 @@ def upsetting() -> Numbers:
                 numbers["rows"].append(f"| {mu} | {SHORT[algorithm]} | {slaves} | {_upset(results, mu, 15.0 - way)} |")
                 if not mu:
                     break
+    static = {"integrator": {"use": "newton", "steps": 60}, "contacts.0.friction": {"use": "coulomb", "mu": 0.5}}
+    for algorithm in ALGORITHMS:
+        results = contactlab.simulate(
+            load(UPSETTING, static | {"contacts.0.algorithm": algorithm, "rigid.ram.uy.to": -9.0})
+        )
+        numbers["rows"].append(f"| 0.5 | {SHORT[algorithm]} | faces and sides, static | {_upset(results, 0.5, 6.0)} |")
     return numbers
 
 
