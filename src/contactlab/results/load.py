@@ -68,7 +68,9 @@ class _Reader:
     def __init__(self, file: Any, folder: Path) -> None:
         self.file, self.folder, self.own = file, folder, file["contactlab"]
         self.layout = read_layout(self.own)
-        self.frames = int(file["VTKHDF/Steps"].attrs["NSteps"])
+        steps = file["VTKHDF/Steps"]
+        # a kill can fall between two writes of one flush: a frame is there once both say so
+        self.frames = min(int(steps.attrs["NSteps"]), len(steps["Values"]))
         self.steps = int(self.own["steps"].attrs["count"])
         self.events = len(self.own["events/step"])
         self.last_step = math.inf
