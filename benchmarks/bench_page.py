@@ -96,7 +96,8 @@ def _element_section(rows: Rows) -> Iterable[str]:
     yield from ["", "## Updates of elements", "", "![updates per second](benchmarks-updates.png)", ""]
     yield (
         "Node update and Python included. *Fused* is one scalar loop over cells written by hand for the law "
-        "(`benchmarks/kernels/fused_loops.py`), *bound* the time that a triad of this machine needs for the bytes that "
+        "(`benchmarks/kernels/fused_loops.py`) or the element (`fused_elements.py`), *bound* the time that a triad of "
+        "this machine needs for the bytes that "
         "no scheme can avoid."
     )
     yield ""

@@ -91,10 +91,10 @@ def figure_16() -> Numbers:
     fine = {algorithm: forge(algorithm, fine=True) for algorithm in ("node-on-segment", "mortar-p0")}
     frames = {algorithm: sound(results.frames) for algorithm, results in runs.items()}
     _strip(runs, frames)
-    finer = forge("mortar-p0", level=2)
+    finer = forge("mortar-p0", level=4)
     curves = {
         "P0, tools are slaves": forces(frames["mortar-p0"]), "P0, billet is slave": forces(fine["mortar-p0"].frames),
-        "P0, tools, cells half as long": forces(finer.frames),
+        "P0, tools, cells a quarter as long": forces(finer.frames),
     }  # fmt: skip
     _curves(frames, {name: sound(results.frames) for name, results in fine.items()}, curves)
     numbers = _numbers(runs, frames, fine) | {"ratios": _ratios()}
