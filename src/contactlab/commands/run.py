@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shlex
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,18 +24,20 @@ EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 def run(options: argparse.Namespace) -> int:
     """Run the scene, show how it goes, print a short table."""
     from contactlab.interruption import Interrupted
-    from contactlab.reports.run import print_run
     from contactlab.restart import FILE, RESUMABLE
     from contactlab.simulation import simulate
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
-    out = console()
     with results_folder(options.out, scene.name, options.resume) as folder, shown_progress(scene) as progress:
         try:
             results = simulate(scene, out=folder, registry=registry, progress=progress, resume=options.resume)
         except Interrupted as stop:
             results = stop.results
+    # libraries that draw tables are needed now, and not before the first step
+    from contactlab.reports.run import print_run
+
+    out = console()
     print_run(results, scene.data, out)
     print_how_to_look(folder, registry, out)
     if results.status in RESUMABLE and (folder / FILE).exists():
@@ -50,12 +53,14 @@ def resume_line(options: argparse.Namespace, folder: Path) -> str:
 
 
 @contextmanager
-def shown_progress(scene: Scene) -> Iterator[Progress]:
-    """A bar with step, time and energy error; it stays away where nobody watches."""
+def shown_progress(scene: Scene) -> Iterator[Progress | None]:
+    """A bar with step, time and energy error; None where nobody watches."""
+    if not sys.stderr.isatty():
+        yield None
+        return
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
-    console = Console(stderr=True)
     columns = (
         TextColumn(scene.name, markup=False, style="bold"),
         BarColumn(),
@@ -64,7 +69,7 @@ def shown_progress(scene: Scene) -> Iterator[Progress]:
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+    with Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task("run", total=1.0, step=0, time=0.0, error=0.0)
 
         def show(fraction: float, step: int, time: float, energy_error: float) -> None:
