@@ -169,7 +169,7 @@ def test_energy_from_nowhere() -> None:
 
 def test_steps_too_long_for_what_happens() -> None:
     """Fine cells at the corners are bent within a few steps: 0.9 of the stable step misses what half of it follows."""
-    fine = load_scene("vertex-to-vertex").with_({"level": 4})
+    fine = load_scene("vertex-to-vertex").with_({"level": 4, "time.fraction": 0.9})
     reason = stopped(fine)
     words = (
         r"the bodies hold [\d.]+ more energy than work was done on them, ([\d.]+)% .*since step \d+; body (upper|lower)"
