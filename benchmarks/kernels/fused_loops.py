@@ -206,6 +206,13 @@ def _log_return(a, b, c, d, old, shear, step, s_d, s_x, s_z, log_j, mises):
     return s_d, s_x, s_z
 
 
+@inlined
+def _log_stress(a, b, c, d, bulk, s_d, s_x, s_z, log_j):
+    """Cauchy stress in the plane."""
+    middle, det = bulk * log_j - 0.5 * s_z, a * d - b * c
+    return (middle + s_d) * det, (middle - s_d) * det, s_x * det
+
+
 @fused
 def power_law(x, u, cells, force, history, bulk, shear, strength, prestrain, exponent):
     """J2 in logarithmic strains, as the part: x deformed, u undeformed positions, history (n, 4, 4)."""
@@ -218,8 +225,7 @@ def power_law(x, u, cells, force, history, bulk, shear, strength, prestrain, exp
             if mises > strength * (prestrain + old[3]) ** exponent:
                 step = _power_step(mises, old[3], shear, strength, prestrain, exponent)
                 s_d, s_x, s_z = _log_return(a, b, c, d, old, shear, step, s_d, s_x, s_z, log_j, mises)
-            middle, det = bulk * log_j - 0.5 * s_z, a * d - b * c
-            s_xx, s_yy, s_xy = (middle + s_d) * det, (middle - s_d) * det, s_x * det
+            s_xx, s_yy, s_xy = _log_stress(a, b, c, d, bulk, s_d, s_x, s_z, log_j)
             add(force, i, j, k, m, _XI[g], _ETA[g], x_xi, x_eta, y_xi, y_eta, s_xx, s_yy, s_xy)
 
 
@@ -236,6 +242,5 @@ def linear_hardening(x, u, cells, force, history, bulk, shear, yield_stress, har
             if excess > 0.0:
                 step = excess / (3.0 * shear + hardening)
                 s_d, s_x, s_z = _log_return(a, b, c, d, old, shear, step, s_d, s_x, s_z, log_j, mises)
-            middle, det = bulk * log_j - 0.5 * s_z, a * d - b * c
-            s_xx, s_yy, s_xy = (middle + s_d) * det, (middle - s_d) * det, s_x * det
+            s_xx, s_yy, s_xy = _log_stress(a, b, c, d, bulk, s_d, s_x, s_z, log_j)
             add(force, i, j, k, m, _XI[g], _ETA[g], x_xi, x_eta, y_xi, y_eta, s_xx, s_yy, s_xy)

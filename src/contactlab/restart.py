@@ -112,13 +112,3 @@ def changed_versions(layout: Layout, present: Layout) -> list[str]:
         for name in names
         if layout.versions.get(name) != present.versions.get(name)
     ]
-
-
-def cost_so_far(checkpoint: Checkpoint) -> dict[str, Any]:
-    """What the run had cost when it was saved."""
-    return dict(json.loads(checkpoint.summary).get("cost", {})) if checkpoint.summary else {}
-
-
-def resumed_before(checkpoint: Checkpoint) -> list[int]:
-    """Steps at which the run had been taken up before it was saved."""
-    return list(json.loads(checkpoint.summary).get("resumed_at_steps", ())) if checkpoint.summary else []

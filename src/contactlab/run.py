@@ -18,7 +18,7 @@ from contactlab.model.model import Model
 from contactlab.needs.watch import Watch
 from contactlab.provenance import parts_of, versions
 from contactlab.recorders import open_recordings, recorders_of
-from contactlab.restart import changed_versions, check_memory, cost_so_far, resumed_before, saved_run, stored_results
+from contactlab.restart import changed_versions, check_memory, saved_run, stored_results
 from contactlab.results.files import HistoryFile, write_scene
 from contactlab.results.frame import layout_of
 from contactlab.results.journal import Journal
@@ -128,8 +128,8 @@ class Run:
             part.restore(checkpoint.memory)
         self.first_step = self.counts.steps
         self.taken_up = json.loads(checkpoint.summary) if checkpoint.summary else {}
-        self.clock.before = cost_so_far(checkpoint)
-        self.resumed_at = [*resumed_before(checkpoint), self.counts.steps]
+        self.clock.before = self.taken_up.get("cost", {})
+        self.resumed_at = [*self.taken_up.get("resumed_at_steps", ()), self.counts.steps]
 
     @property
     def energy_error(self) -> float:

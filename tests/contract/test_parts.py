@@ -6,16 +6,16 @@ from typing import Any
 
 import pytest
 
+from contactlab.api.part import KINDS
 from contactlab.registry import default_registry
 from contactlab.testing import checks_for
 from contactlab.testing.assertions import Check
 from contactlab.testing.examples import example
-from contactlab.testing.run import CHECKED_KINDS
 
 
 def installed() -> list[tuple[str, str]]:
     registry = default_registry()
-    return [(kind, name) for kind in CHECKED_KINDS for name in registry.names(kind)]
+    return [(kind, name) for kind in KINDS for name in registry.names(kind)]
 
 
 CASES = [
@@ -39,4 +39,4 @@ def test_no_part_escapes_its_checks(kind: str, name: str) -> None:
 
 
 def test_every_checked_kind_has_parts() -> None:
-    assert {kind for kind, _ in installed()} == set(CHECKED_KINDS)
+    assert {kind for kind, _ in installed()} == set(KINDS)

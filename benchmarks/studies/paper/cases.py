@@ -10,7 +10,7 @@ from tempfile import mkdtemp
 from typing import Any
 
 import numpy as np
-from common import ROOT, SHORT, Numbers, deep_reference, difference, disc, percent, profile, reaction
+from common import ROOT, SHORT, Numbers, area, cross, deep_reference, difference, disc, percent, profile, reaction
 from scipy.optimize import brentq
 
 import contactlab
@@ -140,21 +140,6 @@ def load(text: str, changes: dict[str, Any]) -> Any:
     return scene
 
 
-def area(x: Any, cells: Any) -> float:
-    """Of quadrilaterals by their diagonals; where mid nodes follow the corners, with what their parabolas add."""
-    a, b, c, d = (x[cells[:, i]] for i in range(4))
-    total = 0.5 * _cross(c - a, d - b).sum()
-    if cells.shape[1] > 4:
-        for edge in range(4):
-            start, end, middle = (x[cells[:, i]] for i in (edge, (edge + 1) % 4, 4 + edge))
-            total += 2.0 / 3.0 * _cross(middle - start, end - start).sum()
-    return float(total)
-
-
-def _cross(p: Any, q: Any) -> Any:
-    return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
-
-
 def taylor() -> Numbers:
     """Width and length of the bar by two elements that do not lock, and by one that does."""
     meshes = {"q1": (12, 120), "q1-fbar": (12, 120), "q2-lagrange": (6, 60)}
@@ -247,7 +232,7 @@ def _rolled(scene: Any, kind: str, algorithm: str, slips: float, wanted: float) 
     cells = results.cells["disc"]
     weights = np.zeros(len(results.nodes))
     a, b, c, d = (results.nodes[cells[:, i]] for i in range(4))
-    np.add.at(weights, cells, 0.125 * _cross(c - a, d - b)[:, None])
+    np.add.at(weights, cells, 0.125 * cross(c - a, d - b)[:, None])
     weights /= weights.sum()
     frames = list(results.frames)
     times = np.array([frame.time for frame in frames])

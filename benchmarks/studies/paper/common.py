@@ -102,12 +102,28 @@ def picture(name: str, rows: int, columns: int, fill: Callable[[Figure, Any], No
         figure.savefig(PICTURES / f"{name}.svg", metadata={"Date": None}, dpi=70)
 
 
+def area(x: Any, cells: Any) -> float:
+    """Of quadrilaterals by their diagonals; where mid nodes follow the corners, with what their parabolas add."""
+    a, b, c, d = (x[cells[:, i]] for i in range(4))
+    total = 0.5 * cross(c - a, d - b).sum()
+    if cells.shape[1] > 4:
+        for edge in range(4):
+            start, end, middle = (x[cells[:, i]] for i in (edge, (edge + 1) % 4, 4 + edge))
+            total += 2.0 / 3.0 * cross(middle - start, end - start).sum()
+    return float(total)
+
+
+def cross(p: Any, q: Any) -> Any:
+    """Of vectors (n, 2), one by one."""
+    return p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]
+
+
 def percent(value: float, digits: int = 2) -> str:
     """0.0123 as "1.2 %", rounded to two figures or as told."""
     return f"{100.0 * value:.{digits}g} %" if abs(value) < 0.1 else f"{100.0 * value:.3g} %"
 
 
 __all__ = [
-    "COLOURS", "DEEP", "GREY", "PICTURES", "ROOT", "SHORT", "STATE_COLOURS", "Numbers", "curve", "deep_reference",
-    "difference", "disc", "draw", "integral", "percent", "picture", "profile", "reaction", "shear",
+    "COLOURS", "DEEP", "GREY", "PICTURES", "ROOT", "SHORT", "STATE_COLOURS", "Numbers", "area", "cross", "curve",
+    "deep_reference", "difference", "disc", "draw", "integral", "percent", "picture", "profile", "reaction", "shear",
 ]  # fmt: skip

@@ -10,7 +10,7 @@ from tempfile import mkdtemp
 from typing import Any
 
 import numpy as np
-from common import COLOURS, GREY, PICTURES, SHORT, Numbers, percent
+from common import COLOURS, GREY, PICTURES, SHORT, Numbers, area, percent
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
@@ -76,13 +76,6 @@ def draw(axes: Any, results: Results, frame: Frame, window: tuple[float, float, 
     for spine in axes.spines.values():
         spine.set_visible(False)
     return shapes
-
-
-def area(x: Any, cells: Any) -> float:
-    """Of quadrilaterals, by their diagonals."""
-    a, b, c, d = (x[cells[:, i]] for i in range(4))
-    p, q = c - a, d - b
-    return float(0.5 * (p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum())
 
 
 def figure_16() -> Numbers:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.compare.measure_run import driven_support
+from contactlab.compare.measure_run import driven_support, without_compilation
 from contactlab.compare.plan import Job, Plan, find_scene
 from contactlab.compare.profile import FoldedSurfaceError, Profile, distance, norm
 from contactlab.compare.removable import Variant, variants
@@ -124,7 +124,7 @@ def make_bill(plan: BillPlan, outcomes: Mapping[str, Outcome]) -> Bill:
 def _costs(outcome: Outcome) -> tuple[float, float, float]:
     """CPU seconds of a step and of the run without the compiling and loading of kernels, and MiB of arrays."""
     cost = outcome.summary.get("cost", {})
-    run = max(0.0, float(cost.get("run_cpu_s", math.nan)) - float(cost.get("compile_s", 0.0)))
+    run = max(0.0, without_compilation(cost, "run_cpu_s"))  # nothing where a run left no cost
     steps = outcome.summary.get("steps", 0)
     return run / steps if steps else math.nan, run, float(cost.get("arrays_mib", math.nan))
 

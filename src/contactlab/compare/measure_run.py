@@ -138,14 +138,14 @@ def _costs(summary: Mapping[str, Any]) -> Measures:
     return {
         "steps": steps,
         "sweeps": _quotient(_float(summary.get("contact_sweeps")), steps),
-        "cpu_s": _without_compilation(cost, "run_cpu_s"),
-        "wall_s": _without_compilation(cost, "run_wall_s"),
+        "cpu_s": without_compilation(cost, "run_cpu_s"),
+        "wall_s": without_compilation(cost, "run_wall_s"),
         "memory_mib": _float(cost.get("peak_memory_mib")),
         "kinetic_share": _quotient(_float(balance.get("kinetic")), abs(_float(balance.get("internal")))),
     }
 
 
-def _without_compilation(cost: Mapping[str, Any], name: str) -> float:
+def without_compilation(cost: Mapping[str, Any], name: str) -> float:
     """Seconds without the compiling and loading of kernels: that says nothing about an algorithm."""
     return float(np.maximum(_float(cost.get(name)) - _float(cost.get("compile_s", 0.0)), 0.0))
 

@@ -8,9 +8,11 @@ import numpy as np
 
 from contactlab.api import Floats, Ints, Surface
 from contactlab.api.arrays import Flags
+from contactlab.api.surface import SurfacePositions
 from contactlab.errors import SceneError, below
 from contactlab.mesh import outer_edges
 from contactlab.model.body import Body
+from contactlab.model.near import longest_segment
 
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
 TOO_DEEP = 1.0  # segment lengths beyond which no treatment of an overlap is tried
@@ -29,7 +31,7 @@ def check_facing(slave: Surface, master: Surface, positions: Floats, sides: tupl
             allowed="surfaces whose outward normals are opposed somewhere",
             hint="name the edge sets that are to touch; edges have their body on the left",
         )
-    reach = max(_longest(slave, positions), _longest(master, positions))
+    reach = _longest(slave, master, positions)
     ahead = np.einsum("si,smi->sm", outward, other[None] - at[:, None])
     if np.all(ahead[facing] < -reach):
         raise SceneError(
@@ -45,7 +47,7 @@ def check_overlap(
     slave: Surface, master: Surface, bodies: tuple[Body, ...], positions: Floats, treated: bool, where: Any
 ) -> None:
     """Raise SceneError where nodes of one side lie deep inside the body of the other."""
-    size = max(_longest(slave, positions), _longest(master, positions))
+    size = _longest(slave, master, positions)
     for inner, outer in ((slave, master), (master, slave)):
         for body in bodies:
             if not body.first <= outer.nodes[0] < body.first + body.count:
@@ -92,9 +94,8 @@ def _middles(surface: Surface, positions: Floats) -> tuple[Floats, Floats]:
     return 0.5 * (a + b), np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
 
 
-def _longest(surface: Surface, positions: Floats) -> float:
-    a, b = (positions[surface.nodes[surface.segments[:, i]]] for i in range(2))
-    return float(np.hypot(*(b - a).T).max())
+def _longest(slave: Surface, master: Surface, positions: Floats) -> float:
+    return longest_segment(SurfacePositions(positions[slave.nodes], positions[master.nodes]), slave, master)
 
 
 def depths_inside(points: Floats, positions: Floats, edges: Ints) -> Floats:

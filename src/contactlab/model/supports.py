@@ -98,13 +98,13 @@ class Prescribed:
         self._single: list[tuple[int, Ramp]] = []
         self._several: list[tuple[slice, Values]] = []
         for begin, motion in zip(np.cumsum([0, *sizes]).tolist(), motions, strict=False):
-            value = motion.bind(ramp_time)
+            place = slice(begin, begin + motion.size)
             if motion.steady:
-                self._values[begin : begin + motion.size] = value(0.0)
+                self._values[place] = motion.bind(ramp_time)(0.0)
             elif isinstance(motion, Shift):
                 self._single.append((begin, motion.bind(ramp_time)))
             else:
-                self._several.append((slice(begin, begin + motion.size), motion.bind(ramp_time)))
+                self._several.append((place, motion.bind(ramp_time)))
 
     def values(self, time: float) -> Floats:
         """Ramp values at `time` [s]; the same array every call."""

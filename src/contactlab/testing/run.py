@@ -6,19 +6,8 @@ import importlib
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from contactlab.api.part import KINDS
 from contactlab.testing.assertions import Check, NotApplicable
-
-CHECKED_KINDS = (
-    "element",
-    "material",
-    "mesh",
-    "contact",
-    "friction",
-    "enforcement",
-    "integrator",
-    "effect",
-    "recorder",
-)
 
 
 @dataclass(frozen=True)
@@ -32,8 +21,8 @@ class Outcome:
 
 
 def checks_for(kind: str) -> tuple[Check, ...]:
-    """The checks of a kind; none for kinds that the contract says nothing checkable about."""
-    if kind not in CHECKED_KINDS:
+    """The checks of a kind; none for what is no kind of part."""
+    if kind not in KINDS:
         return ()
     checks: tuple[Check, ...] = importlib.import_module(f"contactlab.testing.{kind}").CHECKS
     return checks

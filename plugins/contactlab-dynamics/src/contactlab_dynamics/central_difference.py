@@ -78,7 +78,7 @@ class _Leapfrog:
             self.move(*now)
         else:
             self.predict(*now)
-            done = self._contact(equations.contact, mean_dt, now)
+            done = self._contact(equations.contact, now)
         equations.internal_force(dt)
         return done
 
@@ -98,10 +98,10 @@ class _Leapfrog:
         self.bound = BoundArrays(leapfrog.ARRAYS, *(field.reshape(-1) for field in fields))
         return self.bound
 
-    def _contact(self, contact: ContactEquations, mean_dt: float, now: tuple[int, bool, float, float, float]) -> Step:
-        """Contact forces of the step, and with them its end."""
-        dt = now[3]
-        self._set_compliance(dt, mean_dt, self.equations.damping)
+    def _contact(self, contact: ContactEquations, now: tuple[int, bool, float, float, float]) -> Step:
+        """Contact forces of the step, and with them its end; `now` is what kernels are told of the step."""
+        _, _, damping, dt, mean_dt = now
+        self._set_compliance(dt, mean_dt, damping)
         solve = contact.solve(self.predicted, self.equations.position, self.compliance, self.contact)
         self.correct(*now)
         self._book_friction(contact, mean_dt)

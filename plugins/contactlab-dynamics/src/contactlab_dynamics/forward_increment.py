@@ -3,21 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from contactlab.api import ChainedRows, ExplicitEnforcement, Floats, Rows, Solve
+from contactlab.api.late import late
 
 DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than the sweeps that it saves
-
-
-@cache
-def _solve_active() -> Any:
-    """The kernel, imported when it is first called: an import statement in every step costs as much as passing it ten
-    arrays."""
-    from contactlab_dynamics.active_set import solve_active
-
-    return solve_active
 
 
 @dataclass(frozen=True)
@@ -41,7 +32,7 @@ class ForwardIncrement(ExplicitEnforcement):
 
     def solve_chained(self, rows: ChainedRows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
         """Active sets by conjugate gradients; None where they go round in circles."""
-        passes, residual, largest = _solve_active()(
+        passes, residual, largest = late("contactlab_dynamics.active_set").solve_active(
             rows.count, rows.bound.address, compliance, multipliers, force, self.tolerance, self.sweeps
         )
         return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None

@@ -20,7 +20,7 @@ def _ramp_slope(value, low, high):
 
 @kernel
 def _state(k, a, sums, turn, out):
-    """What the derivatives of multiplier k need into out (10,); False where its normal is the averaged one.
+    """What the derivatives of multiplier k need into out (9,); False where its normal is the averaged one.
 
     out = s, R(turn) R'(lean) with the sign of a x f, R(lean) R'(turn), f, |F|, n, 1/|u|
     """

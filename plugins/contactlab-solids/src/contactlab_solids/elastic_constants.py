@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from importlib import import_module
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 
 class Lame(NamedTuple):
@@ -31,12 +30,6 @@ def check_elastic(young: float, poisson: float, density: float, yield_stress: fl
 def elastic_limit(yield_stress: float | None) -> float:
     """A yield stress [MPa] that an elastic law was told of; inf for none."""
     return math.inf if yield_stress is None else yield_stress
-
-
-@cache
-def late(module: str) -> Any:
-    """A module of kernels of this package, imported when it is first asked for; costs less than an import statement."""
-    return import_module(f"contactlab_solids.{module}")
 
 
 @cache

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants, late
+from contactlab.api.late import late
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,9 @@ class Hypoelastic(Material):
         """sigma = R (R sigma_old R^T + lambda tr(d) I + 2 mu d) R^T, R R = Q; `gradient`: increment at mid-step."""
         if new_history is not history:
             new_history[:] = history
-        late("hypoelastic_kernels").stress(gradient, new_history, stress, *lame_constants(self.young, self.poisson))
+        late("contactlab_solids.hypoelastic_kernels").stress(
+            gradient, new_history, stress, *lame_constants(self.young, self.poisson)
+        )
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of the increment gradient at mid-step), (4, 4, P)."""

@@ -18,7 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab_solids.elastic_constants import lame_constants, late
+from contactlab.api.late import late
+from contactlab_solids.elastic_constants import lame_constants
 
 HISTORY = (
     "plastic_metric_difference",
@@ -64,7 +65,7 @@ def elastic_trial(
 
     flow   yield stress at the start, slope, and the history row that the slope multiplies
     """
-    j2_kernels = late("j2_kernels")
+    j2_kernels = late("contactlab_solids.j2_kernels")
     yielding, wide = j2_kernels.trial(gradient, history, stress, *constants, *flow)
     if wide:
         j2_kernels.wide_trial(gradient, history, stress, *constants, False)

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants, late
+from contactlab.api.late import late
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class LinearElastic(Material):
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """sigma = lambda tr(eps) I + 2 mu eps."""
-        late("kernels").linear_elastic(gradient, stress, *lame_constants(self.young, self.poisson))
+        late("contactlab_solids.kernels").linear_elastic(gradient, stress, *lame_constants(self.young, self.poisson))
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """Hooke's constants, the same at every point."""

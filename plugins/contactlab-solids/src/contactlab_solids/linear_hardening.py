@@ -9,8 +9,9 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Floats, Kinematics, Material
+from contactlab.api.late import late
 from contactlab_solids import j2
-from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds, late
+from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
 
 
 @dataclass(frozen=True)
@@ -57,7 +58,7 @@ class LinearHardening(Material):
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """Elastic trial and radial return; `gradient` is F^-1."""
-        j2_kernels = late("j2_kernels")
+        j2_kernels = late("contactlab_solids.j2_kernels")
         if new_history is not history:
             new_history[:] = history
         constants, flow = j2.moduli(self.young, self.poisson), (self.yield_stress, self.hardening)

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants, late
+from contactlab.api.late import late
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ class NeoHookean(Material):
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """sigma = [mu (b - I) + lambda ln J I]/J with b = F F^T; `gradient` is F^-1."""
-        late("kernels").neo_hookean(gradient, stress, *lame_constants(self.young, self.poisson))
+        late("contactlab_solids.kernels").neo_hookean(gradient, stress, *lame_constants(self.young, self.poisson))
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of F^-1), (4, 4, P)."""
