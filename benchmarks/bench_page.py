@@ -12,7 +12,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from contactlab.api.colours import styles
+from contactlab.api.drawing.colours import styles
 from contactlab.reports.figures import INK, MUTED, house_style
 
 Rows = Sequence[Mapping[str, Any]]

@@ -32,7 +32,7 @@ from numba import njit
 
 from contactlab.model.build import build
 from contactlab.model.model import Model
-from contactlab.scene import load_scene
+from contactlab.scene.scene import load_scene
 
 Step = Callable[[], Any]
 

@@ -30,12 +30,12 @@ import numpy as np
 
 from contactlab.api import Step
 from contactlab.model.build import build
-from contactlab.registry import default_registry
+from contactlab.parts.registry import default_registry
 from contactlab.results.results import Results
 from contactlab.results.step_columns import step_columns
 from contactlab.results.steps import BLOCK, StepSampler
-from contactlab.scene import load_scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import load_scene
 
 ROUNDS = 7
 SAMPLES = 20_000

@@ -29,10 +29,10 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
-from contactlab.model.arrays import held_arrays
 from contactlab.model.build import build
+from contactlab.model.held_arrays import held_arrays
 from contactlab.model.model import Model
-from contactlab.scene import Scene
+from contactlab.scene.scene import Scene
 
 ELASTIC = {"use": "neo-hookean", "young": 7000.0, "poisson": 0.3, "density": 2.7e-9}
 PLASTIC = {"use": "power-law", **{k: v for k, v in ELASTIC.items() if k != "use"}, "strength": 348.0, "prestrain": 0.02,
@@ -203,8 +203,8 @@ def _held(scene: Scene) -> int:
 
 FIRST_STEP = """
 import time; began = time.process_time()
-from contactlab.scene import load_scene
-from contactlab.rehearsal import _rehearsed
+from contactlab.scene.scene import load_scene
+from contactlab.explain.trial_run import _rehearsed
 _rehearsed(lambda: load_scene("disc-on-block"))
 print(time.process_time() - began)
 """

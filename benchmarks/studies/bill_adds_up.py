@@ -29,11 +29,11 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 import numpy as np
 
-from contactlab.folders import made_folder
-from contactlab.guards import EVERY
 from contactlab.model.build import build
-from contactlab.run import begin_run
-from contactlab.scene import Scene, load_scene
+from contactlab.run.folders import made_folder
+from contactlab.run.guards import EVERY
+from contactlab.run.run import begin_run
+from contactlab.scene.scene import Scene, load_scene
 
 EFFECTS = ("contact", "friction", "finite strain", "plasticity", "gravity", "recording")
 NEEDS = {"friction": "contact", "plasticity": "finite strain"}

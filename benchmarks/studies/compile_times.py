@@ -47,12 +47,12 @@ COMBINATIONS: dict[str, dict[str, Any]] = {
 PROGRAM = """
 import json, sys, tempfile, time
 changes = json.loads(sys.argv[1])
-from contactlab.scene import load_scene
+from contactlab.scene.scene import load_scene
 scene = load_scene("disc-on-block").with_({"time.end": 1e-6, **changes})
 if scene.integrator["use"] == "newton":
     scene = scene.with_({"time.step": 1e-7})
 from contactlab.model.build import build
-from contactlab.run import begin_run
+from contactlab.run.run import begin_run
 from pathlib import Path
 with tempfile.TemporaryDirectory() as folder:
     model = build(scene, scene.registry)

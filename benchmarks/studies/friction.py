@@ -17,8 +17,8 @@ import numpy as np
 
 from contactlab.model.build import build
 from contactlab.results.results import Results
-from contactlab.scene import load_scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import load_scene
 
 HERE = Path(__file__).parent
 STORED, PAGE = HERE / "friction.csv", HERE.parents[1] / "docs" / "friction.md"

@@ -16,7 +16,7 @@ from time import process_time
 
 import numpy as np
 
-from contactlab.scene import load_scene
+from contactlab.scene.scene import load_scene
 from contactlab.testing.cases.watched import WatchedRun
 
 STORED = Path(__file__).with_name("million_steps.csv")

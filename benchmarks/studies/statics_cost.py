@@ -28,7 +28,7 @@ import contactlab  # noqa: E402
 from contactlab.compare.measures import pressure_error  # noqa: E402
 from contactlab.compare.profile import Profile  # noqa: E402
 from contactlab.compare.reference import Reference, load_reference  # noqa: E402
-from contactlab.simulation import simulate  # noqa: E402
+from contactlab.run.simulation import simulate  # noqa: E402
 
 PEER = Path(__file__).parents[1] / "peers" / "getfem_disc_on_block.py"
 CASES = {"shallow": (0.01, 1), "deep": (0.1581, 5)}

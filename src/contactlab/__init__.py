@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from contactlab.compare.runner import compare
     from contactlab.errors import ContactlabError
-    from contactlab.interruption import Interrupted
     from contactlab.results.load import load_results
-    from contactlab.scene import Scene, load_scene
-    from contactlab.simulation import simulate
+    from contactlab.run.interruption import Interrupted
+    from contactlab.run.simulation import simulate
+    from contactlab.scene.scene import Scene, load_scene
 
 __version__ = "0.1.0"
 
@@ -34,11 +34,11 @@ __all__ = [
 
 _HOMES = {
     "ContactlabError": "contactlab.errors",
-    "Interrupted": "contactlab.interruption",
-    "Scene": "contactlab.scene",
+    "Interrupted": "contactlab.run.interruption",
+    "Scene": "contactlab.scene.scene",
     "load_results": "contactlab.results.load",
-    "load_scene": "contactlab.scene",
-    "simulate": "contactlab.simulation",
+    "load_scene": "contactlab.scene.scene",
+    "simulate": "contactlab.run.simulation",
 }
 
 

@@ -51,7 +51,7 @@ def _run(words: list[str]) -> int:
 
 def _plugin_command(name: str, words: list[str]) -> int:
     from contactlab.commands.common import plugin_command
-    from contactlab.registry import default_registry
+    from contactlab.parts.registry import default_registry
 
     commands = default_registry().commands()
     if name in commands:

@@ -74,8 +74,9 @@ def allocated() -> int:
 
 def trace_parts(trace: Trace) -> None:
     """Wrap the parts as they are made, before anything binds them."""
-    from contactlab.model import body, model
-    from contactlab.registry import Registry
+    from contactlab.model import model
+    from contactlab.model.bodies import body
+    from contactlab.parts.registry import Registry
 
     make, kernels, external = Registry.make, body.element_kernels, model.Model.external_force
     seen: set[type] = set()
@@ -111,14 +112,14 @@ def trace_parts(trace: Trace) -> None:
 
 def main() -> None:
     wish = json.load(sys.stdin)
-    from contactlab.rehearsal import count_kernel_calls, imported_modules
+    from contactlab.explain.trial_run import count_kernel_calls, imported_modules
 
     kernels = count_kernel_calls()
     trace = Trace(wish["steps"], kernels.calls)
     trace_parts(trace)
-    from contactlab.interruption import Interrupted
-    from contactlab.scene import Scene
-    from contactlab.simulation import simulate
+    from contactlab.run.interruption import Interrupted
+    from contactlab.run.simulation import simulate
+    from contactlab.scene.scene import Scene
 
     scene = Scene.from_data(wish["scene"])
     if wish["arrays"]:

@@ -17,11 +17,11 @@ from typing import Any
 
 import pytest
 
-from contactlab.model.explain import Explanation, explain
-from contactlab.plugins import RESTRICT
-from contactlab.registry import default_registry
-from contactlab.rehearsal import rehearse
-from contactlab.scene import Scene, bundled_scenes, load_scene
+from contactlab.explain.explain import Explanation, explain
+from contactlab.explain.trial_run import rehearse
+from contactlab.parts.loading import RESTRICT
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import Scene, bundled_scenes, load_scene
 
 PROBE = Path(__file__).with_name("composition_probe.py")
 CONTACT = r"contactlab\.(model\.(contact|surface_pair|gap_pair|initial_gap|implicit_contact)|results\.contact_report)"
@@ -106,8 +106,8 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {name: (name, {}) for name in dif
     "static": ("disc-on-block", STATIC),
 }
 BRANCHES = {
-    "contactlab.kernels.windows.identity",
-    "contactlab.kernels.windows.solved",
+    "contactlab.kernels.contact.windows.identity",
+    "contactlab.kernels.contact.windows.solved",
     "contactlab.kernels.watch.deepest",
 }
 """Kernels that depend on how surfaces lie, or look at them now and then: a run may come to need them later than in
@@ -175,7 +175,7 @@ def check_modules(said: Explanation, run: dict[str, Any]) -> None:
     listed = {row.package for row in said.modules}
     listed |= {f"{row.package}.{module}" for row in said.modules for module in row.modules.split(", ") if module}
     # what a rehearsal needs to count arrays
-    assert set(run["modules"]) | {"contactlab.model.arrays", "scipy"} == listed | {"scipy"}
+    assert set(run["modules"]) | {"contactlab.model.held_arrays", "scipy"} == listed | {"scipy"}
 
 
 def check_arrays(said: Explanation, run: dict[str, Any]) -> None:

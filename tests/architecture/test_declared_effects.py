@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.model.arrays import held_arrays
+from contactlab.explain.explain import explain
 from contactlab.model.build import build
-from contactlab.model.explain import explain
-from contactlab.registry import default_registry
-from contactlab.scene import Scene, load_scene
+from contactlab.model.held_arrays import held_arrays
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import Scene, load_scene
 
 TANGENTIAL = re.compile(r"contact\.(rows\.(tangent_weight|slip|bound)|pairs\.\d+\.(bound|before|began\..*))")
 COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
@@ -131,7 +131,7 @@ def test_no_array_escapes_the_list(changes: dict[str, Any]) -> None:
 PROBE = """
 import json, sys
 import contactlab
-from contactlab.scene import Scene
+from contactlab.scene.scene import Scene
 scene = Scene.from_data(json.loads(sys.argv[1]))
 results = contactlab.simulate(scene)
 assert results.status == "finished", results.reason

@@ -13,7 +13,7 @@ import pytest
 
 from contactlab.compare.study import study_from
 from contactlab.errors import Location
-from contactlab.scene import Scene, load_scene
+from contactlab.scene.scene import Scene, load_scene
 
 ROOT = Path(__file__).parents[2]
 DOCUMENT = (ROOT / "docs" / "scene-format.md").read_text()

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from contactlab.api.part import KINDS
-from contactlab.registry import default_registry
+from contactlab.parts.registry import default_registry
 from contactlab.testing import checks_for
 from contactlab.testing.assertions import Check
 from contactlab.testing.examples import example

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from contactlab.cli import main
-from contactlab.registry import Registry
-from contactlab.scene import load_scene
-from contactlab.simulation import simulate
+from contactlab.parts.registry import Registry
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import load_scene
 
 SOURCE = """
 from dataclasses import dataclass

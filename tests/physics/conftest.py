@@ -14,9 +14,9 @@ import pytest
 
 import contactlab
 from contactlab.model.build import build
-from contactlab.registry import default_registry
+from contactlab.parts.registry import default_registry
 from contactlab.results.results import ContactCurve
-from contactlab.scene import Scene
+from contactlab.scene.scene import Scene
 
 PERIODS = 15.0
 """Ramp of a paced run in periods of its lowest mode: `auto` takes 50 for any scene, these settle with 15."""

@@ -16,8 +16,8 @@ import pytest
 from contactlab.api import Floats
 from contactlab.model.build import build
 from contactlab.model.model import Model
-from contactlab.registry import default_registry
-from contactlab.scene import Scene
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import Scene
 
 ALGORITHMS = ["node-on-segment", "mortar-p0", "mortar-p1"]
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from contactlab.api import Floats
+from contactlab.model.bodies.stiffness import cell_stiffness
 from contactlab.model.build import build
 from contactlab.model.model import Model
-from contactlab.model.stiffness import cell_stiffness
-from contactlab.registry import default_registry
-from contactlab.scene import Scene
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import Scene
 from contactlab.testing.surfaces import Chains, rows_of_pair
 
 

@@ -15,7 +15,7 @@ from contactlab.compare import measures
 from contactlab.compare.profile import Profile, integral
 from contactlab.compare.reference import Reference, load_reference
 from contactlab.model.build import build
-from contactlab.scene import load_scene
+from contactlab.scene.scene import load_scene
 
 SHALLOW, DEEP = -0.01, -0.1581
 MORTARS = ["mortar-p0", "mortar-p1"]

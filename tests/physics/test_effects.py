@@ -11,8 +11,8 @@ import pytest
 from contactlab.errors import ContactlabError
 from contactlab.model.build import build
 from contactlab.model.model import Model
-from contactlab.registry import default_registry
-from contactlab.scene import Scene
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import Scene
 
 DENSITY = 2e-3
 STEP = 1e-3

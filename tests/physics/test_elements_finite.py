@@ -18,8 +18,8 @@ from contactlab_solids.power_law import PowerLaw
 
 from contactlab.api import Element, Floats, Material, Mesh
 from contactlab.kernels.cells import element_kernels, midpoint
-from contactlab.model.body import Body, BodyForces
-from contactlab.model.tangent import Tangent
+from contactlab.model.bodies.body import Body, BodyForces
+from contactlab.model.bodies.tangent import Tangent
 
 ELEMENTS: tuple[Element, ...] = (Q1(), Q1Fbar(), Q1Reduced(), Q2(), Q2Lagrange())
 HYPO = Hypoelastic(7000.0, 0.3, 1.0)

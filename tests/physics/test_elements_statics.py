@@ -18,8 +18,8 @@ from scipy.sparse.linalg import spsolve
 from contactlab.api import Element, Floats, Ints, Mesh
 from contactlab.kernels.cells import element_kernels
 from contactlab.meshing.structured import structured
-from contactlab.model.body import Body
-from contactlab.model.stiffness import cell_stiffness
+from contactlab.model.bodies.body import Body
+from contactlab.model.bodies.stiffness import cell_stiffness
 
 ELEMENTS: tuple[Element, ...] = (Q1(), Q1Fbar(), Q1Reduced(), Q2(), Q2Lagrange())
 LINEAR = ELEMENTS[:3]

@@ -12,10 +12,10 @@ from contactlab_quads.q2_lagrange import Q2Lagrange
 from contactlab_solids.linear_elastic import LinearElastic
 
 from contactlab.api import Element
-from contactlab.mesh import cell_measures, inverted_cells
 from contactlab.meshing import ArcBlock, Rectangle
-from contactlab.model.body import Body
-from contactlab.model.stiffness import cell_frequencies
+from contactlab.meshing.mesh import cell_measures, inverted_cells
+from contactlab.model.bodies.body import Body
+from contactlab.model.bodies.stiffness import cell_frequencies
 
 
 def square(element: Element, poisson: float, side: float = 1.0) -> Body:

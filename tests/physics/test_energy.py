@@ -10,12 +10,12 @@ import pytest
 import contactlab
 from contactlab.api import Floats
 from contactlab.errors import SimulationFailure
-from contactlab.guards import Guards
 from contactlab.model.build import build
 from contactlab.model.model import Model
-from contactlab.registry import default_registry
+from contactlab.parts.registry import default_registry
 from contactlab.results.energies import energies
-from contactlab.scene import Scene
+from contactlab.run.guards import Guards
+from contactlab.scene.scene import Scene
 
 
 def square(cells: int = 3, law: str = "linear-elastic", **more: Any) -> Scene:

@@ -8,9 +8,9 @@ from contactlab_dynamics.gauss_seidel import solve_dense as solve
 
 from contactlab.api import Solve
 from contactlab.model.build import build
-from contactlab.registry import default_registry
-from contactlab.scene import Scene, load_scene
-from contactlab.simulation import simulate
+from contactlab.parts.registry import default_registry
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, load_scene
 
 ALGORITHMS = ("node-on-segment", "mortar-p0", "mortar-p1")
 

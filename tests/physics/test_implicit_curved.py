@@ -10,7 +10,7 @@ from contactlab_statics.time_step import TimeStep
 
 import contactlab
 from contactlab.api import Floats
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 SCENE = """
 format = 1

@@ -17,8 +17,8 @@ import pytest
 from contactlab import meshing
 from contactlab.api import Element, Mesh
 from contactlab.results.results import Results
-from contactlab.scene import Scene, load_scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, load_scene
 
 SAME = 1e-8
 DEPTH = 0.02

@@ -13,9 +13,9 @@ import pytest
 import contactlab
 from contactlab.api import IterationRow
 from contactlab.model.build import build
-from contactlab.model.load_stiffness import LoadStiffness
+from contactlab.model.loading.load_stiffness import LoadStiffness
 from contactlab.results.results import Results
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 BEAM = """
 format = 1

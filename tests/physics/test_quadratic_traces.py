@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from contactlab.model.build import build
-from contactlab.model.surface_pair import SurfacePair
-from contactlab.registry import default_registry
-from contactlab.scene import Scene, load_scene
-from contactlab.simulation import simulate
+from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.parts.registry import default_registry
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, load_scene
 
 TABLES = {
     # units of the edge length: rows (vertex, mid, vertex) traces, columns multipliers

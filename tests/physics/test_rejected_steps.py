@@ -12,7 +12,7 @@ from contactlab.api import Floats, Integrator, StepStatus
 from contactlab.model.build import build
 from contactlab.model.memory import model_memory, restore_model
 from contactlab.model.model import Model
-from contactlab.scene import Scene
+from contactlab.scene.scene import Scene
 
 ALGORITHMS = pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p0", "mortar-p1"])
 STEPS = 6

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 from contactlab.testing.cases.watched import WatchedRun
 
 MORTARS = ("mortar-p0", "mortar-p1")

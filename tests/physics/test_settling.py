@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from contactlab.model.build import build
-from contactlab.registry import default_registry
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.parts.registry import default_registry
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 
 def pressed(**more: Any) -> Scene:

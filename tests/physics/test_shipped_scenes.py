@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from contactlab.scene import bundled_scenes, load_scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import bundled_scenes, load_scene
 
 MEANT = {
     # the closed form of a bouncing bar is that of a linear one, at strains that rubber would not stand linearly

@@ -10,8 +10,8 @@ import pytest
 from statics import common, hertz, ironing, mindlin, plates, punches
 
 from contactlab.api import Floats
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 from contactlab.testing.cases.figures import Figure
 
 MORTAR = pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])

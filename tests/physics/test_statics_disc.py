@@ -9,7 +9,7 @@ import pytest
 
 import contactlab
 from contactlab.results.results import Results
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 MORTAR = pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 SWAP = pytest.mark.parametrize("swap", [False, True], ids=["disc-slave", "block-slave"])

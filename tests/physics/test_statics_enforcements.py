@@ -10,7 +10,7 @@ import pytest
 
 import contactlab
 from contactlab.results.results import Results
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 FRICTION = pytest.mark.parametrize("mu", [0.0, 0.2])
 

@@ -9,7 +9,7 @@ import pytest
 
 import contactlab
 from contactlab.api import ContactCurve
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 FRICTION = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 PLASTIC = {

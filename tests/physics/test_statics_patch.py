@@ -9,8 +9,8 @@ import pytest
 
 from contactlab.api import Floats
 from contactlab.results.results import Results
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 YOUNG, DEPTH, PRESSURE = 1e6, 0.01, 1e4
 MORTAR = pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])

@@ -10,7 +10,7 @@ from contactlab_statics.reuse import ReusedFactor, preconditioned
 from scipy.sparse import csc_array, diags_array, eye_array, kron, random_array
 
 import contactlab
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 
 def saddle_like(n: int) -> csc_array:

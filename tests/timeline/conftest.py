@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 
 from contactlab.api.recorder import Recorder
-from contactlab.registry import default_registry
+from contactlab.parts.registry import default_registry
 from contactlab.results.results import Results
-from contactlab.scene import Scene, load_scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, load_scene
 
 # the bundled scene on a coarse mesh: about 700 steps; contact begins with the first
 SMALL = {

@@ -99,8 +99,8 @@ def test_resume_needs_a_folder(small_scene: MakeScene) -> None:
 def test_repetitions_that_were_made_are_kept(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from contactlab import simulation
     from contactlab.compare import run_job
+    from contactlab.run import simulation
 
     made: list[Path | None] = []
     simulate = simulation.simulate

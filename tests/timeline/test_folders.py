@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from contactlab.errors import RequestError
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]
 

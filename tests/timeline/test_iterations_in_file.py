@@ -10,7 +10,7 @@ from typing import Any
 import h5py
 
 from contactlab.results.load import FILE, load_results
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]
 STATICS = {"integrator": {"use": "newton", "steps": 6}, "time.end": 1.0, "supports.1.uy.to": -0.05}

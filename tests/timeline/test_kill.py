@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import contactlab
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="children that are killed are made by fork")
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = DOCS / "results-in-paraview-and-python.md"

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]
 

@@ -9,11 +9,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from contactlab.api.colours import CLOSED, STATES, rgb
+from contactlab.api.drawing.colours import CLOSED, STATES, rgb
 from contactlab.errors import RequestError
-from contactlab.registry import default_registry
+from contactlab.parts.registry import default_registry
 from contactlab.results.results import Results
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
 
 pa = pytest.importorskip("pyarrow", reason="rerun-sdk is not installed (plugin contactlab-rerun)")
 chunk = pytest.importorskip("rerun.chunk", reason="rerun-sdk is not installed (plugin contactlab-rerun)")
@@ -249,7 +249,7 @@ def test_other_fields(field: str, label: str, run: Results, tmp_path: Path) -> N
 
 def again(run: Results, folder: Path, **options: Any) -> Reader:
     """The same run recorded with other options."""
-    from contactlab.recorders import record_again
+    from contactlab.run.recorders import record_again
 
     folder.mkdir()
     record_again(default_registry().make("recorder", {"use": "rerun", **options}), folder, run)
@@ -330,7 +330,7 @@ def test_comparison_has_all_runs_on_one_cursor(small_scene: MakeScene, tmp_path:
 def test_colours_of_algorithms_are_those_of_the_report() -> None:
     from contactlab_rerun.gathered import tint
 
-    from contactlab.api.colours import styles
+    from contactlab.api.drawing.colours import styles
 
     assert tint(styles(["mortar-p0", "mortar-p1"])["mortar-p1"].colour, 0) == (
         styles(["mortar-p0", "mortar-p1"])["mortar-p1"].colour.lower()
@@ -356,7 +356,7 @@ def test_full_disk_is_said_and_leaves_nothing_half(
 ) -> None:
     from contactlab_rerun import timeline_file
 
-    from contactlab.recorders import record_again
+    from contactlab.run.recorders import record_again
 
     monkeypatch.setattr(timeline_file.shutil, "disk_usage", lambda folder: type("Usage", (), {"free": 1000}))
     with pytest.raises(OSError, match="No space left"):
@@ -368,7 +368,7 @@ def test_recording_of_a_resumed_run_is_whole(small_scene: MakeScene, tmp_path: P
     """It begins anew with all that was stored before the run was stopped."""
     import signal
 
-    from contactlab.interruption import Interrupted
+    from contactlab.run.interruption import Interrupted
 
     def stop(fraction: float, step: int, time: float, error: float) -> None:
         if fraction > 0.4:

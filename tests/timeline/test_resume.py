@@ -13,10 +13,10 @@ import pytest
 
 import contactlab
 from contactlab.errors import RequestError
-from contactlab.interruption import Interrupted
 from contactlab.results.results import Results
-from contactlab.schedule import Schedule
-from contactlab.simulation import simulate
+from contactlab.run.interruption import Interrupted
+from contactlab.run.schedule import Schedule
+from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]
 Assert = Callable[[Any, Any], None]
@@ -129,7 +129,7 @@ def test_finished_run_is_read_and_not_repeated(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     whole = simulate(small_scene(), tmp_path)
-    monkeypatch.setattr("contactlab.simulation.build", lambda *_: pytest.fail("the run was repeated"))
+    monkeypatch.setattr("contactlab.run.simulation.build", lambda *_: pytest.fail("the run was repeated"))
     assert simulate(small_scene(), tmp_path, resume=True) == whole
 
 

@@ -7,10 +7,10 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from contactlab.registry import default_registry
+from contactlab.parts.registry import default_registry
 from contactlab.results.results import Results
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 
 @pytest.fixture(scope="module")

@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.api.colours import STYLES, rgb, styles
+from contactlab.api.drawing.colours import STYLES, rgb, styles
 from contactlab.cli import main
 from contactlab.compare.recordings import record_comparison
-from contactlab.registry import default_registry
-from contactlab.simulation import simulate
+from contactlab.parts.registry import default_registry
+from contactlab.run.simulation import simulate
 
 viewer = pytest.importorskip("contactlab_rerun.viewer", reason="plugin contactlab-rerun is not installed")
 pytest.importorskip("rerun.experimental", reason="rerun-sdk is not installed (plugin contactlab-rerun)")

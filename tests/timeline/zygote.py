@@ -22,10 +22,10 @@ from tempfile import TemporaryDirectory
 from time import process_time
 
 import contactlab.run
-from contactlab.interruption import Interrupted
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
-from contactlab.toml_text import parse_toml
+from contactlab.run.interruption import Interrupted
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
+from contactlab.scene.toml_text import parse_toml
 
 SAVE_EVERY = 0.01  # seconds: some ten saved states in a run, so that it is killed while it writes them, too
 

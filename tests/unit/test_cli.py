@@ -12,8 +12,8 @@ import pytest
 
 import contactlab
 from contactlab.cli import main
-from contactlab.folders import fresh_folder, results_folder
-from contactlab.registry import Registry
+from contactlab.parts.registry import Registry
+from contactlab.run.folders import fresh_folder, results_folder
 
 QUICK = ["--set", "time.end=2e-7", "--set", "bodies.disc.mesh.cells=[8, 2]", "--set", "bodies.block.mesh.cells=[12, 2]"]
 
@@ -95,7 +95,7 @@ class TestRun:
         def stop(*args: object, **more: object) -> None:
             raise KeyboardInterrupt
 
-        monkeypatch.setattr("contactlab.simulation.simulate", stop)
+        monkeypatch.setattr("contactlab.run.simulation.simulate", stop)
         assert run_here() == 130
         assert "interrupted" in capsys.readouterr().err
         assert not Path("runs/disc-on-block-001").exists()

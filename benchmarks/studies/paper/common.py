@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 
 import contactlab
 from contactlab.api import ContactCurve
-from contactlab.api.colours import REFERENCE, STATES, styles
+from contactlab.api.drawing.colours import REFERENCE, STATES, styles
 from contactlab.compare.measures import mutual_difference
 from contactlab.compare.profile import Profile, integral
 from contactlab.compare.reference import load_reference

@@ -28,7 +28,7 @@ from matplotlib.figure import Figure
 import contactlab
 from contactlab.compare.measures import excess_turning_points, pressure_error
 from contactlab.compare.profile import Profile
-from contactlab.registry import Registry
+from contactlab.parts.registry import Registry
 from contactlab.results.results import Results
 
 MORTARS = ("mortar-p0", "mortar-p1")

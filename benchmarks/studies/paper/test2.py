@@ -14,10 +14,10 @@ from scipy.optimize import curve_fit
 from scipy.stats import t as student
 
 import contactlab
-from contactlab.api.colours import FIELD
+from contactlab.api.drawing.colours import FIELD
 from contactlab.compare.energy_norm import energy_distance, energy_norm
 from contactlab.results.results import Results
-from contactlab.scene import Scene
+from contactlab.scene.scene import Scene
 
 ALGORITHMS = ("mortar-p0", "mortar-p1", "node-on-segment")
 READINGS = {"everywhere": "bound everywhere", "closed": "only where pressed"}

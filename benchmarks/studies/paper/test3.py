@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 
 import contactlab
 from contactlab.api import Frame
-from contactlab.api.colours import FIELD
+from contactlab.api.drawing.colours import FIELD
 from contactlab.reports.figures import ALARM, house_style
 from contactlab.results.results import Results
 

@@ -11,8 +11,8 @@ from statics.common import INF, MORTARS, Figure, Rows, label, percent
 
 from contactlab.api import Floats
 from contactlab.model.build import build
-from contactlab.registry import default_registry
-from contactlab.scene import Scene
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import Scene
 
 
 @dataclass

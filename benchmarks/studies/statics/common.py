@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.api import Floats
 from contactlab.results.results import Results
-from contactlab.scene import Scene
+from contactlab.scene.scene import Scene
 from contactlab.testing.cases.figures import Figure
 
 Rows = Iterator[tuple[str, list[Figure]]]

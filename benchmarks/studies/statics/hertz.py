@@ -29,8 +29,8 @@ from statics.common import (
 
 from contactlab.api import ContactCurve, Floats
 from contactlab.results.results import Results
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 HALF = 0.4  # width of a disc's cut, in radii, on either side
 STEEL, ALUMINIUM = 210000.0, 70000.0

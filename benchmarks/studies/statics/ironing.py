@@ -13,8 +13,8 @@ import numpy as np
 from statics.common import MORTARS, Figure, Rows, label, percent
 
 from contactlab.api import Floats
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 PRESS, SLIDE = 1.0, 10.0
 PUBLISHED = {"end of press": (267.9, 332.0), "vertical half-way": (337.4, 421.0), "horizontal half-way": (102.1, 188.8)}

@@ -27,8 +27,8 @@ from statics.hertz import hertz, hertz_profile, side
 
 from contactlab.api import ContactCurve, Floats
 from contactlab.results.results import Results
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 FRICTION, RADIUS, MODULUS = 0.3, 10.0, plane_strain(70000.0, 0.3) / 2.0
 PHASES = {2: "loaded", 3: "half-way back", 4: "reversed"}

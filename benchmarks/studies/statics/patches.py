@@ -6,8 +6,8 @@ import numpy as np
 from statics.common import INF, MORTARS, Figure, Rows, label
 
 from contactlab.results.results import Results
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 YOUNG, DEPTH = 1e6, 0.01
 

@@ -8,8 +8,8 @@ from statics.common import INF, MORTARS, Figure, Rows, label, ordered, percent, 
 import contactlab
 from contactlab.api import Floats
 from contactlab.results.results import Results
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 PUBLISHED = {0.0: 2.86e-5, 1.25e-3: 2.72e-5, 5e-3: 2.28e-5, 7.5e-3: 1.98e-5, 11.25e-3: 1.50e-5}
 """Tangential displacements [m] at places along the plane, mu = 1, tolerance 5 %."""

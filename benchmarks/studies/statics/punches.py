@@ -9,8 +9,8 @@ from statics.common import INF, MORTARS, Figure, Rows, graded_count, l2_error, l
 
 from contactlab.api import Floats
 from contactlab.results.results import Results
-from contactlab.scene import Scene
-from contactlab.simulation import simulate
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
 
 EXPONENTS = {1.0: -0.2260, 10.0: -0.4443, 100.0: -0.4937, 0.1: -0.0378}
 """p ~ r^e at a frictionless corner of 90 degrees on a half-plane, nu = 0.3, by E of the punch over E of the block."""

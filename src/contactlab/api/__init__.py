@@ -1,6 +1,6 @@
 """The contract between the core and its plugins: the only import a plugin needs.
 
-Imports NumPy alone. Compiled kernels use `contactlab.api.kernel`, entry-point modules
+Imports NumPy alone. Compiled kernels use `contactlab.api.compiled.kernel`, entry-point modules
 `contactlab.api.plugin`; both import their library when they are imported themselves.
 """
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
-from contactlab.api.bound_arrays import BoundArrays
+from contactlab.api.compiled.bound_arrays import BoundArrays
 
 CHAINED = "i1 i1 d1 i1 d2 d1 d1 i1 d1 d1 d1 d1"
 """Layout of the arrays that `ChainedRows` binds."""

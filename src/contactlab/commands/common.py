@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.errors import PartError, RequestError
-from contactlab.plugins import Origin, one_line
-from contactlab.registry import Registry, default_registry
-from contactlab.toml_text import parse_value
+from contactlab.parts.loading import Origin, one_line
+from contactlab.parts.registry import Registry, default_registry
+from contactlab.scene.toml_text import parse_value
 
 if TYPE_CHECKING:
     from rich.console import Console

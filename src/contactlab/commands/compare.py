@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, registry_with
-from contactlab.folders import results_folder
+from contactlab.run.folders import results_folder
 
 INTERRUPTED = 130
 

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 from contactlab.commands.common import add_row, console, number, table
 from contactlab.errors import ContactlabError
-from contactlab.plugins import one_line
-from contactlab.registry import Registry, default_registry
-from contactlab.scene import load_scene
+from contactlab.parts.loading import one_line
+from contactlab.parts.registry import Registry, default_registry
+from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
     from contactlab.results.results import Results
@@ -65,7 +65,7 @@ def contact_step(registry: Registry) -> tuple[bool, str]:
 
 
 def _probe(registry: Registry) -> Results:
-    from contactlab.simulation import simulate
+    from contactlab.run.simulation import simulate
 
     return simulate(load_scene("disc-on-block", registry).with_(PROBE), registry=registry)
 

@@ -8,13 +8,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from contactlab.commands.common import add_row, console, number, parse_settings, registry_with, table
-from contactlab.scene import load_scene
+from contactlab.scene.scene import load_scene
 
 
 def explain(options: argparse.Namespace) -> int:
     """Print the explanation of the scene as tables; but for the first steps, which are thrown away, nothing is run."""
-    from contactlab.model.explain import explain as explanation_of
-    from contactlab.rehearsal import rehearse
+    from contactlab.explain.explain import explain as explanation_of
+    from contactlab.explain.trial_run import rehearse
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 from contactlab.commands.common import add_row, console, registry_with, table
 from contactlab.errors import SceneError
-from contactlab.plugins import Broken
-from contactlab.registry import Offer, Registry
-from contactlab.scene import bundled_scenes
-from contactlab.toml_text import read_toml
+from contactlab.parts.loading import Broken
+from contactlab.parts.registry import Offer, Registry
+from contactlab.scene.scene import bundled_scenes
+from contactlab.scene.toml_text import read_toml
 
 if TYPE_CHECKING:
     from rich.table import Table

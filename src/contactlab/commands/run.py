@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, registry_with
-from contactlab.folders import results_folder
-from contactlab.scene import Scene, load_scene
+from contactlab.run.folders import results_folder
+from contactlab.scene.scene import Scene, load_scene
 
 if TYPE_CHECKING:
-    from contactlab.simulation import Progress
+    from contactlab.run.simulation import Progress
 
 EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 """Exit status by status of the run; any other is a simulation that failed."""
@@ -23,9 +23,9 @@ EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 
 def run(options: argparse.Namespace) -> int:
     """Run the scene, show how it goes, print a short table."""
-    from contactlab.interruption import Interrupted
-    from contactlab.restart import FILE, RESUMABLE
-    from contactlab.simulation import simulate
+    from contactlab.run.interruption import Interrupted
+    from contactlab.run.restart import FILE, RESUMABLE
+    from contactlab.run.simulation import simulate
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))

@@ -9,10 +9,10 @@ from contactlab.api.recorder import Recorder
 from contactlab.commands.common import console
 from contactlab.compare.recordings import main_runs_of, titled_runs
 from contactlab.errors import ContactlabError, RequestError
-from contactlab.recorders import record_again
-from contactlab.registry import Registry, default_registry
+from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.load import FILE, load_results
 from contactlab.results.results import Results
+from contactlab.run.recorders import record_again
 
 
 def view(options: argparse.Namespace) -> int:

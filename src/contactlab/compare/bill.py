@@ -18,8 +18,8 @@ from contactlab.compare.run_job import Outcome
 from contactlab.compare.study import Study
 from contactlab.compare.table import COMPLETE
 from contactlab.errors import RequestError
-from contactlab.registry import Registry
-from contactlab.scene import Scene
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
 
 BASE = "as declared"
 INSTANTS = 201  # of the loading, at which histories are compared

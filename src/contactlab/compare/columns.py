@@ -12,7 +12,7 @@ class Column:
 
     name     as in `table.csv`
     title    heading of tables and plots
-    unit     "share" (0.01 is shown as 1 %), "" or the kind of a unit (`contactlab.api.units`)
+    unit     "share" (0.01 is shown as 1 %), "" or the kind of a unit (`contactlab.api.drawing.units`)
     meaning  one sentence
     digits   significant digits shown
     better   what a reader should look for: "small", or "" where neither is better

@@ -8,9 +8,9 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
 from contactlab.api import Floats
-from contactlab.model.body import Body
+from contactlab.model.bodies.body import Body
+from contactlab.model.bodies.stiffness import cell_stiffness
 from contactlab.model.build import build
-from contactlab.model.stiffness import cell_stiffness
 from contactlab.results.results import Results
 
 ROUND = 12  # decimals at which coordinates of nodes are the same

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.errors import RequestError
-from contactlab.plugins import one_line
-from contactlab.recorders import recorders_of
+from contactlab.parts.loading import one_line
 from contactlab.results.load import FILE, load_results
 from contactlab.results.results import Results
-from contactlab.toml_text import parse_toml
+from contactlab.run.recorders import recorders_of
+from contactlab.scene.toml_text import parse_toml
 
 RUNS = "runs"
 

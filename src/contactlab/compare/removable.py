@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from contactlab.errors import RequestError
-from contactlab.fields import keys_of
-from contactlab.scene import Scene
+from contactlab.scene.fields import keys_of
+from contactlab.scene.scene import Scene
 
 
 class Variant(NamedTuple):

@@ -14,7 +14,7 @@ from contactlab.compare.plan import Plan
 from contactlab.compare.recordings import RUNS
 from contactlab.compare.run_job import Outcome, costs_in, outcome_of
 from contactlab.errors import RequestError
-from contactlab.restart import finished_results
+from contactlab.run.restart import finished_results
 
 
 def stored_outcomes(plan: Plan, folder: Path) -> dict[str, Outcome]:

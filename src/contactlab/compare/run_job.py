@@ -16,7 +16,7 @@ from contactlab.api.arrays import Floats
 from contactlab.compare.shape import Shape, shapes_of
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve, Results
-from contactlab.scene import Scene
+from contactlab.scene.scene import Scene
 
 Report = Callable[[Any], None]
 
@@ -56,7 +56,7 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
     A run that was stopped there goes on, and one that is over is read back; one that recorded nothing is made anew.
     A request that only the model can see to be wrong is an outcome, too: "refused".
     """
-    from contactlab.simulation import simulate
+    from contactlab.run.simulation import simulate
 
     def once(number: int, place: Path | None) -> Results:
         begun = place is not None and place.exists()
@@ -97,7 +97,7 @@ def outcome_of(results: Results, contact: int, costs: Sequence[Mapping[str, Any]
 
 def warm_up(scene: Scene, report: Report) -> None:
     """A few tiny steps, so that every kernel of the scene is compiled and in the cache on disk."""
-    from contactlab.simulation import simulate
+    from contactlab.run.simulation import simulate
 
     with TemporaryDirectory() as folder:
         simulate(scene.with_(_WARM_UP), out=Path(folder) / "run", registry=scene.registry)

@@ -22,12 +22,12 @@ from contactlab.compare.system import usable_cores
 from contactlab.compare.table import Table
 from contactlab.compare.table_files import write_table
 from contactlab.errors import RequestError
-from contactlab.folders import claimed_folder, made_folder
-from contactlab.registry import Registry
+from contactlab.parts.registry import Registry
 from contactlab.reports.page import write_report
 from contactlab.reports.progress import Bars, progress_bars
-from contactlab.scene import Scene
-from contactlab.toml_text import write_toml
+from contactlab.run.folders import claimed_folder, made_folder
+from contactlab.scene.scene import Scene
+from contactlab.scene.toml_text import write_toml
 
 
 def compare(

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.arrays import Floats
+from contactlab.api.compiled.kernel import kernel
 from contactlab.api.element import BlockKernels, Element
-from contactlab.api.kernel import kernel
 from contactlab.api.material import Kinematics
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel
+from contactlab.api.compiled.kernel import kernel
 
 
 @kernel

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel, section, summation
-from contactlab.api.unpack import unpack
+from contactlab.api.compiled.kernel import kernel, section, summation
+from contactlab.api.compiled.unpack import unpack
 
 MODEL = "d2 d1 d1 l1 l1 l1"
 CONTACT = "d2 d2 d2 i1 i1 i1 d2 i1 d1 d2 i1 d1"

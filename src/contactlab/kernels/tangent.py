@@ -8,7 +8,7 @@ with the gradient of a small displacement: rows ij and columns kl in the order x
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel
+from contactlab.api.compiled.kernel import kernel
 
 SMALL, FINITE, RATE = 0, 1, 2
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel
+from contactlab.api.compiled.kernel import kernel
 
 
 @kernel

@@ -8,20 +8,20 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import WORK, Element, Floats, Integrator, Material, Mesh, MeshSource, State
-from contactlab.blame import blamed
 from contactlab.errors import SceneError
-from contactlab.mesh import inverted_cells, moved, nodal_measure
-from contactlab.model.answers import refuse_wrong_speeds, refuse_wrong_tables
-from contactlab.model.body import Body, BodyForces, positions_of
-from contactlab.model.checks import check_supported
-from contactlab.model.edge_sets import with_parts
-from contactlab.model.lanes import in_order
+from contactlab.meshing.mesh import inverted_cells, moved, nodal_measure
+from contactlab.model.bodies.body import Body, BodyForces, positions_of
+from contactlab.model.bodies.checked_parts import refuse_wrong_speeds, refuse_wrong_tables
+from contactlab.model.bodies.thread_blocks import in_order
+from contactlab.model.loading.edge_sets import with_parts
+from contactlab.model.loading.held_bodies import check_supported
+from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import Model
 from contactlab.model.pace import find_pace
-from contactlab.model.supports import plan_supports
+from contactlab.parts.error_origin import blamed
 
 if TYPE_CHECKING:
-    from contactlab.model.rigid import RigidSurface
+    from contactlab.model.loading.rigid import RigidSurface
 
 
 def build(scene: Any, registry: Any) -> Model:
@@ -70,7 +70,7 @@ def _built(scene: Any, registry: Any) -> Model:
     )
     model.internal_force(0.0)
     if integrator.explicit and any(plan.start.overlap == "ramp" for plan in plans):
-        from contactlab.model.initial_gap import check_ramp_steps
+        from contactlab.model.contact.initial_gap import check_ramp_steps
 
         check_ramp_steps(plans, pace.ramp, scene.time.step or scene.time.fraction * model.stable_step())
     return model
@@ -82,7 +82,7 @@ def _built(scene: Any, registry: Any) -> Model:
 def _rigid_surfaces(scene: Any, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:
     if not scene.rigid:
         return ()
-    from contactlab.model.rigid import build_rigid
+    from contactlab.model.loading.rigid import build_rigid
 
     return build_rigid(scene, bodies)
 
@@ -93,8 +93,8 @@ def _contact_plans(
     """The contacts, and the bodies with slave nodes moved where a contact asks for it."""
     if not scene.contacts:
         return (), bodies
-    from contactlab.model.contacts import plan_contacts
-    from contactlab.model.initial_gap import adjusted_bodies
+    from contactlab.model.contact.initial_gap import adjusted_bodies
+    from contactlab.model.contact.plan import plan_contacts
 
     plans = plan_contacts(scene, registry, bodies, rigid, integrator)
     return plans, adjusted_bodies(bodies, rigid, plans)
@@ -103,7 +103,7 @@ def _contact_plans(
 def _contact(plans: tuple[Any, ...], *arguments: Any) -> Any:
     if not plans:
         return None
-    from contactlab.model.contacts import build_contact
+    from contactlab.model.contact.plan import build_contact
 
     return build_contact(plans, *arguments)
 
@@ -111,7 +111,7 @@ def _contact(plans: tuple[Any, ...], *arguments: Any) -> Any:
 def _loads(scene: Any, *arguments: Any) -> Any:
     if not scene.loads:
         return ()
-    from contactlab.model.loads import build_loads
+    from contactlab.model.loading.loads import build_loads
 
     return build_loads(scene, *arguments)
 
@@ -126,7 +126,7 @@ def _effects(
 ) -> Any:
     if not scene.effects:
         return ()
-    from contactlab.model.effects import build_effects
+    from contactlab.model.loading.effects import build_effects
 
     return build_effects(scene, registry, bodies, reference, lambda: masses_of(bodies, rigid), state)
 
@@ -198,7 +198,7 @@ def _shapes(nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans:
         shapes["velocity"] = (nodes, 2)
     shapes |= {"internal_force": (nodes, 2), "work": (len(WORK),)}
     if plans:
-        from contactlab.model.contacts import contact_shapes
+        from contactlab.model.contact.plan import contact_shapes
 
         shapes |= contact_shapes(plans, nodes)
     shapes |= {f"history.{body.name}": body.history_shape() for body in bodies if body.material.history_size}

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.kernels.watch import smallest_jacobian
+from contactlab.model.bodies.tangent import Tangent
 from contactlab.model.model import Model
-from contactlab.model.tangent import Tangent
 
 if TYPE_CHECKING:
-    from contactlab.model.implicit_contact import ImplicitContactSystem
-    from contactlab.model.load_stiffness import LoadStiffness
+    from contactlab.model.contact.implicit_system import ImplicitContactSystem
+    from contactlab.model.loading.load_stiffness import LoadStiffness
 
 
 @dataclass
@@ -58,7 +58,7 @@ class ImplicitModel(Model):
         if not self.loads:
             return
         if self._load_stiffness is None:
-            from contactlab.model.load_stiffness import LoadStiffness
+            from contactlab.model.loading.load_stiffness import LoadStiffness
 
             assert self._tangent is not None
             self._load_stiffness = LoadStiffness(self, self._tangent.pattern.place_of)

@@ -17,7 +17,7 @@ from contactlab.api import Floats
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.gap_pair import Pair
+    from contactlab.model.contact.gap_pair import Pair
 
 
 def model_memory(model: Model) -> dict[str, Floats]:

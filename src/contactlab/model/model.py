@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import Floats, Integrator, State
-from contactlab.model.body import Body, BodyForces
+from contactlab.model.bodies.body import Body, BodyForces
+from contactlab.model.bodies.stable_step import StableStep
+from contactlab.model.loading.supports import Prescribed, SupportedSet
 from contactlab.model.pace import Pace
-from contactlab.model.stable_step import StableStep
-from contactlab.model.supports import Prescribed, SupportedSet
 
 if TYPE_CHECKING:
-    from contactlab.model.contact_system import ContactSystem
+    from contactlab.model.contact.explicit_system import ContactSystem
 
 
 @dataclass

@@ -10,8 +10,8 @@ import numpy as np
 
 from contactlab.api import Floats, Integrator
 from contactlab.errors import SceneError
-from contactlab.model.body import Body
-from contactlab.model.supports import SupportPlan
+from contactlab.model.bodies.body import Body
+from contactlab.model.loading.supports import SupportPlan
 
 PERIODS = 50.0  # ramp in periods of the lowest mode that the loading excites
 DAMPING = 0.1  # alpha / w1
@@ -53,7 +53,7 @@ def find_pace(
         return Pace(end, ramp, 0.0, end, time.damping or 0.0, False)
     if not integrator.inertia:
         return Pace(1.0, 1.0, 0.0, 1.0, 0.0, False)
-    from contactlab.model.frequency import loaded_frequency
+    from contactlab.model.bodies.frequency import loaded_frequency
 
     directions = _directions(supports)
     frequency = min(loaded_frequency(body, positions, mass, supports.dof, directions) for body in bodies)

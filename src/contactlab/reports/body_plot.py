@@ -8,8 +8,8 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from contactlab.api.arrays import Floats
-from contactlab.api.colours import FIELD
-from contactlab.api.units import Units
+from contactlab.api.drawing.colours import FIELD
+from contactlab.api.drawing.units import Units
 from contactlab.compare.shape import Shape
 from contactlab.compare.table import Row, Table
 from contactlab.reports.figures import FAINT, INK, MUTED, house_style

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from contactlab.api.colours import REFERENCE, Style, styles
+from contactlab.api.drawing.colours import REFERENCE, Style, styles
 from contactlab.compare.table import Row, Table
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant

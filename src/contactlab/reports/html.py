@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from contactlab.compare.table import Table
 from contactlab.reports.figures import inline_svg
 from contactlab.reports.numbers import significant
-from contactlab.toml_text import write_toml
+from contactlab.scene.toml_text import write_toml
 
 _ASSETS = Path(__file__).parent.parent / "data" / "report"
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from contactlab.api.colours import Style, styles
+from contactlab.api.drawing.colours import Style, styles
 from contactlab.compare.agreement import Agreement, agreements
 from contactlab.compare.columns import MEASURES
 from contactlab.compare.reference import Reference

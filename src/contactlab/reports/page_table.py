@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from html import escape
 from typing import Any
 
-from contactlab.api.colours import Style
-from contactlab.api.units import Units
+from contactlab.api.drawing.colours import Style
+from contactlab.api.drawing.units import Units
 from contactlab.compare.columns import MEASURES, Column
 from contactlab.compare.table import Row, Table
 from contactlab.reports.numbers import heading_unit, quantity

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from contactlab.api.colours import REFERENCE, Style, styles
-from contactlab.api.units import Units
+from contactlab.api.drawing.colours import REFERENCE, Style, styles
+from contactlab.api.drawing.units import Units
 from contactlab.compare.reference import Reference
 from contactlab.compare.table import Row, Table
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note

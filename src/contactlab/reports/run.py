@@ -11,7 +11,7 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
-from contactlab.api.units import Units
+from contactlab.api.drawing.units import Units
 from contactlab.compare.measure_run import reaction_against_pressure
 from contactlab.compare.measures import mirror_asymmetry
 from contactlab.compare.profile import FoldedSurfaceError, Profile

@@ -9,7 +9,7 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from contactlab.api.units import Units
+from contactlab.api.drawing.units import Units
 from contactlab.compare.columns import BY_NAME, Column
 from contactlab.compare.table import Row, Table
 from contactlab.reports.numbers import heading_unit, percent, quantity

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import Floats, Ints, State
-from contactlab.kernels.penetration import depths, with_midpoints
-from contactlab.kernels.windows import FAR
-from contactlab.model.gap_pair import Pair
+from contactlab.kernels.contact.penetration import depths, with_midpoints
+from contactlab.kernels.contact.windows import FAR
+from contactlab.model.contact.gap_pair import Pair
 from contactlab.results.results import ContactCurve
 
 

@@ -9,13 +9,13 @@ import numpy as np
 
 from contactlab.api.arrays import XX, XY, YY, ZZ, Floats
 from contactlab.api.frame import BodyLayout, ContactLayout, Frame, Layout
-from contactlab.model.body import Block, BodyForces
+from contactlab.model.bodies.body import Block, BodyForces
 from contactlab.model.model import Model
 from contactlab.results.sample import Sample
 from contactlab.results.step_columns import step_columns
 
 if TYPE_CHECKING:
-    from contactlab.model.gap_pair import Pair
+    from contactlab.model.contact.gap_pair import Pair
 
 
 def layout_of(model: Model, scene: Any, parts: Mapping[str, str], versions: Mapping[str, str]) -> Layout:

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import ChainedRows, Floats, Step
-from contactlab.api.bound_arrays import BoundArrays
+from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.state import WORK
 from contactlab.kernels.step_scalars import CONTACT, MODEL, model_scalars, step_scalars
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.contact_system import ContactSystem
-    from contactlab.model.surface_pair import SurfacePair
+    from contactlab.model.contact.explicit_system import ContactSystem
+    from contactlab.model.contact.operator_pair import SurfacePair
 
 BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step
 

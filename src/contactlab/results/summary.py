@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api.arrays import Floats
+from contactlab.api.compiled.kernel import COMPILATION
 from contactlab.api.frame import Layout
-from contactlab.api.kernel import COMPILATION
-from contactlab.model.arrays import held_arrays
+from contactlab.model.held_arrays import held_arrays
 from contactlab.model.model import Model
 from contactlab.results.sample import Sample
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from contactlab.api import ContactAlgorithm, GapAlgorithm, GapConditions, Pieces, SurfacePositions
-from contactlab.kernels.search import near_segments
-from contactlab.model.near import REACH
+from contactlab.kernels.contact.search import near_segments
+from contactlab.model.contact.near_list import REACH
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.surfaces import (
     HIGH,

@@ -8,7 +8,7 @@ from typing import get_args
 import numpy as np
 
 from contactlab.api import Element, Floats, Ints, Kinematics
-from contactlab.mesh import cell_measures, jacobians
+from contactlab.meshing.mesh import cell_measures, jacobians
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.cells import cell_stiffness, distorted_cells, gauss
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from contactlab.fields import is_required, keys_of
-from contactlab.registry import Registry
+from contactlab.parts.registry import Registry
+from contactlab.scene.fields import is_required, keys_of
 from contactlab.testing.assertions import NotApplicable
 
 USUAL: dict[str, Any] = {

@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 import numpy as np
 
 from contactlab.api import Element, Floats, Mesh, MeshSource, Quadrature, Shape
-from contactlab.mesh import inverted_cells, nodal_measure, surface_from_edges
+from contactlab.meshing.mesh import inverted_cells, nodal_measure, surface_from_edges
 from contactlab.testing.assertions import Check, agree, require
 
 _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))

@@ -18,11 +18,11 @@ from contactlab.api import (
     Surface,
     SurfacePositions,
 )
-from contactlab.kernels.search import near_segments
-from contactlab.mesh import surface_from_edges
-from contactlab.model.contact_system import allocate_rows
-from contactlab.model.near import REACH
-from contactlab.model.surface_pair import SurfacePair
+from contactlab.kernels.contact.search import near_segments
+from contactlab.meshing.mesh import surface_from_edges
+from contactlab.model.contact.explicit_system import allocate_rows
+from contactlab.model.contact.near_list import REACH
+from contactlab.model.contact.operator_pair import SurfacePair
 
 LOW, HIGH = 0.5, 2.5  # of the shorter surface; the other one spans 0 ... 3
 

@@ -21,7 +21,7 @@ from contactlab.errors import RequestError
 from contactlab.reports.bill_plot import bill_figure
 from contactlab.reports.bill_table import by_cost, render_bill
 from contactlab.results.results import ContactCurve
-from contactlab.scene import Scene, load_scene
+from contactlab.scene.scene import Scene, load_scene
 
 COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 GRAVITY = {"effects": [{"use": "gravity", "acceleration": [0.0, -9810.0]}]}

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from contactlab.compare.recordings import titled_runs
-from contactlab.scene import load_scene
+from contactlab.scene.scene import load_scene
 
 FRICTION = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 

@@ -17,7 +17,7 @@ from contactlab.compare.study import Study, bundled_studies
 from contactlab.compare.table import Row, Table
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve
-from contactlab.scene import load_scene
+from contactlab.scene.scene import load_scene
 
 SHALLOW = {"supports.1.uy.to": -0.01}
 

@@ -18,7 +18,7 @@ import contactlab
 from contactlab.compare import runner
 from contactlab.compare.runner import compare
 from contactlab.errors import RequestError
-from contactlab.scene import load_scene
+from contactlab.scene.scene import load_scene
 
 ALL = {
     "level": [1, 2],

@@ -9,8 +9,8 @@ import pytest
 from contactlab.compare.plan import make_plan
 from contactlab.compare.study import Study, bundled_studies, parse_vary, read_study
 from contactlab.errors import RequestError
-from contactlab.registry import Registry, default_registry
-from contactlab.scene import load_scene
+from contactlab.parts.registry import Registry, default_registry
+from contactlab.scene.scene import load_scene
 
 
 def study_file(folder: Path, text: str) -> Path:

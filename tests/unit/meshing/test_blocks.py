@@ -10,8 +10,8 @@ from contactlab_quads.q1 import Q1
 from contactlab_quads.q2_lagrange import Q2Lagrange
 
 from contactlab.api import Mesh, MeshSource
-from contactlab.mesh import nodal_measure
 from contactlab.meshing import ArcBlock, Disc, QuadBlock, Rectangle, Ring
+from contactlab.meshing.mesh import nodal_measure
 from contactlab.testing.mesh import CHECKS
 
 SQUARE = ((0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (0.0, 2.0))

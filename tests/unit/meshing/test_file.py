@@ -13,11 +13,11 @@ from contactlab_quads.q2_lagrange import Q2Lagrange
 
 from contactlab.api import Mesh
 from contactlab.errors import SceneError
-from contactlab.mesh import nodal_measure
 from contactlab.meshing import Disc, MeshFile, QuadBlock
-from contactlab.scene import load_scene
+from contactlab.meshing.mesh import nodal_measure
+from contactlab.scene.scene import load_scene
+from contactlab.scene.toml_text import write_toml
 from contactlab.testing.mesh import CHECKS
-from contactlab.toml_text import write_toml
 
 DISC = Disc(2.0, (4, 3))
 

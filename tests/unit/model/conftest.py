@@ -9,8 +9,8 @@ import pytest
 
 from contactlab.model.build import build
 from contactlab.model.model import Model
-from contactlab.registry import default_registry
-from contactlab.scene import Scene
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import Scene
 
 LAW = {"use": "linear-elastic", "young": 1000.0, "poisson": 0.25, "density": 1e-6}
 

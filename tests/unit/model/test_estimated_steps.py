@@ -8,8 +8,8 @@ import pytest
 
 import contactlab
 from contactlab.errors import RequestError
-from contactlab.model.explain import explain
-from contactlab.simulation import simulate
+from contactlab.explain.explain import explain
+from contactlab.run.simulation import simulate
 
 SHALLOW = {"level": 1, "supports.1.uy.to": -0.03, "record.frames": 1}
 HELD = {"ramp": "linear", "to": -0.03, "duration": 0.5}

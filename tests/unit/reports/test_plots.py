@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from contactlab.api.colours import STYLES, styles
+from contactlab.api.drawing.colours import STYLES, styles
 from contactlab.compare.shape import Shape, von_mises
 from contactlab.compare.table import Table
 from contactlab.reports.body_plot import body_figure, outline

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from contactlab.api.units import Units
+from contactlab.api.drawing.units import Units
 from contactlab.compare.table import Table
 from contactlab.reports.findings import findings, span
 from contactlab.reports.numbers import percent, significant, uncertain

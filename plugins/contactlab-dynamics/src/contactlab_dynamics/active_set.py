@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from contactlab.api.compiled.kernel import kernel, section
+from contactlab.api.compiled.unpack import unpack
 from contactlab.api.enforcement import CHAINED
-from contactlab.api.kernel import kernel, section
-from contactlab.api.unpack import unpack
 from contactlab_dynamics.chained_product import band_of, product, spread
 from contactlab_dynamics.touched import number_nodes
 

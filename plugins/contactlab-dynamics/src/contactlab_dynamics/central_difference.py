@@ -18,7 +18,7 @@ from contactlab.api import (
     State,
     Step,
 )
-from contactlab.api.bound_arrays import BoundArrays
+from contactlab.api.compiled.bound_arrays import BoundArrays
 
 
 @dataclass(frozen=True)

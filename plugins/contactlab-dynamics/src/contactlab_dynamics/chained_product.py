@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, section
+from contactlab.api.compiled.kernel import kernel, section
 
 WIDEST = 24  # conditions to either side; wider bands cost more than going through the nodes
 

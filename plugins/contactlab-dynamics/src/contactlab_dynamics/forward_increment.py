@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from contactlab.api import ChainedRows, ExplicitEnforcement, Floats, Rows, Solve
-from contactlab.api.late import late
+from contactlab.api.compiled.late import late
 
 DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than the sweeps that it saves
 

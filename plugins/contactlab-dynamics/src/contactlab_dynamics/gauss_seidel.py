@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, section
+from contactlab.api.compiled.kernel import kernel, section
 from contactlab_dynamics.dense_sweep import dense_sweeps, row_compliances
 from contactlab_dynamics.sparse_sweep import row_diagonals, sparse_sweeps
 from contactlab_dynamics.touched import largest_correction, number_nodes

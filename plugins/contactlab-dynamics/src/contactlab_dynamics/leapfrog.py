@@ -7,8 +7,8 @@ motion is prescribed. `before` receives the old velocities of prescribed motion,
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel
-from contactlab.api.unpack import unpack
+from contactlab.api.compiled.kernel import kernel
+from contactlab.api.compiled.unpack import unpack
 
 ARRAYS = "d1 d1 d1 d1 d1 d1 d1 i1 d1 i1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1"
 """reference, displacement, velocity, internal, external, mobility; mass by node; dof, scale, ramp and values of what is

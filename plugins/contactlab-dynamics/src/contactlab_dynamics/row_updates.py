@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import section
+from contactlab.api.compiled.kernel import section
 
 
 @section

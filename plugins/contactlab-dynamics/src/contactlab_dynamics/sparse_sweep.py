@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import section
+from contactlab.api.compiled.kernel import section
 from contactlab_dynamics.row_updates import normal_update, tangential_update
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contactlab.api.kernel import point, section
+from contactlab.api.compiled.kernel import point, section
 
 # Gauss rules with 1, 2 and 3 points on [0, 1], one after another
 _POINTS = (0.5, 0.21132486540518713, 0.7886751345948129, 0.1127016653792583, 0.5, 0.8872983346207417)

@@ -8,7 +8,7 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, PieceSlopes, Surface, SurfacePositions
-from contactlab.api.bound_arrays import BoundArrays
+from contactlab.api.compiled.bound_arrays import BoundArrays
 
 DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
 

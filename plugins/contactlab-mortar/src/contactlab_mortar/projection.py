@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import point
+from contactlab.api.compiled.kernel import point
 
 
 @point

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.chains import nodal_normals, segment_normals
-from contactlab.api.kernel import kernel, point, section
-from contactlab.api.unpack import unpack
+from contactlab.api.compiled.chains import nodal_normals, segment_normals
+from contactlab.api.compiled.kernel import kernel, point, section
+from contactlab.api.compiled.unpack import unpack
 from contactlab_mortar.integrals import integrate, integrate_straight
 from contactlab_mortar.projection import master_parameter, opening, slave_parameter
 from contactlab_mortar.vertices import turn_at_vertices

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, point, section
+from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab_mortar.integrals import _POINTS, _WEIGHTS, constant_basis, trace
 from contactlab_mortar.segments import _begin, overlap
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, point
+from contactlab.api.compiled.kernel import kernel, point
 from contactlab_mortar.vertices import LEAN, TURN, _ramp, facing_sums, slave_turn
 
 

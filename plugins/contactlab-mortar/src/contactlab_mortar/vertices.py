@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, point
+from contactlab.api.compiled.kernel import kernel, point
 
 LEAN = (0.2, 0.3)  # sine of the angle to the master's normal: none below, all above
 TURN = (0.3, 0.5)  # sine by which the slave turns at a node: none below, all above; ends of chains turn by all

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from contactlab.api.kernel import kernel
+from contactlab.api.compiled.kernel import kernel
 from contactlab_quads.q1_kernels import at_points, component, scatter
 from contactlab_quads.q1_kernels import gradient as plain_gradient
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, point
+from contactlab.api.compiled.kernel import kernel, point
 
 G = 0.5773502691896258  # 1/sqrt(3)
 GEOMETRY, FIELD, INVERSE = 0, 6, 12  # first scratch rows: F1, F2, F3 of x, y; of the field; 1/[x, y] at the points

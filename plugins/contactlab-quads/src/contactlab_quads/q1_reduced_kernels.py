@@ -6,7 +6,7 @@ displacement u is q = (U3 - X3 u_x - Y3 u_y)/4 (gradient at the centre): zero fo
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel
+from contactlab.api.compiled.kernel import kernel
 from contactlab_quads.q1_kernels import gather, scatter
 
 

@@ -10,7 +10,7 @@ import rerun as rr
 import rerun.blueprint as rrb
 
 from contactlab.api.arrays import Floats
-from contactlab.api.units import Units
+from contactlab.api.drawing.units import Units
 from contactlab_rerun.axes import BOX
 from contactlab_rerun.convergence import PATH as CONVERGENCE
 from contactlab_rerun.gathered import Gathered, Look

@@ -6,8 +6,8 @@ import numpy as np
 import rerun as rr
 
 from contactlab.api.arrays import Floats
-from contactlab.api.colours import CLOSED, rgb
-from contactlab.api.colours import STATES as COLOURS
+from contactlab.api.drawing.colours import CLOSED, rgb
+from contactlab.api.drawing.colours import STATES as COLOURS
 from contactlab.api.frame import SLIP, STATES, STICK
 from contactlab_rerun.axes import labels
 from contactlab_rerun.drawing import TABLE

@@ -8,7 +8,7 @@ from itertools import groupby
 import numpy as np
 import rerun as rr
 
-from contactlab.api.colours import rgb
+from contactlab.api.drawing.colours import rgb
 from contactlab.api.frame import IterationRow
 from contactlab_rerun.axes import Axes, dashed
 from contactlab_rerun.gathered import Gathered, Look

@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 
 from contactlab.api.arrays import Floats, Ints
-from contactlab.api.colours import CLOSED, FIELD, STATES, rgb
+from contactlab.api.drawing.colours import CLOSED, FIELD, STATES, rgb
 from contactlab_rerun.gathered import Gathered, Instant, Look, Surface
 from contactlab_rerun.mesh_shape import MeshShape
 from contactlab_rerun.projection import ON_MESH, camera, in_plane, line_strips

@@ -9,8 +9,8 @@ import numpy as np
 import rerun as rr
 
 from contactlab.api.arrays import Ints
-from contactlab.api.colours import CLOSED, rgb
-from contactlab.api.colours import STATES as COLOURS
+from contactlab.api.drawing.colours import CLOSED, rgb
+from contactlab.api.drawing.colours import STATES as COLOURS
 from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow, Layout
 from contactlab_rerun.gathered import Gathered, Instant, Look, Surface, short
 from contactlab_rerun.series import times

@@ -9,9 +9,9 @@ import numpy as np
 import rerun as rr
 
 from contactlab.api.arrays import Floats
-from contactlab.api.colours import rgb
+from contactlab.api.drawing.colours import rgb
+from contactlab.api.drawing.units import Units
 from contactlab.api.frame import ContactLayout
-from contactlab.api.units import Units
 from contactlab_rerun.axes import Axes, dashed, dashed_columns, log_legend, solid_columns, ticks
 from contactlab_rerun.gathered import Gathered, Look, Surface, nice
 from contactlab_rerun.series import times

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.api.arrays import Floats
-from contactlab.api.colours import STYLES, styles
+from contactlab.api.drawing.colours import STYLES, styles
 from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recording, replay
 from contactlab_rerun.gathered import Gathered, Look, entity_name, tint

@@ -9,7 +9,7 @@ import numpy as np
 import rerun as rr
 
 from contactlab.api.arrays import Floats
-from contactlab.api.colours import STYLES, rgb
+from contactlab.api.drawing.colours import STYLES, rgb
 from contactlab.api.frame import Layout
 from contactlab_rerun.gathered import Look
 

@@ -13,7 +13,7 @@ from uuid import uuid4
 import numpy as np
 import rerun as rr
 
-from contactlab.api.units import Units
+from contactlab.api.drawing.units import Units
 from contactlab_rerun.blueprint import Shown, blueprint
 from contactlab_rerun.colour_bar import log_colour_bar, log_state_key
 from contactlab_rerun.convergence import log_convergence

@@ -17,7 +17,7 @@ from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
 
-from contactlab.api.colours import STATES, STYLES, rgb
+from contactlab.api.drawing.colours import STATES, STYLES, rgb
 
 MAGIC = b"RRF"  # how recordings begin
 HOST = "127.0.0.1"

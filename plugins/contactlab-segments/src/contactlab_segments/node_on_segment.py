@@ -44,7 +44,7 @@ class NodeOnSegment(ContactAlgorithm):
         out: Pieces,
     ) -> int:
         """The nearest segment of every slave node; `memory` keeps its number (plus one)."""
-        from contactlab.api.chains import nodal_normals, segment_normals, tributary_lengths
+        from contactlab.api.compiled.chains import nodal_normals, segment_normals, tributary_lengths
         from contactlab_segments.pairing import pair_nodes
 
         slave_normal, slave_length = np.empty((len(slave.segments), 2)), np.empty(len(slave.segments))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.kernel import kernel, point, section
+from contactlab.api.compiled.kernel import kernel, point, section
 
 EDGE = 1e-9  # how far, in segment lengths, a node may project beyond a segment's end
 LEAVE = 0.02  # the same at the ends of a chain, where nothing else holds it: bodies of one width spread differently

@@ -9,7 +9,7 @@ step: the stress turns half the way, takes it, and turns on, which makes the law
 
 from __future__ import annotations
 
-from contactlab.api.kernel import kernel, point
+from contactlab.api.compiled.kernel import kernel, point
 
 
 @point

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.api.late import late
+from contactlab.api.compiled.late import late
 from contactlab_solids.elastic_constants import lame_constants
 
 HISTORY = (

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from contactlab.api.kernel import exp, kernel, log, point
+from contactlab.api.compiled.kernel import exp, kernel, log, point
 
 NARROW = 0.0064  # (r/D)^2 up to which eight terms of asinh are exact: elastic strains that differ by 8 %
 SLIGHT = 0.03  # |D - 1| up to which eleven terms of the logarithm are exact

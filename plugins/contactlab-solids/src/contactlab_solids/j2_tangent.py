@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import sqrt
 
-from contactlab.api.kernel import kernel, log, point
+from contactlab.api.compiled.kernel import kernel, log, point
 from contactlab_solids.j2_kernels import deviator, mises_squared, wide_factor
 
 

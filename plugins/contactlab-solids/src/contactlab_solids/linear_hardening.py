@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab.api.late import late
+from contactlab.api.compiled.late import late
 from contactlab_solids import j2
 from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.scene import load_scene
+from contactlab.scene.scene import load_scene
 from contactlab.testing.cases.figures import Figure, near
 from contactlab.testing.cases.watched import WatchedRun
 

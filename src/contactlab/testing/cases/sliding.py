@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from contactlab.scene import Scene, load_scene
+from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.cases.figures import Figure, near
 from contactlab.testing.cases.watched import WatchedRun
 

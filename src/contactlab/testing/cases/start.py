@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contactlab.scene import Scene, load_scene
+from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.cases.figures import Figure, near
 from contactlab.testing.cases.watched import WatchedRun
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.scene import Scene, load_scene
+from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.cases.figures import Figure
 from contactlab.testing.cases.watched import WatchedRun
 

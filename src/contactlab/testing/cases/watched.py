@@ -7,11 +7,11 @@ from collections.abc import Callable
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.guards import EVERY, Guards
 from contactlab.model.build import build
-from contactlab.model.contact_system import ContactSystem
-from contactlab.scene import Scene
-from contactlab.schedule import Schedule
+from contactlab.model.contact.explicit_system import ContactSystem
+from contactlab.run.guards import EVERY, Guards
+from contactlab.run.schedule import Schedule
+from contactlab.scene.scene import Scene
 
 
 class WatchedRun:

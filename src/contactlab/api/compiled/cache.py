@@ -1,0 +1,47 @@
+"""Where compiled machine code lives on disk, so that it is reused and never stale.
+
+numba checks only the file of the cached function, not the files of what it inlines: after an edit
+or an upgrade of an inlined helper the old machine code would run. The folder name therefore carries
+a hash of every source a kernel can inline: the core's kernels, the decorators and the whole package that
+defines the kernel, together with the versions of numba and Python.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.metadata
+import os
+import sys
+from functools import cache
+from pathlib import Path
+
+PACKAGE = Path(__file__).resolve().parents[2]
+KERNELS = PACKAGE / "kernels"
+
+
+def cache_root() -> Path:
+    """`CONTACTLAB_CACHE`, or a folder in the user's cache directory."""
+    chosen = os.environ.get("CONTACTLAB_CACHE")
+    if chosen:
+        return Path(chosen)
+    base = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
+    return Path(base) / "contactlab"
+
+
+@cache
+def source_hash(folder: Path) -> str:
+    """Hash of all Python sources below `folder` and of the core's kernels, in a fixed order."""
+    digest = hashlib.sha256()
+    digest.update(f"{sys.version} numba {importlib.metadata.version('numba')}".encode())
+    core = [*KERNELS.rglob("*.py"), *Path(__file__).resolve().parent.glob("*.py")]
+    for file in sorted({*core, *folder.rglob("*.py")}):
+        digest.update(file.name.encode())
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def cache_folder(source: str) -> str:
+    """The cache folder for kernels defined in the file `source`."""
+    file = Path(source).resolve()
+    folder = KERNELS if PACKAGE in file.parents else file.parent
+    return str(cache_root() / "kernels" / source_hash(folder))

@@ -1,0 +1,1 @@
+"""Colours and units shared by everything that draws."""

@@ -1,0 +1,1 @@
+"""What a scene calls for and what it costs, before it is run."""

@@ -1,0 +1,182 @@
+"""What a scene calls for and what it does not, read off the model that `build` makes of it.
+
+What only a process of its own can tell (kernels, imported modules, seconds) comes from a rehearsal.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from contactlab.api import GapAlgorithm
+from contactlab.explain.effect_table import Effect, effects_of
+from contactlab.model.build import build
+from contactlab.model.held_arrays import HeldArray, held_arrays
+from contactlab.model.model import Model
+
+if TYPE_CHECKING:
+    from contactlab.explain.trial_run import KernelCalls, Rehearsal
+
+
+class UsedPart(NamedTuple):
+    """A part in use: the scene's key, its name, and the distribution it comes from."""
+
+    key: str
+    part: str
+    package: str
+
+
+class Call(NamedTuple):
+    """Calls of parts, and how often they are made: in every step, or in every iteration of an implicit one."""
+
+    call: str
+    times: int
+    per: str
+
+
+class Imported(NamedTuple):
+    """A package and what of it is imported."""
+
+    package: str
+    modules: str
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Sections in the order they are printed. Sizes in bytes, times in s."""
+
+    name: str
+    nodes: int
+    cells: int
+    quadrature_points: int
+    contact_multipliers: int
+    stable_step: float
+    step: float
+    estimated_steps: int
+    seconds_to_first_step: float
+    seconds_per_step: float
+    estimated_seconds: float
+    array_bytes: int
+    effects: list[Effect]
+    parts: list[UsedPart]
+    calls: list[Call]
+    kernels: list[KernelCalls]
+    arrays: list[HeldArray]
+    modules: list[Imported]
+
+
+def explain(scene: Any, registry: Any, rehearsed: Rehearsal | None = None) -> Explanation:
+    """Build the model of `scene` and read off what it holds and calls.
+
+    Without a rehearsal there are no kernels and no seconds, modules are the packages of the scene's
+    parts, and arrays are those before the first step.
+    """
+    model = build(scene, registry)
+    schedule = _schedule(model, scene)
+    steps = schedule.estimated_steps()
+    bound = model.integrator.bind(model, model.state)
+    arrays = held_arrays(model, integrator=bound)
+    seconds = _seconds(rehearsed, steps)
+    if rehearsed is not None:
+        arrays = list(rehearsed.arrays)
+    return Explanation(
+        name=scene.name,
+        nodes=len(model.reference),
+        cells=sum(len(body.cells) for body in model.bodies),
+        quadrature_points=sum(len(body.cells) * body.points for body in model.bodies),
+        contact_multipliers=model.state["multipliers"].shape[1] if "multipliers" in model.state else 0,
+        stable_step=model.stable_step() if model.integrator.explicit else math.nan,
+        step=schedule.dt,
+        estimated_steps=steps,
+        seconds_to_first_step=seconds[0],
+        seconds_per_step=seconds[1],
+        estimated_seconds=seconds[0] + (steps - 1) * seconds[1],
+        array_bytes=sum(array.bytes for array in arrays),
+        effects=effects_of(scene, registry, model),
+        parts=used_parts(scene, registry),
+        calls=list(calls_of(model)),
+        kernels=list(rehearsed.kernels) if rehearsed is not None else [],
+        arrays=arrays,
+        modules=_modules(rehearsed.modules if rehearsed is not None else packages_of(scene, registry)),
+    )
+
+
+def _schedule(model: Model, scene: Any) -> Any:
+    from contactlab.run.run import schedule_of
+
+    return schedule_of(model, scene)
+
+
+def _seconds(rehearsed: Rehearsal | None, steps: int) -> tuple[float, float]:
+    """Until the first step is done, and of each further one."""
+    if rehearsed is None:
+        return math.nan, math.nan
+    return rehearsed.import_s + rehearsed.build_s + rehearsed.first_step_s, rehearsed.step_s
+
+
+def used_parts(scene: Any, registry: Any) -> list[UsedPart]:
+    """The scene's parts, and what its integrator adds where the scene names nothing."""
+    from contactlab.parts.provenance import part_specs
+
+    specs = list(part_specs(scene))
+    own = registry.part_class("integrator", scene.integrator["use"]).default_enforcement
+    for number, contact in enumerate(scene.contacts):
+        if contact.enforcement is None:
+            specs.append((f"contacts.{number}.enforcement, the integrator's own", "enforcement", own))
+    return [UsedPart(key, name, str(registry.offer(kind, name).origin)) for key, kind, name in specs]
+
+
+def calls_of(model: Model) -> Iterator[Call]:
+    """Calls across the contract that the model has bound."""
+    per = "step" if model.integrator.explicit else "iteration"
+    counts = _body_calls(model) | _contact_calls(model)
+    yield from (Call(name, count, per) for name, count in counts.items() if count)
+    if model.loads:
+        yield Call("loads and effects", len(model.loads), "step")
+    yield Call("integrator", 1, "step")
+
+
+def _body_calls(model: Model) -> dict[str, int]:
+    blocks = sum(len(forces.blocks) for forces in model.forces)
+    rate = sum(len(forces.blocks) for forces in model.forces if forces.body.material.kinematics == "rate")
+    stabilised = sum(len(forces.blocks) for forces in model.forces if forces.kernels.stabilise is not None)
+    return {
+        "element gradient": blocks,
+        "increment to midpoint": rate,
+        "material stress": blocks,
+        "element force": blocks,
+        "element stabilisation": stabilised,
+    }
+
+
+def _contact_calls(model: Model) -> dict[str, int]:
+    if model.contact is None:
+        return {}
+    pairs = model.contact.pairs
+    finished = [pair for pair in pairs if isinstance(pair.algorithm, GapAlgorithm)]
+    rough = [pair for pair in pairs if pair.friction is not None]
+    return {
+        "contact pieces": len(pairs) - len(finished),
+        "contact normals": len([pair for pair in rough if pair not in finished]),
+        "contact conditions": len(finished) + len([pair for pair in rough if pair in finished]),
+        "contact enforcement": 1,
+    }
+
+
+def packages_of(scene: Any, registry: Any) -> list[str]:
+    """Import packages of the plugins that the scene brings in, beside the core."""
+    from contactlab.parts.provenance import part_specs
+
+    targets = {registry.offer(kind, name).part.target for _, kind, name in part_specs(scene)}
+    return sorted({target.partition(":")[0].partition(".")[0] for target in targets} | {"numba", "numpy"})
+
+
+def _modules(names: Any) -> list[Imported]:
+    """Modules gathered by package."""
+    inside: dict[str, list[str]] = {}
+    for name in names:
+        package, _, module = name.partition(".")
+        inside.setdefault(package, []).extend([module] if module else [])
+    return [Imported(package, ", ".join(modules)) for package, modules in inside.items()]

@@ -1,0 +1,202 @@
+"""The first steps of a run in a process of its own: what they import, compile, allocate and cost.
+
+Nothing but a fresh process can tell that apart from what was there already. Its files go to a folder that is thrown
+away; beside them it leaves machine code in the cache, where the run itself will find it.
+"""
+
+from __future__ import annotations
+
+import json
+import pickle
+import subprocess
+import sys
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from importlib import import_module
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from time import perf_counter, thread_time
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from contactlab.errors import SimulationFailure
+
+if TYPE_CHECKING:
+    from contactlab.model.held_arrays import HeldArray
+    from contactlab.run.run import Run
+
+STEPS = 40  # after the first one; enough to tell what a step costs
+PATIENCE = 0.5  # seconds after which fewer must do
+_FAR_END = "from contactlab.explain.trial_run import main; main()"
+
+
+class KernelCalls(NamedTuple):
+    """A compiled kernel that was called: how often in a step on average, and whether it had to be compiled now."""
+
+    kernel: str
+    per_step: float
+    compiled: bool
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """What the first steps brought with them.
+
+    modules  imported modules of the project and of plugins, and top-level names of other libraries
+    arrays   every array that the model, the bound integrator and what follows the run hold
+    import_s, build_s, first_step_s  wall time [s]
+    step_s   CPU time of each further step [s]; where there is none, of the first without what it compiled or loaded
+    steps    further steps that were made
+    """
+
+    kernels: Sequence[KernelCalls]
+    modules: Sequence[str]
+    arrays: Sequence[HeldArray]
+    import_s: float
+    build_s: float
+    first_step_s: float
+    step_s: float
+    steps: int
+
+
+def rehearse(scene: Any) -> Rehearsal:
+    """Make the first steps of `scene`. Raises SimulationFailure where they fail."""
+    request = pickle.dumps((sys.path, pickle.dumps(scene)))
+    done = subprocess.run([sys.executable, "-c", _FAR_END], input=request, capture_output=True, check=False)
+    if done.returncode:
+        _build_here(scene)
+        last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no word"]
+        raise SimulationFailure("failed", f"the first steps: {last[0]}")
+    from contactlab.model.held_arrays import HeldArray
+
+    found = json.loads(done.stdout.splitlines()[-1])
+    found["kernels"] = [KernelCalls(*row) for row in found["kernels"]]
+    found["arrays"] = [HeldArray(*row) for row in found["arrays"]]
+    return Rehearsal(**found)
+
+
+def _build_here(scene: Any) -> None:
+    """Raise what stands in the way of the model itself, as a run would."""
+    from contactlab.model.build import build
+
+    build(scene, scene.registry)
+
+
+# --- in the other process ------------------------------------------------------------------------
+
+
+def main() -> None:
+    """Read a pickled scene from standard input, rehearse it, and print what was found as JSON."""
+    sys.path[:], scene = pickle.load(sys.stdin.buffer)
+    print(json.dumps(asdict(_rehearsed(lambda: pickle.loads(scene)))))
+
+
+def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
+    began = perf_counter()
+    kernels = count_kernel_calls()
+    scene = load()
+    from contactlab.api.compiled.kernel import COMPILATION
+    from contactlab.model.build import build
+    from contactlab.model.held_arrays import held_arrays
+    from contactlab.run.run import begin_run
+
+    import_module("contactlab.run.simulation")  # as a run does
+    loaded = perf_counter()
+    with TemporaryDirectory() as folder:
+        model = build(scene, scene.registry)
+        run = begin_run(model, scene, scene.registry, Path(folder), resume=False)
+        built = perf_counter()
+        advance = model.integrator.bind(model, model.state)
+        before, cpu = Counter(kernels.calls), thread_time() - COMPILATION.seconds
+        _steps(run, advance, 1)
+        first, cost = perf_counter(), thread_time() - COMPILATION.seconds - cpu
+        after, cpu = Counter(kernels.calls), thread_time()
+        made = _steps(run, advance, STEPS)
+        if made:
+            before, cost = after, (thread_time() - cpu) / made
+        rows = kernels.rows(before, max(1, made))
+        run.guards.look()
+        run.schedule.follow()
+        run.store()
+        arrays = held_arrays(model, integrator=advance, run=run)
+        run.finish("interrupted", "rehearsed")
+    return Rehearsal(
+        kernels=[*rows, *(row for row in kernels.rows({}, 1) if row.kernel not in {r.kernel for r in rows})],
+        modules=imported_modules(),
+        arrays=arrays,
+        import_s=loaded - began,
+        build_s=built - loaded,
+        first_step_s=first - built,
+        step_s=cost,
+        steps=made,
+    )
+
+
+def _steps(run: Run, advance: Callable[[float], Any], most: int) -> int:
+    """Accepted steps, as the loop of a run makes them; how many."""
+    from contactlab.api import StepStatus
+
+    made, until = 0, perf_counter() + PATIENCE
+    if not run.journal.frames:
+        run.begin()
+    while made < most and not run.schedule.done() and (perf_counter() < until or not made):
+        step = advance(run.schedule.dt)
+        if step.status is not StepStatus.accepted:
+            run.taken_back(step)
+            continue
+        made += 1
+        run.guards.after_step(step)
+        for sample in run.every_step:
+            sample(step, run.schedule.dt)
+    return made
+
+
+def imported_modules() -> list[str]:
+    """Modules outside the standard library: those of libraries by their top-level name, or by the part of SciPy."""
+    names = set()
+    for name in list(sys.modules):
+        top, *inner = name.split(".")
+        if top in sys.stdlib_module_names or top.startswith(("_", "cython")):
+            continue
+        if top.startswith("contactlab"):
+            names.add(name)
+        elif top == "scipy":
+            # numba asks for SciPy's version: only what is inside it weighs anything
+            names |= {f"scipy.{part}" for part in inner[:1] if part == "sparse"}
+        else:
+            names.add(top)
+    return sorted(names - {"contactlab.explain.trial_run"})
+
+
+@dataclass(frozen=True)
+class KernelCounter:
+    """Calls from Python of kernels, by module and name, in the order of their first call."""
+
+    calls: Counter[str]
+    kernels: dict[str, Any]
+
+    def rows(self, before: Mapping[str, int], steps: int) -> list[KernelCalls]:
+        """Every kernel that was called at all, with its calls in each of `steps` steps since `before`."""
+        return [
+            KernelCalls(name, (calls - before.get(name, 0)) / steps, bool(self.kernels[name].stats.cache_misses))
+            for name, calls in self.calls.items()
+        ]
+
+
+def count_kernel_calls() -> KernelCounter:
+    """Count the calls of every kernel from now on, for the rest of this process."""
+    module: Any = import_module("contactlab.api.compiled.kernel")
+    counter, plain = KernelCounter(Counter(), {}), module.Kernel.__call__
+
+    def counted(self: Any, *arguments: Any, **named: Any) -> Any:
+        name = _name(self)
+        counter.calls[name] += 1
+        counter.kernels[name] = self
+        return plain(self, *arguments, **named)
+
+    module.Kernel.__call__ = counted
+    return counter
+
+
+def _name(dispatcher: Any) -> str:
+    return f"{dispatcher.py_func.__module__}.{dispatcher.py_func.__name__}"

@@ -1,0 +1,1 @@
+"""Compiled loops of contact: search, coupling, rows, pairs, derivatives."""

@@ -1,0 +1,79 @@
+"""Which segments are near which: sort-and-sweep over bounding boxes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api.arrays import Floats, Ints
+from contactlab.api.compiled.kernel import kernel
+from contactlab.api.surface import Candidates
+
+
+@kernel
+def boxes(positions, segments, low, high):
+    """Corners (s, 2) of the bounding box of every segment."""
+    for s in range(segments.shape[0]):
+        a, b = segments[s, 0], segments[s, 1]
+        for i in range(2):
+            low[s, i] = min(positions[a, i], positions[b, i])
+            high[s, i] = max(positions[a, i], positions[b, i])
+
+
+@kernel
+def sweep(slave_low, slave_high, low, high, order, widest, axis, reach, start, found):
+    """Count (found empty) or list the master boxes that overlap each slave box grown by `reach`."""
+    other = 1 - axis
+    count = 0
+    listing = found.size > 0
+    for s in range(slave_low.shape[0]):
+        start[s] = count
+        from_, to = slave_low[s, axis] - reach, slave_high[s, axis] + reach
+        # the first box that can still reach `from_`: boxes are sorted by their lower bound
+        left, right = 0, order.size
+        while left < right:
+            middle = (left + right) // 2
+            if low[order[middle], axis] < from_ - widest:
+                left = middle + 1
+            else:
+                right = middle
+        first = count
+        while left < order.size and low[order[left], axis] <= to:
+            m = order[left]
+            left += 1
+            if high[m, axis] < from_:
+                continue
+            if low[m, other] > slave_high[s, other] + reach or high[m, other] < slave_low[s, other] - reach:
+                continue
+            if listing:
+                k = count  # insertion keeps every row ascending
+                while k > first and found[k - 1] > m:
+                    found[k] = found[k - 1]
+                    k -= 1
+                found[k] = m
+            count += 1
+    start[slave_low.shape[0]] = count
+    return count
+
+
+def near_segments(
+    slave_positions: Floats, slave_segments: Ints, master_positions: Floats, master_segments: Ints, reach: float
+) -> Candidates:
+    """All pairs of segments whose boxes come within `reach` [mm] of each other."""
+    slave_low, slave_high = _bounds(slave_positions, slave_segments)
+    low, high = _bounds(master_positions, master_segments)
+    axis = int(np.argmax(high.max(axis=0) - low.min(axis=0)))
+    order = np.argsort(low[:, axis], kind="stable").astype(np.int32)
+    widest = float((high[:, axis] - low[:, axis]).max())
+    start = np.zeros(len(slave_segments) + 1, np.int32)
+    arguments = (slave_low, slave_high, low, high, order, widest, axis, reach, start)
+    count = sweep(*arguments, np.zeros(0, np.int32))
+    found = np.zeros(count, np.int32)
+    if count:
+        sweep(*arguments, found)
+    return Candidates(start, found, reach)
+
+
+def _bounds(positions: Floats, segments: Ints) -> tuple[Floats, Floats]:
+    low, high = np.empty((len(segments), 2)), np.empty((len(segments), 2))
+    boxes(positions, segments, low, high)
+    return low, high

@@ -1,0 +1,96 @@
+"""Laws that are used beyond what they hold for: small strain, and no yielding."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from contactlab.api import XX, XY, YY, ZZ, Floats
+from contactlab.missing_effects.missing_effect import Looks, Need, per_cent
+from contactlab.model.bodies.body import Block, BodyForces
+from contactlab.model.model import Model
+
+STRAIN = 0.05  # largest principal strain of small-strain laws
+ROTATION = math.radians(5.0)  # it adds about 1 - cos(5 degrees) = 0.4 % of false strain
+
+
+def strain_looks(scene: object, model: Model) -> Looks:
+    """Looks at bodies with a small-strain law, and at those whose law knows an elastic limit."""
+    for forces in model.forces:
+        law = forces.body.material
+        key = f"materials.{scene.bodies[forces.body.name].material}"  # type: ignore[attr-defined]
+        if law.kinematics == "small":
+            yield LargeStrain(forces, key)
+        if math.isfinite(law.elastic_limit()):
+            yield UnusedYieldStress(forces, key)
+
+
+class LargeStrain:
+    """`worst`: largest principal strain [-] and rotation [rad] of any point."""
+
+    def __init__(self, forces: BodyForces, key: str) -> None:
+        self.forces, self.key, self.worst = forces, key, np.zeros(2)
+
+    def look(self) -> None:
+        """Strain and rotation from the displacement gradients of the last update."""
+        for block in self.forces.current():
+            np.maximum(self.worst, _strain_and_rotation(block.gradient), out=self.worst)
+
+    def need(self) -> Need | None:
+        """A law for finite strain."""
+        strain, rotation = (float(value) for value in self.worst)
+        if strain <= STRAIN and rotation <= ROTATION:
+            return None
+        seen = f"rotations reach {math.degrees(rotation):.1f} degrees"
+        if strain > STRAIN:
+            seen = f"strains reach {per_cent(strain)}"
+        return Need(
+            "finite-strain",
+            self.key,
+            f"body {self.forces.body.name}: {seen}, its law is for small ones (5 % and 5 degrees)",
+            _other_law(self.key, self.forces.body.material.beyond.get("finite strain"), "a law for finite strain"),
+        )
+
+
+def _strain_and_rotation(gradient: Floats) -> tuple[float, float]:
+    """Largest |principal strain| and |angle of the polar decomposition| of du/dX (4, P)."""
+    xx, xy, yx, yy = gradient
+    mean, radius = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), 0.5 * (xy + yx))
+    angle = np.arctan2(yx - xy, 2.0 + xx + yy)
+    return float((np.abs(mean) + radius).max()), float(np.abs(angle).max())
+
+
+class UnusedYieldStress:
+    """`worst`: largest von Mises stress [MPa] of any point."""
+
+    def __init__(self, forces: BodyForces, key: str) -> None:
+        self.forces, self.key, self.worst = forces, key, np.zeros(1)
+
+    def look(self) -> None:
+        """Von Mises stress of the last update."""
+        for block in self.forces.current():
+            self.worst[0] = max(self.worst[0], float(_von_mises(block).max()))
+
+    def need(self) -> Need | None:
+        """A law that yields."""
+        law, stress = self.forces.body.material, float(self.worst[0])
+        if stress <= law.elastic_limit():
+            return None
+        return Need(
+            "plasticity",
+            self.key,
+            f"body {self.forces.body.name}: the von Mises stress reaches {stress:.4g}, its yield stress is "
+            f"{law.elastic_limit():.4g} and its law does not yield",
+            _other_law(self.key, law.beyond.get("plasticity"), "a law that yields"),
+        )
+
+
+def _von_mises(block: Block) -> Floats:
+    s = block.stress
+    deviator = (s[XX] - s[YY]) ** 2 + (s[YY] - s[ZZ]) ** 2 + (s[ZZ] - s[XX]) ** 2
+    return np.asarray(np.sqrt(0.5 * deviator + 3.0 * s[XY] ** 2))
+
+
+def _other_law(key: str, name: str | None, otherwise: str) -> str:
+    return f'write {key}.use = "{name}"' if name else f"use {otherwise} in {key}"

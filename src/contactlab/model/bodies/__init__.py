@@ -1,0 +1,1 @@
+"""Bodies: blocks of cells, stresses and internal forces, stable steps, stiffness."""

@@ -1,0 +1,265 @@
+"""A body: its blocks of cells and the calls that give stresses and internal forces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactlab.api import BLOCK_CELLS, Element, Floats, Ints, Material, Mesh
+from contactlab.kernels.cells import element_kernels, midpoint
+from contactlab.kernels.size import jacobian_determinants
+from contactlab.model.bodies.thread_blocks import colours, lanes_of
+
+if TYPE_CHECKING:
+    from contactlab.model.loading.rigid import RigidSurface
+
+
+@dataclass(frozen=True)
+class Body:
+    """One body in global node numbers.
+
+    first, count  its nodes are first ... first + count - 1
+    cells         (n, a) int32 global node numbers
+    mesh          with local numbers, after rotation and shift
+    """
+
+    name: str
+    element: Element
+    material: Material
+    mesh: Mesh
+    first: int
+    count: int
+    cells: Ints
+
+    @property
+    def points(self) -> int:
+        """Quadrature points per cell."""
+        return len(self.element.quadrature().weights)
+
+    @property
+    def shear_modulus(self) -> float:
+        """Shear modulus [MPa] of the undeformed material."""
+        return float(self.material.density * self.material.wave_speeds()[1] ** 2)
+
+    @property
+    def dilatational_modulus(self) -> float:
+        """lambda + 2 mu [MPa] of the undeformed material."""
+        return float(self.material.density * self.material.wave_speeds()[0] ** 2)
+
+    def history_shape(self) -> tuple[int, ...]:
+        """Shape of the body's history in the state: (n q h,)."""
+        return (len(self.cells) * self.points * self.material.history_size,)
+
+
+def positions_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floats:
+    """Positions (N, 2) [mm] of all nodes before the run."""
+    return np.concatenate([*(body.mesh.nodes for body in bodies), *(surface.points for surface in rigid)])
+
+
+@dataclass
+class Block:
+    """Arrays of one block of B cells; `stress` (4, P) and `gradient` (4, P) are those of the last update.
+
+    Blocks may share these two: read them through `BodyForces.current`.
+    `history` is that of the last accepted step; `new_history` that of the last update, the same array
+    where every update is an accepted step.
+    """
+
+    connectivity: Ints
+    gradient: Floats
+    stress: Floats
+    history: Floats
+    new_history: Floats
+
+
+class BodyForces:
+    """The staged work of one body, bound to the model's arrays once.
+
+    geometry and field are what the law's kinematics asks for: (X, u), (x, X) or (x, du). With
+    `trial_history` updates are trials from `history` until they are accepted; explicit runs give none.
+    `shape` is (X, u) whatever the kinematics, for elements that stabilise. `colours` and `lanes` of the
+    blocks: see `contactlab.model.bodies.thread_blocks`.
+    """
+
+    def __init__(
+        self,
+        body: Body,
+        geometry: Floats,
+        field: Floats,
+        force: Floats,
+        history: Floats,
+        trial_history: Floats | None = None,
+        shape: tuple[Floats, Floats] | None = None,
+        threads: int = 1,
+        first_lane: int = 0,
+    ) -> None:
+        self.body = body
+        self.kernels = element_kernels(body.element, body.material.kinematics)
+        self.shape = shape
+        self.geometry, self.field, self.force, self.history = geometry, field, force, history
+        self.trial_history = history if trial_history is None else trial_history
+        self.blocks = _blocks(body, history, self.trial_history)
+        self.shares_gradient = trial_history is None and len(self.blocks) > 1
+        self.shares_stress = self.shares_gradient and not body.material.history_size
+        self.colours = colours([block.connectivity for block in self.blocks], len(force))
+        self.lanes = lanes_of(self.colours, threads, first_lane)
+        _share(self.blocks, self.lanes, self.shares_gradient, self.shares_stress)
+        self.dt = 0.0
+        self.scratch = _scratch(self.blocks, self.lanes)
+        self.calls: tuple[Callable[[float], None], ...] = tuple(
+            self._bind(block, scratch) for block, scratch in zip(self.blocks, self.scratch, strict=True)
+        )
+
+    def _bind(self, block: Block, scratch: Floats) -> Callable[[float], None]:
+        gradient, force, _ = self.kernels
+        stress_of, rate = self.body.material.stress, self.body.material.kinematics == "rate"
+        geometry, field, nodal = self.geometry, self.field, self.force
+        conn, g, sigma = block.connectivity, block.gradient, block.stress
+        history, new_history = block.history, block.new_history
+
+        def update(dt: float) -> None:
+            self.dt = dt
+            gradient(geometry, field, conn, g, scratch)
+            if rate:
+                midpoint(g)
+            stress_of(g, history, dt, sigma, new_history)
+            force(geometry, conn, sigma, nodal, scratch)
+
+        return update if self.kernels.stabilise is None else self._stabilised(update, conn, scratch)
+
+    def _stabilised(self, update: Callable[[float], None], conn: Ints, scratch: Floats) -> Callable[[float], None]:
+        stabilise, shear, nodal = self.kernels.stabilise, self.body.shear_modulus, self.force
+        assert stabilise is not None
+        assert self.shape is not None
+        reference, displacement = self.shape
+
+        def stabilised(dt: float) -> None:
+            update(dt)
+            stabilise(reference, displacement, conn, shear, nodal, scratch)
+
+        return stabilised
+
+    def current(self) -> Iterator[Block]:
+        """The blocks with gradient and stress of the last update, each until the next one is asked for."""
+        for block, scratch in zip(self.blocks, self.scratch, strict=True):
+            if self.shares_gradient:
+                self.kernels.gradient(self.geometry, self.field, block.connectivity, block.gradient, scratch)
+                if self.body.material.kinematics == "rate":
+                    midpoint(block.gradient)
+            if self.shares_stress:
+                self.body.material.stress(block.gradient, block.history, self.dt, block.stress, block.history)
+            yield block
+
+    def stress(self) -> Floats:
+        """Cauchy stress of the last update, (n, q, 4)."""
+        q = self.body.points
+        return np.concatenate([b.stress.reshape(4, q, -1).transpose(2, 1, 0).copy() for b in self.current()])
+
+    def stored_energy(self) -> float:
+        """Stored energy of the body [mJ] at the last update; nan for laws without one."""
+        if not self.body.material.has_energy:
+            return float("nan")
+        return self._integral(self.body.material.energy)
+
+    def dissipated_energy(self) -> float:
+        """Energy that the body's law has dissipated [mJ], by its history; 0 for laws that tell none."""
+        if not self.body.material.history_size:
+            return 0.0
+        return self._integral(self.body.material.dissipation)
+
+    def numerical_energy(self) -> float:
+        """Energy [mJ] in modes that only the element's stabilisation resists."""
+        if self.kernels.stabilise is None:
+            return 0.0
+        assert self.shape is not None
+        reference, displacement = self.shape
+        force = np.zeros_like(displacement)
+        for block, scratch in zip(self.blocks, self.scratch, strict=True):
+            self.kernels.stabilise(reference, displacement, block.connectivity, self.body.shear_modulus, force, scratch)
+        return float(0.5 * np.vdot(displacement, force))
+
+    def _integral(self, density: Callable[[Floats, Floats, Floats], None]) -> float:
+        """Sum over points of a density of the law per volume, at the last update."""
+        rule = self.body.element.quadrature()
+        total = 0.0
+        for block in self.current():
+            values = np.empty(block.stress.shape[1])
+            density(block.gradient, block.new_history, values)
+            total += float(values @ self._volumes(block, rule.points, rule.weights))
+        return total
+
+    def _volumes(self, block: Block, points: Floats, weights: Floats) -> Floats:
+        """Volume per thickness [mm2] of every point, point-major, as the law sees it.
+
+        For "finite" laws undeformed volume times det F of the law's own gradient, which an element may
+        have averaged (F-bar); otherwise in the geometry the forces act on.
+        """
+        if self.body.material.kinematics != "finite":
+            return (self.determinants(block, points) * weights[:, None]).ravel()
+        g = block.gradient
+        undeformed = self._determinants(self.field, block, points) * weights[:, None]
+        return np.asarray(undeformed.ravel() / (g[0] * g[3] - g[1] * g[2]))
+
+    def determinants(self, block: Block, points: Floats) -> Floats:
+        """Jacobian determinants (q, B) of a block's cells in the geometry the forces act on."""
+        return self._determinants(self.geometry, block, points)
+
+    def _determinants(self, positions: Floats, block: Block, points: Floats) -> Floats:
+        slopes = np.ascontiguousarray(self.body.element.shape(points).gradient)
+        out = np.empty((len(points), block.connectivity.shape[1]))
+        jacobian_determinants(positions, block.connectivity, slopes, out)
+        return out
+
+
+def _share(blocks: list[Block], lanes: Sequence[int], gradient: bool, stress: bool) -> None:
+    """One array for all blocks of a width and lane where it can be had again.
+
+    That is 128 bytes less to move per Q1 cell and step for each of the two.
+
+    A gradient follows from positions, a stress from the gradient unless the law has a history.
+    """
+    first: dict[tuple[int, ...], Block] = {}
+    for block, lane in zip(blocks, lanes, strict=True):
+        like = first.setdefault((lane, *block.stress.shape), block)
+        block.gradient = like.gradient if gradient else block.gradient
+        block.stress = like.stress if stress else block.stress
+
+
+def _scratch(blocks: Sequence[Block], lanes: Sequence[int]) -> list[Floats]:
+    """Scratch of every block; those of one size and lane share it."""
+    shared: dict[tuple[int, int], Floats] = {}
+    for block, lane in zip(blocks, lanes, strict=True):
+        nodes, cells = block.connectivity.shape
+        if (lane, cells) not in shared:
+            shared[lane, cells] = np.zeros((6 * nodes + 6, cells))
+    return [shared[lane, block.connectivity.shape[1]] for block, lane in zip(blocks, lanes, strict=True)]
+
+
+def block_size(cells: int) -> int:
+    """Cells of every block but the last, at most BLOCK_CELLS.
+
+    Rows of a block's arrays stand a block's width apart. Powers of two put all rows into the same few sets of
+    the first-level cache (measured: three times slower); eight times an odd number puts each into its own.
+    """
+    number = -(-cells // (BLOCK_CELLS - 8))
+    if number == 1 and cells % 256:
+        return cells
+    size = -(-cells // max(2, number))
+    return 8 * (-(-size // 8) | 1)
+
+
+def _blocks(body: Body, history: Floats, trial_history: Floats) -> list[Block]:
+    """Cells cut into blocks of about BLOCK_CELLS, equal but for the last."""
+    cells, q, h = body.cells, body.points, body.material.history_size
+    size = block_size(len(cells))
+    blocks, at = [], 0
+    for begin in range(0, len(cells), size):
+        connectivity = np.ascontiguousarray(cells[begin : begin + size].T)
+        points = q * connectivity.shape[1]
+        old, new = (values[at : at + h * points].reshape(h, points) for values in (history, trial_history))
+        at += h * points
+        blocks.append(Block(connectivity, np.zeros((4, points)), np.zeros((4, points)), old, new))
+    return blocks

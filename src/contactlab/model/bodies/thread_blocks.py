@@ -1,0 +1,57 @@
+"""Blocks of cells side by side: which may add their forces at the same time, and the threads that do it.
+
+Blocks that share a node must add to it one after another, always in the same order, or the last digit of the sum
+would depend on which thread was first. Blocks get colours: two of one colour share no node. Colours are done one
+after another, whether by one thread or by many, so that results are the same to the last bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from contactlab.api import Ints
+
+Update = Callable[[float], None]
+
+_COLOURS = 64  # as many as an integer has bits; blocks that find none free come last, one by one
+
+
+def colours(blocks: Sequence[Ints], nodes: int) -> list[int]:
+    """A colour for every block, given by its connectivity (a, B), the first that none of its neighbours has."""
+    taken = np.zeros(nodes, np.uint64)
+    found = []
+    for number, cells in enumerate(blocks):
+        used = int(np.bitwise_or.reduce(taken[cells], axis=None))
+        colour = (~used & (used + 1)).bit_length() - 1
+        if colour < _COLOURS:
+            taken[cells] |= np.uint64(1 << colour)
+        else:
+            colour = _COLOURS + number
+        found.append(colour)
+    return found
+
+
+def lanes_of(found: Sequence[int], threads: int, first: int = 0) -> list[int]:
+    """The thread of every block: those of one colour are dealt out in turns, beginning with thread `first`."""
+    seen: dict[int, int] = {}
+    lanes = []
+    for colour in found:
+        lanes.append((first + seen.get(colour, 0)) % threads)
+        seen[colour] = seen.get(colour, 0) + 1
+    return lanes
+
+
+def in_order(updates: Sequence[Update], found: Sequence[int], lanes: Sequence[int], threads: int) -> tuple[Update, ...]:
+    """Calls to be made one after another: the updates by colour, or with several threads one call for each colour."""
+    by_colour = sorted(range(len(updates)), key=lambda number: found[number])
+    if threads == 1:
+        return tuple(updates[number] for number in by_colour)
+    from contactlab.model.bodies.threads import Threads
+
+    team = Threads(threads)
+    rounds: dict[int, list[list[Update]]] = {}
+    for number in by_colour:
+        rounds.setdefault(found[number], [[] for _ in range(threads)])[lanes[number]].append(updates[number])
+    return tuple(team.together([lane for lane in dealt if lane]) for dealt in rounds.values())

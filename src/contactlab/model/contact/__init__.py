@@ -1,0 +1,1 @@
+"""Contact: surfaces, pairs, gap conditions, and their linearisation."""

@@ -1,0 +1,154 @@
+"""Derivatives of a contact algorithm's pieces by central differences, for algorithms that give none."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Candidates, Floats, Ints, Pieces, Surface
+from contactlab.api.slopes import PieceSlopes
+from contactlab.api.surface import SurfacePositions
+from contactlab.kernels.contact import piece_slopes as kernels
+from contactlab.model.contact.near_list import REACH
+from contactlab.model.contact.operator_pair import SurfacePair
+
+STEP = 1e-5  # segment lengths; central differences of smooth pieces then err by about 1e-10
+OWN_ENTRIES = 16  # room for derivatives that an algorithm gives, for each node and multiplier of a piece
+OWN_NORMALS = 32  # room for derivatives of normals that follow from what a piece sees, for each piece
+RING = 2  # further nodes on either side of a piece that averaged normals may bring in
+
+
+class PieceDerivatives:
+    """The algorithm's own derivatives, or what follows from moving the nodes of one colour at a time."""
+
+    def __init__(self, pair: SurfacePair) -> None:
+        self.pair = pair
+        self.links = _links(pair.slave), _links(pair.master)
+        self.high, self.low = self._spare(), self._spare()
+        self.out = self._room(256, 256)
+        self.follows_master: bool | None = None
+
+    def _spare(self) -> Pieces:
+        pair = self.pair
+        return Pieces.allocate(len(pair.pieces.slave), pair.algorithm.widths(pair.slave, pair.master), pair.slots)
+
+    def _room(self, entries: int, normals: int) -> PieceSlopes:
+        return PieceSlopes.allocate(entries, self.pair.algorithm.widths(self.pair.slave, self.pair.master), normals)
+
+    def slopes(self, memory: Floats) -> PieceSlopes:
+        """Derivatives of the pair's pieces at its present positions; the same object every call."""
+        pair = self.pair
+        widths = sum(pair.algorithm.widths(pair.slave, pair.master))
+        self._make_room(OWN_ENTRIES * pair.count * widths, 20 * pair.slots + OWN_NORMALS * pair.count)
+        assert pair.near is not None
+        if pair.algorithm.slopes(
+            pair.slave, pair.master, pair.at, pair.near.candidates, memory, pair.pieces, pair.count, self.out
+        ):
+            return self.out
+        return self._differences(memory)
+
+    def _make_room(self, entries: int, normals: int) -> None:
+        if entries > len(self.out.moved) or normals > len(self.out.normal_moved):
+            self.out = self._room(entries + entries // 4, normals)
+
+    def _differences(self, memory: Floats) -> PieceSlopes:
+        pair = self.pair
+        if len(self.high.slave) < len(pair.pieces.slave):
+            self.high, self.low = self._spare(), self._spare()
+        owners = self._owners(memory)
+        # every piece depends on at most so many coordinates; unmatched pieces stand twice
+        width = 2 * sum(_period(nodes[: pair.count]) for nodes in (pair.pieces.slave, pair.pieces.master))
+        entries, normals = 2 * (pair.count + 8) * width, 2 * pair.slots * sum(_period(o) for o in owners)
+        self._make_room(entries, normals)
+        self.out.count = self.out.normal_count = 0
+        for side in range(2):
+            self._side(side, owners[side], memory)
+        return self.out
+
+    def _owners(self, memory: Floats) -> tuple[Ints, Ints]:
+        """Surface nodes on either side that the normal of each multiplier may depend on."""
+        pair = self.pair
+        m = len(pair.slave.nodes)
+        slave = (np.arange(pair.slots, dtype=np.int32) % m)[:, None]
+        master = np.full((pair.slots, 2), -1, np.int32)
+        if self.follows_master is None:
+            self.follows_master = self._probe(memory)
+        if self.follows_master:
+            kernels.master_owners(pair.count, pair.pieces.multiplier, pair.pieces.master, master)
+        return slave, master
+
+    def _probe(self, memory: Floats) -> bool:
+        """Whether normals change with the master's positions."""
+        pair = self.pair
+        shake = np.random.default_rng(1).uniform(-STEP, STEP, pair.at.master.shape) * pair.size
+        self._evaluate(pair.at.slave, pair.at.master + shake, memory, self.high)
+        self._evaluate(pair.at.slave, pair.at.master, memory, self.low)
+        return not np.array_equal(self.high.normal, self.low.normal)
+
+    def _side(self, side: int, owners: Ints, memory: Floats) -> None:
+        pair, out = self.pair, self.out
+        nodes = (pair.pieces.slave, pair.pieces.master)[side]
+        colours = _colours(
+            len((pair.slave, pair.master)[side].nodes), max(_period(nodes[: pair.count]), _period(owners))
+        )
+        chain = (*self.links[side], colours)
+        shift, step = side * len(pair.slave.nodes), STEP * pair.size
+        entries = (out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT)
+        normals = (out.normal_of, out.normal_moved, out.dnormal)
+        for colour in range(int(colours.max()) + 1):
+            for direction in range(2):
+                high_count = self._moved(side, colours == colour, direction, step, memory, self.high)
+                low_count = self._moved(side, colours == colour, direction, -step, memory, self.low)
+                out.count = kernels.differences(
+                    high_count, _arrays(self.high), _arrays(self.high)[2 * side], low_count, _arrays(self.low),
+                    _arrays(self.low)[2 * side], shift, RING, chain, colour, direction, 0.5 / step, out.count, entries,
+                )  # fmt: skip
+                out.normal_count = kernels.normal_differences(
+                    self.high.normal, pair.pieces.normal, self.low.normal, owners, shift, RING, chain, colour,
+                    direction, 0.5 / step, out.normal_count, normals,
+                )  # fmt: skip
+
+    def _moved(self, side: int, chosen: Floats, direction: int, step: float, memory: Floats, out: Pieces) -> int:
+        at = [self.pair.at.slave, self.pair.at.master]
+        at[side] = at[side].copy()
+        at[side][chosen, direction] += step
+        return self._evaluate(at[0], at[1], memory, out)
+
+    def _evaluate(self, slave_at: Floats, master_at: Floats, memory: Floats, out: Pieces) -> int:
+        pair = self.pair
+        assert pair.near is not None
+        candidates: Candidates = pair.near.candidates
+        out.normal[:] = pair.pieces.normal
+        return pair.algorithm.pieces(
+            pair.slave, pair.master, SurfacePositions(slave_at, master_at), candidates, REACH * pair.size,
+            memory.copy(), out,
+        )  # fmt: skip
+
+
+def _arrays(pieces: Pieces) -> tuple[Ints, Ints, Ints, Floats, Floats, Floats]:
+    return pieces.slave, pieces.multiplier, pieces.master, pieces.D, pieces.M, pieces.T
+
+
+def _links(surface: Surface) -> tuple[Ints, Ints]:
+    """The next and the previous node of every node of a surface, -1 at ends."""
+    into, out = surface.node_segments[:, 0], surface.node_segments[:, 1]
+    following = np.where(out >= 0, surface.segments[out, 1], -1).astype(np.int32)
+    return following, np.where(into >= 0, surface.segments[into, 0], -1).astype(np.int32)
+
+
+def _period(nodes: Ints) -> int:
+    """How many neighbours on a chain must differ in colour so that no piece depends on two of one colour."""
+    used = nodes[nodes[:, 0] >= 0] if len(nodes) else nodes
+    if not len(used):
+        return 1 + 2 * RING
+    span = used.max(axis=1) - used.min(axis=1)
+    # a piece across the start of a closed chain has a span of almost the whole chain
+    inner = span[span <= max(used.shape[1], (int(used.max()) + 1) // 2)]
+    return int(inner.max(initial=0)) + 1 + 2 * RING
+
+
+def _colours(nodes: int, period: int) -> Ints:
+    """Colours that repeat with `period`; what is left over at the end of a chain gets colours of its own."""
+    whole = nodes - nodes % period
+    colours = np.arange(nodes) % period
+    colours[whole:] = period + np.arange(nodes - whole)
+    return colours.astype(np.int32)

@@ -1,0 +1,127 @@
+"""All contact pairs of a model: one list of rows, one solve."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+
+from contactlab.api import ChainedRows, ExplicitEnforcement, Floats, Rows, Solve, State
+from contactlab.kernels.contact.rows import tangential_work
+from contactlab.kernels.contact.warm_start import extrapolate
+from contactlab.model.contact.gap_pair import Pair
+from contactlab.model.contact.operator_pair import SurfacePair
+
+MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
+GROW = 1.5
+
+
+class ContactSystem:
+    """The pairs and the enforcement they share. Implements `contactlab.api.ContactEquations`."""
+
+    def __init__(self, pairs: tuple[Pair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
+        self.pairs, self.enforcement, self.state = pairs, enforcement, state
+        self.surfaces = [pair for pair in pairs if isinstance(pair, SurfacePair)]
+        self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
+        self.friction = any(pair.friction is not None for pair in pairs)
+        self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]
+        self.margin = MARGIN * min(pair.size for pair in pairs)
+        self.rows = allocate_rows(sum(pair.slots for pair in pairs), 64, self.friction)
+        self.chained: ChainedRows | None = None
+        if enforcement.chained and not self.friction and all(pair.chained for pair in pairs):
+            self.chained = ChainedRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap))
+        self.last = Solve(0, 0.0, 0, 0.0)
+        self.seconds = 0.0
+
+    def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
+        """Rows at `predicted`, forces from the enforcement; see `contactlab.api.ContactEquations`."""
+        began = perf_counter()
+        # normals and weights belong to where the nodes will be: predicted, pushed by the last forces.
+        # `predicted` alone is off by dt^2 f/m, some per cent of a segment in pressed zones.
+        for pair, memory in zip(self.pairs, self.memories, strict=True):
+            pair.follow(predicted, compliance, force, memory)
+            if pair.friction is not None:
+                pair.begin(current, memory)
+        self._solve_rows(current, compliance, force)
+        self.seconds += perf_counter() - began
+        return self.last
+
+    def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
+        """Work and dissipation of the tangential forces; see `contactlab.api.ContactEquations`."""
+        if not self.friction:
+            return 0.0, 0.0
+        r = self.rows
+        work, dissipation = tangential_work(
+            r.count, r.start, r.node, r.tangent_weight, r.slot, self.multipliers, r.slip, mean_velocity, dt,
+            compliance, force,
+        )  # fmt: skip
+        return work, dissipation
+
+    def _solve_rows(self, current: Floats, compliance: Floats, force: Floats) -> None:
+        # extrapolating the normal forces of the last two steps saves a quarter of the sweeps
+        extrapolate(self.multipliers[0], self.before)
+        if self.chained is not None:
+            done = self.enforcement.solve_chained(self._assemble_chained(), compliance, self.multipliers, force)
+            if done is not None:
+                self.last = done
+                return
+            self.chained.count = 0
+        margin, warm = self.margin, self.multipliers.copy()
+        while True:
+            self._assemble(margin, current)
+            self.last = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
+            # a left-out row could have closed only if nodes were moved by a good part of the margin
+            if 4.0 * self.last.largest_correction <= margin or margin == np.inf:
+                return
+            margin = np.inf
+            self.multipliers[:] = warm
+
+    def _assemble_chained(self) -> ChainedRows:
+        assert self.chained is not None
+        self.rows.count = 0
+        while True:
+            self.chained.count = 0
+            for pair in self.surfaces:
+                if not pair.append_chained(self.chained):
+                    break
+            else:
+                return self.chained
+            self.chained = ChainedRows.allocate(len(self.chained.gap), int(GROW * len(self.chained.node)) + 64)
+
+    def _assemble(self, margin: float, current: Floats) -> None:
+        while True:
+            self.rows.count = entries = 0
+            for pair in self.pairs:
+                entries = pair.append_rows(self.rows, entries, margin, self.multipliers, current)
+                if entries < 0:
+                    break
+            if entries >= 0:
+                return
+            self._grow()
+
+    def _grow(self) -> None:
+        rows = self.rows
+        entries = int(GROW * len(rows.node)) + sum(len(p.slave.nodes) + len(p.master.nodes) for p in self.pairs)
+        self.rows = allocate_rows(len(rows.gap), entries // max(1, len(rows.gap)) + 1, self.friction)
+
+
+_EMPTY: Floats = np.zeros((0, 2))
+
+
+def allocate_rows(rows: int, entries_per_row: int, friction: bool) -> Rows:
+    """Room for `rows` rows; nothing tangential exists without friction."""
+    entries, slip = rows * entries_per_row, rows if friction else 0
+    return Rows(
+        0,
+        np.zeros(rows + 1, np.int32),
+        np.zeros(entries, np.int32),
+        np.zeros((entries, 2)),
+        np.zeros((entries if friction else 0, 2)),
+        np.zeros(rows),
+        np.zeros(slip),
+        np.zeros(rows),
+        np.zeros(rows),
+        np.zeros(rows, np.int32),
+        np.zeros((3, slip)),
+        np.zeros((4, rows)),
+    )

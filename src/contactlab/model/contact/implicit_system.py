@@ -1,0 +1,158 @@
+"""All contact pairs of a model for implicit integrators: trial conditions and their slopes."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from scipy.sparse import vstack
+
+from contactlab.api import Conditions, ContactSlopes, Floats, ImplicitEnforcement, Ints, State
+from contactlab.kernels.contact import piece_slopes
+from contactlab.model.contact.explicit_system import allocate_rows
+from contactlab.model.contact.linearisation import PairLinearisation, PairSlopes
+from contactlab.model.contact.operator_pair import SurfacePair
+
+
+class ImplicitContactSystem:
+    """Implements `contactlab.api.ImplicitContact`."""
+
+    def __init__(self, pairs: tuple[SurfacePair, ...], enforcement: ImplicitEnforcement, state: State) -> None:
+        self.pairs, self.enforcement, self.state = pairs, enforcement, state
+        self.friction = any(pair.friction is not None for pair in pairs)
+        nodes = len(state["displacement"])
+        self.linear = tuple(PairLinearisation(pair, nodes) for pair in pairs)
+        self.conditions = _conditions(pairs, state["multipliers"], self.friction)
+        self.memories = [np.zeros_like(self._memory(pair)) for pair in pairs]
+        self.start = np.zeros((nodes, 2))
+        self.flexibility = np.ones((nodes, 2))
+        self.multipliers = state["multipliers"]
+        self.rows = allocate_rows(self.multipliers.shape[1], 32, self.friction)
+        self.chained = None  # conditions that are never written as `ChainedRows`
+        self.seconds = 0.0
+
+    def _memory(self, pair: SurfacePair) -> Floats:
+        name = f"memory.{pair.name}"
+        return self.state[name] if name in self.state else np.zeros((0, len(pair.slave.nodes)))
+
+    def begin(self, position: Floats) -> None:
+        """A step starts at `position` (N, 2), with what the state remembers."""
+        self.start[:] = position
+        for pair, memory in zip(self.pairs, self.memories, strict=True):
+            memory[:] = self._memory(pair)
+        self.conditions.anchor[:] = self.conditions.force
+
+    def accept(self) -> None:
+        """What the last evaluation remembers becomes part of the state."""
+        for pair, memory in zip(self.pairs, self.memories, strict=True):
+            self._memory(pair)[:] = memory
+        self._write_rows()
+
+    def _write_rows(self) -> None:
+        """Rows of the conditions that bear forces, as the scalars of every step want them."""
+        while True:
+            self.rows.count = entries = 0
+            for pair in self.pairs:
+                entries = pair.append_rows(self.rows, entries, -np.inf, self.multipliers, self.start)
+                if entries < 0:
+                    break
+            if entries >= 0:
+                return
+            self.rows = allocate_rows(
+                self.multipliers.shape[1], 2 * len(self.rows.node) // len(self.rows.gap) + 1, self.friction
+            )
+
+    def evaluate(self, position: Floats) -> None:
+        """Fill `conditions`; see `contactlab.api.ImplicitContact`."""
+        began, c = perf_counter(), self.conditions
+        c.present[:] = False
+        for linear, memory in zip(self.linear, self.memories, strict=True):
+            pair = linear.pair
+            linear.evaluate(position, self.start, memory)
+            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            flexibility = np.zeros(pair.slots)
+            piece_slopes.flexibilities(
+                pair.kept, pair.order, pair.slave_window, pair.master_window, pair.slave.nodes, pair.master.nodes,
+                pair.pieces.normal, self.flexibility, flexibility,
+            )  # fmt: skip
+            # without flexibility both sides are held: there is nothing that a force could do
+            c.present[own] = flexibility > 0.0
+            c.stiffness[own] = np.divide(1.0, flexibility, out=np.full(pair.slots, np.inf), where=flexibility > 0.0)
+            c.gap[own], c.measure[own], c.size[own] = pair.gaps[:, 0], pair.cover, pair.full
+            if self.friction:
+                c.slip[own] = linear.slip if len(linear.slip) else 0.0
+        c.force[:, ~c.present] = 0.0
+        self.seconds += perf_counter() - began
+
+    def forces(self, normal: Floats, tangential: Floats) -> None:
+        """Nodal forces of the trial multipliers; see `contactlab.api.ImplicitContact`."""
+        normal[:] = 0.0
+        tangential[:] = 0.0
+        for pair in self.pairs:
+            for window, nodes, sign in (
+                (pair.slave_window, pair.slave.nodes, 1.0),
+                (pair.master_window, pair.master.nodes, -1.0),
+            ):
+                piece_slopes.add_forces(
+                    pair.kept, pair.order, window, nodes, sign, pair.pieces.normal, self.conditions.force,
+                    pair.first_slot, normal, tangential,
+                )  # fmt: skip
+
+    def scale(self, flexibility: Floats) -> None:
+        """Nodal flexibilities from which contact stiffnesses follow."""
+        self.flexibility[:] = flexibility
+
+    def linearise(self, chosen: Ints) -> ContactSlopes:
+        """Slopes of the chosen slots; see `contactlab.api.ImplicitContact`."""
+        began, force = perf_counter(), self.conditions.force
+        parts: list[PairSlopes] = []
+        for linear, memory in zip(self.linear, self.memories, strict=True):
+            pair = linear.pair
+            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - pair.first_slot
+            y_t = force[1, own] if pair.friction is not None else None
+            parts.append(linear.slopes(slots.astype(np.int32), force[0, own], y_t, memory))
+        slopes = self._joined(parts)
+        self.seconds += perf_counter() - began
+        return slopes
+
+    def _joined(self, parts: list[PairSlopes]) -> ContactSlopes:
+        if len(parts) == 1:
+            p = parts[0]
+            return ContactSlopes(p.normal, p.tangent, p.gap, p.slip, p.force)
+        tangent = [p.normal * 0.0 if p.tangent is None else p.tangent for p in parts] if self.friction else None
+        slip = [p.gap * 0.0 if p.slip is None else p.slip for p in parts] if self.friction else None
+        total = parts[0].force
+        for part in parts[1:]:
+            total = total + part.force
+        return ContactSlopes(
+            _stacked([p.normal for p in parts]),
+            _stacked(tangent),
+            _stacked([p.gap for p in parts]),
+            _stacked(slip),
+            total,
+        )
+
+
+def _stacked(parts: list[Any] | None) -> Any:
+    return None if parts is None else vstack(parts, format="csr")
+
+
+def _conditions(pairs: tuple[SurfacePair, ...], multipliers: Floats, friction: bool) -> Conditions:
+    k = multipliers.shape[1]
+    bound = np.zeros((3, k if friction else 0))
+    for pair in pairs:
+        if pair.friction is not None:
+            bound[:, pair.first_slot : pair.first_slot + pair.slots] = pair.bound[:, None]
+    return Conditions(
+        present=np.zeros(k, np.bool_),
+        gap=np.zeros(k),
+        slip=np.zeros(k if friction else 0),
+        force=multipliers,
+        anchor=np.zeros_like(multipliers),
+        measure=np.zeros(k),
+        size=np.zeros(k),
+        bound=bound,
+        stiffness=np.zeros(k),
+    )

@@ -1,0 +1,138 @@
+"""Overlaps and small gaps that the meshes have before the run, and what a contact does about them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import Floats
+from contactlab.api.arrays import Flags
+from contactlab.errors import SceneError, below
+from contactlab.kernels.contact.penetration import depths, with_midpoints
+from contactlab.kernels.contact.windows import FAR
+from contactlab.meshing.mesh import inverted_cells
+from contactlab.model.bodies.body import Body, positions_of
+from contactlab.model.contact.checks import check_overlap, overlap_error
+from contactlab.model.loading.ramps import smooth
+
+if TYPE_CHECKING:
+    from contactlab.model.loading.rigid import RigidSurface
+
+ROUND = 1e-6  # segment lengths: pushing so little out in one step costs a millionth of the wave speed
+SETTLED = 1e-12  # segment lengths left after an adjustment
+ROUNDS = 60
+FEWEST_STEPS = 100
+
+
+def adjusted_bodies(
+    bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], plans: tuple[Any, ...]
+) -> tuple[Body, ...]:
+    """The bodies with slave nodes moved onto their masters, for contacts that ask for it.
+
+    A node moves along its normal until its own gap condition is zero; the moved mesh is the undeformed one,
+    so nothing is strained.
+    """
+    asked = [plan for plan in plans if plan.start.overlap == "adjust"]
+    if not asked:
+        return bodies
+    positions = positions_of(bodies, rigid)
+    for plan in asked:
+        check_overlap(plan.slave, plan.master, bodies, positions, True, plan.where)
+        _adjust(plan, positions)
+    return tuple(_moved(body, positions, asked[0].where) for body in bodies)
+
+
+def _adjust(plan: Any, positions: Floats) -> None:
+    """Move slave nodes in `positions` until overlaps, and gaps up to the declared one, are gone."""
+    pair = plan.pair(positions, 0, np.zeros(len(positions), np.bool_))
+    chosen: Flags | None = None
+    for _ in range(ROUNDS):
+        gaps = initial_gaps(pair, positions)
+        if chosen is None:
+            chosen = gaps <= plan.start.gap
+        error = np.where(chosen & (gaps < FAR), gaps, 0.0)
+        if np.abs(error).max(initial=0.0) <= SETTLED * pair.size:
+            return
+        m = len(pair.slave.nodes)
+        for slot in range(pair.slots // m):
+            own = slice(slot * m, (slot + 1) * m)
+            positions[pair.slave.nodes] -= error[own, None] * pair.normals[own]
+    raise SceneError(
+        "the slave's nodes cannot be moved onto the master",
+        where=below(plan.where, "start"),
+        got=f"{np.abs(error).max():.3g} mm left after {ROUNDS} rounds",
+        hint='mend the mesh, or write start = { overlap = "ramp" }',
+    )
+
+
+def initial_gaps(pair: Any, positions: Floats) -> Floats:
+    """Gaps (k,) [mm] as the algorithm measures them at `positions`; `FAR` where it sets no condition."""
+    memory = np.zeros((getattr(pair.algorithm, "memory_size", 0), len(pair.slave.nodes)))
+    pair.update(positions, memory)
+    pair.measure(positions)
+    return np.asarray(pair.gaps[:, 0].copy())
+
+
+def _moved(body: Body, positions: Floats, where: Any) -> Body:
+    nodes = np.ascontiguousarray(positions[body.first : body.first + body.count])
+    moved = replace(body, mesh=replace(body.mesh, nodes=nodes))
+    folded = inverted_cells(moved.mesh, body.element)
+    if len(folded):
+        raise SceneError(
+            f"moving the slave's nodes onto the master inverts {len(folded)} cells of {body.name}",
+            where=below(where, "start"),
+            got=f"cell {folded[0]} first",
+            hint='move the body with shift, or write start = { overlap = "ramp" }',
+        )
+    return moved
+
+
+def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Floats) -> None:
+    """Raise SceneError for an overlap that the contact does not say how to treat.
+
+    Both must tell it: the shapes, and the algorithm that would push it out. A weighted gap alone may be a
+    little negative where nothing overlaps, a shape alone where curved surfaces have different chords.
+    """
+    treated = plan.start.overlap == "ramp"
+    check_overlap(plan.slave, plan.master, bodies, positions, treated, plan.where)
+    slack = ROUND * pair.size
+    if treated or initial_gaps(pair, positions).min() >= -slack:
+        return
+    sides = (pair.at.slave, plan.slave, plan.sides[1]), (pair.at.master, plan.master, plan.sides[0])
+    for (points, own, inside), (other, chain, _) in (sides, sides[::-1]):
+        points = with_midpoints(points, own.segments)
+        depth = depths(points, other, chain.segments, pair.size)
+        worst = int(np.argmax(depth))
+        if depth[worst] > slack:
+            raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
+
+
+class EasedGaps:
+    """Mixed into a pair: overlaps of the start count as zero, and come to count in full during a ramp."""
+
+    offset: Floats = np.zeros(0)
+
+    def ease(self, clock: Floats, duration: float, positions: Floats) -> None:
+        """Take the present overlaps as zero; `clock` (2,) of the state tells the time [s]."""
+        self.offset = np.minimum(initial_gaps(self, positions), 0.0)
+        self.clock, self.ramp = clock, smooth(duration)
+
+    def settle(self) -> None:
+        """Gaps less what is left of the overlaps of the start."""
+        if len(self.offset):
+            self.gaps[:, 0] -= (1.0 - self.ramp(float(self.clock[0]))) * self.offset  # type: ignore[attr-defined]
+
+
+def check_ramp_steps(plans: tuple[Any, ...], ramp_time: float, step: float) -> None:
+    """Raise SceneError where an overlap would be pushed out in too few steps: that would be a blow."""
+    for plan in plans:
+        duration = plan.start.duration or ramp_time
+        if plan.start.overlap == "ramp" and duration < FEWEST_STEPS * step:
+            raise SceneError(
+                f"the overlap is pushed out within {duration / step:.0f} steps",
+                where=below(below(plan.where, "start"), "duration"),
+                got=duration,
+                allowed=f"at least {FEWEST_STEPS} steps, {FEWEST_STEPS * step:.3g} s",
+            )

@@ -1,0 +1,230 @@
+"""How gaps, slips and nodal forces of one contact pair change with the positions of its nodes.
+
+With tractions a = T^-1 q, nodal forces are D a and -M a; separations are r = T^-T (D^T x - M^T y), gaps
+g = nu . r. Their derivatives need those of D, M, T and nu alone, which are local to a piece:
+
+    d r = P dx + T^-T (dD^T x - dM^T y - dT^T r)            P = T^-T [D^T | -M^T]
+    d f = [dD; -dM] a + P^T (dq - dT a)                      q = y_n nu + y_t tau
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from contactlab.api import Floats, Ints
+from contactlab.api.slopes import PieceSlopes
+from contactlab.kernels.contact import coupling, piece_slopes, windows
+from contactlab.model.contact.differences import PieceDerivatives
+from contactlab.model.contact.operator_pair import SurfacePair
+
+CUT = 1e-13  # a weight below it moves a gap by less than round-off: linear problems end after one iteration
+
+
+@dataclass(frozen=True)
+class PairSlopes:
+    """Slopes by all degrees of freedom of the model; rows are the chosen multipliers of the pair.
+
+    normal, tangent   (c, 2N) directions of the multipliers' forces, transposed: force = normal^T y_n + tangent^T y_t
+    gap, slip         (c, 2N) derivatives of gaps and slips
+    force             (2N, 2N) derivative of the forces of all multipliers at fixed y
+    """
+
+    normal: Any
+    tangent: Any
+    gap: Any
+    slip: Any
+    force: Any
+
+
+class PairLinearisation:
+    """Gaps and slips of one pair at trial positions, and their slopes there."""
+
+    def __init__(self, pair: SurfacePair, nodes: int) -> None:
+        self.pair, self.size = pair, 2 * nodes
+        self.derivatives = PieceDerivatives(pair)
+        k = pair.slots
+        self.window = room(k, 16)
+        self.slip = np.zeros(k if pair.friction is not None else 0)
+        self.start_separation, self.start_gaps = np.zeros((k, 2)), np.zeros((k, 2))
+
+    def evaluate(self, position: Floats, start: Floats, memory: Floats) -> None:
+        """Gaps of the pair, and slips since the positions `start` (N, 2) of the last accepted step."""
+        pair = self.pair
+        pair.update(position, memory)
+        pair.measure(position)
+        if pair.friction is None:
+            return
+        pair.begin(start, memory)
+        # summed as the pair's own gaps are, so that a surface that has not moved has not slipped, to the last bit
+        pair.separations(pair.began, pair.before, self.start_separation, self.start_gaps)
+        np.subtract(pair.gaps[:, 1], self.start_gaps[:, 1], out=self.slip)
+
+    def slopes(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairSlopes:
+        """Slopes of the `chosen` multipliers (c,) where all have forces y (k,) [N]."""
+        pair, pieces = self.pair, self.derivatives.slopes(memory)
+        normal, tangent = pair.pieces.normal, turned(pair.pieces.normal)
+        traction = self._tractions(y_n, y_t)
+        inverse = self._inverse_transposed(chosen)
+        size = np.hypot(*traction.T)
+        wanted = size > CUT * max(float(size.max(initial=0.0)), 1e-300)
+        wanted[inverse[1]] = True
+        weights = self._weights(np.flatnonzero(wanted).astype(np.int32))
+        dnormal = self._turned_normals(pieces, pieces.dnormal[: pieces.normal_count])
+        dweight = self._gap_slopes(pieces, wanted, pair.at.slave, pair.at.master, pair.separation)
+        gap = self._along(chosen, normal, inverse, weights, dweight) + self._rows(chosen, pair.separation) @ dnormal
+        force = self._force_slope(pieces, wanted, traction, weights, y_n, y_t)
+        if y_t is None:
+            return PairSlopes(self._rows(chosen, normal) @ weights, None, gap, None, force)
+        # tau . r = nu . (r turned by +90 degrees)
+        slip = self._along(chosen, tangent, inverse, weights, dweight)
+        slip = slip - self._rows(chosen, turned(pair.separation)) @ dnormal
+        began = self._gap_slopes(pieces, wanted, pair.began.slave, pair.began.master, self.start_separation)
+        slip = slip - self._spread(chosen, turned(pair.before), inverse) @ began
+        return PairSlopes(self._rows(chosen, normal) @ weights, self._rows(chosen, tangent) @ weights, gap, slip, force)
+
+    # --- the pair's own operators -----------------------------------------------------------------
+
+    def _tractions(self, y_n: Floats, y_t: Floats | None) -> Floats:
+        """a = T^-1 q (k, 2) of the kept multipliers, zero elsewhere."""
+        pair, normal = self.pair, self.pair.pieces.normal
+        q = y_n[:, None] * normal
+        if y_t is not None:
+            q += y_t[:, None] * turned(normal)
+        out = np.zeros_like(q)
+        kept = pair.order[: pair.kept]
+        for c in range(2):
+            values = np.ascontiguousarray(q[:, c])
+            coupling.solve(
+                pair.kept, pair.order, pair.lower, pair.upper, pair.next, pair.previous, pair.from_left, values
+            )
+            out[kept, c] = values[kept]
+        return out
+
+    def _inverse_transposed(self, chosen: Ints) -> tuple[Ints, Ints, Floats]:
+        """Entries (row, column, value) of the chosen rows of T^-T."""
+        pair = self.pair
+        row = np.zeros(pair.slots)
+        while True:
+            piece_slopes.unit_windows(pair.kept, pair.order, *self.window)
+            needed = windows.solve_windows(
+                pair.kept, pair.order, pair.lower, pair.upper, pair.next, pair.previous, pair.from_left,
+                *self.window, row,
+            )  # fmt: skip
+            if not needed:
+                break
+            self.window = room(pair.slots, needed + needed // 2)
+            row = np.zeros(max(pair.slots, self.window[2].shape[1]))
+        return entries(chosen, self.window, CUT)
+
+    def _weights(self, chosen: Ints) -> Any:
+        """Rows 2 k + component of P by all degrees of freedom, for the chosen multipliers."""
+        pair, parts = self.pair, []
+        for window, numbers, sign in (
+            (pair.slave_window, pair.slave.nodes, 1.0),
+            (pair.master_window, pair.master.nodes, -1.0),
+        ):
+            row, column, value = entries(chosen, window, CUT)
+            parts.append((row, numbers[column], sign * value))
+        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
+        return self._matrix(_both(row), _both(column), np.repeat(value, 2), 2 * pair.slots)
+
+    def _along(self, chosen: Ints, direction: Floats, inverse: Any, weights: Any, dweight: Any) -> Any:
+        """direction . (P + T^-T dweight), one row for each chosen multiplier."""
+        return self._rows(chosen, direction) @ weights + self._spread(chosen, direction, inverse) @ dweight
+
+    def _rows(self, chosen: Ints, vectors: Floats) -> Any:
+        """(c, 2k): row i has the two components of vectors[chosen[i]] at its own place."""
+        start = np.arange(0, 2 * len(chosen) + 1, 2)
+        return csr_array((vectors[chosen].ravel(), _both(chosen), start), shape=(len(chosen), 2 * self.pair.slots))
+
+    def _spread(self, chosen: Ints, direction: Floats, inverse: tuple[Ints, Ints, Floats]) -> Any:
+        """(c, 2k): direction[chosen[i]] times the row of T^-T."""
+        row, column, value = inverse
+        place = np.full(self.pair.slots, -1, np.int32)
+        place[chosen] = np.arange(len(chosen))
+        values = (value[:, None] * direction[row]).ravel()
+        shape = (len(chosen), 2 * self.pair.slots)
+        return coo_array((values, (np.repeat(place[row], 2), _both(column))), shape=shape).tocsr()
+
+    # --- from derivatives of pieces to sparse matrices --------------------------------------------
+
+    def _columns(self, moved: Ints) -> Ints:
+        numbers = np.concatenate([self.pair.slave.nodes, self.pair.master.nodes])
+        return 2 * numbers[moved // 2] + moved % 2
+
+    def _turned_normals(self, pieces: PieceSlopes, values: Floats) -> Any:
+        """(2k, 2N) of vectors (z, 2) that belong to the derivatives of normals."""
+        count = pieces.normal_count
+        columns = np.repeat(self._columns(pieces.normal_moved[:count]), 2)
+        return self._matrix(_both(pieces.normal_of[:count]), columns, values.ravel(), 2 * self.pair.slots)
+
+    def _gap_slopes(
+        self, pieces: PieceSlopes, wanted: Floats, slave_at: Floats, master_at: Floats, separation: Floats
+    ) -> Any:
+        pair, out = self.pair, _triplets(2 * pieces.count * pieces.multiplier.shape[1])
+        count = piece_slopes.gap_slopes(
+            pieces.count, _arrays(pieces), pair.owner, wanted, slave_at, master_at, separation, pair.slave.nodes,
+            pair.master.nodes, out,
+        )  # fmt: skip
+        return self._matrix(*_first(out, count), 2 * pair.slots)
+
+    def _force_slope(
+        self, pieces: PieceSlopes, wanted: Floats, traction: Floats, weights: Any, y_n: Floats, y_t: Floats | None
+    ) -> Any:
+        pair, k = self.pair, pieces.multiplier.shape[1]
+        direct = _triplets(2 * pieces.count * (pieces.slave.shape[1] + pieces.master.shape[1]))
+        coupled = _triplets(2 * pieces.count * k)
+        count, given = piece_slopes.force_slopes(
+            pieces.count, _arrays(pieces), pair.owner, wanted, traction, pair.slave.nodes, pair.master.nodes, direct,
+            coupled,
+        )  # fmt: skip
+        of, turn = pieces.normal_of[: pieces.normal_count], pieces.dnormal[: pieces.normal_count]
+        dq = y_n[of, None] * turn
+        if y_t is not None:
+            dq += y_t[of, None] * turned(turn)
+        change = self._turned_normals(pieces, dq) - self._matrix(*_first(coupled, given), 2 * pair.slots)
+        return self._matrix(*_first(direct, count), self.size) + weights.T @ change
+
+    def _matrix(self, row: Ints, column: Ints, value: Floats, rows: int) -> Any:
+        return coo_array((value, (row, column)), shape=(rows, self.size)).tocsr()
+
+
+def turned(vectors: Floats) -> Floats:
+    """Vectors (k, 2) turned by -90 degrees: from normals to tangents."""
+    return np.stack([vectors[:, 1], -vectors[:, 0]], axis=1)
+
+
+def room(conditions: int, width: int) -> tuple[Ints, Ints, Floats]:
+    """Room for windows of `width` weights: start, end, weight."""
+    return np.zeros(conditions, np.int32), np.zeros(conditions, np.int32), np.zeros((conditions, width))
+
+
+def entries(chosen: Ints, window: tuple[Ints, Ints, Floats], cut: float) -> tuple[Ints, Ints, Floats]:
+    """Entries (row, position, value) of the chosen rows of a window."""
+    start, end, _ = window
+    out = _triplets(int(np.maximum(end[chosen] - start[chosen], 0).sum()))
+    count = piece_slopes.window_entries(chosen, window, cut, *out)
+    return _first(out, count)
+
+
+def _triplets(size: int) -> tuple[Ints, Ints, Floats]:
+    return np.zeros(size, np.int32), np.zeros(size, np.int32), np.zeros(size)
+
+
+def _first(triplets: tuple[Ints, Ints, Floats], count: int) -> tuple[Ints, Ints, Floats]:
+    row, column, value = triplets
+    return row[:count], column[:count], value[:count]
+
+
+def _both(numbers: Ints) -> Ints:
+    """2 n and 2 n + 1 of every number, in turn."""
+    both: Ints = np.add.outer(2 * numbers, np.arange(2, dtype=np.int32)).ravel()
+    return both
+
+
+def _arrays(pieces: PieceSlopes) -> tuple[Ints, Ints, Ints, Ints, Floats, Floats, Floats]:
+    return pieces.slave, pieces.multiplier, pieces.master, pieces.moved, pieces.dD, pieces.dM, pieces.dT

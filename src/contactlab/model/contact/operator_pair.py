@@ -1,0 +1,333 @@
+"""One contact pair at work: search, pieces, coupling, rows, and back to pressures."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Candidates, ChainedRows, ContactAlgorithm, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
+from contactlab.api.arrays import Flags
+from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.api.surface import SurfacePositions
+from contactlab.errors import WrongAnswer
+from contactlab.kernels.contact import chained, coupling, edges, rows, windows
+from contactlab.kernels.contact import pair as kernels
+from contactlab.model.contact.near_list import REACH, SKIN, Near, longest_segment
+
+
+class _Bound:
+    """The arrays of a pair as kernels are given them."""
+
+    def __init__(
+        self,
+        places: BoundArrays,
+        coupling: BoundArrays,
+        pieces: BoundArrays,
+        columns: BoundArrays,
+        gaps: BoundArrays,
+    ) -> None:
+        self.places, self.others = places, (coupling, pieces, columns, gaps)
+        self.addresses = tuple(bound.address for bound in self.others)
+
+
+_NONE = Candidates(np.zeros(0, np.int32), np.zeros(0, np.int32), 0.0)
+
+
+class SurfacePair:
+    """A slave and a master surface under one `ContactAlgorithm`.
+
+    Multiplier k = slot * m + i of the pair lives at `first_slot + k` of the state's multipliers.
+    """
+
+    chained = True  # conditions can be given as `ChainedRows`
+
+    def __init__(
+        self,
+        name: str,
+        algorithm: ContactAlgorithm,
+        slave: Surface,
+        master: Surface,
+        reference: Floats,
+        first_slot: int,
+        friction: FrictionLaw | None,
+        fixed: Flags,
+    ) -> None:
+        self.name = name
+        self.algorithm, self.slave, self.master = algorithm, slave, master
+        self.first_slot, self.friction = first_slot, friction
+        m, slots = len(slave.nodes), algorithm.rows_per_node
+        self.slots = slots * m
+        self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
+        self.measured = SurfacePositions(self.at.slave.copy(), self.at.master.copy())
+        self.size = longest_segment(self.at, slave, master)
+        self.following, self.preceding = _neighbours(slave, slots)
+        self.fixed = np.tile(fixed, slots)
+        self.linear_trace = slave.edges.shape[1] == 2
+        self.near: Near | None = None
+        self.unchecked = True
+        k = self.slots
+        self.diagonal, self.lower, self.upper, self.cover = (np.zeros(k) for _ in range(4))
+        self.from_left, self.full = (np.zeros(k) for _ in range(2))
+        self.owner, self.next, self.previous, self.order = (np.zeros(k, np.int32) for _ in range(4))
+        self.separation, self.gaps = np.zeros((k, 2)), np.full((k, 2), windows.FAR)
+        self.slave_column, self.master_column = _window(k, 8), _window(k, 8)
+        self._windows = _window(k, 8), _window(k, 64)
+        self._solved = False
+        self.single = False
+        self.row = np.zeros(64)
+        self.kept = 0
+        self.count = 0
+        self.skin = SKIN * self.size
+        self._room(0)
+        self._bind()
+        self._prepare_friction()
+
+    @property
+    def rows_per_node(self) -> int:
+        """Multipliers that a slave node can carry."""
+        return self.algorithm.rows_per_node
+
+    @property
+    def slave_window(self) -> Window:
+        """Weights of the slave's nodes in each condition, of the last `update`."""
+        return self._solved_windows()[0]
+
+    @property
+    def master_window(self) -> Window:
+        """Weights of the master's nodes in each condition, of the last `update`."""
+        return self._solved_windows()[1]
+
+    @property
+    def normals(self) -> Floats:
+        """Unit vectors (k, 2) of all multipliers, from the master towards the slave, of the last update."""
+        return self.pieces.normal
+
+    def _prepare_friction(self) -> None:
+        """Tangential arrays, only where friction is declared."""
+        self.everywhere = False
+        if self.friction is None:
+            return
+        bound = self.friction.bound()
+        self.bound = np.array(bound)
+        # a slip bound that holds in the air too needs a row for every multiplier in reach
+        self.everywhere = bound.adhesion > 0.0 and not math.isfinite(bound.cap)
+        self.before = np.zeros((self.slots, 2))
+        self.began = SurfacePositions(self.at.slave.copy(), self.at.master.copy())
+
+    # --- from positions to coupling -------------------------------------------------------------
+
+    def update(self, positions: Floats, memory: Floats) -> None:
+        """Search, integrate and factorise at `positions` (N, 2)."""
+        self._follow(positions, positions, positions, memory, kernels.AT | kernels.MEASURED)
+
+    def follow(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
+        """`update` at predicted + compliance * force, all (N, 2), and `measure` at `predicted`."""
+        self._follow(predicted, compliance, force, memory, kernels.AT | kernels.MEASURED | kernels.PUSHED)
+        self.settle()
+
+    def _follow(self, positions: Floats, compliance: Floats, force: Floats, memory: Floats, asked: int) -> None:
+        bound = self.bound_arrays
+        if not kernels.place(bound.places.address, positions, compliance, force, asked) <= self.skin:
+            self.find_near(self.at.slave, self.at.master)
+        assert self.near is not None
+        count = self.algorithm.pieces(
+            self.slave, self.master, self.at, self.near.candidates, REACH * self.size, memory, self.pieces
+        )
+        if self.unchecked or not 0 <= count <= len(self.pieces.slave):
+            self._check(count)
+        self.count = count
+        self._join()
+
+    def _check(self, count: Any) -> None:
+        """Raise WrongAnswer for pieces that point outside the arrays, which compiled code would follow."""
+        refuse_wrong(self.pieces, count, len(self.slave.nodes), len(self.master.nodes), type(self.algorithm).__name__)
+        self.unchecked = False
+
+    def measure(self, positions: Floats) -> None:
+        """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
+        bound = self.bound_arrays
+        kernels.place(bound.places.address, positions, positions, positions, kernels.MEASURED)
+        kernels.measure(*bound.addresses, self.kept, self.single, windows.FAR)
+        self.settle()
+
+    def settle(self) -> None:
+        """What is done to gaps that were just measured: nothing, but for pairs that take overlaps back."""
+
+    def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:
+        """Separations (k, 2) and gaps (k, 2) of surfaces at `at`, with the coupling of the last `update`."""
+        chained.separations(
+            self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, self.single,
+            self.slave_column, self.master_column, at.slave, at.master, normals, windows.FAR, separation, gaps,
+        )  # fmt: skip
+
+    def begin(self, positions: Floats, memory: Floats) -> None:
+        """Normals of the present pieces at `positions`, where the step starts (friction only)."""
+        edges.take(positions, self.slave.nodes, self.began.slave)
+        edges.take(positions, self.master.nodes, self.began.master)
+        assert self.near is not None
+        self.algorithm.normals(
+            self.slave, self.master, self.began, self.near.candidates, REACH * self.size, memory, self.pieces,
+            self.count, self.before,
+        )  # fmt: skip
+
+    def find_near(self, slave: Floats, master: Floats) -> Near:
+        """Make the near list anew, for these positions of the surfaces (m, 2)."""
+        self.near, self.unchecked = Near.of(self.slave, self.master, slave, master, self.size), True
+        capacity = self.algorithm.capacity(self.slave, self.near.candidates)
+        if capacity > len(self.pieces.slave):
+            self._room(capacity + capacity // 4)
+        self._bind()
+        return self.near
+
+    def _room(self, capacity: int) -> None:
+        widths = self.algorithm.widths(self.slave, self.master)
+        if np.shape(widths) != (3,) or min(widths) < 1:
+            raise WrongAnswer(
+                f"{type(self.algorithm).__name__}: widths gave {widths}, needed: how many slave nodes, multipliers and "
+                "master nodes a piece couples"
+            )
+        self.pieces = Pieces.allocate(capacity, widths, self.slots)
+
+    def _bind(self) -> None:
+        """Bind all arrays that kernels of every step work on; anew whenever one of them is another."""
+        p = self.pieces
+        near = self.near or Near(_NONE, np.full_like(self.at.slave, np.inf), np.full_like(self.at.master, np.inf))
+        self.bound_arrays = _Bound(
+            BoundArrays(
+                kernels.PLACES, self.slave.nodes, self.master.nodes, self.slave.segments, self.slave.node_segments,
+                *self.at, *self.measured, near.slave, near.master, self.full,
+            ),
+            BoundArrays(
+                kernels.COUPLING, self.following, self.preceding, self.fixed, self.full, self.diagonal, self.lower,
+                self.upper, self.cover, self.from_left, self.owner, self.next, self.previous, self.order,
+            ),
+            BoundArrays(kernels.PIECES, p.slave, p.multiplier, p.master, p.D, p.M, p.T, p.normal),
+            BoundArrays(kernels.COLUMNS, *self.slave_column, *self.master_column),
+            BoundArrays(kernels.GAPS, *self.measured, self.separation, self.gaps),
+        )  # fmt: skip
+
+    def _join(self) -> None:
+        """Coupling, columns (widened as needed) and gaps of the pieces."""
+        while True:
+            self.kept, self.single, lacking, missing = kernels.join(
+                *self.bound_arrays.addresses, self.count, self.linear_trace, windows.FAR
+            )
+            if self.kept < 0:
+                raise ValueError(f"{self.name}: the slave is a closed curve covered all around; swap slave and master")
+            if not lacking and not missing:
+                break
+            if lacking:
+                self.slave_column = _window(self.slots, lacking + lacking // 2)
+            if missing:
+                self.master_column = _window(self.slots, missing + missing // 2)
+            self._bind()
+        self._solved = False
+
+    def _solved_windows(self) -> tuple[Window, Window]:
+        """Rows of the last update, made when they are first asked for."""
+        if not self._solved:
+            slave, master = self._windows
+            if self.single:
+                windows.identity(self.kept, self.order, len(self.slave.nodes), *slave)
+            else:
+                slave = self._solved_window(self.slave_column, slave)
+            self._windows = slave, self._solved_window(self.master_column, master)
+            self._solved = True
+        return self._windows
+
+    def _solved_window(self, column: Window, window: Window) -> Window:
+        """Windows of T^-T column^T, widened as needed."""
+        while True:
+            needed = windows.solved(
+                self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, column,
+                *window, self.row,
+            )  # fmt: skip
+            if not needed:
+                return window
+            window = _window(self.slots, needed + needed // 2)
+            self.row = np.zeros(max(len(self.row), window[2].shape[1]))
+
+    # --- from coupling to rows ------------------------------------------------------------------
+
+    def append_chained(self, out: ChainedRows) -> bool:
+        """Append all conditions to `out`; False where it is too small."""
+        own = self.bound_arrays
+        count = kernels.write_chained(
+            *own.addresses, own.places.address, self.kept, self.single, self.first_slot, out.count, out.bound.address
+        )
+        if count >= 0:
+            out.count = count
+        return bool(count >= 0)
+
+    def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats) -> int:
+        """Append rows with a gap below `margin` [mm] or a force to `out`.
+
+        Returns the next free entry, or -1 where `out` is too small. `current` (N, 2) are the
+        positions at the start of the step, used with friction.
+        """
+        if self.everywhere:
+            margin = windows.FAR
+        first = out.count
+        count, end = rows.write_rows(
+            self.kept, self.order, multipliers, min(margin, windows.FAR), self.slave_window, self.master_window,
+            self.slave.nodes, self.master.nodes, self.pieces.normal, self.gaps, self.cover, self.full,
+            self.first_slot, first, entries,
+            (out.start, out.node, out.normal_weight, out.tangent_weight, out.gap, out.measure, out.size, out.slot),
+        )  # fmt: skip
+        if count < 0:
+            return -1
+        if self.friction is not None:
+            out.bound[:, first:count] = self.bound[:, None]
+            rows.write_slips(
+                first, count, self.first_slot, out.start, out.node, out.tangent_weight, out.slot, self.gaps,
+                self.pieces.normal, self.before, current, out.slip,
+            )  # fmt: skip
+        elif len(out.slip):
+            out.bound[:, first:count] = 0.0
+            out.slip[first:count] = 0.0
+        out.count = count
+        return int(end)
+
+    # --- from multipliers to pressures ----------------------------------------------------------
+
+    def tractions(self, forces: Floats) -> Floats:
+        """Lambda (k,) [MPa] from nodal forces y (k,) [N]: T^-1 y, the owner's value where merged, 0 off cover."""
+        values = np.array(forces)
+        coupling.solve(self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, values)
+        return np.where(self.owner >= 0, values[self.owner], 0.0)
+
+
+def refuse_wrong(pieces: Pieces, count: Any, slave_nodes: int, master_nodes: int, part: str) -> None:
+    """Raise WrongAnswer where the first `count` pieces of a part are not as the contract says."""
+    room = len(pieces.slave)
+    if not isinstance(count, int | np.integer) or not 0 <= count <= room:
+        raise WrongAnswer(
+            f"{part}: pieces gave {count}, needed: how many of the {room} pieces of its capacity are filled"
+        )
+    sides = {"slave": slave_nodes, "multiplier": len(pieces.normal), "master": master_nodes}
+    for name, size in sides.items():
+        used = getattr(pieces, name)[:count]
+        if used.size and not 0 <= used.min() <= used.max() < size:
+            wrong = used.min() if used.min() < 0 else used.max()
+            raise WrongAnswer(f"{part}: pieces filled {name} with {wrong}, needed: positions 0 to {size - 1}")
+
+
+Window = tuple[Ints, Ints, Floats]
+
+
+def _window(conditions: int, width: int) -> Window:
+    """Room for windows of `width` weights: start, end, weight."""
+    return np.zeros(conditions, np.int32), np.zeros(conditions, np.int32), np.zeros((conditions, width))
+
+
+def _neighbours(slave: Surface, slots: int) -> tuple[Ints, Ints]:
+    """For every multiplier the ones of the next and of the previous chain node, -1 at ends."""
+    m = len(slave.nodes)
+    into, out = slave.node_segments[:, 0], slave.node_segments[:, 1]
+    following = np.where(out >= 0, slave.segments[out, 1], -1)
+    preceding = np.where(into >= 0, slave.segments[into, 0], -1)
+    shift = m * np.arange(slots)[:, None]
+    both = [np.where(side >= 0, side + shift, -1).ravel().astype(np.int32) for side in (following, preceding)]
+    return both[0], both[1]

@@ -1,0 +1,221 @@
+"""Contacts: which parts and surfaces they join, what they need of each other, and their state."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import (
+    ContactAlgorithm,
+    Enforcement,
+    ExplicitEnforcement,
+    Floats,
+    FrictionLaw,
+    GapAlgorithm,
+    Integrator,
+    Ints,
+    State,
+    Surface,
+)
+from contactlab.api.arrays import Flags
+from contactlab.errors import PartError, SceneError, below
+from contactlab.meshing.mesh import split_at_corners, surface_from_edges
+from contactlab.model.bodies.body import Body, positions_of
+from contactlab.model.contact.checks import check_facing, refuse_held_slave
+from contactlab.model.contact.explicit_system import ContactSystem
+from contactlab.model.contact.gap_pair import GapPair, Pair
+from contactlab.model.contact.initial_gap import EasedGaps, refuse_overlap
+from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.loading.edge_sets import edge_set
+
+if TYPE_CHECKING:
+    from contactlab.model.loading.rigid import RigidSurface
+
+
+@dataclass(frozen=True)
+class ContactPlan:
+    """One contact before any array exists. `name` is "contacts.0"; `label` what the scene calls it.
+
+    sides  slave and master as they act, in words
+    start  what is done about an overlap before the run, as in the scene
+    """
+
+    name: str
+    label: str
+    algorithm: ContactAlgorithm | GapAlgorithm
+    slave: Surface
+    master: Surface
+    friction: FrictionLaw | None
+    enforcement: Enforcement
+    sides: tuple[str, str]
+    start: Any
+    where: Any
+
+    @property
+    def rows_per_node(self) -> int:
+        """Conditions that a slave node can carry at once."""
+        return self.algorithm.rows_per_node if isinstance(self.algorithm, ContactAlgorithm) else 1
+
+    @property
+    def memory_size(self) -> int:
+        """Numbers that the algorithm remembers for each slave node."""
+        return self.algorithm.memory_size if isinstance(self.algorithm, ContactAlgorithm) else 0
+
+    @property
+    def slots(self) -> int:
+        """Multipliers of the contact."""
+        return self.rows_per_node * len(self.slave.nodes)
+
+    def pair(self, positions: Floats, first_slot: int, immobile: Flags) -> Pair:
+        """The pair at work. `immobile` (N,) marks nodes that cannot move."""
+        eased = self.start.overlap == "ramp"
+        if isinstance(self.algorithm, GapAlgorithm):
+            return (_EasedGapPair if eased else GapPair)(
+                self.name, self.algorithm, self.slave, self.master, positions, first_slot, self.friction
+            )
+        return (_EasedSurfacePair if eased else SurfacePair)(
+            self.name, self.algorithm, self.slave, self.master, positions, first_slot, self.friction,
+            immobile[self.slave.nodes],
+        )  # fmt: skip
+
+
+class _EasedSurfacePair(EasedGaps, SurfacePair):
+    pass
+
+
+class _EasedGapPair(EasedGaps, GapPair):
+    pass
+
+
+def plan_contacts(
+    scene: Any, registry: Any, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator
+) -> tuple[ContactPlan, ...]:
+    """Every contact of the scene with its parts made and checked."""
+    positions = positions_of(bodies, rigid)
+    plans = []
+    for number, spec in enumerate(scene.contacts):
+        where = scene.where(f"contacts.{number}")
+        plan = _plan(f"contacts.{number}", spec, where, registry, bodies, rigid, integrator)
+        check_facing(plan.slave, plan.master, positions, plan.sides, where)
+        plans.append(plan)
+    return tuple(plans)
+
+
+def _plan(
+    name: str,
+    spec: Any,
+    where: Any,
+    registry: Any,
+    bodies: tuple[Body, ...],
+    rigid: tuple[RigidSurface, ...],
+    integrator: Integrator,
+) -> ContactPlan:
+    slave_key, master_key = ("master", "slave") if spec.swap else ("slave", "master")
+    slave, master = spec.targets
+    enforcement_spec = spec.enforcement or integrator.default_enforcement
+    enforcement = registry.make("enforcement", enforcement_spec, below(where, "enforcement"))
+    if not isinstance(enforcement, integrator.needs):
+        raise PartError(
+            f"the integrator cannot work with this enforcement: it needs one of kind {integrator.needs.__name__}",
+            where=below(where, "enforcement"),
+            got=enforcement_spec,
+            allowed=f'"{integrator.default_enforcement}" (what is used when nothing is written)',
+        )
+    algorithm = registry.make("contact", spec.algorithm, below(where, "algorithm"))
+    if isinstance(algorithm, GapAlgorithm) and not isinstance(enforcement, ExplicitEnforcement):
+        raise PartError(
+            "this contact algorithm gives finished gap conditions, which cannot be linearised",
+            where=below(where, "algorithm"),
+            got=spec.algorithm,
+            allowed="with an implicit integrator: algorithms that derive from contactlab.api.ContactAlgorithm",
+        )
+    return ContactPlan(
+        name,
+        spec.name or name,
+        algorithm,
+        split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions_of(bodies, rigid)),
+        _surface(master, bodies, rigid, below(where, master_key)),
+        registry.make("friction", spec.friction, below(where, "friction")) if spec.friction else None,
+        enforcement,
+        spec.sides,
+        spec.start,
+        where,
+    )
+
+
+def _surface(names: tuple[str, ...], bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], where: Any) -> Surface:
+    """One surface of all the edge sets and rigid surfaces named; several make a surface of several chains."""
+    stiff = {surface.name: surface.edges for surface in rigid}
+    edges = [stiff[name] if name in stiff else edge_set(bodies, name, where)[1] for name in names]
+    if len({some.shape[1] for some in edges}) > 1:
+        raise SceneError(
+            "these edge sets have different numbers of nodes per edge",
+            where=where,
+            got=", ".join(f"{name}: {some.shape[1]}" for name, some in zip(names, edges, strict=True)),
+            allowed="elements of one order along a contact surface",
+            hint="write a contact for each of them",
+        )
+    try:
+        return surface_from_edges(np.concatenate(edges))
+    except ValueError as problem:
+        raise SceneError(f"not a contact surface: {problem}", where=where) from problem
+
+
+def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, tuple[int, ...]]:
+    """State fields of the contacts; nothing tangential without friction."""
+    if not plans:
+        return {}
+    rows = 2 if any(plan.friction is not None for plan in plans) else 1
+    shapes: dict[str, tuple[int, ...]] = {"multipliers": (rows, sum(plan.slots for plan in plans))}
+    shapes |= {"multipliers_before": shapes["multipliers"][1:], "contact_force": (nodes, 2)}
+    for plan in plans:
+        if plan.memory_size:
+            shapes[f"memory.{plan.name}"] = (plan.memory_size, len(plan.slave.nodes))
+    return shapes
+
+
+def build_contact(
+    plans: tuple[ContactPlan, ...],
+    bodies: tuple[Body, ...],
+    reference: Floats,
+    fixed_dof: Ints,
+    state: State,
+    ramp_time: float,
+) -> Any:
+    """The contact system that the enforcement works with, None where the scene declares no contact."""
+    if not plans:
+        return None
+    _one_enforcement(plans)
+    held = np.zeros(2 * len(reference), np.bool_)
+    held[fixed_dof] = True
+    immobile = np.asarray(held.reshape(-1, 2).all(axis=1))
+    pairs, first = [], 0
+    for plan in plans:
+        refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
+        pair = plan.pair(reference, first, immobile)
+        if isinstance(pair, EasedGaps):
+            pair.ease(state["clock"], plan.start.duration or ramp_time, reference)
+        refuse_overlap(plan, pair, bodies, reference)
+        pairs.append(pair)
+        first += plan.slots
+    if isinstance(plans[0].enforcement, ExplicitEnforcement):
+        return ContactSystem(tuple(pairs), plans[0].enforcement, state)
+    from contactlab.model.contact.implicit_system import ImplicitContactSystem
+
+    linearised: Any = tuple(pairs)
+    enforcement: Any = plans[0].enforcement  # implicit: the build refuses any other with an integrator that iterates
+    return ImplicitContactSystem(linearised, enforcement, state)
+
+
+def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:
+    enforcements = {plan.enforcement for plan in plans}
+    if len(enforcements) > 1:
+        raise SceneError(
+            "all contacts of a scene share one enforcement",
+            where=plans[-1].where,
+            got=", ".join(sorted(type(e).__name__ for e in enforcements)),
+            hint="write the same enforcement for every contact",
+        )

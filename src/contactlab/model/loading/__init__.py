@@ -1,0 +1,1 @@
+"""Loading: supports, loads, effects, rigid surfaces, and how they vary in time."""

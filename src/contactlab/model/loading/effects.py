@@ -1,0 +1,47 @@
+"""Effects of a scene, bound to the arrays of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import EffectView, Floats, State
+from contactlab.errors import SceneError, below
+from contactlab.model.bodies.body import Body
+from contactlab.model.loading.edge_sets import nodes_of
+
+if TYPE_CHECKING:
+    from contactlab.model.loading.loads import Load
+
+
+def build_effects(
+    scene: Any, registry: Any, bodies: tuple[Body, ...], reference: Floats, masses: Callable[[], Floats], state: State
+) -> tuple[Load, ...]:
+    """One call for each of the scene's effects; `masses` makes the nodal masses, which statics may do without."""
+    made = [
+        registry.make("effect", spec, scene.where(f"effects.{number}")) for number, spec in enumerate(scene.effects)
+    ]
+    mass = masses() if "velocity" in state or any(effect.needs_mass for effect in made) else np.zeros(0)
+    displacement = state["displacement"]
+    velocity = state["velocity"] if "velocity" in state else np.zeros_like(displacement)
+    reference, mass, displacement, velocity = map(_read_only, (reference, mass, displacement, velocity))
+    names = tuple(body.name for body in bodies)
+    loads = []
+    for number, effect in enumerate(made):
+        where = scene.where(f"effects.{number}")
+        nodes = partial(nodes_of, bodies, where=below(where, "on"))
+        view = EffectView(reference, mass, displacement, velocity, names, nodes)
+        try:
+            loads.append(effect.bind(view))
+        except ValueError as problem:
+            raise SceneError(str(problem), where=where) from problem
+    return tuple(loads)
+
+
+def _read_only(array: Floats) -> Floats:
+    view = array.view()
+    view.flags.writeable = False
+    return view

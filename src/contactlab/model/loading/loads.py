@@ -1,0 +1,124 @@
+"""Loads on edge sets: pressure and shear that follow the edges or not, and dead tractions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Element, Floats, Ints
+from contactlab.errors import below
+from contactlab.kernels.edge_loads import edge_forces
+from contactlab.model.bodies.body import Body
+from contactlab.model.loading.edge_sets import edge_set
+from contactlab.model.loading.ramps import Course, Ramp, course_of
+
+Load = Callable[[float, Floats], None]
+"""Adds nodal forces (N, 2) [N] at a time [s]."""
+
+POINTS = 3  # Gauss points of an edge: exact for the quadratic trace times the slope of a parabola
+
+
+def build_loads(
+    scene: Any, bodies: tuple[Body, ...], reference: Floats, position: Floats, ramp_time: float
+) -> tuple[Load, ...]:
+    """One call for each of the scene's loads. `position` (N, 2) is read anew in each call."""
+    loads = []
+    for number, spec in enumerate(scene.loads):
+        body, edges = edge_set(bodies, spec.on, below(scene.where(f"loads.{number}"), "on"))
+        table = _EdgeTable(body.element, edges)
+        if spec.pressure is not None or spec.shear is not None:
+            courses = [course_of(0.0 if value is None else value) for value in (spec.pressure, spec.shear)]
+            loads.append(_along_edges(table, reference, position if spec.follower else None, courses, ramp_time))
+        if spec.tx is not None or spec.ty is not None:
+            courses = [course_of(0.0 if value is None else value) for value in (spec.tx, spec.ty)]
+            loads.append(_dead(table, reference, courses, ramp_time))
+    return tuple(loads)
+
+
+class _EdgeTable:
+    """Edges with the tables of their trace."""
+
+    def __init__(self, element: Element, edges: Ints) -> None:
+        points, self.weights = np.polynomial.legendre.leggauss(POINTS)
+        self.shape, self.slope = (np.ascontiguousarray(table) for table in element.edge_shape(points))
+        self.edges = np.ascontiguousarray(edges)
+
+    def add(self, positions: Floats, pressure: float, shear: float, out: Floats) -> None:
+        """Add the forces of a pressure and a shear on the edges as they lie at `positions`."""
+        edge_forces(positions, self.edges, self.shape, self.slope, self.weights, pressure, shear, out)
+
+    def lengths(self, positions: Floats) -> Floats:
+        """Length (N,) [mm] that each node of the edges stands for at `positions`."""
+        along = np.einsum("ga,eai->gei", self.slope, positions[self.edges])
+        share = np.einsum("g,ga,ge->ea", self.weights, self.shape, np.hypot(along[..., 0], along[..., 1]))
+        out = np.zeros(len(positions))
+        np.add.at(out, self.edges, share)
+        return out
+
+
+class FollowerLoad:
+    """Pressure and shear on the edges as they lie at `position`. A `Load`."""
+
+    def __init__(
+        self, table: _EdgeTable, position: Floats, sizes: tuple[float, float], ramps: tuple[Ramp, Ramp]
+    ) -> None:
+        self.table, self.position, self.sizes, self.ramps = table, position, sizes, ramps
+
+    def __call__(self, time: float, out: Floats) -> None:
+        """Add the nodal forces (N, 2) [N] at a time [s]."""
+        self.table.add(self.position, *self.values(time), out)
+
+    def values(self, time: float) -> tuple[float, float]:
+        """Pressure and shear [MPa] at a time [s]."""
+        return self.sizes[0] * self.ramps[0](time), self.sizes[1] * self.ramps[1](time)
+
+    def slopes(self) -> tuple[Ints, Ints, Floats, Floats]:
+        """Derivatives of the nodal forces by positions: rows and columns (degrees of freedom), values per MPa of
+        pressure and of shear."""
+        t = self.table
+        # forces are shape_a times the tangent sum_b slope_b x_b, turned by a right angle for the pressure
+        share = np.einsum("g,ga,gb->ab", t.weights, t.shape, t.slope)
+        row, column = (2 * np.broadcast_to(nodes, (len(t.edges), *share.shape)) for nodes in _pairs(t.edges))
+        share = np.broadcast_to(share, row.shape)
+        zero = np.zeros_like(share)
+        rows, columns = np.stack([row, row, row + 1, row + 1]), np.stack([column, column + 1, column, column + 1])
+        pressure, shear = np.stack([zero, -share, share, zero]), np.stack([share, zero, zero, share])
+        return rows.ravel(), columns.ravel(), pressure.ravel(), shear.ravel()
+
+
+def _pairs(edges: Ints) -> tuple[Ints, Ints]:
+    """Nodes a and b of every pair of an edge's nodes, [edge, a, b]."""
+    return edges[:, :, None], edges[:, None, :]
+
+
+def _along_edges(
+    table: _EdgeTable, reference: Floats, position: Floats | None, courses: list[Course], ramp_time: float
+) -> Load:
+    """Pressure and shear; on the undeformed edges where no `position` is given."""
+    (p, pressure), (q, shear) = ((course.to, course.bind(ramp_time)) for course in courses)
+    if position is not None:
+        return FollowerLoad(table, position, (p, q), (pressure, shear))
+    units = [np.zeros_like(reference), np.zeros_like(reference)]
+    table.add(reference, 1.0, 0.0, units[0])
+    table.add(reference, 0.0, 1.0, units[1])
+    return _fixed(units, [p, q], [pressure, shear])
+
+
+def _dead(table: _EdgeTable, reference: Floats, courses: list[Course], ramp_time: float) -> Load:
+    lengths, units = table.lengths(reference), [np.zeros_like(reference), np.zeros_like(reference)]
+    for component, unit in enumerate(units):
+        unit[:, component] = lengths
+    return _fixed(units, [course.to for course in courses], [course.bind(ramp_time) for course in courses])
+
+
+def _fixed(units: list[Floats], values: list[float], ramps: list[Ramp]) -> Load:
+    """Forces of fixed directions: `units` (N, 2) each, of which only the loaded nodes are touched."""
+    nodes = np.flatnonzero(np.any([unit.any(axis=1) for unit in units], axis=0))
+    first, second = (np.ascontiguousarray(value * unit[nodes]) for value, unit in zip(values, units, strict=True))
+
+    def push(time: float, out: Floats) -> None:
+        out[nodes] += ramps[0](time) * first + ramps[1](time) * second
+
+    return push

@@ -1,0 +1,107 @@
+"""Rigid surfaces: chains of nodes without mass whose motion is prescribed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Floats, Ints
+from contactlab.model.bodies.body import Body
+from contactlab.model.loading.edge_sets import edge_set
+
+SAGITTA = 1e-3  # of its radius: an arc rises at most so far above the segments that stand for it
+
+
+@dataclass(frozen=True)
+class RigidSurface:
+    """A chain in global node numbers, first ... first + count - 1, the solid on its left.
+
+    points  (count, 2) [mm] before the run
+    edges   (e, b) int32 global numbers, in the form of the edges that it is to touch
+    """
+
+    name: str
+    points: Floats
+    first: int
+    edges: Ints
+
+    @property
+    def count(self) -> int:
+        """Number of nodes."""
+        return len(self.points)
+
+    @property
+    def nodes(self) -> Ints:
+        """Global node numbers."""
+        return np.arange(self.first, self.first + self.count, dtype=np.int32)
+
+
+def build_rigid(scene: Any, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:
+    """All rigid surfaces of the scene, numbered after the nodes of the bodies."""
+    first = sum(body.count for body in bodies)
+    surfaces: list[RigidSurface] = []
+    for name, spec in scene.rigid.items():
+        facing = _facing(scene, bodies, name)
+        longest = max((_longest(edges, bodies) for edges in facing), default=math.inf)
+        segment = spec.segment if spec.segment is not None else longest
+        width = facing[0].shape[1] if facing else 2
+        points, closed = _chain(spec, segment, width - 1)
+        surfaces.append(RigidSurface(name, points, first, _edges(first, len(points), closed, width)))
+        first += len(points)
+    return tuple(surfaces)
+
+
+def _facing(scene: Any, bodies: tuple[Body, ...], name: str) -> list[Ints]:
+    """Edge sets that have this surface as their master."""
+    found = []
+    for number, contact in enumerate(scene.contacts):
+        slaves, masters = contact.targets
+        if name in masters:
+            where = scene.where(f"contacts.{number}.slave")
+            found += [edge_set(bodies, slave, where)[1] for slave in slaves]
+    return found
+
+
+def _longest(edges: Ints, bodies: tuple[Body, ...]) -> float:
+    """Longest segment [mm] of an edge set; a quadratic edge is two segments."""
+    nodes = np.concatenate([body.mesh.nodes for body in bodies])
+    chord = nodes[edges[:, 1]] - nodes[edges[:, 0]]
+    return float(np.hypot(chord[:, 0], chord[:, 1]).max() / (edges.shape[1] - 1))
+
+
+def _chain(spec: Any, segment: float, multiple: int) -> tuple[Floats, bool]:
+    """Points along the surface and whether they close; segments come in multiples of `multiple` per piece."""
+    if spec.arc is not None:
+        return _arc(spec.arc, segment, multiple)
+    corners = np.array(spec.line)
+    closed = bool(np.array_equal(corners[0], corners[-1])) and len(corners) > 2
+    pieces = [corners[:1]]
+    for a, b in pairwise(corners):
+        count = multiple * max(1, math.ceil(float(np.hypot(*(b - a))) / (multiple * segment) * (1.0 - 1e-9)))
+        pieces.append(a + (b - a) * (np.arange(1, count + 1) / count)[:, None])
+    points = np.concatenate(pieces)
+    return (points[:-1] if closed else points), closed
+
+
+def _arc(arc: Any, segment: float, multiple: int) -> tuple[Floats, bool]:
+    first, last = np.radians(arc.angles)
+    turn = abs(last - first)
+    closed = math.isclose(turn, 2.0 * math.pi)
+    # a chord of angle t lies r (1 - cos(t/2)) below the arc
+    widest = min(segment / arc.radius, 2.0 * math.acos(1.0 - SAGITTA))
+    count = multiple * max(3 if closed else 1, math.ceil(turn / (multiple * widest) * (1.0 - 1e-9)))
+    angle = first + (last - first) * np.arange(count + (not closed)) / count
+    return np.asarray(arc.centre) + arc.radius * np.stack([np.cos(angle), np.sin(angle)], axis=1), closed
+
+
+def _edges(first: int, count: int, closed: bool, width: int) -> Ints:
+    """Edges (e, width): start, end, then the inner node of quadratic ones."""
+    step = width - 1
+    start = first + np.arange(0, count if closed else count - 1, step)
+    end = first + (start - first + step) % count
+    inner = [start + i for i in range(1, step)]
+    return np.stack([start, end, *inner], axis=1).astype(np.int32)

@@ -1,0 +1,234 @@
+"""Prescribed motion: supports and rigid surfaces, and the degrees of freedom they hold."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from contactlab.api import Floats, Ints
+from contactlab.errors import SceneError, below
+from contactlab.model.bodies.body import Body
+from contactlab.model.loading.edge_sets import nodes_of
+from contactlab.model.loading.ramps import Course, Ramp, course_of
+
+if TYPE_CHECKING:
+    from contactlab.model.loading.rigid import RigidSurface
+
+Values = Callable[[float], Floats]
+
+
+@dataclass(frozen=True)
+class SupportedSet:
+    """The nodes of one support or rigid surface, for reactions: `on` as written in the scene."""
+
+    on: str
+    nodes: Ints
+
+
+class Shift(NamedTuple):
+    """One value in time that all its nodes share."""
+
+    course: Course
+    size: int = 1
+
+    def bind(self, ramp_time: float) -> Ramp:
+        """The value at a time."""
+        return self.course.bind(ramp_time)
+
+    @property
+    def steady(self) -> bool:
+        """Whether the value never changes."""
+        return self.course.steady
+
+
+class Rotation(NamedTuple):
+    """Displacements of nodes that turn about a centre, which itself may move: x and y of every node.
+
+    offsets  (n, 2) [mm] from the centre to the nodes before the run
+    angle    [rad]
+    """
+
+    offsets: tuple[tuple[float, float], ...]
+    angle: Course
+    ux: Course
+    uy: Course
+
+    @property
+    def steady(self) -> bool:
+        """Whether the values never change."""
+        return self.angle.steady and self.ux.steady and self.uy.steady
+
+    @property
+    def size(self) -> int:
+        """Two values for each node."""
+        return 2 * len(self.offsets)
+
+    def bind(self, ramp_time: float) -> Values:
+        """Displacements (2 n,) [mm] at a time."""
+        courses = (self.angle, self.ux, self.uy)
+        angle, ux, uy = ((course.to, course.bind(ramp_time)) for course in courses)
+        x, y = np.array(self.offsets).T
+
+        def values(time: float) -> Floats:
+            turned = angle[0] * angle[1](time)
+            # cos - 1 without cancellation, so that a small turn keeps all its digits
+            sin, less = math.sin(turned), -2.0 * math.sin(0.5 * turned) ** 2
+            out = np.empty((len(x), 2))
+            out[:, 0] = less * x - sin * y + ux[0] * ux[1](time)
+            out[:, 1] = less * y + sin * x + uy[0] * uy[1](time)
+            return out.reshape(-1)
+
+        return values
+
+
+Motion = Shift | Rotation
+
+
+class Prescribed:
+    """Implements `contactlab.api.PrescribedMotion`: displacement = scale * ramp value."""
+
+    def __init__(self, dof: Ints, scale: Floats, ramp: Ints, motions: tuple[Motion, ...], ramp_time: float) -> None:
+        self.dof, self.scale, self.ramp = dof, scale, ramp
+        sizes = [motion.size for motion in motions]
+        self._values = np.zeros(max(1, sum(sizes)))
+        self._single: list[tuple[int, Ramp]] = []
+        self._several: list[tuple[slice, Values]] = []
+        for begin, motion in zip(np.cumsum([0, *sizes]).tolist(), motions, strict=False):
+            place = slice(begin, begin + motion.size)
+            if motion.steady:
+                self._values[place] = motion.bind(ramp_time)(0.0)
+            elif isinstance(motion, Shift):
+                self._single.append((begin, motion.bind(ramp_time)))
+            else:
+                self._several.append((place, motion.bind(ramp_time)))
+
+    def values(self, time: float) -> Floats:
+        """Ramp values at `time` [s]; the same array every call."""
+        values = self._values
+        for place, ramp in self._single:
+            values[place] = ramp(time)
+        for several, value in self._several:
+            values[several] = value(time)
+        return values
+
+
+@dataclass(frozen=True)
+class SupportPlan:
+    """All prescribed motion of a scene before the pace of the run is known.
+
+    dof, scale, ramp  as in `contactlab.api.PrescribedMotion`
+    motions           whose values follow one another in the ramp values
+    moving            (2,) whether anything is moved along x, along y
+    """
+
+    dof: Ints
+    scale: Floats
+    ramp: Ints
+    motions: tuple[Motion, ...]
+    sets: tuple[SupportedSet, ...]
+    moving: tuple[bool, bool]
+
+    def bind(self, ramp_time: float) -> Prescribed:
+        """The prescribed motion when ramps that name no duration take `ramp_time` [s]."""
+        return Prescribed(self.dof, self.scale, self.ramp, self.motions, ramp_time)
+
+
+def plan_supports(
+    scene: Any, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], reference: Floats
+) -> SupportPlan:
+    """Which degrees of freedom the scene prescribes; SceneError where two supports disagree."""
+    plan = _Plan(reference)
+    for number, spec in enumerate(scene.supports):
+        where = scene.where(f"supports.{number}")
+        plan.add(spec.on, nodes_of(bodies, spec.on, below(where, "on")), spec, where)
+    for surface in rigid:
+        plan.add(surface.name, surface.nodes, scene.rigid[surface.name], scene.where(f"rigid.{surface.name}"))
+    return plan.finished()
+
+
+class _Held(NamedTuple):
+    scale: float
+    place: int
+    course: Course | None
+
+
+class _Plan:
+    """Supports as they are read, one after another."""
+
+    def __init__(self, reference: Floats) -> None:
+        self.reference = reference
+        self.held: dict[int, _Held] = {}
+        self.motions: list[Motion] = []
+        self.sets: list[SupportedSet] = []
+        self.places = 0
+        self.moving = [False, False]
+
+    def add(self, on: str, nodes: Ints, spec: Any, where: Any) -> None:
+        """Hold or move `nodes` as the table at `where` says."""
+        self.sets.append(SupportedSet(on, nodes))
+        if spec.turn is not None:
+            self._turn(nodes, spec, where)
+            return
+        for component, value in enumerate((spec.ux, spec.uy)):
+            if value is not None:
+                course = course_of(value)
+                self.moving[component] |= course.moves
+                place = self._append(Shift(course))
+                for dof in (2 * nodes + component).tolist():
+                    self._hold(dof, _Held(course.to, place, course), below(where, ("ux", "uy")[component]))
+
+    def _turn(self, nodes: Ints, spec: Any, where: Any) -> None:
+        turn, courses = spec.turn, [course_of(0.0 if value is None else value) for value in (spec.ux, spec.uy)]
+        angle = course_of(turn)._replace(to=math.radians(turn.to))
+        offsets = self.reference[nodes] - np.asarray(turn.about)
+        place = self._append(Rotation(tuple(map(tuple, offsets.tolist())), angle, *courses))
+        self.moving = [True, True]
+        for k, node in enumerate(nodes.tolist()):
+            for component in range(2):
+                self._hold(2 * node + component, _Held(1.0, place + 2 * k + component, None), below(where, "turn"))
+
+    def _append(self, motion: Motion) -> int:
+        """Where the motion's values begin."""
+        begin = self.places
+        self.motions.append(motion)
+        self.places += motion.size
+        return begin
+
+    def _hold(self, dof: int, new: _Held, where: Any) -> None:
+        old = self.held.setdefault(dof, new)
+        if old is not new and not _agree(old, new):
+            raise SceneError(
+                f"node {dof // 2} is given two different displacements in {'xy'[dof % 2]}",
+                where=where,
+                got=f"{_words(new)} after {_words(old)}",
+                hint="let supports overlap only where they agree",
+            )
+
+    def finished(self) -> SupportPlan:
+        """All of it, in the order of the degrees of freedom."""
+        order = sorted(self.held)
+        return SupportPlan(
+            np.array(order, np.int32),
+            np.array([self.held[dof].scale for dof in order], np.float64),
+            np.array([self.held[dof].place for dof in order], np.int32),
+            tuple(self.motions),
+            tuple(self.sets),
+            (self.moving[0], self.moving[1]),
+        )
+
+
+def _agree(old: _Held, new: _Held) -> bool:
+    """Whether two supports give the same displacement at all times; zero is zero whatever its ramp."""
+    if old.course is None or new.course is None:
+        return False
+    return old.course == new.course or not (old.course.moves or new.course.moves)
+
+
+def _words(held: _Held) -> str:
+    if held.course is None:
+        return "a rotation"
+    return f"{held.course.to:g}" if held.course.shape == "constant" else f"{held.course.to:g} ({held.course.shape})"

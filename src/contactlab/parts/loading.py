@@ -1,0 +1,204 @@
+"""Loading plugins, each under its own guard: a broken one is named and stops nothing else."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from types import FunctionType, ModuleType
+from typing import Any
+
+import pluggy
+
+from contactlab.errors import PartError, RequestError, did_you_mean
+from contactlab.parts import hookspecs
+
+GROUP = hookspecs.PROJECT
+CORE = "contactlab"
+RESTRICT = "CONTACTLAB_PLUGINS"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where a plugin comes from: the entry point's name, its distribution and version.
+
+    A file given by hand is its own distribution.
+    """
+
+    plugin: str
+    distribution: str
+    version: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.distribution} {self.version}".strip()
+
+
+@dataclass(frozen=True)
+class Broken:
+    """A plugin, or one thing of a plugin (`item`), that is left out, and why."""
+
+    origin: Origin
+    reason: str
+    item: str = ""
+
+
+@dataclass(frozen=True)
+class Plugin:
+    """A loaded plugin: where it comes from and its hooks."""
+
+    origin: Origin
+    hooks: Any
+
+
+def installed(group: str = GROUP) -> list[EntryPoint]:
+    """Entry points of all installed plugins that `CONTACTLAB_PLUGINS` lets through, the core's first."""
+    found = sorted(entry_points(group=group), key=lambda point: (not _core(point), point.name))
+    wanted = [name.strip() for name in os.environ.get(RESTRICT, "").split(",") if name.strip()]
+    if not wanted:
+        return found
+    names = {name for point in found for name in (point.name, _distribution(point))}
+    for name in wanted:
+        if _same(name) not in {_same(other) for other in names}:
+            raise RequestError(
+                "no such plugin is installed",
+                where=f"environment variable {RESTRICT}",
+                got=name,
+                allowed=", ".join(sorted(names)),
+                hint=did_you_mean(name, names),
+            )
+    keep = {_same(name) for name in wanted}
+    return [point for point in found if _core(point) or {_same(point.name), _same(_distribution(point))} & keep]
+
+
+def _core(point: EntryPoint) -> bool:
+    return _distribution(point) == CORE
+
+
+def _same(name: str) -> str:
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def _distribution(point: EntryPoint) -> str:
+    return point.dist.name if point.dist is not None else "unknown distribution"
+
+
+def origin_of(point: EntryPoint) -> Origin:
+    """The origin of what an entry point offers."""
+    return Origin(point.name, _distribution(point), point.dist.version if point.dist is not None else "")
+
+
+def load(origin: Origin, importer: Callable[[], Any]) -> Plugin | Broken:
+    """Import and register one plugin; what goes wrong becomes a reason."""
+    try:
+        module = importer()
+    except (Exception, SystemExit) as error:
+        return Broken(origin, f"its import failed: {one_line(error)}")
+    try:
+        return Plugin(origin, _register(module))
+    except Exception as error:
+        return Broken(origin, one_line(error, name=False))
+
+
+def _register(module: Any) -> Any:
+    # a manager per plugin: what pluggy refuses in one then cannot touch another
+    manager = pluggy.PluginManager(hookspecs.PROJECT)
+    manager.add_hookspecs(hookspecs)
+    manager.register(module)
+    for name in _unknown_hooks(manager, module):
+        choices = _hook_names()
+        raise RequestError(f"unknown hook {name}", allowed=", ".join(choices), hint=did_you_mean(name, choices))
+    manager.check_pending()
+    _refuse_unmarked(manager, module)
+    return manager.hook
+
+
+def _hook_names() -> list[str]:
+    return [name for name in vars(hookspecs) if name.startswith(f"{hookspecs.PROJECT}_")]
+
+
+def _unknown_hooks(manager: pluggy.PluginManager, module: Any) -> Iterator[str]:
+    for caller in manager.get_hookcallers(module) or []:
+        if not caller.has_spec():
+            yield caller.name
+
+
+def _refuse_unmarked(manager: pluggy.PluginManager, module: Any) -> None:
+    """A plugin without any hook does nothing, which nobody wants: say what is missing."""
+    marked = {caller.name for caller in manager.get_hookcallers(module) or []}
+    if not isinstance(module, ModuleType):
+        return
+    for name, value in vars(module).items():
+        own = isinstance(value, FunctionType) and value.__module__ == module.__name__
+        if own and name.startswith(f"{hookspecs.PROJECT}_") and name not in marked:
+            raise RequestError(f"{name} is not marked as a hook", hint="write @hookimpl above it")
+    if not marked:
+        raise RequestError(f"{module.__name__} implements no hook", allowed=", ".join(_hook_names()))
+
+
+def call(plugin: Plugin, hook: str, **arguments: Any) -> list[Any] | Broken:
+    """The results of one hook of one plugin; an exception becomes a reason."""
+    try:
+        return list(getattr(plugin.hooks, hook)(**arguments))
+    except (Exception, SystemExit) as error:
+        return Broken(plugin.origin, f"{hook} raised {one_line(error)}", item=hook)
+
+
+def one_line(error: BaseException, name: bool = True) -> str:
+    """An exception as one line: its type, its text, and the place it came from."""
+    text = "; ".join(" ".join(line.split()) for line in str(error).splitlines() if line.strip())
+    kind = type(error).__name__
+    return f"{kind}: {text}" if name and text else text or kind
+
+
+def file_module(path: Path) -> ModuleType:
+    """The module in a file given by hand, importable by its stem from then on.
+
+    Raises PartError where there is no such file, where its name is taken or where its import fails.
+    """
+    where = str(path)
+    if not path.is_file():
+        raise PartError("there is no such file", where=where, allowed="a Python file with a contactlab_parts hook")
+    if path.suffix != ".py":
+        raise PartError("not a Python file", where=where, allowed="a file named NAME.py")
+    _refuse_taken(path)
+    specification = importlib.util.spec_from_file_location(path.stem, path)
+    assert specification is not None
+    assert specification.loader is not None
+    module = importlib.util.module_from_spec(specification)
+    # before the import: dataclasses look their own module up, and targets name it
+    sys.modules[path.stem] = module
+    try:
+        specification.loader.exec_module(module)
+    except (Exception, SystemExit) as error:
+        del sys.modules[path.stem]
+        raise PartError(f"its import failed: {one_line(error)}{_line(error, path)}", where=where) from error
+    return module
+
+
+def _refuse_taken(path: Path) -> None:
+    loaded = sys.modules.get(path.stem)
+    taken = loaded is not None and Path(getattr(loaded, "__file__", None) or "").resolve() != path
+    if not taken and loaded is None and path.stem.isidentifier():
+        other = importlib.util.find_spec(path.stem)
+        taken = other is not None and Path(other.origin or "").resolve() != path
+    if taken:
+        raise PartError("another module has this name", where=str(path), hint="rename the file")
+
+
+def _line(error: BaseException, path: Path) -> str:
+    """Where in the file the import stopped."""
+    if isinstance(error, SyntaxError):
+        return ""
+    lines = [frame.lineno for frame in _frames(error) if Path(frame.filename) == path]
+    return f" (line {lines[-1]})" if lines else ""
+
+
+def _frames(error: BaseException) -> Iterable[Any]:
+    import traceback
+
+    return traceback.extract_tb(error.__traceback__)

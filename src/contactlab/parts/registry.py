@@ -1,0 +1,286 @@
+"""All parts on offer, by kind and name, and the way from what a scene writes to an instance."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any
+
+from contactlab.api.part import CONTRACT_VERSION, KINDS, Part
+from contactlab.errors import NOTHING, PartError, RequestError, SceneError, Where, below, did_you_mean, show
+from contactlab.parts import contract
+from contactlab.parts import loading as plugins
+from contactlab.parts.loading import Broken, Origin, Plugin
+from contactlab.scene.fields import PartSpec, as_data, read_table
+
+_KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+_TARGET = re.compile(r"[\w.-]+:\w+")
+
+
+@dataclass(frozen=True)
+class Offer:
+    """A part and the plugin it comes from."""
+
+    part: Part
+    origin: Origin
+
+
+class Registry:
+    """The parts, scenes and commands of a set of plugins.
+
+    entry_points  plugins to load; all installed ones by default
+    files         Python files with hooks, given by hand
+    """
+
+    def __init__(self, entry_points: Iterable[EntryPoint] | None = None, files: Sequence[Path | str] = ()) -> None:
+        self._plugins: list[Plugin] = []
+        self._broken: list[Broken] = []
+        self._offers: dict[tuple[str, str], list[Offer]] = {}
+        self.files: tuple[Path, ...] = ()
+        for point in plugins.installed() if entry_points is None else entry_points:
+            self._add(plugins.load(plugins.origin_of(point), point.load))
+        for path in files:
+            self.add_file(path)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # another process finds the same installed plugins by itself
+        return Registry, (None, self.files)
+
+    def add_file(self, path: Path | str) -> None:
+        """Register the hooks in a Python file. Raises PartError where it offers nothing usable.
+
+        A target in the file itself is written "file_stem:ClassName".
+        """
+        path = Path(path).resolve()
+        if path in self.files:
+            return
+        module = plugins.file_module(path)
+        loaded = plugins.load(Origin(path.stem, str(path)), lambda: module)
+        before = len(self._broken)
+        self._add(loaded)
+        if len(self._broken) > before:
+            raise PartError(self._broken[-1].reason, where=str(path))
+        self.files = (*self.files, path)
+
+    def _add(self, loaded: Plugin | Broken) -> None:
+        if isinstance(loaded, Broken):
+            self._broken.append(loaded)
+            return
+        self._plugins.append(loaded)
+        offered = plugins.call(loaded, "contactlab_parts")
+        if isinstance(offered, Broken):
+            self._broken.append(offered)
+            return
+        for parts in offered:
+            self._add_parts(loaded.origin, parts)
+
+    def _add_parts(self, origin: Origin, parts: Any) -> None:
+        if isinstance(parts, Part) or not isinstance(parts, Iterable):
+            reason = f"contactlab_parts gave {type(parts).__name__}; allowed: a list of Part"
+            self._broken.append(Broken(origin, reason))
+            return
+        for part in parts:
+            reason = _fault_of(part)
+            if reason:
+                self._broken.append(Broken(origin, reason, item=_label(part)))
+            else:
+                self._offers.setdefault((part.kind, part.name), []).append(Offer(part, origin))
+
+    def parts(self) -> list[Offer]:
+        """All usable parts, ordered by kind and name."""
+        single = [offers[0] for offers in self._offers.values() if len(offers) == 1]
+        return sorted(single, key=lambda offer: (KINDS.index(offer.part.kind), offer.part.name))
+
+    def names(self, kind: str) -> list[str]:
+        """The names of the parts of one kind."""
+        return [offer.part.name for offer in self.parts() if offer.part.kind == kind]
+
+    def broken(self) -> list[Broken]:
+        """Everything that was left out, with the reason."""
+        return [*self._broken, *self._duplicates()]
+
+    def _duplicates(self) -> list[Broken]:
+        found = []
+        for (kind, name), offers in self._offers.items():
+            for offer in offers if len(offers) > 1 else []:
+                reason = f"the {kind} {name} is offered more than once: {_origins(offers)}; none of them is used"
+                found.append(Broken(offer.origin, reason, item=f"{kind} {name}"))
+        return found
+
+    def incomplete(self) -> list[Broken]:
+        """Parts whose class cannot be imported or does not keep the contract. Imports every target."""
+        found = []
+        for offer in self.parts():
+            try:
+                _checked_class(offer)
+            except PartError as error:
+                found.append(Broken(offer.origin, error.problem, item=_label(offer.part)))
+        return found
+
+    def offer(self, kind: str, name: str, where: Where = "") -> Offer:
+        """The part of this kind and name. Raises PartError with the nearest name where there is none."""
+        offers = self._offers.get((kind, name), [])
+        if len(offers) > 1:
+            raise PartError(
+                f"the {kind} {name} is offered more than once: {_origins(offers)}",
+                where=where,
+                got=name,
+                hint=f"uninstall one of them, or name the plugins to load in {plugins.RESTRICT}",
+            )
+        if not offers:
+            raise self._unknown(kind, name, where)
+        return offers[0]
+
+    def _unknown(self, kind: str, name: str, where: Where) -> PartError:
+        names = self.names(kind)
+        return PartError(
+            f"no {kind} of this name is installed",
+            where=where,
+            got=name,
+            allowed=", ".join(names) if names else f"no {kind} is installed at all",
+            hint=did_you_mean(name, names) or self._other_reason(name),
+        )
+
+    def _other_reason(self, name: str) -> str:
+        kinds = [kind for kind in KINDS if name in self.names(kind)]
+        if kinds:
+            return f"{name} is of kind {' and '.join(kinds)}"
+        broken = sorted({str(item.origin) for item in self.broken()})
+        if broken:
+            return f"contactlab parts (plugins that could not be loaded: {', '.join(broken)})"
+        return "install the plugin that brings it; contactlab parts lists what there is"
+
+    def part_class(self, kind: str, name: str, where: Where = "") -> type:
+        """The class of a part, imported now and checked against the contract.
+
+        Raises PartError where the part is unknown, cannot be imported or is incomplete.
+        """
+        offer = self.offer(kind, name, where)
+        try:
+            return _checked_class(offer)
+        except PartError as error:
+            message = f"the {kind} {name} cannot be used: {error.problem}"
+            raise PartError(message, where=where, hint=f"mend or update {error.where}") from error
+
+    def make(self, kind: str, spec: Any, where: Where = "") -> Any:
+        """An instance of the part that `spec` names: a string, or a table with `use` and fields.
+
+        Raises PartError for the part, SceneError for its fields.
+        """
+        name, fields = split_spec(kind, spec, where)
+        target = self.part_class(kind, name, where)
+        try:
+            return read_table(target, fields, where)
+        except RequestError:
+            raise
+        except Exception as error:
+            offer = self.offer(kind, name)
+            reason = f"the {kind} {name} of {offer.origin} failed on its fields: {plugins.one_line(error)}"
+            raise PartError(reason, where=where, got=fields) from error
+
+    def written_out(self, kind: str, spec: Any, where: Where = "") -> PartSpec:
+        """`spec` as a table with `use` and every field, defaults included; checked like `make`."""
+        return {"use": split_spec(kind, spec, where)[0], **as_data(self.make(kind, spec, where))}
+
+    def scenes(self) -> dict[str, Path]:
+        """Bundled scenes of all plugins by name."""
+        found: dict[str, Path] = {}
+        for plugin in self._plugins:
+            offered = self._called(plugin, "contactlab_scenes")
+            for scenes in offered:
+                found |= {str(name): Path(path) for name, path in dict(scenes).items()}
+        return found
+
+    def commands(self) -> dict[str, tuple[str, Origin]]:
+        """Further commands by name: "module:function" and where it comes from."""
+        found: dict[str, tuple[str, Origin]] = {}
+        for plugin in self._plugins:
+            for commands in self._called(plugin, "contactlab_commands"):
+                found |= {str(name): (str(target), plugin.origin) for name, target in dict(commands).items()}
+        return found
+
+    def run_finished(self, summary: Mapping[str, Any], folder: Path | None) -> list[Broken]:
+        """Tell every plugin that a run is over; gives back those that raised."""
+        answers = [plugins.call(p, "contactlab_run_finished", summary=summary, folder=folder) for p in self._plugins]
+        return [answer for answer in answers if isinstance(answer, Broken)]
+
+    def _called(self, plugin: Plugin, hook: str) -> list[Any]:
+        answer = plugins.call(plugin, hook)
+        if not isinstance(answer, Broken):
+            if all(isinstance(item, Mapping) for item in answer):
+                return answer
+            answer = Broken(plugin.origin, f"{hook} gave no table of names", item=hook)
+        if answer not in self._broken:
+            self._broken.append(answer)
+        return []
+
+
+@cache
+def default_registry() -> Registry:
+    """The installed plugins, loaded once."""
+    return Registry()
+
+
+def split_spec(kind: str, spec: Any, where: Where) -> tuple[str, dict[str, Any]]:
+    """Name and fields of a part as a scene writes it."""
+    allowed = f"the name of a part of kind {kind}, or {{ use = NAME, ... }}"
+    if isinstance(spec, str):
+        return spec, {}
+    if not isinstance(spec, Mapping):
+        raise SceneError(f"a {kind} is named here", where=where, got=spec, allowed=allowed)
+    fields = {str(name): value for name, value in spec.items()}
+    name = fields.pop("use", NOTHING)
+    if name is NOTHING:
+        raise SceneError('the key "use" is missing', where=where, got=spec, allowed=allowed, hint=_use_hint(fields))
+    if not isinstance(name, str):
+        raise SceneError(f"a {kind} is named here", where=below(where, "use"), got=name, allowed=allowed)
+    return name, fields
+
+
+def _use_hint(fields: Mapping[str, Any]) -> str:
+    return "did you mean " + show({"use": "NAME", **fields}) + "?"
+
+
+def _fault_of(part: Any) -> str:
+    if not isinstance(part, Part):
+        return f"contactlab_parts lists {type(part).__name__}; allowed: Part"
+    if part.api != CONTRACT_VERSION:
+        return f"it was written for version {part.api} of the contract; this is version {CONTRACT_VERSION}"
+    if part.kind not in KINDS:
+        hint = did_you_mean(str(part.kind), KINDS)
+        return f'there is no kind "{part.kind}"; allowed: {", ".join(KINDS)}' + (f"; {hint}" if hint else "")
+    if not isinstance(part.name, str) or not _KEBAB.fullmatch(part.name):
+        return f'the name "{part.name}" is not lower-case words joined by -'
+    if not isinstance(part.target, str) or not _TARGET.fullmatch(part.target):
+        return f'the target "{part.target}" is not of the form package.module:ClassName'
+    return ""
+
+
+def _label(part: Any) -> str:
+    return f"{part.kind} {part.name}" if isinstance(part, Part) else ""
+
+
+def _origins(offers: Sequence[Offer]) -> str:
+    return " and ".join(f"{offer.origin} ({offer.part.target})" for offer in offers)
+
+
+def _checked_class(offer: Offer) -> type:
+    """The target, imported and checked. The error's place is the distribution at fault."""
+    module_name, _, class_name = offer.part.target.partition(":")
+    where = str(offer.origin)
+    try:
+        target = getattr(importlib.import_module(module_name), class_name, NOTHING)
+    except (Exception, SystemExit) as error:
+        raise PartError(f"{module_name} cannot be imported: {plugins.one_line(error)}", where=where) from error
+    if target is NOTHING:
+        raise PartError(f"{module_name} has no {class_name}", where=where)
+    wrong = contract.faults(offer.part.kind, target)
+    if wrong:
+        raise PartError(f"{offer.part.target} is incomplete: {'; '.join(wrong)}", where=where)
+    assert isinstance(target, type)
+    return target

@@ -1,0 +1,1 @@
+"""Running a model: the step loop, step lengths, guards, recorders, restart."""

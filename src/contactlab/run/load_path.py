@@ -1,0 +1,100 @@
+"""How far the loading of a static run has come, so that load steps can be of equal size."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Floats
+from contactlab.model.loading.ramps import course_of
+from contactlab.model.model import Model
+
+SAMPLES = 1024
+NEARLY = 1e-9  # of the whole time: differences below it are round-off
+LEAST = 1e-3  # of the whole path that time itself counts, so that a hold is passed in few steps
+
+
+class LoadPath:
+    """Fraction of the loading (0 to 1) as a function of time, and back.
+
+    Between two times the loading advances by the largest change of any prescribed displacement, over the range
+    of that displacement, or of any load, over the largest one. Inertia plays no part in statics: what counts
+    for the accuracy of a step is how much is loaded in it, not how long it takes.
+
+    Where the loading turns a corner a step must end: what is reached there depends on the path (friction, flow).
+    """
+
+    def __init__(self, model: Model, scene: Any, end: float) -> None:
+        self.corners = corners(scene, model.pace.ramp, end)
+        self.times: Floats = np.linspace(0.0, end, SAMPLES + 1)
+        change = np.full(SAMPLES, LEAST / SAMPLES)
+        np.maximum(change, _motion(model, self.times), out=change)
+        np.maximum(change, _loads(model, self.times), out=change)
+        self.fractions: Floats = np.concatenate([[0.0], np.cumsum(change)])
+        self.fractions /= self.fractions[-1]
+
+    def fraction(self, time: float) -> float:
+        """How much of the loading is done at a time [s]."""
+        return float(np.interp(time, self.times, self.fractions))
+
+    def time(self, fraction: float) -> float:
+        """When that much of the loading is done [s]."""
+        return float(np.interp(fraction, self.fractions, self.times))
+
+    def stop(self, time: float) -> float:
+        """The next corner of the loading after a time [s], or its end."""
+        later = (corner for corner in self.corners if corner > time + NEARLY * self.corners[-1])
+        return next(later, self.corners[-1])
+
+
+class EvenPath:
+    """Time itself, for runs in which it matters."""
+
+    def __init__(self, end: float) -> None:
+        self.end = end
+
+    def fraction(self, time: float) -> float:
+        """Fraction of the end."""
+        return time / self.end
+
+    def time(self, fraction: float) -> float:
+        """And back [s]."""
+        return fraction * self.end
+
+    def stop(self, time: float) -> float:
+        """The end: forces in time have no corner that inertia would not round off."""
+        return self.end
+
+
+def corners(scene: Any, ramp_time: float, end: float) -> list[float]:
+    """Times [s] in (0, end] at which the speed of a prescribed motion or of a load may jump; the last is the end."""
+    moved = [*scene.supports, *scene.rigid.values()]
+    values = [value for spec in moved for value in (spec.ux, spec.uy, spec.turn)]
+    values += [value for spec in scene.loads for value in (spec.pressure, spec.shear, spec.tx, spec.ty)]
+    times = {time for value in values if value is not None for time in course_of(value).corners(ramp_time)}
+    return [*sorted(time for time in times if NEARLY * end < time < (1.0 - NEARLY) * end), end]
+
+
+def _motion(model: Model, times: Floats) -> Floats:
+    """Largest relative change of a prescribed displacement in each interval."""
+    values = np.array([model.prescribed.values(float(time)).copy() for time in times])
+    span = np.ptp(values, axis=0)
+    moving = span > 1e-12 * max(float(np.abs(values).max(initial=0.0)), 1e-300)
+    if not moving.any():
+        return np.zeros(len(times) - 1)
+    return np.asarray(np.abs(np.diff(values[:, moving], axis=0) / span[moving]).max(axis=1))
+
+
+def _loads(model: Model, times: Floats) -> Floats:
+    """Largest change of a nodal load over the largest load, at the undeformed positions."""
+    out = np.zeros_like(model.reference)
+    if not model.external_force(0.0, out):
+        return np.zeros(len(times) - 1)
+    before, changes, largest = out.copy(), [], float(np.abs(out).max())
+    for time in times[1:]:
+        model.external_force(float(time), out)
+        changes.append(float(np.abs(out - before).max()))
+        largest = max(largest, float(np.abs(out).max()))
+        before[:] = out
+    return np.array(changes) / largest if largest > 0.0 else np.zeros(len(times) - 1)

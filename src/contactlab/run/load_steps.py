@@ -1,0 +1,128 @@
+"""Step lengths of implicit runs: as the scene wishes, shorter where Newton's method fails, and back again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from contactlab.api import Floats, Step, StepStatus
+from contactlab.errors import SceneError, SimulationFailure
+from contactlab.run.load_path import EvenPath, LoadPath
+from contactlab.run.schedule import Schedule
+
+CUT = 0.5  # of the step that failed
+GROW = 2.0  # after a step that converged easily
+EASY = 8  # iterations of a step after which a longer one is tried
+SHORTEST = 2.0**-12  # of the wished step: below it the run is given up
+MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
+NEARLY = 1e-9  # of a step: differences below it are round-off
+
+
+class LoadSchedule(Schedule):
+    """Equal steps as long as they converge. A failed step is cut and tried again from the same state.
+
+    Without inertia steps are equal parts of the loading (`LoadPath`) that end where it turns a corner, unless the scene
+    fixes their length; otherwise of time. `wished` and `part` are the wished and the present step as fractions of the
+    whole.
+    """
+
+    def _first_step(self) -> float:
+        total = self.pace.end or self.pace.ramp
+        statics = not self.model.integrator.inertia and self.fixed is None
+        self.path = LoadPath(self.model, self.scene, total) if statics else EvenPath(total)
+        self.wished = 1.0 / self.model.integrator.wished_steps() if self.fixed is None else float(self.fixed) / total
+        if self.wished * MOST < 1.0:
+            raise SceneError(
+                f"steps this short would be {1.0 / self.wished:.0f}",
+                where=self.scene.where("time.step"),
+                got=self.fixed,
+                allowed=f"at least {total / MOST:.3g}",
+                hint="leave it out: implicit integrators say by `steps` how many they take, and find their length",
+            )
+        self.part = self.wished
+        return self._length()
+
+    @property
+    def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
+        """What to call after each accepted step, with the step and its length."""
+        return (self._took,)
+
+    def estimated_steps(self) -> int:
+        """Those that the scene wishes, leg by leg of the loading."""
+        if self.pace.end is None:
+            return super().estimated_steps()
+        time, count = 0.0, 0
+        while time < self.pace.end:
+            stop = self.path.stop(time)
+            leg = self.path.fraction(stop) - self.path.fraction(time)
+            count += max(1, int(np.ceil(leg / self.wished * (1.0 - NEARLY))))
+            time = stop
+        return count
+
+    def _took(self, step: Step, dt: float) -> None:
+        """Follow an accepted step: longer again where it was easy."""
+        if step.iterations <= EASY:
+            self.part = min(self.wished, GROW * self.part)
+        self.dt = self._length()
+
+    def cut(self, step: Step) -> str:
+        """Shorten a step that failed; what was done, for the record. Raises SimulationFailure below the shortest."""
+        tried = self.dt
+        self.part *= CUT
+        if self.part < SHORTEST * self.wished:
+            raise SimulationFailure(
+                "not-converged",
+                f"after step {self.state.step}, at time {self.state.time:.6g}: a step of {tried:.3g} failed, "
+                f"1/{CUT * self.wished / self.part:.0f} of the wished one: {step.reason}; {self._advice()}",
+            )
+        self.dt = self._length()
+        return (
+            f"a step of {tried:.6g} from time {self.state.time:.6g} was taken back after {step.iterations} iterations: "
+            f"{step.reason}; {self.dt:.6g} is tried"
+        )
+
+    def _advice(self) -> str:
+        """What to try after the shortest step failed."""
+        if not self.model.integrator.inertia and not self.state.step and self.model.loads:
+            return (
+                "nothing was in equilibrium yet, and loads push already: a body that moves freely needs an integrator "
+                "with inertia (implicit-dynamics), a load that is there from the start a ramp"
+            )
+        if self.model.contact is not None:
+            return (
+                "the shortest step failed, and none helps where forces jump (a node on a vertex of a coarse master) or "
+                "statuses find no rest (very high friction); try another contact algorithm, the other side as slave "
+                "(swap), finer cells, less friction, or more steps"
+            )
+        return StepStatus.gave_up.value
+
+    def follow(self) -> None:
+        """Nothing limits an implicit step but its convergence."""
+
+    def _length(self) -> float:
+        """The step in time; the last before a corner of the loading or the end meets it, without a sliver before."""
+        time = self.state.time
+        if self.pace.end is None:
+            return self.path.time(self.part)  # until it settles: there is no end to meet
+        done = self.path.fraction(time)
+        stop = self.path.stop(time)
+        rest = self.path.fraction(stop) - done
+        number = max(1, int(np.ceil(rest / self.part * (1.0 - NEARLY))))
+        if number == 1:
+            return stop - time
+        return self.path.time(done + (rest / number if number <= 2 else self.part)) - time
+
+    def _over(self, limit: float) -> bool:
+        if self.state.time >= limit * (1.0 - NEARLY * self.wished):
+            return True
+        return super()._over(np.inf) if self.pace.settle else False
+
+    def memory(self) -> dict[str, Floats]:
+        """Everything that changes while the run goes on."""
+        return super().memory() | {"schedule.load": np.array([self.part])}
+
+    def restore(self, memory: Mapping[str, Floats]) -> None:
+        """Back to where `memory` was taken."""
+        super().restore(memory)
+        self.part = float(memory["schedule.load"][0])

@@ -1,0 +1,63 @@
+"""Which recorders a run has, and opening them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from contactlab.api.frame import Layout
+from contactlab.api.recorder import Recorder, Recording, replay
+from contactlab.errors import RequestError
+from contactlab.parts.loading import one_line
+from contactlab.results.results import Results
+
+
+def recorders_of(scene: Any, registry: Any) -> dict[str, Recorder]:
+    """The recorders that the scene names, or those that are there by default, by a name of their own."""
+    specs = scene.record.recorders
+    if specs is None:
+        return {name: registry.make("recorder", name) for name in default_recorders(registry)}
+    found = {}
+    for number, spec in enumerate(specs):
+        where = scene.where(f"record.recorders.{number}")
+        name = spec["use"] if spec["use"] not in found else f"{spec['use']} ({number})"
+        found[name] = registry.make("recorder", spec, where)
+    return found
+
+
+def default_recorders(registry: Any) -> list[str]:
+    """Names of the installed recorders that serve where a scene names none."""
+    return [name for name in registry.names("recorder") if registry.part_class("recorder", name).by_default]
+
+
+def open_recordings(
+    recorders: Mapping[str, Recorder], folder: Path, layout: Layout, past: Any = None
+) -> dict[str, Recording]:
+    """The recordings of a run in `folder`; of an interrupted run `past` they go on.
+
+    Raises RequestError where the folder cannot be written or a recorder cannot begin.
+    """
+    opened: dict[str, Recording] = {}
+    for name, recorder in recorders.items():
+        try:
+            opened[name] = recorder.open(folder, layout) if past is None else recorder.resume(folder, layout, past)
+        except RequestError:
+            raise
+        except OSError as error:
+            reason = (error.strerror or str(error)).lower()
+            raise RequestError(f"no results can be written here: {reason}", where=f"results folder {folder}") from error
+        except Exception as error:
+            raise RequestError(
+                f"the recorder {name} cannot begin: {one_line(error)}",
+                where="record.recorders",
+                hint="name other recorders, or mend this one",
+            ) from error
+    return opened
+
+
+def record_again(recorder: Recorder, folder: Path, run: Results) -> None:
+    """Make a recording of what a run has stored."""
+    recording = recorder.open(folder, run.layout)
+    replay(run, recording, steps=recorder.every_step)
+    recording.close(run.summary)

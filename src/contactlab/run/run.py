@@ -1,0 +1,209 @@
+"""One run: a model with all that watches it, begun anew or taken up where it was saved."""
+
+from __future__ import annotations
+
+import json
+import warnings
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from contactlab.api import Floats, IterationRow, Layout, Step, StepStatus
+from contactlab.errors import SimulationFailure
+from contactlab.missing_effects.monitor import Watch
+from contactlab.model.memory import model_memory, restore_model
+from contactlab.model.model import Model
+from contactlab.parts.provenance import parts_of, versions
+from contactlab.results.files import HistoryFile, write_scene
+from contactlab.results.frame import layout_of
+from contactlab.results.journal import Journal
+from contactlab.results.results import Results
+from contactlab.results.sample import take_sample
+from contactlab.results.summary import Clock, Counts, summarise
+from contactlab.run.guards import Guards
+from contactlab.run.recorders import open_recordings, recorders_of
+from contactlab.run.restart import changed_versions, check_memory, saved_run, stored_results
+from contactlab.run.schedule import Schedule
+
+if TYPE_CHECKING:
+    from contactlab.results.checkpoint_slots import Checkpoint
+
+SAVE_EVERY = 1.0  # seconds of wall time between saved states, at least
+SAVE_SHARE = 100.0  # and so many times what one costs: saving never takes more than a hundredth of a run
+ENDS = ("finished", "diverged", "not-converged")  # runs that cannot go on: what is saved is their end
+OF_THE_LAST_STEP = ("reactions", "reaction_mismatch", "contacts", "balance")  # of a summary
+KILLED = "the run ended without a word (killed, or still going on)"
+
+
+@dataclass
+class Run:
+    """What the loop works with. `memory` is all of it that changes in time."""
+
+    model: Model
+    schedule: Schedule
+    guards: Guards
+    watch: Watch
+    counts: Counts = field(default_factory=Counts)
+    clock: Clock = field(default_factory=Clock)
+    resumed_at: list[int] = field(default_factory=list)
+    save_after: float = 0.0
+    first_step: int = 0
+    taken_up: dict[str, Any] = field(default_factory=dict)
+    attempt: int = 1
+    journal: Journal = field(init=False)
+
+    def begin(self) -> None:
+        """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
+        if not self.journal.frames:
+            self.store()
+        self.save()
+
+    @property
+    def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
+        """What to call after each accepted step, with the step and its length."""
+        return (*self.journal.every_step, *self.schedule.every_step)
+
+    def iterated(self, step: Step) -> None:
+        """Keep the iterations of an attempted step of an implicit run."""
+        done = step.status is StepStatus.accepted
+        state, dt = self.model.state, self.schedule.dt
+        begun = (state.step if done else state.step + 1, state.time - dt if done else state.time, dt, self.attempt)
+        self.journal.iterated([IterationRow._make((*begun, i + 1, *row)) for i, row in enumerate(step.trace)])
+        self.attempt = 1 if done else self.attempt + 1
+
+    def taken_back(self, step: Step) -> None:
+        """Go on with a shorter step. Raises SimulationFailure where there is none."""
+        self.counts.iterations += step.iterations
+        self.journal.tell("warning", self.schedule.cut(step))
+
+    def store(self) -> None:
+        """Store the present state as a frame, and save it for a restart."""
+        began, counts, last = perf_counter(), self.counts, self.journal.last_step
+        mean = (counts.sweeps - counts.sweeps_stored) / max(1, self.model.state.step - last)
+        counts.sweeps_stored = counts.sweeps
+        self.journal.add(take_sample(self.model, self.journal.frames, mean))
+        for need in self.watch.look():
+            self.journal.tell("warning", str(need))
+        self.clock.recording_s += perf_counter() - began
+
+    def save(self) -> None:
+        """Save all that a restart needs; a run that is killed later looks as `KILLED` says."""
+        began = perf_counter()
+        if self.journal.restartable:
+            reason = f"{KILLED}; its state at step {self.model.state.step} is saved"
+            self.journal.save(self.memory(), self.summary("interrupted", reason))
+        now = perf_counter()
+        self.save_after = now + max(SAVE_EVERY, SAVE_SHARE * (now - began))
+        self.clock.recording_s += now - began
+
+    def save_now_and_then(self) -> None:
+        """Save, if the last time was long ago."""
+        if perf_counter() > self.save_after:
+            self.save()
+
+    def pause(self, why: str) -> str:
+        """Save the state of a run that is stopped; the reason for its summary."""
+        self.save()
+        kept = "its state is saved" if self.journal.restartable else "nothing was written to take it up again"
+        return f"{why} after step {self.model.state.step}; {kept}"
+
+    def memory(self) -> dict[str, Floats]:
+        """Arrays by name: of the model, and of everything that follows it."""
+        memory = model_memory(self.model)
+        for part in self._followers:
+            memory |= part.memory()
+        return memory
+
+    @property
+    def _followers(self) -> tuple[Any, ...]:
+        return self.schedule, self.guards, self.counts, self.watch
+
+    def restore(self, checkpoint: Checkpoint, folder: Path) -> None:
+        """Back to a checkpoint. Raises RequestError where it is not one of this model."""
+        check_memory(checkpoint.memory, self.memory(), folder)
+        restore_model(self.model, checkpoint.memory)
+        for part in self._followers:
+            part.restore(checkpoint.memory)
+        self.first_step = self.counts.steps
+        self.taken_up = json.loads(checkpoint.summary) if checkpoint.summary else {}
+        self.clock.before = self.taken_up.get("cost", {})
+        self.resumed_at = [*self.taken_up.get("resumed_at_steps", ()), self.counts.steps]
+
+    @property
+    def energy_error(self) -> float:
+        """Of the last stored frame."""
+        return self.journal.last.energies["error"] if self.journal.last is not None else 0.0
+
+    def summary(self, status: str, reason: str) -> dict[str, Any]:
+        """The content of `summary.json` if the run ended now."""
+        journal = self.journal
+        summary = summarise(journal.layout, self.model, journal.last, status, reason, self.counts, self.clock)
+        summary["warnings"] = self.watch.warnings()
+        if self.counts.steps == self.first_step:
+            # taken up and not stepped yet: what a step leaves in the model beside the state is not there
+            summary |= {name: self.taken_up[name] for name in OF_THE_LAST_STEP if name in self.taken_up}
+        return summary | ({"resumed_at_steps": self.resumed_at} if self.resumed_at else {})
+
+    def finish(self, status: str, reason: str) -> Results:
+        """Close the files and give the results."""
+        if self.journal.last is None and self.journal.frames:
+            # taken up at its very last frame: look at it once more for the summary
+            self.journal.last = take_sample(self.model, self.journal.frames - 1, self.journal.rows[-1]["sweeps"])
+        complete, folder = self.journal.restartable, self.journal.folder
+        if status in ENDS:
+            try:
+                self.save()
+            except SimulationFailure as failure:
+                status, reason = failure.status, failure.reason
+        results = self.journal.finish(self.summary(status, reason))
+        return stored_results(folder, results) if complete and folder is not None else results
+
+
+def begin_run(model: Model, scene: Any, registry: Any, folder: Path | None, resume: bool) -> Run:
+    """A run of `model`, whose recorders write to `folder`; with `resume` the one that is saved there.
+
+    Raises RequestError where the folder cannot be used or holds something else.
+    """
+    run = Run(model, schedule_of(model, scene), Guards(model), Watch(scene, model))
+    recorders = recorders_of(scene, registry) if folder is not None else {}
+    used = _with_recorders(scene, recorders)
+    layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
+    every_step = frozenset(name for name, recorder in recorders.items() if recorder.every_step)
+    if folder is None:
+        run.journal = Journal(model, layout, {}, every_step)
+        return run
+    claimed = HistoryFile(folder)
+    past = _take_up(run, layout, folder) if resume else None
+    write_scene(folder, layout.scene)
+    recordings = open_recordings(recorders, folder, layout, past)
+    run.journal = Journal(model, layout, recordings, every_step, claimed, past)
+    return run
+
+
+def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
+    """Bring the run to where the one in the folder was saved, and give that back; None where nothing was."""
+    saved = saved_run(folder)
+    if saved is None:
+        return None
+    past, checkpoint = saved
+    run.restore(checkpoint, folder)
+    for change in changed_versions(past.layout, layout):
+        warnings.warn(f"results may differ in their last digits: {change}", RuntimeWarning, stacklevel=4)
+    return past
+
+
+def schedule_of(model: Model, scene: Any) -> Schedule:
+    """The schedule that suits the scene's integrator."""
+    if model.integrator.explicit:
+        return Schedule(model, scene)
+    from contactlab.run.load_steps import LoadSchedule
+
+    return LoadSchedule(model, scene)
+
+
+def _with_recorders(scene: Any, recorders: dict[str, Any]) -> Any:
+    """The scene with the recorders that it really has, for the list of parts."""
+    specs = tuple({"use": name.partition(" ")[0]} for name in recorders)
+    return replace(scene, record=replace(scene.record, recorders=specs))

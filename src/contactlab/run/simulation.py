@@ -1,0 +1,112 @@
+"""The simulation loop: scene in, results out."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from contactlab.api import StepStatus
+from contactlab.errors import ContactlabError, RequestError, SimulationFailure
+from contactlab.model.build import build
+from contactlab.parts.error_origin import part_at_fault
+from contactlab.parts.loading import one_line
+from contactlab.results.results import Results
+from contactlab.run.folders import run_folder
+from contactlab.run.guards import EVERY
+from contactlab.run.interruption import Interrupted, Interruption
+from contactlab.run.restart import finished_results
+from contactlab.run.run import Run, begin_run
+
+OURS = (ArithmeticError, LookupError, ValueError, TypeError, AttributeError, ContactlabError)
+"""What a wrong array ends in; anything else that no part raised is a mistake of the core and is shown as one."""
+
+Progress = Callable[[float, int, float, float], None]
+"""Called with fraction done, step, time [s] and energy error."""
+
+
+def simulate(
+    scene: Any,
+    out: str | Path | None = None,
+    registry: Any = None,
+    progress: Progress | None = None,
+    resume: bool = False,
+) -> Results:
+    """Run a scene (a `Scene`, a bundled name or a TOML file) and return its results.
+
+    `out` is the folder for files, none are written without it. With `resume` an interrupted run in `out`
+    goes on where it was saved, one that is over is read back, and an empty folder is begun.
+    A run that fails is a result too: see `Results.status` and `Results.reason`. Raises RequestError
+    (scene, part or folder wrong) before the first step, and Interrupted, which carries the results,
+    after Ctrl-C or SIGTERM.
+    """
+    from contactlab.scene.scene import load_scene
+
+    scene = load_scene(scene) if isinstance(scene, str | Path) else scene
+    registry = registry or scene.registry
+    folder = run_folder(out, resume)
+    if resume and folder is not None and (over := finished_results(folder, scene)) is not None:
+        return over
+    began = perf_counter()
+    model = build(scene, registry)
+    run = begin_run(model, scene, registry, folder, resume)
+    run.clock.build_s = perf_counter() - began
+    with Interruption(run.schedule.stop) as interruption:
+        status, reason = _guarded(run, registry, interruption, progress)
+    results = run.finish(status, reason)
+    for broken in registry.run_finished(results.summary, results.folder):
+        warnings.warn(f"{broken.origin}: {broken.reason}", RuntimeWarning, stacklevel=2)
+    if status == "interrupted":
+        raise Interrupted(results)
+    return results
+
+
+def _guarded(run: Run, registry: Any, interruption: Interruption, progress: Progress | None) -> tuple[str, str]:
+    """Run the loop; how it ended and why."""
+    try:
+        run.clock.start()
+        _advance(run, progress)
+        if interruption.name:
+            return "interrupted", run.pause(f"stopped by {interruption.name}")
+        run.schedule.verdict()
+        return "finished", ""
+    except SimulationFailure as failure:
+        return failure.status, failure.reason
+    except RequestError:
+        raise
+    except Exception as failure:
+        place = part_at_fault(failure, registry)
+        if not place and not isinstance(failure, OURS):
+            raise
+        raised = f"{place}: the part raised " if place else ""
+        return "failed", f"step {run.model.state.step}: {raised}{one_line(failure)}"
+
+
+def _advance(run: Run, progress: Progress | None) -> None:
+    model, schedule, guards, counts = run.model, run.schedule, run.guards, run.counts
+    advance, every_step = model.integrator.bind(model, model.state), run.every_step
+    run.begin()
+    while not schedule.done():
+        step = advance(schedule.dt)
+        if step.trace:
+            run.iterated(step)
+        if step.status is not StepStatus.accepted:
+            run.taken_back(step)
+            continue
+        counts.steps += 1
+        counts.iterations += step.iterations
+        counts.sweeps += step.sweeps
+        guards.after_step(step)
+        for sample in every_step:
+            sample(step, schedule.dt)
+        if counts.steps % EVERY == 0:
+            guards.look()
+            schedule.follow()
+            run.save_now_and_then()
+        if schedule.frame_due():
+            guards.look()
+            run.store()
+            if progress is not None:
+                progress(schedule.fraction(), model.state.step, model.state.time, run.energy_error)

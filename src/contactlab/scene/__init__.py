@@ -1,0 +1,1 @@
+"""Scenes: TOML tables, their keys and checks, and changes to them."""

@@ -1,0 +1,241 @@
+"""The tables of a scene file: every key with its type, default, bounds, unit and meaning.
+
+A new key is one line here; reading, checking, defaults and writing follow from it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal
+
+from contactlab.scene.fields import PartSpec, key, part
+
+Vector = tuple[float, float]
+Targets = str | tuple[str, ...]
+"""One or several of "body.edge_set" and names of rigid surfaces."""
+
+
+@dataclass(frozen=True)
+class Time:
+    """`[time]`: how long a run lasts and in which steps."""
+
+    end: float | Literal["auto"] = key(
+        "auto", unit="s", above=0.0, says="duration; auto: loaded as slowly as needed, then held until it settles"
+    )
+    step: float | None = key(None, unit="s", above=0.0, says="fixed step; not written: a fraction of the stable one")
+    fraction: float = key(0.9, above=0.0, most=1.0, says="step as a fraction of the stable step; unused beside `step`")
+    ramp: float | None = key(
+        None,
+        unit="s",
+        least=0.0,
+        says="duration of ramps that give none themselves; not written: all of the run, or found",
+    )
+    hold: float | None = key(
+        None,
+        unit="s",
+        least=0.0,
+        says="with auto, time after the ramp; not written: until it settles, at most one ramp",
+    )
+    damping: float | None = key(
+        None, unit="1/s", least=0.0, says="mass-proportional damping; not written: none, or with auto found"
+    )
+
+
+@dataclass(frozen=True)
+class EdgePart:
+    """`[bodies.NAME.sets]`: a part of an edge set, under a name of its own."""
+
+    of: str = key(says="name of an edge set of the mesh")
+    x: Vector | None = key(None, unit="mm", says="from and to, where the mesh stands at the start; not written: all")
+    y: Vector | None = key(None, unit="mm", says="from and to, where the mesh stands at the start; not written: all")
+
+    def __post_init__(self) -> None:
+        for name in ("x", "y"):
+            span = getattr(self, name)
+            if span is not None and not span[0] < span[1]:
+                raise ValueError(f"{name}: got {list(span)}, allowed: two increasing coordinates [mm]")
+
+
+@dataclass(frozen=True)
+class Body:
+    """`[bodies.NAME]`: one mesh of one element and one material."""
+
+    element: PartSpec = part("element", says="shape functions and quadrature")
+    material: str = key(says="name of a table under [materials]")
+    mesh: PartSpec = part("mesh", says="nodes, cells and named edge sets")
+    velocity: Vector = key((0.0, 0.0), unit="mm/s", says="initial velocity")
+    spin: float = key(0.0, unit="1/s", says="initial angular velocity about the centre of mass, counter-clockwise")
+    rotate: float = key(0.0, unit="degree", says="the mesh is turned about the origin by this, before the shift")
+    shift: Vector = key((0.0, 0.0), unit="mm", says="the mesh is moved by this before the run: an initial gap")
+    sets: Mapping[str, EdgePart] = key({}, says="further edge sets by name, each a part of one of the mesh")
+
+
+@dataclass(frozen=True)
+class Start:
+    """What a contact does about an overlap or a small gap that the meshes have before the run."""
+
+    overlap: Literal["refuse", "ramp", "adjust"] = key(
+        "refuse",
+        says="refuse: an error; ramp: taken as the zero of the gap, pushed out in time; adjust: the slave's nodes are "
+        "moved onto the master before the run, without strain",
+    )
+    duration: float | None = key(
+        None,
+        unit="s",
+        above=0.0,
+        says="with ramp, time in which it is pushed out; not written: the ramp time of [time]",
+    )
+    gap: float = key(0.0, unit="mm", least=0.0, says="with adjust, gaps up to this are closed as well")
+
+    def __post_init__(self) -> None:
+        if self.duration is not None and self.overlap != "ramp":
+            raise ValueError(f'duration: got {self.duration}, allowed: only beside overlap = "ramp"')
+        if self.gap > 0.0 and self.overlap != "adjust":
+            raise ValueError(f'gap: got {self.gap}, allowed: only beside overlap = "adjust"')
+
+
+@dataclass(frozen=True, kw_only=True)
+class Contact:
+    """`[[contacts]]`: two edge sets that must not overlap."""
+
+    name: str | None = key(None, says="a further way to reach the contact: contacts.NAME")
+    slave: Targets = key(says='"body.edge_set" that carries the multipliers, or a list of them')
+    master: Targets = key(says='"body.edge_set" or rigid surface on the other side, or a list that makes one chain')
+    algorithm: PartSpec = part("contact", says="how the gap is measured")
+    swap: bool = key(False, says="exchange slave and master")
+    friction: PartSpec | None = part("friction", None, says="friction law; not written: no tangential work at all")
+    enforcement: PartSpec | None = part(
+        "enforcement", None, says="how gap conditions become forces; not written: the integrator's own"
+    )
+    start: Start = key(Start(), says="what is done about an overlap before the run")
+
+    @property
+    def targets(self) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Edge sets of slave and master as they act, `swap` taken into account."""
+        slave, master = (_each(side) for side in (self.slave, self.master))
+        return (master, slave) if self.swap else (slave, master)
+
+    @property
+    def sides(self) -> tuple[str, str]:
+        """Slave and master as they act, in words."""
+        slave, master = self.targets
+        return " + ".join(slave), " + ".join(master)
+
+
+def _each(side: Targets) -> tuple[str, ...]:
+    return (side,) if isinstance(side, str) else side
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """A value that changes in time: `{ ramp = ..., to = ... }`."""
+
+    ramp: Literal["parabola", "linear", "smooth", "constant", "table"] = key(
+        says="parabola: fast at first, at rest at the end; linear: at constant speed; smooth: at rest at both ends; "
+        "constant: at once; table: as `points` say"
+    )
+    to: float = key(unit="of the key", says="value at the end of the ramp")
+    duration: float | None = key(None, unit="s", above=0.0, says="not written: the ramp time of [time]")
+    begin: float = key(0.0, unit="s", least=0.0, says="when the ramp begins; the value is zero until then")
+    points: tuple[Vector, ...] = key(
+        (), says="with table: [time in s after `begin`, factor of `to`] each, straight between them"
+    )
+
+    def __post_init__(self) -> None:
+        times = [time for time, _ in self.points]
+        if self.ramp == "table" and (len(times) < 2 or not all(a < b for a, b in pairwise(times))):
+            raise ValueError(f"points: got {self.points}, allowed: at least two points at increasing times")
+        if self.ramp != "table" and self.points:
+            raise ValueError(f'points: got {self.points}, allowed: only beside ramp = "table"')
+
+
+@dataclass(frozen=True)
+class Turn:
+    """A rotation in time about a point: `{ to = ..., about = [x, y] }`."""
+
+    to: float = key(unit="degree", says="angle at the end of the ramp, counter-clockwise")
+    about: Vector = key((0.0, 0.0), unit="mm", says="centre; ux and uy move it")
+    ramp: Literal["parabola", "linear", "smooth", "constant"] = key("linear", says="as of a displacement")
+    duration: float | None = key(None, unit="s", above=0.0, says="not written: the ramp time of [time]")
+    begin: float = key(0.0, unit="s", least=0.0, says="when the ramp begins")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Support:
+    """`[[supports]]`: prescribed displacements of an edge set or of a whole body."""
+
+    name: str | None = key(None, says="a further way to reach the support: supports.NAME")
+    on: str = key(says='"body.edge_set", or "body" for all its nodes')
+    ux: float | Ramp | None = key(None, unit="mm", says="displacement along x; not written: free")
+    uy: float | Ramp | None = key(None, unit="mm", says="displacement along y; not written: free")
+    turn: Turn | None = key(None, says="rotation of the nodes about a point; ux and uy then move all of them together")
+
+
+@dataclass(frozen=True)
+class Arc:
+    """An arc of a rigid surface: `{ centre = [x, y], radius = ..., angles = [from, to] }`."""
+
+    centre: Vector = key(unit="mm", says="centre of the circle")
+    radius: float = key(unit="mm", above=0.0, says="radius of the circle")
+    angles: Vector = key(
+        unit="degree",
+        says="from and to, from the x axis; rising: solid inside, like a roll; falling: outside, like a die",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rigid:
+    """`[rigid.NAME]`: a rigid surface, at rest or moved in time; a master only. It has no mass and no step limit."""
+
+    line: tuple[Vector, ...] | None = key(
+        None, unit="mm", says="points of a polyline, the solid on its left; closed where the last point is the first"
+    )
+    arc: Arc | None = key(None, says="an arc in place of a line")
+    segment: float | None = key(
+        None, unit="mm", above=0.0, says="longest segment; not written: that of the edge sets it touches"
+    )
+    ux: float | Ramp = key(0.0, unit="mm", says="displacement along x")
+    uy: float | Ramp = key(0.0, unit="mm", says="displacement along y")
+    turn: Turn | None = key(None, says="rotation about a point, which ux and uy move")
+
+    def __post_init__(self) -> None:
+        if (self.line is None) == (self.arc is None):
+            raise ValueError("a rigid surface is either a line or an arc: write one of them")
+        if self.line is not None and (len(self.line) < 2 or any(a == b for a, b in pairwise(self.line))):
+            raise ValueError(f"line: got {self.line}, allowed: at least two points, none twice in a row")
+        if self.arc is not None and not 0.0 < abs(self.arc.angles[1] - self.arc.angles[0]) <= 360.0:
+            raise ValueError(f"arc: got {self.arc.angles}, allowed: two angles, at most 360 degrees apart")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load:
+    """`[[loads]]`: forces spread over an edge set."""
+
+    name: str | None = key(None, says="a further way to reach the load: loads.NAME")
+    on: str = key(says='"body.edge_set"')
+    pressure: float | Ramp | None = key(None, unit="MPa", says="against the outward normal, positive pushes")
+    shear: float | Ramp | None = key(None, unit="MPa", says="along the edges, positive with the body on the left")
+    tx: float | Ramp | None = key(None, unit="MPa", says="dead load along x, per undeformed length")
+    ty: float | Ramp | None = key(None, unit="MPa", says="dead load along y, per undeformed length")
+    follower: bool = key(
+        True,
+        says="pressure and shear follow the deformed edges; false: they keep the undeformed directions and lengths",
+    )
+
+    def __post_init__(self) -> None:
+        if all(value is None for value in (self.pressure, self.shear, self.tx, self.ty)):
+            raise ValueError("this load pushes on nothing: write pressure, shear, tx or ty")
+
+
+@dataclass(frozen=True)
+class Record:
+    """`[record]`: what is kept of a run."""
+
+    frames: int = key(50, least=1, says="stored frames, evenly spaced over the run, the last one at its end")
+    recorders: tuple[PartSpec, ...] | None = part(
+        "recorder",
+        None,
+        says="what writes to the results folder beside the small text files; not written: the usual ones",
+    )

@@ -1,0 +1,138 @@
+"""Scenes: what is simulated, read from TOML and checked as far as that goes without a mesh."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import partial
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal
+
+from contactlab.errors import Location, SceneError, did_you_mean
+from contactlab.parts.registry import Registry, default_registry
+from contactlab.scene import checks as scene_checks
+from contactlab.scene.fields import PartSpec, as_data, hidden, is_required, key, keys_of, kind_at, part, read_table
+from contactlab.scene.keys import Body, Contact, Load, Record, Rigid, Support, Time
+from contactlab.scene.overrides import changed
+from contactlab.scene.toml_text import read_toml, write_toml
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scene:
+    """A checked scene. Its fields are the top of the file, `data` is all of it as plain tables.
+
+    Parts are tables with `use` and every field of theirs; `Registry.make` turns one into an instance.
+    """
+
+    format: Literal[1] = key(1, says="version of the scene format")
+    name: str = key("scene", says="names the results folder; not written: the name of the file")
+    source: str = key("", says="where the scene was published")
+    units: str = key("mm N s t", says="a label for tables and plots; any consistent set serves")
+    level: int = key(1, least=1, says="multiplies all cell counts of the meshes")
+    symmetry: Literal["x"] | None = key(
+        None, says="x: mirror symmetric about the line x = 0, and the asymmetry of the result is reported"
+    )
+    threads: int = key(1, least=1, says="blocks of cells worked on at once; results are the same to the last bit")
+    time: Time = key(Time(), says="duration and steps")
+    integrator: PartSpec = part("integrator", says="how a step is made")
+    materials: Mapping[str, PartSpec] = part("material", says="the material laws by name")
+    bodies: Mapping[str, Body] = key(says="the bodies by name")
+    contacts: tuple[Contact, ...] = key((), says="contact pairs")
+    rigid: Mapping[str, Rigid] = key({}, says="rigid surfaces by name")
+    supports: tuple[Support, ...] = key((), says="prescribed displacements")
+    loads: tuple[Load, ...] = key((), says="forces spread over edge sets")
+    effects: tuple[PartSpec, ...] = part("effect", (), says="gravity, springs, dampers: what else pushes on nodes")
+    record: Record = key(Record(), says="what is kept of a run")
+
+    origin: Location = hidden(Location())
+    registry: Registry = dataclasses.field(
+        default_factory=default_registry, repr=False, compare=False, metadata={"hidden": True}
+    )
+
+    @classmethod
+    def from_data(
+        cls, data: Mapping[str, Any], origin: Location | None = None, registry: Registry | None = None
+    ) -> Scene:
+        """A scene from plain tables, as TOML gives them. Raises SceneError or PartError."""
+        registry = registry or default_registry()
+        origin = origin or Location()
+        scene = read_table(cls, data, origin, registry.written_out, origin=origin, registry=registry)
+        scene_checks.check(scene)
+        return scene
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """All keys as plain tables, defaults included; keys without a value are left out."""
+        return as_data(self)
+
+    def toml(self) -> str:
+        """The scene as a file that reads back as exactly this scene."""
+        return write_toml(self.data)
+
+    def where(self, key: str) -> Location:
+        """The place of a dotted key, for errors."""
+        return self.origin.at(key)
+
+    def with_(self, changes: Mapping[str, Any]) -> Scene:
+        """A scene with other values at dotted keys, checked anew.
+
+        Keys need not be written yet: {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}. A contact
+        or support with a name answers to it: "contacts.tool.swap". Where another part is named, the
+        fields of the old one are dropped, but for those that both parts require.
+        """
+        data, keys = changed(self.data, changes, self._is_part, self._switched)
+        origin = dataclasses.replace(self.origin, overrides=self.origin.overrides | set(keys))
+        return Scene.from_data(data, origin, self.registry)
+
+    def _is_part(self, path: str) -> bool:
+        return kind_at(Scene, path.split(".")) is not None
+
+    def _switched(self, path: str, old: Mapping[str, Any], name: str) -> dict[str, Any]:
+        if old.get("use") == name:
+            return dict(old)
+        kind = kind_at(Scene, path.split("."))
+        assert kind is not None
+        required = partial(self._required, kind)
+        kept = required(str(old.get("use"))) & required(name)
+        return {"use": name, **{field: value for field, value in old.items() if field in kept}}
+
+    def _required(self, kind: str, name: str) -> set[str]:
+        if name not in self.registry.names(kind):
+            return set()
+        fields = keys_of(self.registry.part_class(kind, name))
+        return {field for field in fields if is_required(fields[field])}
+
+
+def load_scene(name_or_path: str | Path, registry: Registry | None = None) -> Scene:
+    """A bundled scene by its name, or the scene in a TOML file. Raises SceneError or PartError."""
+    registry = registry or default_registry()
+    path, shown = find_scene(name_or_path, registry)
+    data, lines = read_toml(path, shown)
+    data.setdefault("name", path.stem)
+    return Scene.from_data(data, Location(shown, lines=lines, folder=str(path.parent.resolve())), registry)
+
+
+def bundled_scenes(registry: Registry | None = None) -> dict[str, Path]:
+    """Scenes that come with the core and with plugins, by name."""
+    folder = Path(str(files("contactlab") / "data" / "scenes"))
+    own = {path.stem: path for path in sorted(folder.glob("*.toml"))}
+    return {**(registry or default_registry()).scenes(), **own}
+
+
+def find_scene(name_or_path: str | Path, registry: Registry) -> tuple[Path, str]:
+    """The file of a scene and what to call it. Raises SceneError with the nearest bundled name."""
+    bundled = bundled_scenes(registry)
+    if isinstance(name_or_path, str) and name_or_path in bundled:
+        return bundled[name_or_path], f"bundled scene {name_or_path}"
+    path = Path(name_or_path)
+    if path.exists():
+        return path, str(name_or_path)
+    raise SceneError(
+        "there is no such scene",
+        where=str(name_or_path),
+        got=str(name_or_path),
+        allowed=f"the path of a TOML file, or a bundled scene: {', '.join(bundled)}",
+        hint=did_you_mean(path.stem, bundled),
+    )

@@ -1,0 +1,210 @@
+"""Every warning: named in the scene that needs the effect, gone when the line that it tells is written."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.missing_effects.monitor import Watch
+from contactlab.model.build import build
+from contactlab.parts.registry import default_registry
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
+
+ELASTIC = {"young": 1000.0, "poisson": 0.3, "density": 1e-9}
+WAVE = 1e-6  # seconds that a wave takes through a body of these scenes: 1 mm at some 1e6 mm/s
+
+
+def block(law: dict[str, Any], y: tuple[float, float] = (0.0, 1.0), cells: tuple[int, int] = (3, 3)) -> dict[str, Any]:
+    """A scene with one body `low`."""
+    return {
+        "time": {"end": 10.0 * WAVE},
+        "integrator": "central-difference",
+        "materials": {"m": law},
+        "bodies": {"low": body(y, cells)},
+        "record": {"frames": 10, "recorders": []},
+    }
+
+
+def body(y: tuple[float, float], cells: tuple[int, int], x: tuple[float, float] = (0.0, 1.0)) -> dict[str, Any]:
+    mesh = {"use": "rectangle", "x": list(x), "y": list(y), "cells": list(cells)}
+    return {"element": "q1", "material": "m", "mesh": mesh}
+
+
+def stretched(law: dict[str, Any], by: float) -> dict[str, Any]:
+    scene = block(law)
+    held = {"on": "low.bottom", "ux": 0.0, "uy": 0.0}
+    return {**scene, "supports": [held, {"on": "low.top", "uy": {"ramp": "linear", "to": by}}]}
+
+
+def colliding(contacts: bool, slave_cells: tuple[int, int] = (3, 3), **changes: Any) -> dict[str, Any]:
+    """Two blocks that run into each other by 0.1 mm."""
+    scene = block({"use": "neo-hookean", **ELASTIC})
+    high = body((1.0, 2.0), slave_cells, (0.2, 0.8)) | {"velocity": [0.0, -0.1 / (10.0 * WAVE)]}
+    scene["bodies"]["high"] = high | changes
+    if contacts:
+        scene["contacts"] = [{"slave": "high.bottom", "master": "low.top", "algorithm": "mortar-p0"}]
+    return scene
+
+
+def squeezed(ramp: float) -> dict[str, Any]:
+    scene = stretched({"use": "neo-hookean", **ELASTIC}, -0.02)
+    scene["time"] = {"end": "auto", "ramp": ramp, "hold": 0.0}
+    scene["supports"][1]["uy"] = {"ramp": "parabola", "to": -0.02}
+    return scene
+
+
+def with_stiff_slave() -> dict[str, Any]:
+    scene = colliding(contacts=True, material="hard")
+    scene["materials"]["hard"] = {"use": "neo-hookean", **ELASTIC, "young": 30_000.0}
+    return scene
+
+
+def with_coarse_slave() -> dict[str, Any]:
+    scene = colliding(contacts=True, slave_cells=(1, 2))
+    scene["bodies"]["low"] = body((0.0, 1.0), (5, 3))
+    return scene
+
+
+SMALL = {"use": "linear-elastic", **ELASTIC}
+LIMITED = {"use": "neo-hookean", **ELASTIC, "yield_stress": 15.0}
+PLASTIC = {"use": "linear-hardening", **ELASTIC, "yield_stress": 2.0}
+SEEDED: dict[str, tuple[str, dict[str, Any], str]] = {
+    "strain of a small-strain law": ("finite-strain", stretched(SMALL, 0.1), r"1[0-9] %"),
+    "rotation of a small-strain law": (
+        "finite-strain",
+        block(SMALL) | {"bodies": {"low": body((0.0, 1.0), (3, 3)) | {"spin": 1e4}}},
+        r"rotations reach [5-9]\.\d degrees",
+    ),
+    "yield stress that is not used": (
+        "plasticity", stretched(LIMITED, 0.02), r"its yield stress is 15",
+    ),
+    "Poisson's ratio near one half": (
+        "locking", stretched({"use": "neo-hookean", **ELASTIC, "poisson": 0.495}, 0.01), r"ratio is 0\.495",
+    ),
+    "plastic flow": ("locking", stretched(PLASTIC, 0.04), r"plastic strain.* reaches"),
+    "a fast quasi-static run": ("slower-loading", squeezed(5.0 * WAVE), r"kinetic energy reaches"),
+    "touch without contact": ("contact", colliding(contacts=False), r"body (high|low) runs into body (low|high)"),
+    "a stiff slave": ("other-slave", with_stiff_slave(), r"30 times as stiff"),
+    "a coarse slave": ("other-slave", with_coarse_slave(), r"3(\.\d+)? times as long"),
+}  # fmt: skip
+"""By what is seeded: the warning, the scene, and the number in it."""
+
+
+def warnings_of(data: dict[str, Any]) -> list[dict[str, str]]:
+    results = simulate(Scene.from_data(data))
+    assert results.status in ("finished", "not-converged"), results.reason
+    return list(results.summary["warnings"])
+
+
+@pytest.mark.parametrize("seed", SEEDED)
+def test_what_is_needed_is_named_once_with_its_number(seed: str) -> None:
+    name, data, number = SEEDED[seed]
+    found = [warning for warning in warnings_of(data) if warning["name"] == name]
+    assert len(found) == 1
+    assert re.search(number, found[0]["text"]), found[0]["text"]
+
+
+def test_a_run_that_nothing_resists_is_not_only_told_to_be_slower() -> None:
+    scene = squeezed(50.0 * WAVE)
+    scene["supports"] = scene["supports"][1:]  # nothing holds the other end: the block moves as a whole
+    (found,) = [warning for warning in warnings_of(scene) if warning["name"] == "slower-loading"]
+    assert "nothing resists" in found["text"]
+    assert "contacts" in found["add"]
+
+
+@pytest.mark.parametrize("seed", SEEDED)
+def test_what_it_says_to_write_mends_it(seed: str) -> None:
+    name, data, _ = SEEDED[seed]
+    scene = Scene.from_data(data)
+    told = next(warning for warning in warnings_of(data) if warning["name"] == name)
+    left = [w["name"] for w in warnings_of(scene.with_(change(told["add"], scene)).data)]
+    assert name not in left
+
+
+def change(told: str, scene: Scene) -> dict[str, Any]:
+    """`write KEY = VALUE` as a change; a contact to add as a whole."""
+    if told.startswith("add [[contacts]]"):
+        slave, master = re.findall(r'"([^"]+)"', told)
+        return {"contacts.0": {"slave": slave, "master": master, "algorithm": "node-on-segment"}}
+    match = re.match(r"write ([\w.]+) = (\"?)([^\s\"]+)\2", told)
+    assert match is not None, told
+    key, quoted, value = match.groups()
+    given = {"true": True, "false": False}.get(value, value if quoted else None)
+    return {key: float(value) if given is None else given} | _yield_stress(key, scene)
+
+
+def _yield_stress(key: str, scene: Scene) -> dict[str, Any]:
+    """A yield stress that was written for an elastic law stays in the file when the law is changed there."""
+    material = key.removesuffix(".use")
+    written = scene.materials.get(material.removeprefix("materials."), {})
+    return {f"{material}.yield_stress": written["yield_stress"]} if written.get("yield_stress") else {}
+
+
+def test_a_sound_scene_has_no_warning() -> None:
+    assert warnings_of(stretched(SMALL, 0.01)) == []
+    assert warnings_of(colliding(contacts=True)) == []
+
+
+# --- overlaps ---------------------------------------------------------------------------------------
+
+
+def look_at(data: dict[str, Any], displacement: Any) -> list[str]:
+    """Names of the needs of a model in a state that no run has to reach."""
+    scene = Scene.from_data(data)
+    model = build(scene, default_registry())
+    model.state["displacement"][:] = displacement(model.reference) - model.reference
+    np.add(model.reference, model.state["displacement"], out=model.position)
+    return [need.name for need in Watch(scene, model).look()]
+
+
+def coiled(turns: float) -> Any:
+    """A strip of length 10 bent into an arc of so many turns, on a slight spiral or not."""
+
+    def positions(x: Any) -> Any:
+        angle = 2.0 * math.pi * turns * x[:, 0] / 10.0
+        radius = 2.0 - x[:, 1]
+        return np.stack([radius * np.sin(angle), 2.0 - radius * np.cos(angle)], axis=1)
+
+    return positions
+
+
+@pytest.mark.parametrize(("turns", "named"), [(0.9, False), (1.1, True)])
+def test_a_body_that_runs_into_itself_is_named(turns: float, named: bool) -> None:
+    strip = block({"use": "neo-hookean", **ELASTIC})
+    strip["bodies"] = {"low": body((0.0, 0.5), (40, 2), (0.0, 10.0))}
+    assert ("contact" in look_at(strip, coiled(turns))) is named
+
+
+@pytest.mark.parametrize(("depth", "named"), [(-0.5, False), (0.0, False), (0.001, False), (0.02, True), (0.9, True)])
+def test_bodies_touch_where_one_lies_a_hundredth_of_an_edge_deep(depth: float, named: bool) -> None:
+    def lowered(x: Any) -> Any:
+        return x - np.where(np.arange(len(x)) >= 16, depth, 0.0)[:, None] * [0.0, 1.0]
+
+    # edges of `high` are 0.2 mm long: and their corners' normals lean: nodes at 0.0014 mm are on the brink
+    assert ("contact" in look_at(colliding(contacts=False), lowered)) is named
+
+
+def test_the_contact_to_add_joins_the_edges_that_met_first() -> None:
+    """Also when the body has come nearer to the other one's far side since."""
+    scene = Scene.from_data(colliding(contacts=False))
+    model = build(scene, default_registry())
+    watch = Watch(scene, model)
+    for depth in (0.05, 0.9):
+        np.copyto(model.position, model.reference)
+        model.position[16:, 1] -= depth
+        watch.look()
+    (found,) = [need for need in watch.needs() if need.name == "contact"]
+    assert set(re.findall(r'"([^"]+)"', found.add)) == {"high.bottom", "low.top"}
+
+
+def test_surfaces_with_a_contact_may_press_into_each_other() -> None:
+    def lowered(x: Any) -> Any:
+        return x - np.where(np.arange(len(x)) >= 16, 0.02, 0.0)[:, None] * [0.0, 1.0]
+
+    # high's bottom corners belong to the contact; its sides do not, and stay out
+    assert "contact" not in look_at(colliding(contacts=True), lowered)

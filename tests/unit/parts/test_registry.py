@@ -1,0 +1,351 @@
+"""The registry: parts are found, checked when they are asked for, and broken plugins stop nothing else."""
+
+from __future__ import annotations
+
+import json
+import pickle
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from contactlab.cli import main
+from contactlab.errors import PartError, RequestError, SceneError
+from contactlab.parts.loading import Broken
+from contactlab.parts.registry import Registry
+
+Install = Callable[..., None]
+HEAD = "from contactlab.api.plugin import Part, hookimpl\n"
+
+GOOD = f"""
+{HEAD}
+from dataclasses import dataclass
+from contactlab.api import FrictionBound, FrictionLaw
+
+@dataclass(frozen=True)
+class Coulomb(FrictionLaw):
+    mu: float
+    cap: float = float("inf")
+    name: str = "dry"
+
+    def bound(self):
+        return FrictionBound(self.mu, 0.0, self.cap)
+
+@hookimpl
+def contactlab_parts():
+    return [Part("friction", "test-coulomb", "good_plugin:Coulomb", "for tests")]
+"""
+
+
+def offers(part: str) -> str:
+    return f"{HEAD}\n@hookimpl\ndef contactlab_parts():\n    return [{part}]\n"
+
+
+def only(registry: Registry, distribution: str) -> Broken:
+    found = [item for item in registry.broken() if item.origin.distribution == distribution]
+    assert len(found) == 1, found
+    return found[0]
+
+
+@pytest.fixture
+def good(install: Install) -> None:
+    install("good-plugin", GOOD)
+
+
+def assert_rest_works(registry: Registry) -> None:
+    assert registry.make("friction", {"use": "test-coulomb", "mu": 0.2}).bound().coefficient == 0.2
+    assert {"mortar-p0", "mortar-p1", "node-on-segment"} <= set(registry.names("contact"))
+
+
+BROKEN = {
+    "import error": ("import no_such_module\n", "no_such_module"),
+    "syntax error": ("def (:\n", "SyntaxError"),
+    "exit on import": ("raise SystemExit(3)\n", "SystemExit"),
+    "misspelt hook": (f"{HEAD}\n@hookimpl\ndef contactlab_part():\n    return []\n", '"contactlab_parts"'),
+    "hook without marker": ("def contactlab_parts():\n    return []\n", "@hookimpl"),
+    "no hook": ("x = 1\n", "no hook"),
+    "wrong argument": (f"{HEAD}\n@hookimpl\ndef contactlab_parts(scene):\n    return []\n", "scene"),
+    "exception in the hook": (f"{HEAD}\n@hookimpl\ndef contactlab_parts():\n    raise KeyError('odd')\n", "odd"),
+    "no list": (f"{HEAD}\n@hookimpl\ndef contactlab_parts():\n    return 7\n", "int"),
+    "no parts": (offers("'mortar'"), "str"),
+    "other contract": (offers("Part('friction', 'x', 'a:B', 's', api=99)"), "version 99"),
+    "unknown kind": (offers("Part('frictoin', 'x', 'a:B', 's')"), '"friction"'),
+    "name with capitals": (offers("Part('friction', 'MyLaw', 'a:B', 's')"), "MyLaw"),
+    "target without class": (offers("Part('friction', 'x', 'a.B', 's')"), "package.module:ClassName"),
+}
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_a_broken_plugin_is_named_with_its_reason_and_stops_nothing_else(
+    name: str, good: None, install: Install
+) -> None:
+    source, reason = BROKEN[name]
+    install("bad-plugin", source)
+    registry = Registry()
+    broken = only(registry, "bad-plugin")
+    assert broken.origin.version == "1.0"
+    assert reason in broken.reason
+    assert "\n" not in broken.reason.replace("\n  ", "")
+    assert_rest_works(registry)
+
+
+def test_other_parts_of_a_plugin_with_one_bad_part_work(install: Install) -> None:
+    install("good-plugin", GOOD.replace("return [", "return [Part('friction', 'old', 'a:B', 's', api=0), "))
+    registry = Registry()
+    assert only(registry, "good-plugin").item == "friction old"
+    assert "test-coulomb" in registry.names("friction")
+
+
+def test_two_parts_of_one_name_are_an_error_naming_both_distributions(good: None, install: Install) -> None:
+    install("twin-plugin", offers("Part('friction', 'test-coulomb', 'twin_plugin:Coulomb', 's')"), version="2.3")
+    registry = Registry()
+    assert "test-coulomb" not in registry.names("friction")
+    for distribution in ("good-plugin", "twin-plugin"):
+        reason = only(registry, distribution).reason
+        assert "good-plugin 1.0" in reason
+        assert "twin-plugin 2.3" in reason
+    with pytest.raises(PartError, match=r"good-plugin 1\.0.*twin-plugin 2\.3"):
+        registry.make("friction", "test-coulomb")
+    assert "mortar-p0" in registry.names("contact")
+
+
+INCOMPLETE = {
+    "no method": ("class Law(FrictionLaw):\n    mu: float = 0.1\n", "friction", "bound"),
+    "no class attribute": (
+        "class Law(Material):\n    density: float\n"
+        "    def stress(self, *a): ...\n    def wave_speeds(self): ...\n",
+        "material",
+        "kinematics",
+    ),
+    "no field": (
+        "class Law(Material):\n    kinematics = 'small'\n"
+        "    def stress(self, *a): ...\n    def wave_speeds(self): ...\n",
+        "material",
+        "density",
+    ),
+    "other kind": ("class Law(FrictionLaw):\n    def bound(self): ...\n", "material", "contactlab.api.Material"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", INCOMPLETE)
+def test_an_incomplete_class_is_refused_by_what_is_missing(name: str, good: None, install: Install) -> None:
+    body, kind, missing = INCOMPLETE[name]
+    source = "from dataclasses import dataclass\nfrom contactlab.api import FrictionLaw, Material\n"
+    source += f"@dataclass(frozen=True)\n{body}" + offers(f"Part('{kind}', 'half', 'half_plugin:Law', 's')")
+    install("half-plugin", source)
+    registry = Registry()
+    assert any(missing in item.reason for item in registry.incomplete() if item.origin.plugin == "half-plugin")
+    with pytest.raises(PartError, match=missing):
+        registry.part_class(kind, "half", "materials.steel")
+    assert_rest_works(registry)
+
+
+@pytest.mark.parametrize(
+    ("decorator", "reason"), [("", "no dataclass"), ("@dataclass\n", "not frozen")], ids=["plain", "mutable"]
+)
+def test_a_part_must_be_a_frozen_dataclass(decorator: str, reason: str, install: Install) -> None:
+    body = "from dataclasses import dataclass\nfrom contactlab.api import FrictionLaw\n"
+    body += f"{decorator}class Law(FrictionLaw):\n    def bound(self): ...\n"
+    install("half-plugin", body + offers("Part('friction', 'half', 'half_plugin:Law', 's')"))
+    with pytest.raises(PartError, match=reason):
+        Registry().part_class("friction", "half")
+
+
+@pytest.mark.parametrize(
+    ("target", "reason"),
+    [("no_such_module:Law", "cannot be imported"), ("json:Law", "json has no Law"), ("json:dumps", "no class")],
+)
+def test_a_target_that_is_not_there_is_told_when_it_is_asked_for(target: str, reason: str, install: Install) -> None:
+    install("far-plugin", offers(f"Part('friction', 'far', '{target}', 's')"))
+    registry = Registry()
+    assert not [item for item in registry.broken() if item.origin.distribution == "far-plugin"]
+    with pytest.raises(PartError, match=reason) as caught:
+        registry.make("friction", "far", "contacts.0.friction")
+    assert "contacts.0.friction" in str(caught.value)
+    assert "far-plugin 1.0" in str(caught.value)
+
+
+def test_targets_are_imported_only_when_asked(install: Install, tmp_path: Path) -> None:
+    (tmp_path / "site" / "heavy_target.py").write_text("from good_plugin import Coulomb\n")
+    install("good-plugin", GOOD.replace("good_plugin:Coulomb", "heavy_target:Coulomb"))
+    registry = Registry()
+    assert "test-coulomb" in registry.names("friction")
+    assert "heavy_target" not in sys.modules
+    registry.part_class("friction", "test-coulomb")
+    assert sys.modules.pop("heavy_target")
+
+
+def test_parts_command_names_what_is_broken(
+    good: None, install: Install, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("contactlab.commands.common.default_registry", Registry)
+    install("bad-plugin", "import no_such_module\n")
+    half = "from dataclasses import dataclass\nfrom contactlab.api import FrictionLaw\n"
+    half += "@dataclass(frozen=True)\nclass Law(FrictionLaw):\n    pass\n"
+    install("half-plugin", half + offers("Part('friction', 'half', 'half_plugin:Law', 's')"))
+    assert main(["parts"]) == 0
+    shown = capsys.readouterr().out
+    assert "no_such_module" in shown
+    assert "it has no bound" in shown
+    assert main(["parts", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    named = {(part["kind"], part["name"]): part for part in listed["parts"]}
+    assert named["friction", "test-coulomb"]["distribution"] == "good-plugin"
+    assert named["friction", "test-coulomb"]["version"] == "1.0"
+    assert ("friction", "half") not in named
+    assert {item["distribution"] for item in listed["broken"]} == {"bad-plugin", "half-plugin"}
+
+
+class TestRestriction:
+    def test_only_named_plugins_and_the_core_are_loaded(self, good: None, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setenv("CONTACTLAB_PLUGINS", "good_plugin, mortar")
+        registry = Registry()
+        assert {offer.origin.distribution for offer in registry.parts()} == {
+            "contactlab",
+            "contactlab-mortar",
+            "good-plugin",
+        }
+
+    def test_an_unknown_name_is_refused_with_the_nearest(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setenv("CONTACTLAB_PLUGINS", "mortr")
+        with pytest.raises(RequestError, match="no such plugin") as caught:
+            Registry()
+        assert "CONTACTLAB_PLUGINS" in str(caught.value)
+        assert 'did you mean "mortar"' in str(caught.value)
+
+
+class TestFiles:
+    SOURCE = GOOD.replace("good_plugin:", "my_part:")
+
+    def test_a_file_offers_parts_that_live_in_it(self, tmp_path: Path) -> None:
+        path = tmp_path / "my_part.py"
+        path.write_text(self.SOURCE)
+        registry = Registry(files=[path])
+        try:
+            made = registry.make("friction", {"use": "test-coulomb", "mu": 0.3})
+            assert made.bound().coefficient == 0.3
+            assert registry.offer("friction", "test-coulomb").origin.distribution == str(path)
+            registry.add_file(path)
+            assert registry.names("friction").count("test-coulomb") == 1
+            again = pickle.loads(pickle.dumps(registry))
+            assert "test-coulomb" in again.names("friction")
+        finally:
+            sys.modules.pop("my_part", None)
+
+    @pytest.mark.parametrize(
+        ("name", "source", "reason"),
+        [
+            ("absent.py", None, "no such file"),
+            ("part.txt", "", "not a Python file"),
+            ("json.py", SOURCE, "another module has this name"),
+            ("numpy.py", SOURCE, "another module has this name"),
+            ("my_part.py", "x = 1\ny = 1/0\n", r"ZeroDivisionError.*line 2"),
+            ("my_part.py", "x = 1\n", "no hook"),
+            ("my_part.py", f"{HEAD}\n@hookimpl\ndef contactlab_part(): return []\n", "contactlab_parts"),
+        ],
+    )
+    def test_a_file_that_offers_nothing_is_refused(
+        self, name: str, source: str | None, reason: str, tmp_path: Path
+    ) -> None:
+        path = tmp_path / name
+        if source is not None:
+            path.write_text(source)
+        with pytest.raises(PartError, match=reason) as caught:
+            Registry(files=[path])
+        assert name in str(caught.value)
+        assert "my_part" not in sys.modules or sys.modules.pop("my_part")
+
+
+class TestMake:
+    @pytest.fixture
+    def registry(self, good: None) -> Registry:
+        return Registry()
+
+    def test_written_out_has_every_default(self, registry: Registry) -> None:
+        written = registry.written_out("friction", {"use": "test-coulomb", "mu": 1})
+        assert written == {"use": "test-coulomb", "mu": 1.0, "cap": float("inf"), "name": "dry"}
+        assert isinstance(written["mu"], float)
+        assert registry.written_out("friction", written) == written
+
+    @pytest.mark.parametrize(
+        ("spec", "words"),
+        [
+            ({"use": "test-coulomb"}, ['"mu" is missing']),
+            ({"use": "test-coulomb", "my": 0.2}, ["contacts.0.friction.my", '"mu"']),
+            ({"use": "test-coulomb", "mu": "0.2"}, ["contacts.0.friction.mu", '"0.2"', "a number", "without quotes"]),
+            ({"use": "test-coulomb", "mu": True}, ["contacts.0.friction.mu", "true", "a number"]),
+            ({"use": "test-coulomb", "mu": float("nan")}, ["contacts.0.friction.mu", "nan", "not finite"]),
+            ({"use": "test-coulomb", "mu": float("inf")}, ["contacts.0.friction.mu", "inf", "not finite"]),
+            ({"use": "test-coulomb", "mu": 10**400}, ["contacts.0.friction.mu", "not finite"]),
+            ({"use": "test-coulomb", "mu": 0.2, "name": 3}, ["contacts.0.friction.name", "3", "a text"]),
+            ({"mu": 0.2}, ['"use" is missing', "mu = 0.2"]),
+            ({"use": 3}, ["contacts.0.friction.use", "3"]),
+            (3, ["contacts.0.friction", "3", "use = NAME"]),
+        ],
+    )
+    def test_wrong_fields_name_their_key(self, spec: object, words: list[str], registry: Registry) -> None:
+        with pytest.raises(SceneError) as caught:
+            registry.make("friction", spec, "contacts.0.friction")
+        for word in words:
+            assert word in str(caught.value)
+
+    def test_an_unknown_part_has_the_nearest_name(self, registry: Registry) -> None:
+        with pytest.raises(PartError) as caught:
+            registry.make("friction", "test-columb", "contacts.0.friction")
+        assert 'did you mean "test-coulomb"?' in str(caught.value)
+        assert "contacts.0.friction" in str(caught.value)
+
+    def test_a_part_of_another_kind_is_recognised(self, registry: Registry) -> None:
+        with pytest.raises(PartError, match="mortar-p0 is of kind contact"):
+            raise_as_text(registry, "element", "mortar-p0")
+
+    def test_a_part_that_raises_on_its_fields_is_blamed(self, install: Install) -> None:
+        source = GOOD.replace("good_plugin", "odd_plugin").replace(
+            "    def bound", "    def __post_init__(self):\n        1 / 0\n\n    def bound"
+        )
+        install("odd-plugin", source.replace("test-coulomb", "odd"))
+        with pytest.raises(PartError, match=r"odd-plugin 1\.0.*ZeroDivisionError"):
+            Registry().make("friction", {"use": "odd", "mu": 0.1})
+
+
+def raise_as_text(registry: Registry, kind: str, spec: str) -> None:
+    """The whole message as the exception's text, for `match`."""
+    try:
+        registry.make(kind, spec)
+    except PartError as error:
+        raise PartError(str(error)) from error
+
+
+class TestOtherHooks:
+    def test_scenes_and_commands_of_plugins(self, install: Install, capsys: pytest.CaptureFixture[str]) -> None:
+        install(
+            "more-plugin",
+            f"{HEAD}\nfrom pathlib import Path\n"
+            "@hookimpl\ndef contactlab_scenes():\n    return {'my-scene': Path('/a/my-scene.toml')}\n"
+            "@hookimpl\ndef contactlab_commands():\n    return {'greet': 'more_plugin:greet'}\n"
+            "def greet(words):\n    print('hello', *words)\n    return 5\n",
+        )
+        registry = Registry()
+        assert registry.scenes()["my-scene"] == Path("/a/my-scene.toml")
+        assert registry.commands()["greet"][1].distribution == "more-plugin"
+
+    @pytest.mark.parametrize("hook", ["contactlab_scenes", "contactlab_commands"])
+    def test_a_hook_that_raises_or_gives_nonsense_is_broken(self, hook: str, install: Install) -> None:
+        install("bad-plugin", f"{HEAD}\n@hookimpl\ndef {hook}():\n    raise ValueError('odd')\n")
+        install("odd-plugin", f"{HEAD}\n@hookimpl\ndef {hook}():\n    return 3\n")
+        registry = Registry()
+        registry.scenes(), registry.commands()
+        assert "odd" in only(registry, "bad-plugin").reason
+        assert "no table" in only(registry, "odd-plugin").reason
+        registry.scenes(), registry.commands()
+        assert only(registry, "bad-plugin")
+
+    def test_run_finished_reaches_all_plugins_and_gives_back_those_that_raise(self, install: Install) -> None:
+        hook = f"{HEAD}\nseen = []\n@hookimpl\ndef contactlab_run_finished(summary):\n    "
+        install("glad-plugin", hook + "seen.append(summary['status'])\n")
+        install("sad-plugin", hook + "raise OSError('disk full')\n")
+        registry = Registry()
+        broken = registry.run_finished({"status": "finished"}, None)
+        assert sys.modules["glad_plugin"].seen == ["finished"]
+        assert [(item.origin.distribution, "disk full" in item.reason) for item in broken] == [("sad-plugin", True)]

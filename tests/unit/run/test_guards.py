@@ -1,0 +1,420 @@
+"""Every guard stops a scene made for it, names the place there, and lets sound runs alone."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.api import Step
+from contactlab.errors import SimulationFailure
+from contactlab.model.build import build
+from contactlab.model.model import Model
+from contactlab.parts.registry import Registry, default_registry
+from contactlab.results.load import load_results
+from contactlab.run.guards import CHATTER, LASTING, PATIENCE, Guards
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, bundled_scenes, load_scene
+
+ELASTIC = {"use": "neo-hookean", "young": 1000.0, "poisson": 0.25, "density": 1e-6}
+RATE = ELASTIC | {"use": "hypoelastic"}
+SOUND = np.sqrt(1.2 * 1000.0 / 1e-6)  # lambda + 2 mu = 1.2 E at nu = 0.25
+
+PARTS = '''
+"""Parts that go wrong in one way each."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactlab.api import ExplicitEnforcement, Solve
+from contactlab.api.plugin import Part, hookimpl
+from contactlab_dynamics.forward_increment import ForwardIncrement
+from contactlab_solids.linear_elastic import LinearElastic
+
+
+@dataclass(frozen=True)
+class Brittle(LinearElastic):
+    """No number comes out beyond a compression of 2 % in y."""
+
+    def stress(self, gradient, history, dt, stress, new_history):
+        super().stress(gradient, history, dt, stress, new_history)
+        stress[1][gradient[3] < -0.02] = np.nan
+
+
+@dataclass(frozen=True)
+class Twitch(ExplicitEnforcement):
+    """Lets go in every step after one in which it pressed."""
+
+    def solve(self, rows, compliance, multipliers, force):
+        if multipliers.any():
+            multipliers[:] = force[:] = 0.0
+            return Solve(0, 0.0, 0, 0.0)
+        return ForwardIncrement().solve(rows, compliance, multipliers, force)
+
+
+@hookimpl
+def contactlab_parts():
+    return [
+        Part("material", "brittle", "seeded_parts:Brittle", "for tests"),
+        Part("enforcement", "twitch", "seeded_parts:Twitch", "for tests"),
+    ]
+'''
+
+
+@pytest.fixture(scope="module")
+def seeded(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Registry]:
+    """All installed parts, and those that go wrong."""
+    import sys
+
+    file = tmp_path_factory.mktemp("parts") / "seeded_parts.py"
+    file.write_text(PARTS)
+    yield Registry(files=[file])
+    sys.modules.pop("seeded_parts", None)
+
+
+def block(x: tuple[float, float], y: tuple[float, float], cells: tuple[int, int], **more: Any) -> dict[str, Any]:
+    mesh = {"use": "rectangle", "x": list(x), "y": list(y), "cells": list(cells)}
+    return {"element": "q1", "material": "m", "mesh": mesh, **more}
+
+
+def scene(
+    bodies: dict[str, Any], law: dict[str, Any] = ELASTIC, registry: Registry | None = None, **more: Any
+) -> Scene:
+    data = {"name": "seeded", "time": {"end": 1e-3}, "integrator": "central-difference", "materials": {"m": law}}
+    return Scene.from_data({**data, "bodies": bodies, **more}, registry=registry)
+
+
+TWO = {"upper": block((0.0, 2.0), (0.0, 1.0), (4, 2)), "lower": block((0.0, 2.0), (-1.0, 0.0), (5, 2))}
+CONTACT = {"slave": "upper.bottom", "master": "lower.top", "algorithm": "mortar-p1"}
+HELD = {"on": "lower.bottom", "ux": 0.0, "uy": 0.0}
+
+
+def pressed(**contact: Any) -> dict[str, Any]:
+    """Tables of a block pressed on another."""
+    load = {"on": "upper.top", "pressure": 30.0}
+    return {"bodies": TWO, "contacts": [CONTACT | contact], "supports": [HELD], "loads": [load]}
+
+
+def squeezed(to: float, **more: Any) -> dict[str, Any]:
+    """Tables of a single cell of 1 x 1 whose top moves down by `to`."""
+    top = {"on": "slab.top", "uy": {"ramp": "parabola", "to": -to}}
+    supports = [{"on": "slab", "ux": 0.0}, {"on": "slab.bottom", "uy": 0.0}, top]
+    return {"bodies": {"slab": block((0.0, 1.0), (0.0, 1.0), (1, 1))}, "supports": supports, **more}
+
+
+def stopped(scene: Scene, status: str = "diverged") -> str:
+    results = simulate(scene, registry=scene.registry)
+    assert results.status == status, results.reason
+    assert re.match(rf"step {results.summary['steps']}: .*; .*\b(try|allow)\b", results.reason), results.reason
+    assert len(results.history["time"]) >= 2, "what was stored before is kept"
+    return results.reason
+
+
+def matched(words: str, reason: str) -> re.Match[str]:
+    found = re.search(words, reason)
+    assert found, reason
+    return found
+
+
+# --- a scene for each guard -------------------------------------------------------------------------
+
+
+def test_what_is_no_number(seeded: Registry) -> None:
+    """The law fails in the top row of the lower body first, that is in its cells 5 to 9 with nodes 6 to 17."""
+    lower_top = {"on": "lower.top", "uy": {"ramp": "linear", "to": -0.1, "duration": 1e-4}}  # a strain of v/c = 2.9 %
+    law = {"use": "brittle", "young": 1000.0, "poisson": 0.25, "density": 1e-6}
+    reason = stopped(scene({"lower": TWO["lower"]}, law, seeded, supports=[HELD, lower_top], time={"end": 1e-4}))
+    found = matched(r"node (\d+) of body lower has the (internal force|velocity) \(", reason)
+    assert 6 <= int(found[1]) <= 17
+    assert "nan" in reason
+    assert "where it is not finite" in reason
+
+
+def test_a_cell_that_folds() -> None:
+    """The top goes through the bottom, slowly and in a law that lets it; it is seen at the next look."""
+    reason = stopped(scene(law=RATE, **squeezed(1.2, time={"end": 2e-3, "step": 1e-6})))
+    found = matched(r"step (\d+): cell 0 of body slab is folded over, det F = (-[\d.]+)", reason)
+    share = int(found[1]) / 2000
+    height = 1.0 - 1.2 * (1.0 - (1.0 - share) ** 2)
+    assert float(found[2]) == pytest.approx(height, abs=1e-3)  # given to three figures
+    assert "finer mesh" in reason
+
+
+def test_a_body_that_runs_away() -> None:
+    """Nothing holds it: it falls, without any change of shape, faster than the sound in it."""
+    free = scene({"slab": TWO["upper"]}, effects=[{"use": "gravity", "acceleration": [0.0, -1e8]}])
+    reason = stopped(free)
+    found = matched(r"node \d+ of body slab moves at ([\d.e+]+), above ([\d.e+]+)", reason)
+    assert float(found[2]) == pytest.approx(SOUND, rel=5e-3)
+    assert float(found[1]) > float(found[2])
+    assert "time.fraction" in reason
+
+
+def test_energy_from_nowhere() -> None:
+    """Node-on-segment on two corners kicks: both squares leave much faster than they came."""
+    reason = stopped(load_scene("vertex-to-vertex").with_({"contacts.0.algorithm": "node-on-segment"}))
+    words = r"the energy ([\d.]+) is ([\d.]+) above .*; body (upper|lower) has (\d+)% of the kinetic energy"
+    found = matched(words, reason)
+    brought = 2.0 * 0.5 * 2.7e-9 * 100.0 * 5000.0**2
+    assert float(found[1]) - float(found[2]) == pytest.approx(brought, abs=1.0)  # 115 - 108, to three figures
+    assert 45 <= int(found[4]) <= 55
+    assert "try the other side as slave" in reason
+
+
+def test_steps_too_long_for_what_happens() -> None:
+    """Fine cells at the corners are bent within a few steps: 0.9 of the stable step misses what half of it follows."""
+    fine = load_scene("vertex-to-vertex").with_({"level": 4, "time.fraction": 0.9})
+    reason = stopped(fine)
+    words = (
+        r"the bodies hold [\d.]+ more energy than work was done on them, ([\d.]+)% .*since step \d+; body (upper|lower)"
+    )
+    assert 1.0 < float(matched(words, reason)[1]) < 5.0
+    assert "time.fraction" in reason
+    assert simulate(fine.with_({"time.fraction": 0.45})).status == "finished"
+
+
+def test_a_collapsing_step() -> None:
+    """The step of a squeezed cell of given mass goes with the root of its height: a thousandth at a millionth."""
+    crushed = squeezed(0.99999999, time={"end": 1e-2})
+    reason = stopped(scene(law=RATE, **crushed))
+    assert re.search(r"the stable step fell to [\d.e-]+ s, [\d.e-]+ of the first one, by cell 0 of body slab", reason)
+    assert "cells are collapsing" in reason
+
+
+def test_sweeps_that_do_not_converge() -> None:
+    reason = stopped(scene(**pressed(enforcement={"use": "forward-increment", "sweeps": 1})), "not-converged")
+    words = (
+        r"a residual of ([\d.e-]+) segment lengths .* 50 consecutive steps, worst in contacts.0 at node (\d+) of body"
+    )
+    found = matched(words, reason)
+    assert float(found[1]) > 1e-6
+    assert 0 <= int(found[2]) <= 4  # the bottom row of the upper body
+    assert "more sweeps" in reason
+
+
+def test_chatter(seeded: Registry) -> None:
+    """An enforcement that lets go whenever it pressed: all five nodes of the slave, in every step."""
+    time = {"end": 1e-3, "damping": 3e4}  # takes the energy that this makes
+    reason = stopped(scene(registry=seeded, time=time, **pressed(enforcement="twitch")))
+    words = (
+        r"contacts.0 chatters: (\d) of (\d) contact conditions opened or closed .* that of node ([0-4]) of body upper"
+    )
+    found = matched(words, reason)
+    assert 4 <= int(found[1]) <= int(found[2]) <= 5
+    assert "damping" in reason
+
+
+def test_a_punch_between_the_nodes_of_the_slave() -> None:
+    """No slave node is above it, so node-on-segment lets it in: half a segment deep it is stopped."""
+    bodies = {
+        "punch": block((0.4, 0.6), (0.0, 0.5), (2, 2)),
+        "slab": block((-1.0, 2.0), (-1.0, 0.0), (3, 1)),
+    }
+    supports = [
+        {"on": "slab.bottom", "ux": 0.0, "uy": 0.0},
+        {"on": "punch.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -0.8}},
+    ]
+    contact = {"slave": "slab.top", "master": "punch.bottom", "algorithm": "node-on-segment"}
+    reason = stopped(scene(bodies, contacts=[contact], supports=supports, time={"end": 2e-3}))
+    words = (
+        r"contacts.0: node [0-2] of body punch of the master lies ([\d.]+) deep in the other side, (\d+)% of a segment"
+    )
+    found = matched(words, reason)
+    assert 0.5 < float(found[1]) < 0.55
+    assert int(found[2]) == round(100 * float(found[1]))
+    assert "the other side as slave" in reason
+
+
+# --- what is left of a run that was stopped ---------------------------------------------------------
+
+
+def test_a_stopped_run_returns_1_and_its_folder_can_be_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from contactlab.cli import main
+
+    out = tmp_path / "out"
+    words = ["run", "vertex-to-vertex", "--set", "contacts.0.algorithm=node-on-segment", "--out", str(out)]
+    assert main(words) == 1
+    summary = json.loads((out / "summary.json").read_text())
+    assert summary["status"] == "diverged"
+    assert summary["reason"].startswith(f"step {summary['steps']}: the energy")
+    assert summary["reason"][:40] in capsys.readouterr().out
+    results = load_results(out)
+    assert results.status == "diverged"
+    assert len(results.frames) >= 10
+    assert np.isfinite(results.frames[len(results.frames) - 1].displacement).all()
+    # it is over: taking it up again gives back what there is
+    assert main([*words, "--resume"]) == 1
+
+
+# --- sound runs -------------------------------------------------------------------------------------
+
+STEPS = {True: 3_000, False: 3}  # of a bundled scene that are watched: explicit ones, load steps
+
+
+@pytest.mark.parametrize("name", sorted(bundled_scenes()))
+def test_no_guard_stops_a_bundled_scene(name: str) -> None:
+    """The first steps of every scene: three thousand, or three of loading."""
+
+    class Enough(Exception):
+        pass
+
+    found = load_scene(name)
+    steps = STEPS[found.integrator["use"] == "central-difference"]
+
+    def watch(fraction: float, step: int, time: float, error: float) -> None:
+        if step >= steps:
+            raise Enough
+
+    try:
+        results = simulate(found, progress=watch)
+    except Enough:
+        return
+    assert results.status == "finished", results.reason
+
+
+def test_node_on_segment_on_the_disc_is_for_its_verdict() -> None:
+    """It makes more energy than is supplied, and damping takes it: the run goes on and tells that it did not settle."""
+    changes = {"contacts.0.algorithm": "node-on-segment", "bodies.disc.mesh.cells": [12, 3]}
+    results = simulate(load_scene("disc-on-block").with_(changes | {"bodies.block.mesh.cells": [18, 3]}))
+    assert results.status in ("finished", "not-converged"), results.reason
+
+
+def test_overlaps_that_a_scene_lets_out_are_no_gain() -> None:
+    """The contact pushes 0.05 out and strains both bodies: energy that it was told to put in."""
+    upper = TWO["upper"] | {"shift": [0.0, -0.05]}
+    top = {"on": "upper.top", "ux": 0.0, "uy": 0.0}
+    contact = CONTACT | {"start": {"overlap": "ramp", "duration": 2e-3}}
+    bodies = {"upper": upper, "lower": TWO["lower"]}
+    results = simulate(scene(bodies, contacts=[contact], supports=[HELD, top], time={"end": 3e-3}))
+    assert results.status == "finished", results.reason
+    assert results.history["energy.stored"][-1] > 0.5
+
+
+# --- the counting -----------------------------------------------------------------------------------
+
+
+def model_of() -> Model:
+    return build(scene(TWO, contacts=[CONTACT], supports=[HELD]), default_registry())
+
+
+def test_prescribed_speeds_are_no_runaway() -> None:
+    model = model_of()
+    guards = Guards(model)
+    model.state["velocity"][model.supports[0].nodes] = (0.0, 3.0 * SOUND)
+    guards.look()
+    model.state["velocity"][0] = (0.0, 31.0 * SOUND)
+    with pytest.raises(SimulationFailure, match="node 0 of body upper"):
+        guards.look()
+
+
+@pytest.mark.parametrize(("body", "side"), [("upper", "slave"), ("lower", "master")])
+def test_half_a_segment_deep_on_either_side(body: str, side: str) -> None:
+    """Segments of 0.5: a node 0.3 deep is too deep, one 0.2 deep is not."""
+    model = model_of()
+    guards, pair = Guards(model), model.contact.pairs[0]  # type: ignore[union-attr]
+    pair.find_near(pair.at.slave, pair.at.master)
+    node = (pair.slave if body == "upper" else pair.master).nodes[2]
+    into = -1.0 if body == "upper" else 1.0
+    model.position[node, 1] = 0.2 * into
+    guards.look()
+    model.position[node, 1] = 0.3 * into
+    first = next(b.first for b in model.bodies if b.name == body)
+    with pytest.raises(SimulationFailure, match=f"node {node - first} of body {body} of the {side} lies 0.3 deep"):
+        guards.look()
+
+
+def test_loose_steps_must_follow_each_other() -> None:
+    guards = Guards(model_of())
+    for _ in range(PATIENCE - 1):
+        guards.after_step(Step(residual=2e-3))
+    guards.after_step(Step())  # one that converges starts the count anew
+    for _ in range(PATIENCE - 1):
+        guards.after_step(Step(residual=2e-3))
+    with pytest.raises(SimulationFailure, match=r"2\.0e-03"):
+        guards.after_step(Step(residual=2e-3))
+
+
+@pytest.mark.parametrize("changing", [1, 2])
+def test_chatter_is_more_than_three_in_ten_conditions(changing: int) -> None:
+    """One of five is none, however long it lasts; two are, after a hundred steps."""
+    model = model_of()
+    guards, multipliers = Guards(model), model.state["multipliers"][0]
+    for number in range(CHATTER):
+        multipliers[:] = 1.0
+        multipliers[:changing] = float(number % 2)
+        guards.after_step(Step())
+    multipliers[:changing] = 0.0
+    if changing == 1:
+        guards.after_step(Step())
+        return
+    with pytest.raises(SimulationFailure, match="2 of 5 contact conditions"):
+        guards.after_step(Step())
+
+
+def test_a_point_that_alternates_is_no_chatter() -> None:
+    """One or two conditions, of a corner, can only change all at once."""
+    model = model_of()
+    guards, multipliers = Guards(model), model.state["multipliers"][0]
+    for number in range(3 * CHATTER):
+        multipliers[:2] = float(number % 2)
+        guards.after_step(Step())
+
+
+def test_a_gain_of_energy_must_last() -> None:
+    """12 % too much for less than a hundred steps is borrowed; from then on it is made."""
+    model = model_of()
+    model.initial_energy = 1.0
+    guards, velocity = Guards(model), model.state["velocity"]
+    free = slice(0, model.bodies[0].count)
+    for energy, steps in ((1.12, LASTING - 1), (1.0, 3 * LASTING), (1.12, LASTING)):
+        velocity[free, 0] = np.sqrt(2.0 * energy / float(model.mass[free].sum()))
+        for _ in range(steps):
+            model.state["clock"][1] += 1.0
+            guards._energy()
+    model.state["clock"][1] += 1.0
+    with pytest.raises(SimulationFailure, match=r"the energy 1\.12 is 0\.12 above"):
+        guards._energy()
+
+
+def test_round_off_is_no_gain() -> None:
+    """Nothing has happened yet: speeds of 1e-14 of that of sound are all the energy that there is."""
+    model = model_of()
+    guards = Guards(model)
+    model.state["velocity"][: model.bodies[0].count] = 1e-14 * SOUND
+    for _ in range(2 * LASTING):
+        model.state["clock"][1] += 1.0
+        guards._energy()
+
+
+def test_the_energy_of_a_loaded_body_is_that_which_was_supplied() -> None:
+    """Pulled by a constant load, energy is gained and lost by no more than 1e-3, the share of one step in the run."""
+    from contactlab.model.energy import energy_gain
+
+    model = build(scene({"upper": TWO["upper"]}, loads=[{"on": "upper.top", "tx": 0.5}]), default_registry())
+    advance, dt, worst = model.integrator.bind(model, model.state), 0.9 * model.stable_step(), 0.0
+    for _ in range(400):
+        advance(dt)
+        energy, gained, unexplained = energy_gain(model)
+        worst = max(worst, abs(gained) / energy, abs(unexplained) / energy)
+    assert worst < 1e-3
+
+
+def test_guards_remember_across_a_restart() -> None:
+    model = model_of()
+    guards = Guards(model)
+    model.state["multipliers"][0, :4] = 1.0
+    guards.after_step(Step(residual=1.0))
+    guards.since[1] = 3.0
+    fresh = Guards(model)
+    fresh.restore({name: array.copy() for name, array in guards.memory().items()})
+    for name in ("loose", "flickering", "input_speed", "largest_energy"):
+        assert getattr(fresh, name) == getattr(guards, name)
+    assert fresh.since.tolist() == [-1.0, 3.0]
+    assert fresh.loose == fresh.flickering == 1
+    assert fresh.pressed.tolist() == guards.pressed.tolist()
