@@ -18,5 +18,5 @@ MEANT = {
 def test_it_ends_and_has_the_effects_that_it_needs(name: str) -> None:
     results = simulate(load_scene(name).with_({"record.recorders": []}))
     assert results.status == "finished", results.reason
-    warned = {warning["name"]: warning["text"] for warning in results.summary["warnings"]}
+    warned = {warning.code: warning.text for warning in results.warnings}
     assert warned.keys() == MEANT.get(name, set()), warned

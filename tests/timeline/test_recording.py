@@ -351,6 +351,16 @@ def test_failed_run_says_so_at_its_end(small_scene: MakeScene, tmp_path: Path) -
     assert levels[-1] == "ERROR"
 
 
+def test_warnings_stand_on_the_page_and_among_the_events(small_scene: MakeScene, tmp_path: Path) -> None:
+    run = simulate(small_scene({"materials.soft.yield_stress": 1.0, "time.end": 2e-6, **BOTH}), tmp_path / "run")
+    (warning,) = run.warnings
+    read = Reader(tmp_path / "run" / FILE)
+    (page,) = read.constant("/run/scene", "TextDocument:text")
+    assert f"| plasticity | {warning.text} |" in page
+    events = [text for (text,) in read.rows("/run/events", "TextLog:text").values]
+    assert any(text.startswith("body ") and "von Mises" in text for text in events)
+
+
 def test_full_disk_is_said_and_leaves_nothing_half(
     run: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

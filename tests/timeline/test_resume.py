@@ -95,6 +95,17 @@ def test_resumed_run_is_bit_identical(
     assert_same_files(tmp_path / "whole", tmp_path / "stopped")
 
 
+def test_warnings_outlive_the_stop_and_are_told_once(small_scene: MakeScene, tmp_path: Path) -> None:
+    scene = small_scene({"materials.soft.yield_stress": 1.0})
+    whole = simulate(scene, tmp_path / "whole")
+    resumed = run_with_stops(scene, tmp_path / "stopped", [100, whole.summary["steps"]])
+    (warning,) = resumed.warnings
+    assert warning.code == "plasticity"
+    assert warning.value > warning.limit == 1.0
+    assert resumed.warnings == whole.warnings == contactlab.load_results(tmp_path / "stopped").warnings
+    assert len([event for event in resumed.events if "von Mises" in event.text]) == 1
+
+
 def test_stored_frames_do_not_change_the_run(small_scene: MakeScene) -> None:
     """Looking at contacts makes and restores near lists; the run must not notice."""
     few = simulate(small_scene({**COULOMB, "record.frames": 1}))

@@ -39,6 +39,7 @@ from contactlab.api.recorder import Recorder, Recording
 from contactlab.api.slopes import PieceSlopes
 from contactlab.api.state import WORK, State
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
+from contactlab.api.warning import RunWarning, Warnings
 
 __all__ = [
     "BLOCK_CELLS",
@@ -92,6 +93,7 @@ __all__ = [
     "Recording",
     "Response",
     "Rows",
+    "RunWarning",
     "Shape",
     "Solve",
     "State",
@@ -100,4 +102,5 @@ __all__ = [
     "StoredRun",
     "Surface",
     "SurfacePositions",
+    "Warnings",
 ]

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from contactlab.api.warning import RunWarning
 from contactlab.compare.measure_run import measure_run
 from contactlab.compare.measures import mutual_difference, relative_difference
 from contactlab.compare.plan import Job, Plan
@@ -49,6 +50,7 @@ def _row(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> Row
         notes=[*notes, *([why] if why else [])],
         system=system_facts(),
         parts=outcome.summary.get("parts", {}),
+        warnings=[RunWarning.from_data(data) for data in outcome.summary.get("warnings", ())],
         reference=reference.name if reference else "",
         curve=outcome.curve,
         shapes=outcome.shapes,

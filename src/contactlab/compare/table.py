@@ -9,6 +9,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contactlab.api.warning import RunWarning
 from contactlab.compare.columns import MEASURES
 from contactlab.compare.profile import FoldedSurfaceError, Profile
 from contactlab.compare.shape import Shape
@@ -38,6 +39,7 @@ class Row:
     reason     why it did not finish; empty when it did
     measures   numbers by name (`columns.MEASURES`), `nan` where one has no meaning
     notes      why measures are missing
+    warnings   what the run says against itself
     system     machine and versions
     parts      parts by role, as the run's summary tells
     reference  name of the reference the measures compare with, empty for none
@@ -55,6 +57,7 @@ class Row:
     reason: str
     measures: Mapping[str, float] = field(default_factory=dict)
     notes: Sequence[str] = ()
+    warnings: Sequence[RunWarning] = ()
     system: Mapping[str, Any] = field(default_factory=dict)
     parts: Mapping[str, Any] = field(default_factory=dict)
     reference: str = ""
@@ -99,6 +102,7 @@ class Row:
             **{column.name: self.measures.get(column.name, math.nan) for column in MEASURES},
             "reference": self.reference,
             "notes": "; ".join(self.notes),
+            "warnings": "; ".join(dict.fromkeys(warning.code for warning in self.warnings)),
             **self.varied,
             **self.system,
         }

@@ -12,7 +12,7 @@ from typing import Any
 
 from contactlab.compare.agreement import agreements
 from contactlab.compare.bill import Bill
-from contactlab.compare.table import Table
+from contactlab.compare.table import Row, Table
 
 
 def write_table(table: Table, folder: Path) -> None:
@@ -47,9 +47,14 @@ def _write_json(table: Table, path: Path) -> None:
         "wall_s": _number(table.wall_s),
         "agreement": [_plain(asdict(item)) for item in agreements(table.rows)],
         **({"bill": _bill(table.bill)} if table.bill is not None else {}),
-        "rows": [{**_plain(row.record()), "parts": _plain(row.parts), "refines": row.refines} for row in table.rows],
+        "rows": [_row(row) for row in table.rows],
     }
     path.write_text(json.dumps(data, indent=1, default=str) + "\n", encoding="utf-8")
+
+
+def _row(row: Row) -> dict[str, Any]:
+    warnings = [_plain(warning.as_data()) for warning in row.warnings]
+    return {**_plain(row.record()), "warnings": warnings, "parts": _plain(row.parts), "refines": row.refines}
 
 
 def _bill(bill: Bill) -> dict[str, Any]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.missing_effects.missing_effect import Known, Looks, Need, per_cent
+from contactlab.api import RunWarning
+from contactlab.missing_effects.missing_effect import Known, Looks, needed, per_cent
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.model import Model
 
@@ -22,7 +23,7 @@ def locking_looks(scene: object, model: Model) -> Looks:
             continue
         ratio = poisson(body)
         if ratio > POISSON:
-            yield Known(_need(body, f"Poisson's ratio is {ratio:.4g}"))
+            yield Known(_locks(body, ratio, POISSON, f"Poisson's ratio is {ratio:.4g}"))
         elif PLASTIC in body.material.history_names:
             yield PlasticFlow(forces)
 
@@ -46,19 +47,22 @@ class PlasticFlow:
         strain = max(float(block.history[self.row].max()) for block in self.forces.blocks)
         self.worst[0] = max(self.worst[0], strain)
 
-    def need(self) -> Need | None:
+    def warning(self) -> RunWarning | None:
         """An element that does not lock."""
         strain = float(self.worst[0])
         if strain <= FLOW:
             return None
-        return _need(self.forces.body, f"the plastic strain, which keeps the volume, reaches {per_cent(strain)}")
+        seen = f"the plastic strain, which keeps the volume, reaches {per_cent(strain)}"
+        return _locks(self.forces.body, strain, FLOW, seen)
 
 
-def _need(body: Body, seen: str) -> Need:
+def _locks(body: Body, value: float, limit: float, seen: str) -> RunWarning:
     key = f"bodies.{body.name}.element"
     other = body.element.beyond.get("freedom from locking")
-    return Need(
+    return needed(
         "locking",
+        value,
+        limit,
         key,
         f"body {body.name}: {seen}, and its element is too stiff where the volume hardly changes",
         f'write {key} = "{other}"' if other else f"use an element that does not lock at {key}",

@@ -1,31 +1,18 @@
-"""What is told of an effect that is missing, and what a look for one must do."""
+"""How a missing effect is told, and what a look for one must do."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from contactlab.api import Floats
+from contactlab.api import Floats, RunWarning
 
 
-class Need(NamedTuple):
-    """A missing effect.
-
-    name  kebab-case, one per kind of effect
-    key   of the scene, where the effect would be declared
-    text  one sentence with the number that shows it
-    add   the line to write in the scene
-    """
-
-    name: str
-    key: str
-    text: str
-    add: str
-
-    def __str__(self) -> str:
-        return f"{self.text}; {self.add}"
+def needed(code: str, value: float, limit: float, key: str, seen: str, add: str) -> RunWarning:
+    """A missing effect: what was `seen`, one sentence with its number, and the line to `add` to the scene at `key`."""
+    return RunWarning(code, value, limit, key, f"{seen}; {add}")
 
 
 class Look(Protocol):
@@ -39,20 +26,20 @@ class Look(Protocol):
     def look(self) -> None:
         """Follow the model's present state in `worst`."""
 
-    def need(self) -> Need | None:
+    def warning(self) -> RunWarning | None:
         """What is missing by what was seen so far."""
 
 
 class Known:
-    """A need that the model shows when it is built."""
+    """Something missing that the model shows when it is built."""
 
-    def __init__(self, need: Need) -> None:
-        self.found, self.worst = need, np.zeros(0)
+    def __init__(self, warning: RunWarning) -> None:
+        self.found, self.worst = warning, np.zeros(0)
 
     def look(self) -> None:
         """Nothing changes."""
 
-    def need(self) -> Need:
+    def warning(self) -> RunWarning:
         """The same all the time."""
         return self.found
 

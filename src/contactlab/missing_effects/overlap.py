@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from contactlab.api import Floats, Ints
+from contactlab.api import Floats, Ints, RunWarning
 from contactlab.meshing.mesh import outer_edges
-from contactlab.missing_effects.missing_effect import Looks, Need
+from contactlab.missing_effects.missing_effect import Looks, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
 
@@ -25,13 +25,13 @@ def overlap_looks(scene: Any, model: Model) -> Looks:
 
 
 class Overlap:
-    """`worst`: node, body inside which it was found, and that body's nearest node, of the first overlap; -1 for none.
+    """`worst`: of the first overlap its node, the body around it, that body's nearest node, how many nodes; else -1.
 
     The nearest node is looked up at once: later the first may be nearer to the far side.
     """
 
     def __init__(self, scene: Any, model: Model) -> None:
-        self.scene, self.model, self.worst = scene, model, np.full(3, -1.0)
+        self.scene, self.model, self.worst = scene, model, np.full(4, -1.0)
         self.outlines = [Outline(body, model) for body in model.bodies]
 
     def look(self) -> None:
@@ -43,12 +43,12 @@ class Overlap:
                 found = one.inside(other, self.model.position)
                 if len(found):
                     at = self.model.position[found[0]]
-                    self.worst[:] = found[0], number, other.nearest(at, self.model.position)
+                    self.worst[:] = found[0], number, other.nearest(at, self.model.position), len(found)
                     return
 
-    def need(self) -> Need | None:
+    def warning(self) -> RunWarning | None:
         """A contact between the two surfaces."""
-        node, number, opposite = (int(value) for value in self.worst)
+        node, number, opposite, count = (int(value) for value in self.worst)
         if node < 0:
             return None
         other = self.outlines[number].body
@@ -56,8 +56,10 @@ class Overlap:
         x, y = self.model.reference[node]
         met = "itself" if body is other else f"body {other.name}"
         slave, master = _edge_set(body, node), _edge_set(other, opposite)
-        return Need(
+        return needed(
             "contact",
+            count,
+            0.0,
             f"contacts.{len(self.scene.contacts)}",
             f"body {body.name} runs into {met}, first seen at its node ({x:.4g}, {y:.4g}), and no contact joins them",
             f'add [[contacts]] with slave = "{slave}" and master = "{master}"',

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from contactlab.missing_effects.missing_effect import Looks, Need, per_cent
+from contactlab.api import RunWarning
+from contactlab.missing_effects.missing_effect import Looks, needed, per_cent
 from contactlab.model.model import Model
 
 SHARE = 0.01  # of kinetic over internal energy
@@ -35,15 +36,17 @@ class KineticEnergy:
             self.worst[0] = max(self.worst[0], self.model.kinetic_energy())
         self.worst[1] = max(self.worst[1], abs(float(self.model.state["work"][0])))
 
-    def need(self) -> Need | None:
+    def warning(self) -> RunWarning | None:
         """A slower ramp: kinetic energy goes with the square of the speed."""
         kinetic, internal = (float(value) for value in self.worst)
         if kinetic <= SHARE * internal:
             return None
         share = kinetic / max(internal, 1e-300)
         if share > UNRESISTED:
-            return Need(
+            return needed(
                 "slower-loading",
+                share,
+                SHARE,
                 "time.ramp",
                 "nothing resists the motion of a run that is meant to be quasi-static: kinetic energy reaches "
                 f"{per_cent(share)} of the internal energy ({per_cent(SHARE)} at most)",
@@ -51,8 +54,10 @@ class KineticEnergy:
                 f"write time.ramp = {10.0 * self.model.pace.ramp:.3g} or more",
             )
         slower = math.ceil(10.0 * math.sqrt(share / SHARE)) / 10.0
-        return Need(
+        return needed(
             "slower-loading",
+            share,
+            SHARE,
             "time.ramp",
             f"kinetic energy reaches {per_cent(share)} of the internal energy in a run that is meant to be "
             f"quasi-static ({per_cent(SHARE)} at most)",

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, Surface
-from contactlab.missing_effects.missing_effect import Known, Looks, Need
+from contactlab.api import Floats, Ints, RunWarning, Surface
+from contactlab.missing_effects.missing_effect import Known, Looks, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
 
@@ -24,7 +24,8 @@ def side_looks(scene: Any, model: Model) -> Looks:
             continue
         ratio = max(body.shear_modulus for body in slave) / min(body.shear_modulus for body in master)
         if ratio > STIFFER:
-            yield Known(_need(pair.name, spec, f"the slave's material is {ratio:.3g} times as stiff as the master's"))
+            seen = f"the slave's material is {ratio:.3g} times as stiff as the master's"
+            yield Known(_swap(pair.name, spec, ratio, STIFFER, seen))
         yield CoarseSlave(pair, spec, model)
 
 
@@ -50,14 +51,16 @@ class CoarseSlave:
         other = _nearest_lengths(at, position, pair.master)
         self.worst[0] = max(self.worst[0], float(np.median(own / other)))
 
-    def need(self) -> Need | None:
+    def warning(self) -> RunWarning | None:
         """The finer side as slave."""
         ratio = float(self.worst[0])
         if ratio <= COARSER:
             return None
-        return _need(
+        return _swap(
             self.pair.name,
             self.spec,
+            ratio,
+            COARSER,
             f"where the surfaces press, the slave's segments are {ratio:.3g} times as long as the master's",
         )
 
@@ -70,9 +73,11 @@ def _nearest_lengths(points: Floats, position: Floats, surface: Surface) -> Floa
     return np.asarray(length[square.argmin(axis=1)])
 
 
-def _need(name: str, spec: Any, seen: str) -> Need:
-    return Need(
+def _swap(name: str, spec: Any, value: float, limit: float, seen: str) -> RunWarning:
+    return needed(
         "other-slave",
+        value,
+        limit,
         f"{name}.swap",
         f"{spec.name or name}: {seen}; the softer and finer side carries the multipliers better",
         f"write {name}.swap = {'false' if spec.swap else 'true'}",

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from contactlab.api import XX, XY, YY, ZZ, Floats
-from contactlab.missing_effects.missing_effect import Looks, Need, per_cent
+from contactlab.api import XX, XY, YY, ZZ, Floats, RunWarning
+from contactlab.missing_effects.missing_effect import Looks, needed, per_cent
 from contactlab.model.bodies.body import Block, BodyForces
 from contactlab.model.model import Model
 
@@ -37,16 +37,18 @@ class LargeStrain:
         for block in self.forces.current():
             np.maximum(self.worst, _strain_and_rotation(block.gradient), out=self.worst)
 
-    def need(self) -> Need | None:
+    def warning(self) -> RunWarning | None:
         """A law for finite strain."""
         strain, rotation = (float(value) for value in self.worst)
         if strain <= STRAIN and rotation <= ROTATION:
             return None
-        seen = f"rotations reach {math.degrees(rotation):.1f} degrees"
+        value, limit, seen = rotation, ROTATION, f"rotations reach {math.degrees(rotation):.1f} degrees"
         if strain > STRAIN:
-            seen = f"strains reach {per_cent(strain)}"
-        return Need(
+            value, limit, seen = strain, STRAIN, f"strains reach {per_cent(strain)}"
+        return needed(
             "finite-strain",
+            value,
+            limit,
             self.key,
             f"body {self.forces.body.name}: {seen}, its law is for small ones (5 % and 5 degrees)",
             _other_law(self.key, self.forces.body.material.beyond.get("finite strain"), "a law for finite strain"),
@@ -72,13 +74,15 @@ class UnusedYieldStress:
         for block in self.forces.current():
             self.worst[0] = max(self.worst[0], float(_von_mises(block).max()))
 
-    def need(self) -> Need | None:
+    def warning(self) -> RunWarning | None:
         """A law that yields."""
         law, stress = self.forces.body.material, float(self.worst[0])
         if stress <= law.elastic_limit():
             return None
-        return Need(
+        return needed(
             "plasticity",
+            stress,
+            law.elastic_limit(),
             self.key,
             f"body {self.forces.body.name}: the von Mises stress reaches {stress:.4g}, its yield stress is "
             f"{law.elastic_limit():.4g} and its law does not yield",

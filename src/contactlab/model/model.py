@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Floats, Integrator, State
+from contactlab.api import Floats, Integrator, State, Warnings
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.bodies.stable_step import StableStep
 from contactlab.model.loading.supports import Prescribed, SupportedSet
@@ -26,7 +26,8 @@ class Model:
     Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator and
     the supports by name. `updates` are the bound block calls of all bodies, `loads` those of loads and effects,
     `effects` the latter alone.
-    `seconds` counts the wall time spent on stresses and internal forces.
+    `seconds` counts the wall time spent on stresses and internal forces. Whoever sees something doubtful adds it to
+    `warnings`.
     """
 
     reference: Floats
@@ -45,6 +46,7 @@ class Model:
     effects: tuple[Callable[[float, Floats], None], ...]
     increment: Floats | None
     pace: Pace
+    warnings: Warnings = field(default_factory=Warnings)
 
     def __post_init__(self) -> None:
         self._internal = self.state["internal_force"]

@@ -62,10 +62,14 @@ def _run(
         value = row[column.name]
         cells.append(_number(value, quantity(value, column.unit, column.digits), extra=column.name not in usual))
     kind = ' class="refines"' if row.refines else ""
-    reason = (
-        f'<tr class="reason"><td colspan="{width}"><span>{escape(row.reason)}</span></td></tr>' if row.reason else ""
-    )
-    return f'<tbody class="run"><tr{kind}>{"".join(cells)}</tr>{reason}</tbody>'
+    return f'<tbody class="run"><tr{kind}>{"".join(cells)}</tr>{_below(row, width)}</tbody>'
+
+
+def _below(row: Row, width: int) -> str:
+    """Why a run did not finish, and what it says against itself."""
+    lines = [escape(row.reason)] if row.reason else []
+    lines += [f'<b class="warned">{escape(w.code)}</b>: {escape(w.text)}' for w in row.warnings]
+    return "".join(f'<tr class="reason"><td colspan="{width}"><span>{line}</span></td></tr>' for line in lines)
 
 
 def _algorithm(row: Row, style: Style, table: Table) -> str:

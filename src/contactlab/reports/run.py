@@ -37,15 +37,12 @@ def render_run(results: Results, scene: Mapping[str, Any]) -> RenderableType:
     summary = results.summary
     status = Text.assemble((str(summary.get("scene", "")), "bold"), ": ", (results.status, _style(results.status)))
     reason = [Text(results.reason)] if results.reason else []
-    return Group(status, *reason, _draw(_groups(results, scene)), *_warnings(summary))
+    return Group(status, *reason, _draw(_groups(results, scene)), *_warnings(results))
 
 
-def _warnings(summary: Mapping[str, Any]) -> list[Text]:
-    """What the scene would need beside what it declares, with the line to write."""
-    return [
-        Text.assemble(("needed: ", "bold yellow"), warning["text"], ("; ", ""), (warning["add"], "bold"))
-        for warning in summary.get("warnings", ())
-    ]
+def _warnings(results: Results) -> list[Text]:
+    """What the run says against itself, with what to try."""
+    return [Text.assemble((f"warning ({warning.code}): ", "bold yellow"), warning.text) for warning in results.warnings]
 
 
 def _style(status: str) -> str:

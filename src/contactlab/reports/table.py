@@ -10,6 +10,7 @@ from rich.table import Table as RichTable
 from rich.text import Text
 
 from contactlab.api.drawing.units import Units
+from contactlab.api.warning import RunWarning
 from contactlab.compare.columns import BY_NAME, Column
 from contactlab.compare.table import Row, Table
 from contactlab.reports.numbers import heading_unit, percent, quantity
@@ -106,22 +107,39 @@ def _heading(column: Column, units: Units) -> Text:
 
 def _status(row: Row, number: int | None) -> Text:
     mark = f" {number}".translate(_RAISED) if number is not None else ""
-    return Text(row.status + mark, style=_COLOURS.get(row.status, "red"))
+    status = Text(row.status + mark, style=_COLOURS.get(row.status, "red"))
+    return status.append(" !", style="bold yellow") if row.warnings else status
 
 
 def _notes(table: Table, left_out: Sequence[str]) -> list[Text]:
     notes = [
-        Text.assemble((f"{number} ".translate(_RAISED), "bold"), f"{_who(row)} {row.status}: {row.reason}")
+        Text.assemble((f"{number} ".translate(_RAISED), "bold"), f"{_who(row)}, {row.status}: {row.reason}")
         for number, row in enumerate(table.failed, start=1)
     ]
+    notes += _warnings(table)
     notes.append(_reference_note(table))
     if left_out:
         notes.append(Text("not shown for lack of width: " + ", ".join(left_out), style="dim"))
     return notes
 
 
+def _warnings(table: Table) -> list[Text]:
+    """A line per kind of warning: the worst of it, and how many more runs have it."""
+    found: dict[str, list[tuple[Row, RunWarning]]] = {}
+    for row in table.rows:
+        for code, warning in {warning.code: warning for warning in row.warnings}.items():
+            found.setdefault(code, []).append((row, warning))
+    return [_warning(code, seen) for code, seen in found.items()]
+
+
+def _warning(code: str, seen: Sequence[tuple[Row, RunWarning]]) -> Text:
+    row, worst = max(seen, key=lambda pair: pair[1].excess)
+    others = f" (worst of {len(seen)} runs)" if len(seen) > 1 else ""
+    return Text.assemble((f"! {code}: ", "bold yellow"), f"{_who(row)}{others}: {worst.text}")
+
+
 def _who(row: Row) -> str:
-    return f"{row.algorithm}, slave {row.slave}, level {row.level},"
+    return f"{row.algorithm}, slave {row.slave}, level {row.level}"
 
 
 def _reference_note(table: Table) -> Text:

@@ -11,6 +11,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout
+from contactlab.api.warning import RunWarning
 
 __all__ = ["ContactCurve", "ContactHistory", "Results"]
 
@@ -41,7 +42,7 @@ class Results:
     displacement  (N, 2) [mm] and velocity (N, 2) [mm/s] ((0, 2) in statics) at the end
     stress        Cauchy stress of each body at the end, (n, q, 4) xx yy zz xy [MPa]
     internal_variables  of each body whose law has any, by name (n, q), at the end
-    events        what was worth a line: steps shortened, warnings
+    events        what was worth a line: steps shortened, warnings when they came
     iterations    every Newton iteration of implicit runs, those of steps taken back included
     frames        every stored frame with its fields, read from `results.vtkhdf` when asked for; empty without files
     folder        where the files are, None if none were written
@@ -74,6 +75,11 @@ class Results:
     def reason(self) -> str:
         """Why the run did not finish; empty when it did."""
         return str(self.summary["reason"])
+
+    @property
+    def warnings(self) -> list[RunWarning]:
+        """What the run says against itself, with numbers; see docs/warnings.md."""
+        return [RunWarning.from_data(data) for data in self.summary.get("warnings", ())]
 
     @property
     def nodes(self) -> Floats:

@@ -10,7 +10,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from contactlab.api import Floats, IterationRow, Layout, Step, StepStatus
+from contactlab.api import Floats, IterationRow, Layout, RunWarning, Step, StepStatus
 from contactlab.errors import SimulationFailure
 from contactlab.missing_effects.monitor import Watch
 from contactlab.model.memory import model_memory, restore_model
@@ -84,9 +84,14 @@ class Run:
         mean = (counts.sweeps - counts.sweeps_stored) / max(1, self.model.state.step - last)
         counts.sweeps_stored = counts.sweeps
         self.journal.add(take_sample(self.model, self.journal.frames, mean))
-        for need in self.watch.look():
-            self.journal.tell("warning", str(need))
+        self.watch.look()
+        self.tell_warnings()
         self.clock.recording_s += perf_counter() - began
+
+    def tell_warnings(self) -> None:
+        """Note warnings that are new as events."""
+        for warning in self.model.warnings.untold():
+            self.journal.tell("warning", warning.text)
 
     def save(self) -> None:
         """Save all that a restart needs; a run that is killed later looks as `KILLED` says."""
@@ -128,6 +133,7 @@ class Run:
             part.restore(checkpoint.memory)
         self.first_step = self.counts.steps
         self.taken_up = json.loads(checkpoint.summary) if checkpoint.summary else {}
+        self.model.warnings.restore(map(RunWarning.from_data, self.taken_up.get("warnings", ())))
         self.clock.before = self.taken_up.get("cost", {})
         self.resumed_at = [*self.taken_up.get("resumed_at_steps", ()), self.counts.steps]
 
@@ -140,7 +146,7 @@ class Run:
         """The content of `summary.json` if the run ended now."""
         journal = self.journal
         summary = summarise(journal.layout, self.model, journal.last, status, reason, self.counts, self.clock)
-        summary["warnings"] = self.watch.warnings()
+        summary["warnings"] = [warning.as_data() for warning in self.model.warnings]
         if self.counts.steps == self.first_step:
             # taken up and not stepped yet: what a step leaves in the model beside the state is not there
             summary |= {name: self.taken_up[name] for name in OF_THE_LAST_STEP if name in self.taken_up}
@@ -152,6 +158,7 @@ class Run:
             # taken up at its very last frame: look at it once more for the summary
             self.journal.last = take_sample(self.model, self.journal.frames - 1, self.journal.rows[-1]["sweeps"])
         complete, folder = self.journal.restartable, self.journal.folder
+        self.tell_warnings()
         if status in ENDS:
             try:
                 self.save()

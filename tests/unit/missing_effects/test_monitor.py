@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from contactlab.api import RunWarning
 from contactlab.missing_effects.monitor import Watch
 from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
@@ -95,43 +96,44 @@ SEEDED: dict[str, tuple[str, dict[str, Any], str]] = {
 """By what is seeded: the warning, the scene, and the number in it."""
 
 
-def warnings_of(data: dict[str, Any]) -> list[dict[str, str]]:
+def warnings_of(data: dict[str, Any]) -> list[RunWarning]:
     results = simulate(Scene.from_data(data))
     assert results.status in ("finished", "not-converged"), results.reason
-    return list(results.summary["warnings"])
+    return results.warnings
 
 
 @pytest.mark.parametrize("seed", SEEDED)
 def test_what_is_needed_is_named_once_with_its_number(seed: str) -> None:
     name, data, number = SEEDED[seed]
-    found = [warning for warning in warnings_of(data) if warning["name"] == name]
+    found = [warning for warning in warnings_of(data) if warning.code == name]
     assert len(found) == 1
-    assert re.search(number, found[0]["text"]), found[0]["text"]
+    assert re.search(number, found[0].text), found[0].text
+    assert found[0].value > found[0].limit
 
 
 def test_a_run_that_nothing_resists_is_not_only_told_to_be_slower() -> None:
     scene = squeezed(50.0 * WAVE)
     scene["supports"] = scene["supports"][1:]  # nothing holds the other end: the block moves as a whole
-    (found,) = [warning for warning in warnings_of(scene) if warning["name"] == "slower-loading"]
-    assert "nothing resists" in found["text"]
-    assert "contacts" in found["add"]
+    (found,) = [warning for warning in warnings_of(scene) if warning.code == "slower-loading"]
+    assert "nothing resists" in found.text
+    assert "contacts" in found.text
 
 
 @pytest.mark.parametrize("seed", SEEDED)
 def test_what_it_says_to_write_mends_it(seed: str) -> None:
     name, data, _ = SEEDED[seed]
     scene = Scene.from_data(data)
-    told = next(warning for warning in warnings_of(data) if warning["name"] == name)
-    left = [w["name"] for w in warnings_of(scene.with_(change(told["add"], scene)).data)]
+    told = next(warning for warning in warnings_of(data) if warning.code == name)
+    left = [w.code for w in warnings_of(scene.with_(change(told.text, scene)).data)]
     assert name not in left
 
 
 def change(told: str, scene: Scene) -> dict[str, Any]:
     """`write KEY = VALUE` as a change; a contact to add as a whole."""
-    if told.startswith("add [[contacts]]"):
+    if "; add [[contacts]]" in told:
         slave, master = re.findall(r'"([^"]+)"', told)
         return {"contacts.0": {"slave": slave, "master": master, "algorithm": "node-on-segment"}}
-    match = re.match(r"write ([\w.]+) = (\"?)([^\s\"]+)\2", told)
+    match = re.search(r"write ([\w.]+) = (\"?)([^\s\"]+)\2", told)
     assert match is not None, told
     key, quoted, value = match.groups()
     given = {"true": True, "false": False}.get(value, value if quoted else None)
@@ -154,12 +156,13 @@ def test_a_sound_scene_has_no_warning() -> None:
 
 
 def look_at(data: dict[str, Any], displacement: Any) -> list[str]:
-    """Names of the needs of a model in a state that no run has to reach."""
+    """Codes of the warnings of a model in a state that no run has to reach."""
     scene = Scene.from_data(data)
     model = build(scene, default_registry())
     model.state["displacement"][:] = displacement(model.reference) - model.reference
     np.add(model.reference, model.state["displacement"], out=model.position)
-    return [need.name for need in Watch(scene, model).look()]
+    Watch(scene, model).look()
+    return [warning.code for warning in model.warnings]
 
 
 def coiled(turns: float) -> Any:
@@ -198,8 +201,8 @@ def test_the_contact_to_add_joins_the_edges_that_met_first() -> None:
         np.copyto(model.position, model.reference)
         model.position[16:, 1] -= depth
         watch.look()
-    (found,) = [need for need in watch.needs() if need.name == "contact"]
-    assert set(re.findall(r'"([^"]+)"', found.add)) == {"high.bottom", "low.top"}
+    (found,) = [warning for warning in model.warnings if warning.code == "contact"]
+    assert set(re.findall(r'"([^"]+)"', found.text)) == {"high.bottom", "low.top"}
 
 
 def test_surfaces_with_a_contact_may_press_into_each_other() -> None:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
 
+from contactlab.api import RunWarning
 from contactlab.compare.table import Row, Table
 from contactlab.reports.page import draw, page, write_report
 
@@ -66,6 +68,15 @@ def test_every_run_is_in_the_table_with_its_status_and_reason(outline: Outline, 
     for row, text in zip(table, runs, strict=True):
         for part in (row.algorithm, row.slave, str(row.level), row.status, row.reason):
             assert part in text
+
+
+def test_what_a_run_says_against_itself_stands_beneath_it(table: Table) -> None:
+    seen = RunWarning("other-slave", 3.0, 2.0, "contacts.0.swap", "segments are 3 <times> as long; swap")
+    rows = [replace(row, warnings=[seen]) if row.name == "beta-disc-2" else row for row in table.rows]
+    warned, outline = replace(table, rows=rows), Outline()
+    outline.feed(page(warned, draw(warned)))
+    told = [seen.text in text and seen.code in text for text in outline.runs[: len(table)]]
+    assert told == [row.name == "beta-disc-2" for row in table]
 
 
 def test_nothing_comes_from_elsewhere(outline: Outline, table: Table) -> None:

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from contactlab.api import RunWarning
 from contactlab.api.drawing.units import Units
-from contactlab.compare.table import Table
+from contactlab.compare.table import Row, Table
 from contactlab.reports.findings import findings, span
 from contactlab.reports.numbers import percent, significant, uncertain
 from contactlab.reports.run import render_run
@@ -82,6 +83,17 @@ class TestComparison:
         for row in table.failed:
             assert row.reason in joined
 
+    def test_a_kind_of_warning_has_one_line_with_the_worst_run(self, table: Table) -> None:
+        def warned(row: Row, value: float) -> Row:
+            seen = RunWarning("other-slave", value, 2.0, "contacts.0.swap", f"segments are {value:g} times as long")
+            return replace(row, warnings=[seen])
+
+        rows = [warned(row, 3.0 + k) if k in (2, 3) else row for k, row in enumerate(table.rows)]
+        text = " ".join(shown(render(replace(table, rows=rows))).split())
+        assert text.count("finished !") == 2
+        assert "! other-slave: beta, slave block, level 2 (worst of 2 runs): segments are 6 times as long" in text
+        assert "segments are 5 times" not in text
+
     def test_the_usual_table_fits_with_cost_and_all(self, table: Table) -> None:
         wide = {"reaction": 12345.678, "steps": 123456.0, "sweeps": 12.34, "max_penetration": 1.2e-5,
                 "sideways_force": 1.2e-15, "cpu_s": 1234.5, "oscillation": -0.0123, "swap_asymmetry": 0.0123,
@@ -132,6 +144,8 @@ class TestSingleRun:
                                         "max_pressure": 3.0, "max_penetration": 1e-5, "penetrating_side": "master"}},
             "balance": {"kinetic": 0.002, "stored": 2.0, "internal": 2.0, "external": 2.1, "damping": 0.1,
                         "friction": 0.0, "ledger_error": 1e-13},
+            "warnings": [{"code": "slower-loading", "value": 0.02, "limit": 0.01, "key": "time.ramp",
+                          "text": "kinetic energy is 2 times the limit; be slower"}],
             "cost": {"run_cpu_s": 2.0, "phases": {"elements": 1.5, "contact": 0.5}, "build_s": 0.1},
         }  # fmt: skip
         history = {"contacts.0": ContactHistory([0.0], [curve])}
@@ -155,6 +169,7 @@ class TestSingleRun:
             ("of it elements", "75", "%"),
             ("of it contact", "25", "%"),
             ("damping, chosen", "200000", "1/s"),
+            ("warning (slower-loading):", "kinetic energy is 2 times the limit; be slower"),
         ],
     )
     def test_what_a_reader_wants_to_know(self, results: Results, words: tuple[str, ...]) -> None:

@@ -143,6 +143,8 @@ def page_text(layout: Layout, look: Look, summary: Mapping[str, Any]) -> str:
     """The page as Markdown."""
     status, reason = summary.get("status", ""), summary.get("reason", "")
     rows = [f"# {look.title}", f"Scene **{layout.title}**, {status}{': ' + reason if reason else ''}", ""]
+    warnings = {warning["code"]: warning["text"] for warning in summary.get("warnings", ())}
+    rows += _table("warning", "", warnings)
     rows += _table("part", "used", layout.parts) + _table("library", "version", layout.versions)
     rows += [*_table("cost", "", _costs(summary)), "## Scene", "```toml", layout.scene.strip(), "```"]
     return "\n".join(rows)

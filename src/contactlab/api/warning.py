@@ -1,0 +1,82 @@
+"""What a run that goes on has to say against itself: a record with its number, and the list that keeps them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+__all__ = ["RunWarning", "Warnings"]
+
+
+@dataclass(frozen=True)
+class RunWarning:
+    """A result to be read with care.
+
+    code   kebab-case, one per kind; `docs/warnings.md` lists all
+    value  what was seen
+    limit  what it was judged by, in the same unit
+    key    of the scene, where the cause can be changed
+    text   one sentence: where, the number in its unit, and after a semicolon what to try
+    """
+
+    code: str
+    value: float
+    limit: float
+    key: str
+    text: str
+
+    def __str__(self) -> str:
+        return self.text
+
+    def as_data(self) -> dict[str, Any]:
+        """The same for `summary.json`."""
+        return asdict(self)
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> RunWarning:
+        """A record of `summary.json`, which writes null for a number that is none."""
+        numbers = {name: math.nan if data[name] is None else float(data[name]) for name in ("value", "limit")}
+        return cls(str(data["code"]), key=str(data["key"]), text=str(data["text"]), **numbers)
+
+    @property
+    def excess(self) -> float:
+        """How far the value lies beyond the limit; infinite where it is no number."""
+        return abs(self.value - self.limit) if math.isfinite(self.value) else math.inf
+
+
+class Warnings:
+    """The warnings of one run: each code and key once, as it was worst.
+
+    Whoever takes part in a run may `add` at any time, as often as it likes: `model.warnings`.
+    """
+
+    def __init__(self) -> None:
+        self._found: dict[tuple[str, str], RunWarning] = {}
+        self._untold: list[tuple[str, str]] = []
+
+    def __iter__(self) -> Iterator[RunWarning]:
+        return iter(self._found.values())
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def add(self, warning: RunWarning) -> None:
+        """Keep a warning; one of the same code and key gives way where this one is as bad or worse."""
+        name = warning.code, warning.key
+        before = self._found.get(name)
+        if before is None:
+            self._untold.append(name)
+        if before is None or warning.excess >= before.excess:
+            self._found[name] = warning
+
+    def untold(self) -> list[RunWarning]:
+        """Those that came since the last call, as they stand now."""
+        names, self._untold = self._untold, []
+        return [self._found[name] for name in names]
+
+    def restore(self, warnings: Iterable[RunWarning]) -> None:
+        """Those of a run that is taken up again, told already."""
+        self._found = {(warning.code, warning.key): warning for warning in warnings}
+        self._untold = []
