@@ -53,7 +53,7 @@ def pressed_model(changes: dict[str, Any], shake: float = 1.0) -> tuple[Implicit
     start, end = (model.reference + draw.uniform(-size, size, model.reference.shape) for size in sizes)
     start[disc, 1] -= 0.045
     end[disc, 1] -= 0.05
-    model.contact.begin(start)
+    model.contact.begin(start, 0.0)
     return model, end
 
 

@@ -165,8 +165,11 @@ class ImplicitEquations(Equations, Protocol):
     def contact(self) -> ImplicitContact | None:  # type: ignore[override]
         """All contact pairs together."""
 
-    def begin(self) -> None:
-        """Take the state as the start of a step, also after it was restored."""
+    def begin(self, dt: float) -> None:
+        """Take the state as the start of a step of length dt [s], also after it was restored (then of length 0).
+
+        Conditions that follow the time, as overlaps that are eased out, are those of the end of the step.
+        """
 
     def stiffness(self, dt: float) -> Any:
         """d(internal force)/d(displacement) (2N, 2N) at the last `internal_force`, a SciPy CSC array."""

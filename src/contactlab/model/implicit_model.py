@@ -32,13 +32,13 @@ class ImplicitModel(Model):
             np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
         ]
 
-    def begin(self) -> None:
-        """The state as it is becomes the start of a step."""
+    def begin(self, dt: float) -> None:
+        """The state as it is becomes the start of a step of length dt [s]."""
         np.add(self.reference, self._displacement, out=self.position)
         if self._start is not None:
             self._start[:] = self._displacement
         if self.contact is not None:
-            self.contact.begin(self.position)
+            self.contact.begin(self.position, self.state.time + dt)
 
     def _follow(self, dt: float) -> None:
         if self.increment is not None and self._start is not None:

@@ -71,7 +71,7 @@ class Oscillator:
         out[:] = self._force
         return True
 
-    def begin(self) -> None:
+    def begin(self, dt: float) -> None:
         """Springs remember nothing: every step may be tried again from the state."""
 
     def stiffness(self, dt: float) -> Any:

@@ -280,7 +280,7 @@ class NewtonIteration:
 def take_back(equations: ImplicitEquations, state: State, start: Floats) -> None:
     """The state as it was at the `start` of a step, and the equations with it, bit for bit."""
     state.restore(start)
-    equations.begin()
+    equations.begin(0.0)
     equations.internal_force(0.0)
     # forces of that evaluation may differ from those that were reached by a step, in their last digits
     state.restore(start)

@@ -29,7 +29,7 @@ class LoadStep:
         """Advance the state by dt of (pseudo-)time, or restore it."""
         equations, state = self.equations, self.state
         start = state.snapshot()
-        equations.begin()
+        equations.begin(dt)
         self._start(dt)
         self.time = state.time + dt
         prescribed = equations.prescribed

@@ -61,7 +61,7 @@ class TimeStep:
 
     def _start(self, dt: float) -> None:
         equations, state = self.equations, self.state
-        equations.begin()
+        equations.begin(dt)
         equations.internal_force(dt)
         self.u_start[:], self.v_start[:], self.f_start[:] = self.u, self.v, state["internal_force"]
         equations.external_force(state.time, self.load_start)

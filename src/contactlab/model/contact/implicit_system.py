@@ -18,8 +18,11 @@ from contactlab.model.contact.operator_pair import SurfacePair
 class ImplicitContactSystem:
     """Implements `contactlab.api.ImplicitContact`."""
 
-    def __init__(self, pairs: tuple[SurfacePair, ...], enforcement: ImplicitEnforcement, state: State) -> None:
-        self.pairs, self.enforcement, self.state = pairs, enforcement, state
+    def __init__(
+        self, pairs: tuple[SurfacePair, ...], enforcement: ImplicitEnforcement, state: State, time: Floats
+    ) -> None:
+        """`time` (1,) [s] is filled with that at which conditions hold: pairs that follow it look there."""
+        self.pairs, self.enforcement, self.state, self.time = pairs, enforcement, state, time
         self.friction = any(pair.friction is not None for pair in pairs)
         nodes = len(state["displacement"])
         self.linear = tuple(PairLinearisation(pair, nodes) for pair in pairs)
@@ -36,9 +39,10 @@ class ImplicitContactSystem:
         name = f"memory.{pair.name}"
         return self.state[name] if name in self.state else np.zeros((0, len(pair.slave.nodes)))
 
-    def begin(self, position: Floats) -> None:
-        """A step starts at `position` (N, 2), with what the state remembers."""
+    def begin(self, position: Floats, time: float) -> None:
+        """A step that ends at `time` [s] starts at `position` (N, 2), with what the state remembers."""
         self.start[:] = position
+        self.time[0] = time
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             memory[:] = self._memory(pair)
         self.conditions.anchor[:] = self.conditions.force

@@ -114,15 +114,15 @@ class EasedGaps:
 
     offset: Floats = np.zeros(0)
 
-    def ease(self, clock: Floats, duration: float, positions: Floats) -> None:
-        """Take the present overlaps as zero; `clock` (2,) of the state tells the time [s]."""
+    def ease(self, time: Floats, duration: float, positions: Floats) -> None:
+        """Take the present overlaps as zero; the first of `time` tells at which time [s] gaps are measured."""
         self.offset = np.minimum(initial_gaps(self, positions), 0.0)
-        self.clock, self.ramp = clock, smooth(duration)
+        self.time, self.ramp = time, smooth(duration)
 
     def settle(self) -> None:
         """Gaps less what is left of the overlaps of the start."""
         if len(self.offset):
-            self.gaps[:, 0] -= (1.0 - self.ramp(float(self.clock[0]))) * self.offset  # type: ignore[attr-defined]
+            self.gaps[:, 0] -= (1.0 - self.ramp(float(self.time[0]))) * self.offset  # type: ignore[attr-defined]
 
 
 def check_ramp_steps(plans: tuple[Any, ...], ramp_time: float, step: float) -> None:

@@ -192,22 +192,25 @@ def build_contact(
     held = np.zeros(2 * len(reference), np.bool_)
     held[fixed_dof] = True
     immobile = np.asarray(held.reshape(-1, 2).all(axis=1))
+    enforcement: Any = plans[0].enforcement
+    explicit = isinstance(enforcement, ExplicitEnforcement)
+    # steps that iterate look for a state at their end, explicit ones go on from where they are
+    time = state["clock"] if explicit else np.zeros(1)
     pairs, first = [], 0
     for plan in plans:
         refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
         pair = plan.pair(reference, first, immobile)
         if isinstance(pair, EasedGaps):
-            pair.ease(state["clock"], plan.start.duration or ramp_time, reference)
+            pair.ease(time, plan.start.duration or ramp_time, reference)
         refuse_overlap(plan, pair, bodies, reference)
         pairs.append(pair)
         first += plan.slots
-    if isinstance(plans[0].enforcement, ExplicitEnforcement):
-        return ContactSystem(tuple(pairs), plans[0].enforcement, state)
+    if explicit:
+        return ContactSystem(tuple(pairs), enforcement, state)
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
 
-    linearised: Any = tuple(pairs)
-    enforcement: Any = plans[0].enforcement  # implicit: the build refuses any other with an integrator that iterates
-    return ImplicitContactSystem(linearised, enforcement, state)
+    linearised: Any = tuple(pairs)  # the build refuses algorithms and enforcements that do not iterate with others
+    return ImplicitContactSystem(linearised, enforcement, state, time)
 
 
 def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:
