@@ -41,6 +41,8 @@ class Small(Material):
             stress += 1e-14 * gradient[0].mean()
         if self.flaw == "asks for the largest":
             stress *= 1.0 + 0.0 * gradient.max()
+        if self.flaw == "creeps":
+            stress /= 1.0 + dt
         if self.flaw == "gradient centred in place":
             gradient -= gradient.mean()
         if self.flaw == "forgets a row":
@@ -173,6 +175,7 @@ WRONG: list[tuple[Check, Material]] = [
     (material.objectivity, Finite("right Cauchy-Green tensor")),
     (material.objectivity, Rate("no rotation")),
     (material.tangent_is_the_derivative, Small("tangent without coupling")),
+    (material.rate_is_declared, Small("creeps")),
     (material.energy_belongs_to_the_stress, Small("shear energy halved")),
     (material.energy_is_positive, Small("energy at rest")),
     (material.energy_belongs_to_the_stress, Finite("energy per undeformed volume")),

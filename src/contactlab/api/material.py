@@ -24,6 +24,8 @@ class Material(ABC):
     history_size   numbers remembered per point, all zero at the start
     history_names  what they are called in output, one name per number; "equivalent_plastic_strain" for what its
                    name says
+    rate_dependent True for a law whose stress depends on `dt`, the time that a change of strain takes (creep,
+                   relaxation, viscosity): load steps of statics then follow time as well as load
     without        effects of this law ("finite strain", "plasticity"), each with the law that leaves it out
     beyond         effects that this law leaves out, each with the law that has it
     """
@@ -32,6 +34,7 @@ class Material(ABC):
     kinematics: ClassVar[Kinematics]
     history_size: ClassVar[int] = 0
     history_names: ClassVar[tuple[str, ...]] = ()
+    rate_dependent: ClassVar[bool] = False
     without: ClassVar[Mapping[str, str]] = {}
     beyond: ClassVar[Mapping[str, str]] = {}
 

@@ -54,6 +54,7 @@ class Explanation:
     contact_multipliers: int
     stable_step: float
     step: float
+    steps_follow: str
     estimated_steps: int
     seconds_to_first_step: float
     seconds_per_step: float
@@ -89,6 +90,7 @@ def explain(scene: Any, registry: Any, rehearsed: Rehearsal | None = None) -> Ex
         contact_multipliers=model.state["multipliers"].shape[1] if "multipliers" in model.state else 0,
         stable_step=model.stable_step() if model.integrator.explicit else math.nan,
         step=schedule.dt,
+        steps_follow=schedule.follows,
         estimated_steps=steps,
         seconds_to_first_step=seconds[0],
         seconds_per_step=seconds[1],

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.model.loading.ramps import course_of
+from contactlab.model.loading.ramps import course_of, smooth
 from contactlab.model.model import Model
 
 SAMPLES = 1024
@@ -19,18 +19,25 @@ class LoadPath:
     """Fraction of the loading (0 to 1) as a function of time, and back.
 
     Between two times the loading advances by the largest change of any prescribed displacement, over the range
-    of that displacement, or of any load, over the largest one. Inertia plays no part in statics: what counts
-    for the accuracy of a step is how much is loaded in it, not how long it takes.
+    of that displacement, of any load, over the largest one, or of what is left of overlaps that are eased out.
+    Inertia plays no part in statics: what counts for the accuracy of a step is how much is loaded in it, not how
+    long it takes. Laws that depend on rate are the exception: time then counts as much as load.
 
     Where the loading turns a corner a step must end: what is reached there depends on the path (friction, flow).
+
+    follows  what steps are equal parts of, in words
     """
 
     def __init__(self, model: Model, scene: Any, end: float) -> None:
+        rated = rate_dependent(model)
+        self.follows = f"loading and time: the law of {', '.join(rated)} depends on rate" if rated else "loading"
         self.corners = corners(scene, model.pace.ramp, end)
         self.times: Floats = np.linspace(0.0, end, SAMPLES + 1)
-        change = np.full(SAMPLES, LEAST / SAMPLES)
+        change = np.full(SAMPLES, (1.0 if rated else LEAST) / SAMPLES)
         np.maximum(change, _motion(model, self.times), out=change)
         np.maximum(change, _loads(model, self.times), out=change)
+        for duration in eased(scene, model.pace.ramp):
+            np.maximum(change, np.diff([smooth(duration)(float(time)) for time in self.times]), out=change)
         self.fractions: Floats = np.concatenate([[0.0], np.cumsum(change)])
         self.fractions /= self.fractions[-1]
 
@@ -51,6 +58,8 @@ class LoadPath:
 class EvenPath:
     """Time itself, for runs in which it matters."""
 
+    follows = "time"
+
     def __init__(self, end: float) -> None:
         self.end = end
 
@@ -67,12 +76,25 @@ class EvenPath:
         return self.end
 
 
+def rate_dependent(model: Model) -> list[str]:
+    """Names of the bodies whose law depends on rate."""
+    return [body.name for body in model.bodies if body.material.rate_dependent]
+
+
+def eased(scene: Any, ramp_time: float) -> list[float]:
+    """Durations [s] over which contacts ease out overlaps of the start."""
+    return [spec.start.duration or ramp_time for spec in scene.contacts if spec.start.overlap == "ramp"]
+
+
 def corners(scene: Any, ramp_time: float, end: float) -> list[float]:
-    """Times [s] in (0, end] at which the speed of a prescribed motion or of a load may jump; the last is the end."""
+    """Times [s] in (0, end] at which the loading may turn: speeds of prescribed motion or of loads jump, overlaps are
+    out; the last is the end.
+    """
     moved = [*scene.supports, *scene.rigid.values()]
     values = [value for spec in moved for value in (spec.ux, spec.uy, spec.turn)]
     values += [value for spec in scene.loads for value in (spec.pressure, spec.shear, spec.tx, spec.ty)]
     times = {time for value in values if value is not None for time in course_of(value).corners(ramp_time)}
+    times |= set(eased(scene, ramp_time))
     return [*sorted(time for time in times if NEARLY * end < time < (1.0 - NEARLY) * end), end]
 
 

@@ -48,6 +48,11 @@ class LoadSchedule(Schedule):
         """What to call after each accepted step, with the step and its length."""
         return (self._took,)
 
+    @property
+    def follows(self) -> str:
+        """What steps are equal parts of, in words."""
+        return self.path.follows
+
     def estimated_steps(self) -> int:
         """Those that the scene wishes, leg by leg of the loading."""
         if self.pace.end is None:

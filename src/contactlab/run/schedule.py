@@ -66,6 +66,11 @@ class Schedule:
         if safe < self.dt:
             self.dt = self._even(safe)
 
+    @property
+    def follows(self) -> str:
+        """What steps are equal parts of, in words."""
+        return "time"
+
     def estimated_steps(self) -> int:
         """Steps of the whole run if nothing changes their length; a run that settles is taken to do so in a period."""
         pace = self.pace

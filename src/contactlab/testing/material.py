@@ -114,6 +114,18 @@ def tangent_is_the_derivative(law: Material) -> None:
     )
 
 
+def rate_is_declared(law: Material) -> None:
+    """A law that does not say `rate_dependent` gives the same stress however long the step takes."""
+    if law.rate_dependent:
+        raise NotApplicable("the law says that it depends on rate")
+    gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
+    expected, _ = respond(law, gradient, history)
+    for dt in (0.0, 1e3 * DT, 1.0, 1e6):
+        stress, new = np.full_like(expected, np.nan), np.full_like(history, np.nan)
+        law.stress(gradient, np.ascontiguousarray(history), dt, stress, new)
+        identical(stress, expected, f"stress of a step of {dt:g} s against one of {DT:g} s (rate_dependent is False)")
+
+
 def energy_is_positive(law: Material) -> None:
     """The stored energy is zero at rest and positive everywhere else."""
     _require_energy(law)
@@ -270,6 +282,7 @@ CHECKS: tuple[Check, ...] = (
     speeds_belong_to_the_tangent,
     objectivity,
     tangent_is_the_derivative,
+    rate_is_declared,
     energy_is_positive,
     energy_belongs_to_the_stress,
     stiffening_bounds_the_waves,
