@@ -32,10 +32,10 @@ def model_scalars(row, bound, dt, sweeps, iterations, residual, elements, contac
     """Fill a row of the bound buffer up to the reactions; returns the next free column.
 
     bound   arrays buffer (BLOCK, columns), state, mass, places (where clock, velocity, work and
-            reaction begin in the state, -1: not there), support_start, support_nodes
+            reaction begin in the state, -1: not there), support_start, support_dofs
     works   number of entries of the energy ledger
     """
-    buffer, state, mass, places, start, nodes = unpack(bound, MODEL)
+    buffer, state, mass, places, start, dofs = unpack(bound, MODEL)
     out = buffer[row]
     out[0], out[1], out[2] = state[places[0] + 1], state[places[0]], dt
     out[3], out[4], out[5], out[6], out[7] = sweeps, iterations, residual, elements, contact
@@ -49,9 +49,11 @@ def model_scalars(row, bound, dt, sweeps, iterations, residual, elements, contac
     for s in range(start.size - 1):
         x, y = 0.0, 0.0
         for k in range(start[s], start[s + 1]):
-            at = places[3] + 2 * nodes[k]
-            x += state[at]
-            y += state[at + 1]
+            force = state[places[3] + dofs[k]]
+            if dofs[k] % 2 == 0:
+                x += force
+            else:
+                y += force
         out[column], out[column + 1] = x, y
         column += 2
     return column

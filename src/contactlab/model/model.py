@@ -97,6 +97,6 @@ class Model:
         return float(0.5 * (self.mass @ (v[:, 0] ** 2 + v[:, 1] ** 2)))
 
     def reactions(self) -> dict[str, Floats]:
-        """Force of each support on its body (2,) [N]."""
+        """Force of each support on its body (2,) [N]; a degree of freedom that several hold counts for the first."""
         reaction = self.state["reaction"]
-        return {support.on: reaction[support.nodes].sum(axis=0) for support in self.supports}
+        return {support.on: support.force(reaction) for support in self.supports}

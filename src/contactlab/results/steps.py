@@ -130,8 +130,8 @@ def _conditions_of(conditions: Any, pair: SurfacePair) -> tuple[int, int, float]
 
 
 def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
-    starts, nodes = _support_nodes(model)
-    return BoundArrays(MODEL, buffer, model.state.buffer, model.mass, _places(model), starts, nodes)
+    starts, dofs = _support_dofs(model)
+    return BoundArrays(MODEL, buffer, model.state.buffer, model.mass, _places(model), starts, dofs)
 
 
 def _bound_rows(buffer: Floats, model: Model, contact: ContactSystem) -> BoundArrays:
@@ -151,8 +151,8 @@ def _places(model: Model) -> np.ndarray:
     return np.array(begins, np.int64)
 
 
-def _support_nodes(model: Model) -> tuple[np.ndarray, np.ndarray]:
-    """Where each support begins, and the nodes of all of them one after another."""
-    nodes = [support.nodes for support in model.supports] if "reaction" in model.state else []
-    starts = np.cumsum([0, *(len(part) for part in nodes)]).astype(np.int64)
-    return starts, np.concatenate([np.zeros(0, np.int64), *nodes]).astype(np.int64)
+def _support_dofs(model: Model) -> tuple[np.ndarray, np.ndarray]:
+    """Where each support begins, and the degrees of freedom of all of them one after another."""
+    dofs = [support.dof for support in model.supports] if "reaction" in model.state else []
+    starts = np.cumsum([0, *(len(part) for part in dofs)]).astype(np.int64)
+    return starts, np.concatenate([np.zeros(0, np.int64), *dofs]).astype(np.int64)

@@ -23,10 +23,20 @@ Values = Callable[[float], Floats]
 
 @dataclass(frozen=True)
 class SupportedSet:
-    """The nodes of one support or rigid surface, for reactions: `on` as written in the scene."""
+    """What the supports on one set of nodes, or a rigid surface, hold: `on` as written in the scene.
+
+    dof  those that the set holds and none before it does, so that every reaction counts once
+    """
 
     on: str
     nodes: Ints
+    dof: Ints
+
+    def force(self, reaction: Floats) -> Floats:
+        """Force (2,) [N] of the set on its body; `reaction` (N, 2) [N] of all nodes."""
+        own = reaction.reshape(-1)[self.dof]
+        along_x = self.dof % 2 == 0
+        return np.array([own[along_x].sum(), own[~along_x].sum()])
 
 
 class Shift(NamedTuple):
@@ -163,13 +173,16 @@ class _Plan:
         self.reference = reference
         self.held: dict[int, _Held] = {}
         self.motions: list[Motion] = []
-        self.sets: list[SupportedSet] = []
+        self.sets: dict[str, Ints] = {}
+        self.owner: dict[int, str] = {}
+        self.on = ""
         self.places = 0
         self.moving = [False, False]
 
     def add(self, on: str, nodes: Ints, spec: Any, where: Any) -> None:
         """Hold or move `nodes` as the table at `where` says."""
-        self.sets.append(SupportedSet(on, nodes))
+        self.on = on
+        self.sets[on] = nodes
         if spec.turn is not None:
             self._turn(nodes, spec, where)
             return
@@ -200,6 +213,7 @@ class _Plan:
 
     def _hold(self, dof: int, new: _Held, where: Any) -> None:
         old = self.held.setdefault(dof, new)
+        self.owner.setdefault(dof, self.on)
         if old is not new and not _agree(old, new):
             raise SceneError(
                 f"node {dof // 2} is given two different displacements in {'xy'[dof % 2]}",
@@ -211,12 +225,13 @@ class _Plan:
     def finished(self) -> SupportPlan:
         """All of it, in the order of the degrees of freedom."""
         order = sorted(self.held)
+        own = {on: np.array([dof for dof in order if self.owner[dof] == on], np.int32) for on in self.sets}
         return SupportPlan(
             np.array(order, np.int32),
             np.array([self.held[dof].scale for dof in order], np.float64),
             np.array([self.held[dof].place for dof in order], np.int32),
             tuple(self.motions),
-            tuple(self.sets),
+            tuple(SupportedSet(on, nodes, own[on]) for on, nodes in self.sets.items()),
             (self.moving[0], self.moving[1]),
         )
 
