@@ -43,12 +43,16 @@ class Zygote:
         resume: bool = False,
         lives: float = 0.0,
         largest: int = 0,
+        saves: int = 0,
         watch: Callable[[int, int], None] = lambda pid, frames: None,
     ) -> Outcome:
-        """Run to the end, or for `lives` seconds. `watch` gets the process and the number of frames so far."""
+        """Run to the end, for `lives` seconds, or until it has saved its state so often.
+
+        `watch` gets the process and the number of frames so far.
+        """
         assert self.process.stdin is not None
         assert self.process.stdout is not None
-        self.process.stdin.write(json.dumps([scene.toml(), str(folder), resume, lives, largest]) + "\n")
+        self.process.stdin.write(json.dumps([scene.toml(), str(folder), resume, lives, largest, saves]) + "\n")
         self.process.stdin.flush()
         told: dict[str, str] = {}
         frames = 0
@@ -108,6 +112,49 @@ def test_kill_at_random_moments(
         assert_same_files(tmp_path / "whole", folder)
     assert len(seen) >= KILLS // 2, "most runs ended before they were killed: nothing was shown"
     assert len(set(seen)) >= 5, "kills came at the same few moments"
+
+
+@pytest.mark.parametrize("saves", [2, 3, 9, 17])
+def test_kill_right_after_saving(
+    saves: int,
+    small_scene: MakeScene,
+    zygote: Zygote,
+    tmp_path: Path,
+    assert_same_run: Assert,
+    assert_same_files: Assert,
+) -> None:
+    # a frame is due at every 50th step, when the state is saved, too; the 17th saved state is that of the last step
+    scene = small_scene({"time.step": 1e-8, "time.end": 8e-6, "record.frames": 16})
+    assert zygote.run(scene, tmp_path / "whole").status == 0
+    whole = contactlab.load_results(tmp_path / "whole")
+    assert [frame.step for frame in whole.frames] == list(range(0, 801, 50))
+    folder = tmp_path / "killed"
+    assert zygote.run(scene, folder, saves=saves).status == -signal.SIGKILL
+    assert zygote.run(scene, folder, resume=True).status == 0
+    resumed = contactlab.load_results(folder)
+    assert resumed.summary["resumed_at_steps"] == [50 * (saves - 1)]
+    assert_same_run(whole, resumed)
+    assert_same_files(tmp_path / "whole", folder)
+
+
+IMPLICIT = {
+    "newton": {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02},
+    "implicit-dynamics": {"integrator": {"use": "implicit-dynamics", "steps": 40}, "supports.1.uy.to": -0.02},
+}
+
+
+@pytest.mark.parametrize("integrator", IMPLICIT)
+def test_each_load_step_is_saved(
+    integrator: str, small_scene: MakeScene, zygote: Zygote, tmp_path: Path, assert_same_run: Assert
+) -> None:
+    scene = small_scene(IMPLICIT[integrator])
+    assert zygote.run(scene, tmp_path / "whole").status == 0
+    folder = tmp_path / "killed"
+    assert zygote.run(scene, folder, saves=6).status == -signal.SIGKILL
+    assert zygote.run(scene, folder, resume=True).status == 0
+    resumed = contactlab.load_results(folder)
+    assert resumed.summary["resumed_at_steps"] == [5]
+    assert_same_run(contactlab.load_results(tmp_path / "whole"), resumed)
 
 
 def check_files(folder: Path, frames: int) -> None:

@@ -1,9 +1,10 @@
 """A process that runs scenes in children of its own: they begin at once, compiled, and may be killed.
 
-Reads lines of JSON from standard input: [scene TOML, folder, resume, lives, largest]. A child that does
-not live for ever (0) dies after so many seconds of processor time, at once and without a chance to tidy
+Reads lines of JSON from standard input: [scene TOML, folder, resume, lives, largest, saves]. A child that
+does not live for ever (0) dies after so many seconds of processor time, at once and without a chance to tidy
 up, as by kill -9; unlike the clock on the wall that does not depend on what else the machine does. With
-`largest` no file may become larger than so many bytes: to a program that is a full disk.
+`largest` no file may become larger than so many bytes: to a program that is a full disk. With `saves` it is
+killed right after it has saved its state for the so manieth time.
 Answers: "pid N", "frame" whenever one was stored, "cpu SECONDS" and "exit STATUS".
 """
 
@@ -21,7 +22,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
 
-import contactlab.run
+from contactlab.run import run as one_run
 from contactlab.run.interruption import Interrupted
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
@@ -36,10 +37,12 @@ def tell(*words: object) -> None:
     sys.stdout.flush()
 
 
-def run(text: str, folder: str, resume: bool, lives: float, largest: int) -> int:
+def run(text: str, folder: str, resume: bool, lives: float, largest: int, saves: int) -> int:
     """Simulate; the exit status is that of the command line."""
     warnings.simplefilter("ignore")
-    contactlab.run.SAVE_EVERY, contactlab.run.SAVE_SHARE = SAVE_EVERY, 0.0
+    one_run.SAVE_EVERY, one_run.SAVE_SHARE = 0.0 if saves else SAVE_EVERY, 0.0
+    if saves:
+        die_after_saving(saves)
     signal.setitimer(signal.ITIMER_PROF, lives)
     if largest:
         resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
@@ -49,6 +52,19 @@ def run(text: str, folder: str, resume: bool, lives: float, largest: int) -> int
     except Interrupted:
         return 130
     return 0 if results.status == "finished" else 1
+
+
+def die_after_saving(times: int) -> None:
+    """Have this process killed right after it has saved its state so often."""
+    save, left = one_run.Run.save, [times]
+
+    def save_and_die(self: one_run.Run) -> None:
+        save(self)
+        left[0] -= 1
+        if not left[0]:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    one_run.Run.save = save_and_die  # type: ignore[method-assign]
 
 
 @cache

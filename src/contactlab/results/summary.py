@@ -26,7 +26,11 @@ FORMAT = 1
 
 @dataclass
 class Clock:
-    """Where the time of a run goes [s]; `before` is the cost of the parts of a run that was interrupted."""
+    """Where the time of a run goes [s]; `before` is the cost of the parts of a run that was interrupted.
+
+    `arrays_mib` is what the run's arrays hold: to look at all of them costs more than to save them, so it is done
+    when the run begins and again at its end (`None` asks for it).
+    """
 
     build_s: float = 0.0
     import_s: float = 0.0
@@ -35,6 +39,7 @@ class Clock:
     cpu: float = field(default_factory=process_time)
     compiled: float = field(default_factory=lambda: COMPILATION.seconds)
     before: Mapping[str, Any] = field(default_factory=dict)
+    arrays_mib: float | None = None
 
     def start(self) -> None:
         """The steps begin now."""
@@ -187,8 +192,9 @@ def _cost(model: Model, clock: Clock) -> dict[str, Any]:
         },
     }
     unit = 1024.0 if sys.platform != "darwin" else 1048576.0
-    arrays = sum(array.bytes for array in held_arrays(model)) / 2.0**20
-    return _sum(cost, clock.before) | {"peak_memory_mib": peak / unit, "arrays_mib": arrays}
+    if clock.arrays_mib is None:
+        clock.arrays_mib = sum(array.bytes for array in held_arrays(model)) / 2.0**20
+    return _sum(cost, clock.before) | {"peak_memory_mib": peak / unit, "arrays_mib": clock.arrays_mib}
 
 
 def _sum(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, Any]:

@@ -22,7 +22,7 @@ from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
 from contactlab.results.summary import Clock, Counts, summarise
-from contactlab.run.guards import Guards
+from contactlab.run.guards import EVERY, Guards
 from contactlab.run.recorders import open_recordings, recorders_of
 from contactlab.run.restart import changed_versions, check_memory, saved_run, stored_results
 from contactlab.run.schedule import Schedule
@@ -79,7 +79,7 @@ class Run:
         self.journal.tell("warning", self.schedule.cut(step))
 
     def store(self) -> None:
-        """Store the present state as a frame, and save it for a restart."""
+        """Store the present state as a frame."""
         began, counts, last = perf_counter(), self.counts, self.journal.last_step
         mean = (counts.sweeps - counts.sweeps_stored) / max(1, self.model.state.step - last)
         counts.sweeps_stored = counts.sweeps
@@ -107,6 +107,14 @@ class Run:
         """Save, if the last time was long ago."""
         if perf_counter() > self.save_after:
             self.save()
+
+    @property
+    def saves(self) -> tuple[int, Callable[[], None]]:
+        """After how many steps to do what for a restart: each load step is saved, and others by time."""
+        integrator = self.model.integrator
+        if integrator.explicit:
+            return EVERY, self.save_now_and_then
+        return 1, self.save_now_and_then if integrator.inertia else self.save
 
     def pause(self, why: str) -> str:
         """Save the state of a run that is stopped; the reason for its summary."""
@@ -157,6 +165,7 @@ class Run:
         if self.journal.last is None and self.journal.frames:
             # taken up at its very last frame: look at it once more for the summary
             self.journal.last = take_sample(self.model, self.journal.frames - 1, self.journal.rows[-1]["sweeps"])
+        self.clock.arrays_mib = None
         complete, folder = self.journal.restartable, self.journal.folder
         self.tell_warnings()
         if status in ENDS:

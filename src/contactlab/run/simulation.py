@@ -87,6 +87,7 @@ def _guarded(run: Run, registry: Any, interruption: Interruption, progress: Prog
 def _advance(run: Run, progress: Progress | None) -> None:
     model, schedule, guards, counts = run.model, run.schedule, run.guards, run.counts
     advance, every_step = model.integrator.bind(model, model.state), run.every_step
+    save_every, save = run.saves
     run.begin()
     while not schedule.done():
         step = advance(schedule.dt)
@@ -104,9 +105,10 @@ def _advance(run: Run, progress: Progress | None) -> None:
         if counts.steps % EVERY == 0:
             guards.look()
             schedule.follow()
-            run.save_now_and_then()
         if schedule.frame_due():
             guards.look()
             run.store()
             if progress is not None:
                 progress(schedule.fraction(), model.state.step, model.state.time, run.energy_error)
+        if counts.steps % save_every == 0:
+            save()  # after the frame of this step: what is saved has all of its frames
