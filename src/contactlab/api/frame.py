@@ -21,13 +21,14 @@ STATES = ("open", "stick", "slip")
 class ContactCurve:
     """The contact surface at one instant, one entry per slave node (m,), in chain order.
 
-    s               arc length of the undeformed slave surface [mm]
+    s               arc length of the undeformed slave surface [mm]; a chain goes on where the one before it ends
     x, y            deformed position [mm]
     pressure        the multiplier Lambda, positive when pressed [MPa]
     shear           positive along the slave's arc length [MPa]
     nodal_pressure  nodal force per covered length, never negative [MPa]
     gap             [mm], nan where the node is not covered
     state           0 open, 1 stick, 2 slip (frictionless contact counts as slip)
+    chain           number of the chain that the node belongs to, from 0; sharp corners cut a surface into chains
     """
 
     s: Floats
@@ -38,15 +39,18 @@ class ContactCurve:
     nodal_pressure: Floats
     gap: Floats
     state: Ints
+    chain: Ints
 
-    COLUMNS: ClassVar[tuple[str, ...]] = ("s", "x", "y", "pressure", "shear", "nodal_pressure", "gap", "state")
+    COLUMNS: ClassVar[tuple[str, ...]] = (
+        "s", "x", "y", "pressure", "shear", "nodal_pressure", "gap", "state", "chain"
+    )  # fmt: skip
 
     def __eq__(self, other: object) -> bool:
         """The same numbers, nan equal to nan."""
         if not isinstance(other, ContactCurve):
             return NotImplemented
         return all(
-            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=name != "state")
+            np.array_equal(getattr(self, name), getattr(other, name), equal_nan=name not in ("state", "chain"))
             for name in self.COLUMNS
         )
 

@@ -15,6 +15,7 @@ from contactlab.api.integrator import Integrator
 from contactlab.api.material import Material
 from contactlab.api.mesh import MeshSource
 from contactlab.api.recorder import Recorder
+from contactlab.parts.declared_values import wrong_values
 
 BASES: dict[str, tuple[type, ...]] = {
     "element": (Element,),
@@ -41,7 +42,8 @@ def faults(kind: str, target: Any) -> list[str]:
     if target in (*bases, Enforcement):
         return ["it is the abstract class of the contract itself"]
     return [
-        *_missing_methods(target), *_missing_attributes(target), *_other_arguments(target), *_not_a_record(target)
+        *_missing_methods(target), *_missing_attributes(target), *wrong_values(target), *_other_arguments(target),
+        *_not_a_record(target),
     ]  # fmt: skip
 
 

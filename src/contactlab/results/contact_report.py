@@ -10,6 +10,7 @@ from contactlab.api import Floats, Ints, State
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.kernels.contact.windows import FAR
 from contactlab.model.contact.gap_pair import Pair
+from contactlab.results.arc_length import arc_length
 from contactlab.results.results import ContactCurve
 
 
@@ -40,10 +41,11 @@ class ContactReport:
 
     @property
     def intervals(self) -> list[list[list[float]]]:
-        """End points of every stretch of pressed slave nodes, deformed."""
+        """End points of every stretch of pressed slave nodes, deformed; one ends where its chain ends."""
         c, found = self.curve, []
         pressed = np.flatnonzero(c.nodal_pressure > 0.0)
-        for run in np.split(pressed, np.flatnonzero(np.diff(pressed) > 1) + 1):
+        apart = (np.diff(pressed) > 1) | (np.diff(c.chain[pressed]) != 0)
+        for run in np.split(pressed, np.flatnonzero(apart) + 1):
             if len(run):
                 found.append([[float(c.x[k]), float(c.y[k])] for k in (run[0], run[-1])])
         return found
@@ -74,8 +76,9 @@ def _report(pair: Pair, state: State, reference: Floats, position: Floats) -> Co
     gaps = np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0)
     states = _states(pair, normal_force, tangential_force, bound)
     depth, side = _penetration(pair)
+    along = arc_length(reference[pair.slave.nodes], pair.slave.segments)
     curve = ContactCurve(
-        s=_arc_length(reference[pair.slave.nodes], pair),
+        s=along.s,
         x=pair.at.slave[:, 0].copy(),
         y=pair.at.slave[:, 1].copy(),
         pressure=pressure,
@@ -83,6 +86,7 @@ def _report(pair: Pair, state: State, reference: Floats, position: Floats) -> Co
         nodal_pressure=_per_node(pair, _per_length(pair, normal_force)),
         gap=_node_gap(pair),
         state=states,
+        chain=along.chain,
     )
     return ContactReport(
         curve=curve,
@@ -138,15 +142,6 @@ def _states(pair: Pair, normal_force: Floats, tangential_force: Floats, bound: F
     stick = pressed & (np.abs(tangential_force) < bound * (1.0 - 1e-9))
     per_slot = np.where(stick, 1, np.where(pressed, 2, 0)).astype(np.int32)
     return np.asarray(per_slot.reshape(pair.rows_per_node, -1).max(axis=0), np.int32)
-
-
-def _arc_length(positions: Floats, pair: Pair) -> Floats:
-    """Arc length along the undeformed slave chain; separate chains follow one another."""
-    s = np.zeros(len(positions))
-    for a, b in pair.slave.segments:
-        if b != 0:
-            s[b] = s[a] + np.hypot(*(positions[b] - positions[a]))
-    return s
 
 
 def _integral(pair: Pair, pressure: Floats, shear: Floats) -> Floats:

@@ -10,6 +10,9 @@ import numpy as np
 
 from contactlab.api.frame import BodyLayout, ContactLayout, Layout
 
+FORMAT = 2
+"""Of what the group `contactlab` of `results.vtkhdf` holds; another one is not read."""
+
 _SURFACES = ("slave_nodes", "slave_segments", "master_nodes", "master_segments")
 
 

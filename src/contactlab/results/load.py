@@ -16,7 +16,7 @@ from contactlab.errors import RequestError
 from contactlab.results.checkpoint_slots import Checkpoint, Slots
 from contactlab.results.event_table import read_events
 from contactlab.results.iteration_table import read_iterations
-from contactlab.results.layout_file import read_layout
+from contactlab.results.layout_file import FORMAT, read_layout
 from contactlab.results.results import ContactHistory, Results
 
 FILE = "results.vtkhdf"
@@ -59,6 +59,16 @@ def opened(folder: Path) -> Any:
     if "contactlab" not in file or "VTKHDF" not in file:
         file.close()
         raise RequestError("the file was not written by contactlab", where=str(path))
+    found = file["contactlab"].attrs.get("format")
+    if found != FORMAT:
+        file.close()
+        raise RequestError(
+            "the file was written by another version of contactlab",
+            where=str(path),
+            got=f"format {found}",
+            allowed=f"format {FORMAT}",
+            hint="read it with the version in its summary.json, or make the run again from its scene.toml",
+        )
     return file
 
 
@@ -151,7 +161,7 @@ class _Reader:
 
 def _curve(values: Floats) -> ContactCurve:
     columns: dict[str, Any] = {name: values[:, i].copy() for i, name in enumerate(ContactCurve.COLUMNS)}
-    return ContactCurve(**columns | {"state": columns["state"].astype(np.int32)})
+    return ContactCurve(**columns | {name: columns[name].astype(np.int32) for name in ("state", "chain")})
 
 
 class _End:

@@ -24,10 +24,9 @@ from contactlab.results.event_table import EventTable
 from contactlab.results.grid_file import GridFile, write_grid
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.iteration_table import GROUP, IterationTable
-from contactlab.results.layout_file import write_layout
+from contactlab.results.layout_file import FORMAT, write_layout
 
 FILE = "results.vtkhdf"
-FORMAT = 1
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
 STEP_ROWS = 1024  # steps by which their room grows, at least
 CHUNK_STEPS = 256

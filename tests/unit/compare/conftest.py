@@ -35,7 +35,7 @@ FAKE_RUNS = """
         x = np.linspace(-0.8, 0.8, 16 * scene.level + 1)
         p = np.maximum(0.0, 100.0 * (1.0 - (x / 0.4) ** 2)) * (1.01 if chosen.swap else 0.99)
         zero = np.zeros_like(x)
-        curve = ContactCurve(x + 0.8, x, zero, p, zero, p, zero, (p > 0).astype(np.int32))
+        curve = ContactCurve(x + 0.8, x, zero, p, zero, p, zero, (p > 0).astype(np.int32), np.zeros(len(x), np.int32))
         summary = {
             "steps": 100, "contact_sweeps": 300, "parts": {"contact": "fake"},
             "cost": {"run_cpu_s": 2.5, "run_wall_s": 3.0, "compile_s": 0.5},
@@ -74,6 +74,7 @@ def curve_of() -> Callable[..., ContactCurve]:
     def make(x: np.ndarray, pressure: np.ndarray) -> ContactCurve:
         zero = np.zeros_like(x)
         state = (pressure > 0.0).astype(np.int32)
-        return ContactCurve(x - x[0], x, zero, pressure, zero, np.maximum(pressure, 0.0), zero, state)
+        chain = np.zeros_like(state)
+        return ContactCurve(x - x[0], x, zero, pressure, zero, np.maximum(pressure, 0.0), zero, state, chain)
 
     return make

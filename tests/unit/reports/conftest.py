@@ -21,7 +21,7 @@ EXACT = np.maximum(0.0, 1000.0 * (1.0 - (X / 0.5) ** 2))
 
 def curve(factor: float) -> ContactCurve:
     zero, p = np.zeros_like(X), factor * EXACT
-    return ContactCurve(X + 0.8, X, zero, p, zero, p, zero, (p > 0.0).astype(np.int32))
+    return ContactCurve(X + 0.8, X, zero, p, zero, p, zero, (p > 0.0).astype(np.int32), np.zeros(len(X), np.int32))
 
 
 def shape() -> dict[str, Shape]:

@@ -134,7 +134,7 @@ class TestSingleRun:
     def results(self) -> Results:
         x, p = np.linspace(-1.0, 1.0, 21), np.maximum(0.0, 1.0 - np.linspace(-1.0, 1.0, 21) ** 2)
         zero = np.zeros_like(x)
-        curve = ContactCurve(x, x, zero, p, zero, p, zero, np.ones(21, np.int32))
+        curve = ContactCurve(x, x, zero, p, zero, p, zero, np.ones(21, np.int32), np.zeros(21, np.int32))
         summary = {
             "scene": "squeeze", "status": "not-converged", "reason": "it rings",
             "steps": 12000, "contact_sweeps": 30000,

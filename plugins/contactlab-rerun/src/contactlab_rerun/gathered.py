@@ -50,15 +50,21 @@ class Instant:
 
 @dataclass(frozen=True)
 class Surface:
-    """The slave surface of one contact at all F frames: s (m,), all else (F, m), see `ContactCurve`."""
+    """The slave surface of one contact at all F frames: s and chain (m,), all else (F, m), see `ContactCurve`."""
 
     s: Floats
+    chain: Ints
     x: Floats
     y: Floats
     pressure: Floats
     shear: Floats
     gap: Floats
     state: Ints
+
+    @property
+    def along(self) -> Ints:
+        """The nodes from the beginning of the first chain to the end of the last (m,)."""
+        return np.lexsort((self.s, self.chain))
 
     @property
     def points(self) -> Floats:
@@ -110,7 +116,8 @@ class Gathered:
     def _surface(self, name: str) -> Surface:
         curves = [instant.curves[name] for instant in self.instants]
         columns = ("x", "y", "pressure", "shear", "gap", "state")
-        return Surface(curves[0].s, *(np.array([getattr(curve, column) for curve in curves]) for column in columns))
+        found = (np.array([getattr(curve, column) for curve in curves]) for column in columns)
+        return Surface(curves[0].s, curves[0].chain, *found)
 
     def _values(self, cells: Mapping[str, Floats]) -> Floats:
         if self.shown_field == PRESSURE:

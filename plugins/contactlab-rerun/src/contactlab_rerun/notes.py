@@ -24,21 +24,30 @@ LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
 def log_lanes(recording: rr.RecordingStream, run: Gathered, look: Look, lanes: int) -> None:
     """A lane of open, stick and slip for some nodes of every contact, evenly spread over what was ever closed.
 
-    A lane is named by the arc length of its node.
+    A lane is named by the arc length of its node, and by its chain where the surface has several.
     """
     for contact in run.layout.contacts:
-        name, surface = contact.name, run.surfaces[contact.name]
-        # as many decimals for all: the viewer sorts lanes by name
-        digits = max(0, 2 - int(np.floor(np.log10(max(np.ptp(surface.s), 1e-300)))))
-        for node in watched_nodes(surface, lanes):
-            path = f"{look.path}/state/{name}/s-{surface.s[node]:.{digits}f}"
+        surface = run.surfaces[contact.name]
+        nodes = watched_nodes(surface, lanes)
+        for node, lane in zip(nodes, lane_names(surface, nodes), strict=True):
+            path = f"{look.path}/state/{contact.name}/{lane}"
             _log_lane(recording, path, run.instants, surface.state[:, node].tolist(), bool(contact.friction))
+
+
+def lane_names(surface: Surface, nodes: Sequence[int]) -> list[str]:
+    """A name for the lane of each of the `nodes`, no two alike."""
+    chains = [f"-chain-{surface.chain[node]}" if surface.chain.max(initial=0) else "" for node in nodes]
+    apart = np.diff(np.unique(surface.s[nodes]))
+    finest = min(0.01 * float(np.ptp(surface.s)), float(apart.min(initial=np.inf)))
+    # as many decimals for all: the viewer sorts lanes by name
+    digits = max(0, -int(np.floor(np.log10(max(finest, 1e-300)))))
+    return [f"s-{surface.s[node]:.{digits}f}{chain}" for node, chain in zip(nodes, chains, strict=True)]
 
 
 def watched_nodes(surface: Surface, lanes: int) -> list[int]:
     """Positions of the watched nodes among the slave nodes."""
     touched = np.flatnonzero(surface.state.max(axis=0) > OPEN)
-    touched = touched[np.argsort(surface.s[touched], kind="stable")]
+    touched = surface.along[np.isin(surface.along, touched)]
     chosen = np.linspace(0, len(touched) - 1, min(lanes, len(touched))).round().astype(int)
     return [int(node) for node in touched[chosen]]
 

@@ -61,7 +61,7 @@ def log_profile(recording: rr.RecordingStream, profile: Profile, runs: Sequence[
 
 def _log_curves(recording: rr.RecordingStream, axes: Axes, run: Gathered, look: Look, contact: str) -> None:
     surface = run.surfaces[contact]
-    order = np.argsort(surface.s, kind="stable")
+    order = surface.along
     order = order[(surface.s[order] >= axes.x0 - 1e-12) & (surface.s[order] <= axes.x1 + 1e-12)]
     when = times([i.step for i in run.instants], [i.time for i in run.instants])
     path = f"{look.path}/profile/{contact}"

@@ -1,0 +1,90 @@
+"""Whether the class attributes of a part have values that the contract allows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal, get_args, get_origin, get_type_hints
+
+import numpy as np
+
+from contactlab.errors import did_you_mean, show
+
+LEAST = {"degree": 1, "order": 1, "rows_per_node": 1}
+"""Smallest value of the class attributes that count something; 0 for all others."""
+
+
+def wrong_values(target: type) -> list[str]:
+    """A line for each class attribute of `target` whose value the contract does not allow."""
+    found = []
+    for name, hint in declared(target).items():
+        value = getattr(target, name, None)
+        if not hasattr(target, name) or isinstance(value, property):
+            continue
+        allowed = _wanted(name, hint, value)
+        if allowed:
+            found.append(f"its class attribute {name} is {_shown(value)}; allowed: {allowed}")
+    return found + ([] if found else _unnamed_history(target))
+
+
+def declared(target: type) -> dict[str, Any]:
+    """Type of each class attribute that a class of the contract promises, by name."""
+    hints: dict[str, Any] = {}
+    for base in reversed(target.__mro__):
+        if base.__module__.startswith("contactlab.api."):
+            own = get_type_hints(base)
+            hints |= {name: get_args(hint)[0] for name, hint in own.items() if get_origin(hint) is ClassVar}
+    return hints
+
+
+def _wanted(name: str, hint: Any, value: Any) -> str:
+    """What is allowed in place of `value`, or nothing if it is."""
+    origin = get_origin(hint)
+    if origin is Literal:
+        choices = get_args(hint)
+        if isinstance(value, str) and value in choices:
+            return ""
+        nearest = did_you_mean(value, choices) if isinstance(value, str) else ""
+        return ", ".join(show(choice) for choice in choices) + (f"; {nearest}" if nearest else "")
+    if hint is bool:
+        return "" if isinstance(value, bool) else "True or False"
+    if hint is int:
+        least = LEAST.get(name, 0)
+        return "" if _whole(value) and value >= least else f"a whole number of at least {least}"
+    if hint is str:
+        return "" if isinstance(value, str) else "a text"
+    if origin is type:
+        (base,) = get_args(hint)
+        fits = isinstance(value, type) and issubclass(value, base)
+        return "" if fits else f"{base.__name__} or a class derived from it"
+    if origin is tuple:
+        return _wanted_in_tuple(get_args(hint)[0], value)
+    if isinstance(origin, type) and issubclass(origin, Mapping):
+        fits = isinstance(value, Mapping) and all(isinstance(text, str) for pair in value.items() for text in pair)
+        return "" if fits else "a table of texts by text"
+    if origin is np.ndarray:
+        fits = isinstance(value, np.ndarray) and value.dtype == np.float64 and bool(np.isfinite(value).all())
+        return "" if fits else "a NumPy array of finite float64"
+    return ""
+
+
+def _wanted_in_tuple(entry: Any, value: Any) -> str:
+    if entry is str:
+        fits = isinstance(value, tuple) and all(isinstance(text, str) for text in value)
+        return "" if fits else "a tuple of texts"
+    fits = isinstance(value, tuple) and all(isinstance(row, tuple) and all(map(_whole, row)) for row in value)
+    return "" if fits else "a tuple of tuples of whole numbers"
+
+
+def _whole(value: Any) -> bool:
+    return isinstance(value, int | np.integer) and not isinstance(value, bool)
+
+
+def _shown(value: Any) -> str:
+    return show(value) if isinstance(value, str) else repr(value)[:80]
+
+
+def _unnamed_history(target: type) -> list[str]:
+    names, size = getattr(target, "history_names", ()), getattr(target, "history_size", 0)
+    if isinstance(names, property) or isinstance(size, property) or len(names) == size:
+        return []
+    return [f"its history_names name {len(names)} numbers and its history_size is {size}; allowed: a name per number"]
