@@ -14,9 +14,9 @@ import h5py
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.results.growing import fixed
+from contactlab.results.growing import Column, GrowingFile, fixed
 
-TEXT = 65536  # bytes for the summary of the run so far
+TEXT = 65536  # bytes by which the room for the summary of the run so far grows
 SERIAL, FRAMES, STEPS, EVENTS, LENGTH, CHECKSUM = range(6)
 
 
@@ -43,7 +43,7 @@ class Slots:
         self.shapes: dict[str, list[int]] = json.loads(group.attrs["arrays"])
         self.headers = [group[f"{slot}/header"] for slot in (0, 1)]
         self.memories = [group[f"{slot}/memory"] for slot in (0, 1)]
-        self.texts = [group[f"{slot}/summary"] for slot in (0, 1)]
+        self.texts = [Column(group[f"{slot}"], "summary", "u1", together=TEXT) for slot in (0, 1)]
         self.serial = max(int(header[SERIAL]) for header in self.headers)
 
     @classmethod
@@ -60,22 +60,33 @@ class Slots:
         for slot in ("0", "1"):
             place = group.create_group(slot)
             fixed(place, "memory", (size,), "f8")
-            fixed(place, "summary", (TEXT,), "u1")
+            Column(place, "summary", "u1", together=TEXT)
             fixed(place, "header", (6,), "i8")[:] = 0
         return cls(group)
 
     @staticmethod
     def bytes_for(memory: Mapping[str, Floats]) -> int:
         """Space that slots for these arrays take."""
-        return 2 * (8 * sum(array.size for array in memory.values()) + TEXT)
+        return 2 * 8 * sum(array.size for array in memory.values())
 
-    def write(self, memory: Mapping[str, Floats], summary: str, frames: int, steps: int, events: int) -> None:
-        """Fill the older slot; its header last."""
+    def write(
+        self,
+        growing: GrowingFile,
+        memory: Mapping[str, Floats],
+        summary: str,
+        frames: int,
+        steps: int,
+        events: int,
+    ) -> None:
+        """Fill the older slot of an open file; its header last."""
         slot = (self.serial + 1) % 2
         flat = np.concatenate([array.ravel() for array in memory.values()])
-        text = np.frombuffer(summary.encode()[:TEXT], np.uint8)
+        text = np.frombuffer(summary.encode(), np.uint8)
+        if len(text) > self.texts[slot].room:
+            # both, and twice as much as is needed: a summary grows with what happens in the run
+            growing.grow(self.texts, TEXT * -(-2 * len(text) // TEXT) - self.texts[slot].room)
         self.memories[slot].id.write(h5py.h5s.ALL, h5py.h5s.ALL, flat)
-        self.texts[slot][: len(text)] = text
+        self.texts[slot].write(0, text, len(text))
         self.serial += 1
         counts = np.array([self.serial, frames, steps, events, len(text)], np.int64)
         header = np.append(counts, _checksum(flat, text, counts))
@@ -91,7 +102,7 @@ class Slots:
 
     def _read(self, slot: int) -> Checkpoint | None:
         header, flat = self.headers[slot][:], self.memories[slot][:]
-        text = self.texts[slot][: header[LENGTH]]
+        text = self.texts[slot].dataset[: header[LENGTH]]
         if header[SERIAL] == 0 or header[CHECKSUM] != _checksum(flat, text, header[:CHECKSUM]):
             return None
         summary = text.tobytes().decode(errors="ignore")

@@ -117,7 +117,8 @@ class VtkHdfRecording(Recording):
             self.growing.reserve(Slots.bytes_for(memory))
             self.slots = Slots.create(self.own, memory)
         self._show_steps()
-        self.slots.write(memory, json.dumps(summary), self.grid.count.value, self.steps_written, self.events.count)
+        self.slots.write(
+            self.growing, memory, json.dumps(summary), self.grid.count.value, self.steps_written, self.events.count)
         self.growing.flush()
 
     def close(self, summary: Mapping[str, Any]) -> None:

@@ -1,0 +1,35 @@
+"""A summary may be of any length: a scene of hundreds of bodies has one of megabytes."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import contactlab
+from contactlab.api.recorder import Recorder
+from contactlab.results.load import load_checkpoint
+from contactlab.results.results import Results
+
+
+def test_summary_of_any_length_is_saved(recorded: Results, recorder: Callable[[str], Recorder], tmp_path: Path) -> None:
+    """Read as it lies, without a last word of the run: what a kill leaves."""
+    assert recorded.folder is not None
+    shutil.copy(recorded.folder / "results.vtkhdf", tmp_path)
+    recording = recorder("vtkhdf").resume(tmp_path, recorded.layout, recorded)
+    saved = load_checkpoint(recorded.folder)
+    assert saved is not None
+    for length in (10, 70_000, 1_000_000, 300):
+        summary = {
+            "status": "interrupted",
+            "reason": "",
+            "reactions": {f"body{i:07}.left": [0.5, -1.0] for i in range(length // 30)},
+        }
+        recording.save(saved[1].memory, summary)
+        results = contactlab.load_results(tmp_path)
+        assert results.summary == summary
+        taken_up = load_checkpoint(tmp_path)
+        assert taken_up is not None
+        assert taken_up[1].memory.keys() == saved[1].memory.keys()
+    recording.close(recorded.summary)
+    assert contactlab.load_results(tmp_path) == recorded
