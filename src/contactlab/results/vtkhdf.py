@@ -118,7 +118,8 @@ class VtkHdfRecording(Recording):
             self.slots = Slots.create(self.own, memory)
         self._show_steps()
         self.slots.write(
-            self.growing, memory, json.dumps(summary), self.grid.count.value, self.steps_written, self.events.count)
+            self.growing, memory, json.dumps(summary), self.grid.count.value, self.steps_written, self.events.count
+        )
         self.growing.flush()
 
     def close(self, summary: Mapping[str, Any]) -> None:
