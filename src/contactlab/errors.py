@@ -76,13 +76,13 @@ def below(where: Where, name: str | int) -> Where:
     return f"{where}.{name}" if where else str(name)
 
 
-def show(value: Any) -> str:
+def show(value: object) -> str:
     """A value as a scene file would write it, shortened to one line."""
     text = _written(value)
     return text if len(text) <= 120 else text[:117] + "..."
 
 
-def _written(value: Any) -> str:
+def _written(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

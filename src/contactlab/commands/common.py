@@ -60,7 +60,7 @@ def console() -> Console:
 def print_how_to_look(folder: Path, registry: Registry, out: Console) -> None:
     """Say how to look at what a recorder has left in the folder, if one has."""
     parts = [registry.part_class("recorder", name) for name in registry.names("recorder")]
-    if any(part.shown_file and (folder / part.shown_file).is_file() for part in parts):  # type: ignore[attr-defined]
+    if any(part.shown_file and (folder / part.shown_file).is_file() for part in parts):
         line = f"look at it: {shlex.join(['contactlab', 'view', str(folder)])}"
         out.print(line, markup=False, highlight=False, soft_wrap=True)
 

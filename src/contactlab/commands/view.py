@@ -39,7 +39,7 @@ def view(options: argparse.Namespace) -> int:
 def _showing_recorder(registry: Registry) -> Recorder:
     """The first installed recorder whose recordings can be looked at."""
     for name in registry.names("recorder"):
-        if registry.part_class("recorder", name).shown_file:  # type: ignore[attr-defined]
+        if registry.part_class("recorder", name).shown_file:
             recorder: Recorder = registry.make("recorder", name)
             return recorder
     raise RequestError(

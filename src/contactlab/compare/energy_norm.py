@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
@@ -13,10 +13,13 @@ from contactlab.model.bodies.stiffness import cell_stiffness
 from contactlab.model.build import build
 from contactlab.results.results import Results
 
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
+
 ROUND = 12  # decimals at which coordinates of nodes are the same
 
 
-def energy_norm(results: Results, scene: Any, body: str) -> float:
+def energy_norm(results: Results, scene: Scene, body: str) -> float:
     """sqrt(a(u, u)) [sqrt(N)] of a body's displacement at the end of a run, per mm thickness."""
     return _norm(_body(scene, body), results.nodes, results.displacement)
 
@@ -33,7 +36,7 @@ def energy_distance(coarse: Results, fine: Results, fine_scene: Any, body: str) 
     return _norm(_body(fine_scene, body), fine.nodes, difference)
 
 
-def _body(scene: Any, name: str) -> Body:
+def _body(scene: Scene, name: str) -> Body:
     return next(body for body in build(scene, scene.registry).bodies if body.name == name)
 
 

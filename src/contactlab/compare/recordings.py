@@ -6,7 +6,7 @@ import json
 import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contactlab.errors import RequestError
 from contactlab.parts.loading import one_line
@@ -15,10 +15,14 @@ from contactlab.results.results import Results
 from contactlab.run.recorders import recorders_of
 from contactlab.scene.toml_text import parse_toml
 
+if TYPE_CHECKING:
+    from contactlab.parts.registry import Registry
+    from contactlab.scene.scene import Scene
+
 RUNS = "runs"
 
 
-def record_comparison(scene: Any, registry: Any, folder: Path, names: Iterable[str]) -> None:
+def record_comparison(scene: Scene, registry: Registry, folder: Path, names: Iterable[str]) -> None:
     """Let the recorders of `scene` gather the runs of these names in `folder`; what fails is a warning."""
     recorders = recorders_of(scene, registry)
     runs = titled_runs({name: results for name, results in runs_of(folder).items() if name in set(names)})

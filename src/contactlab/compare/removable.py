@@ -47,7 +47,7 @@ def _contact(scene: Scene) -> dict[str, Any]:
 
 def _damping(scene: Scene) -> dict[str, Any]:
     found = scene.time.damping is None and scene.time.end == "auto"
-    inertia = scene.registry.part_class("integrator", scene.integrator["use"]).inertia  # type: ignore[attr-defined]
+    inertia = scene.registry.part_class("integrator", scene.integrator["use"]).inertia
     return {"time.damping": 0.0} if inertia and (found or scene.time.damping) else {}
 
 

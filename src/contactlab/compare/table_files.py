@@ -62,12 +62,12 @@ def _bill(bill: Bill) -> dict[str, Any]:
     return {**_plain(data), "prices": [_plain(price) for price in data["prices"]]}
 
 
-def _cell(value: Any) -> Any:
+def _cell(value: object) -> Any:
     """As written in a CSV file: nothing for a number that is missing."""
     return "" if isinstance(value, float) and math.isnan(value) else value
 
 
-def _number(value: Any) -> Any:
+def _number(value: object) -> Any:
     """As written in JSON, which knows no nan and no infinity."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 

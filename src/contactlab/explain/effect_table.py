@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from contactlab.missing_effects.locking import PLASTIC
 from contactlab.model.model import Model
+
+if TYPE_CHECKING:
+    from contactlab.parts.registry import Registry
+    from contactlab.scene.scene import Scene
 
 
 class Effect(NamedTuple):
@@ -21,61 +25,61 @@ Keys = Callable[[Any, Model], list[str]]
 """The keys of a scene that call for an effect, empty where none does."""
 
 
-def _inertia(scene: Any, model: Model) -> list[str]:
+def _inertia(scene: Scene, model: Model) -> list[str]:
     return ["integrator"] if model.integrator.inertia else []
 
 
-def _several_bodies(scene: Any, model: Model) -> list[str]:
+def _several_bodies(scene: Scene, model: Model) -> list[str]:
     return [f"bodies.{name}" for name in scene.bodies] if len(scene.bodies) > 1 else []
 
 
-def _moving(scene: Any, model: Model) -> list[str]:
+def _moving(scene: Scene, model: Model) -> list[str]:
     moving = {f"bodies.{name}.velocity": any(body.velocity) for name, body in scene.bodies.items()}
     moving |= {f"bodies.{name}.spin": bool(body.spin) for name, body in scene.bodies.items()}
     return [key for key, moves in moving.items() if moves]
 
 
-def _contact(scene: Any, model: Model) -> list[str]:
+def _contact(scene: Scene, model: Model) -> list[str]:
     return [f"contacts.{i}" for i in range(len(scene.contacts))]
 
 
-def _friction(scene: Any, model: Model) -> list[str]:
+def _friction(scene: Scene, model: Model) -> list[str]:
     return [f"contacts.{i}.friction" for i, contact in enumerate(scene.contacts) if contact.friction is not None]
 
 
-def _rigid(scene: Any, model: Model) -> list[str]:
+def _rigid(scene: Scene, model: Model) -> list[str]:
     return [f"rigid.{name}" for name in scene.rigid]
 
 
-def _finite(scene: Any, model: Model) -> list[str]:
+def _finite(scene: Scene, model: Model) -> list[str]:
     return [f"bodies.{b.name}.material" for b in model.bodies if b.material.kinematics != "small"]
 
 
-def _history(scene: Any, model: Model) -> list[str]:
+def _history(scene: Scene, model: Model) -> list[str]:
     return [f"bodies.{b.name}.material" for b in model.bodies if b.material.history_size]
 
 
-def _plasticity(scene: Any, model: Model) -> list[str]:
+def _plasticity(scene: Scene, model: Model) -> list[str]:
     return [f"bodies.{b.name}.material" for b in model.bodies if PLASTIC in b.material.history_names]
 
 
-def _quadratic(scene: Any, model: Model) -> list[str]:
+def _quadratic(scene: Scene, model: Model) -> list[str]:
     return [f"bodies.{b.name}.element" for b in model.bodies if b.element.degree > 1]
 
 
-def _hourglass(scene: Any, model: Model) -> list[str]:
+def _hourglass(scene: Scene, model: Model) -> list[str]:
     return [f"bodies.{f.body.name}.element" for f in model.forces if f.kernels.stabilise is not None]
 
 
-def _damping(scene: Any, model: Model) -> list[str]:
+def _damping(scene: Scene, model: Model) -> list[str]:
     return ["time.damping" if scene.time.damping else "time.end"] if model.damping else []
 
 
-def _loads(scene: Any, model: Model) -> list[str]:
+def _loads(scene: Scene, model: Model) -> list[str]:
     return [f"loads.{i}" for i in range(len(scene.loads))]
 
 
-def _recording(scene: Any, model: Model) -> list[str]:
+def _recording(scene: Scene, model: Model) -> list[str]:
     if scene.record.recorders is None:
         return ["the usual ones, in runs with a folder"]
     return [f"record.recorders.{i}" for i in range(len(scene.record.recorders))]
@@ -99,7 +103,7 @@ ROWS: dict[str, Keys] = {
 }
 
 
-def effects_of(scene: Any, registry: Any, model: Model) -> list[Effect]:
+def effects_of(scene: Scene, registry: Registry, model: Model) -> list[Effect]:
     """A row for each effect, and for each installed part of that kind."""
     keys = {name: found(scene, model) for name, found in ROWS.items()}
     for name in registry.names("effect"):

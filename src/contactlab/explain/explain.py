@@ -18,6 +18,8 @@ from contactlab.model.model import Model
 
 if TYPE_CHECKING:
     from contactlab.explain.trial_run import KernelCalls, Rehearsal
+    from contactlab.parts.registry import Registry
+    from contactlab.scene.scene import Scene
 
 
 class UsedPart(NamedTuple):
@@ -68,7 +70,7 @@ class Explanation:
     modules: list[Imported]
 
 
-def explain(scene: Any, registry: Any, rehearsed: Rehearsal | None = None) -> Explanation:
+def explain(scene: Scene, registry: Registry, rehearsed: Rehearsal | None = None) -> Explanation:
     """Build the model of `scene` and read off what it holds and calls.
 
     Without a rehearsal there are no kernels and no seconds, modules are the packages of the scene's
@@ -105,7 +107,7 @@ def explain(scene: Any, registry: Any, rehearsed: Rehearsal | None = None) -> Ex
     )
 
 
-def _schedule(model: Model, scene: Any) -> Any:
+def _schedule(model: Model, scene: Scene) -> Any:
     from contactlab.run.run import schedule_of
 
     return schedule_of(model, scene)
@@ -118,7 +120,7 @@ def _seconds(rehearsed: Rehearsal | None, steps: int) -> tuple[float, float]:
     return rehearsed.import_s + rehearsed.build_s + rehearsed.first_step_s, rehearsed.step_s
 
 
-def used_parts(scene: Any, registry: Any) -> list[UsedPart]:
+def used_parts(scene: Scene, registry: Registry) -> list[UsedPart]:
     """The scene's parts, and what its integrator adds where the scene names nothing."""
     from contactlab.parts.provenance import part_specs
 
@@ -167,7 +169,7 @@ def _contact_calls(model: Model) -> dict[str, int]:
     }
 
 
-def packages_of(scene: Any, registry: Any) -> list[str]:
+def packages_of(scene: Scene, registry: Registry) -> list[str]:
     """Import packages of the plugins that the scene brings in, beside the core."""
     from contactlab.parts.provenance import part_specs
 

@@ -24,6 +24,7 @@ from contactlab.errors import SimulationFailure
 if TYPE_CHECKING:
     from contactlab.model.held_arrays import HeldArray
     from contactlab.run.run import Run
+    from contactlab.scene.scene import Scene
 
 STEPS = 40  # after the first one; enough to tell what a step costs
 PATIENCE = 0.5  # seconds after which fewer must do
@@ -59,7 +60,7 @@ class Rehearsal:
     steps: int
 
 
-def rehearse(scene: Any) -> Rehearsal:
+def rehearse(scene: Scene) -> Rehearsal:
     """Make the first steps of `scene`. Raises SimulationFailure where they fail."""
     request = pickle.dumps((sys.path, pickle.dumps(scene)))
     done = subprocess.run([sys.executable, "-c", _FAR_END], input=request, capture_output=True, check=False)
@@ -75,7 +76,7 @@ def rehearse(scene: Any) -> Rehearsal:
     return Rehearsal(**found)
 
 
-def _build_here(scene: Any) -> None:
+def _build_here(scene: Scene) -> None:
     """Raise what stands in the way of the model itself, as a run would."""
     from contactlab.model.build import build
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.arrays import Floats
+from contactlab.api.arrays import Floats, Ints
 from contactlab.api.compiled.kernel import kernel
 from contactlab.api.element import BlockKernels, Element
 from contactlab.api.material import Kinematics
@@ -109,10 +109,10 @@ def table_kernels(element: Element) -> BlockKernels:
     slopes: Floats = np.ascontiguousarray(element.shape(rule.points).gradient)
     weights: Floats = np.ascontiguousarray(rule.weights)
 
-    def gradient(geometry, field, connectivity, out, scratch):
+    def gradient(geometry: Floats, field: Floats, connectivity: Ints, out: Floats, scratch: Floats) -> None:
         table_gradient(geometry, field, connectivity, slopes, out, scratch)
 
-    def force(geometry, connectivity, stress, force, scratch):
+    def force(geometry: Floats, connectivity: Ints, stress: Floats, force: Floats, scratch: Floats) -> None:
         table_force(geometry, connectivity, slopes, weights, stress, force, scratch)
 
     return BlockKernels(gradient, force)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,13 +15,16 @@ from contactlab.missing_effects.sides import side_looks
 from contactlab.missing_effects.strain import strain_looks
 from contactlab.model.model import Model
 
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
+
 LOOKS = (strain_looks, locking_looks, pace_looks, side_looks, overlap_looks)
 
 
 class Watch:
     """Looks at a run's stored frames for effects that its scene would need; adds them to the model's warnings."""
 
-    def __init__(self, scene: Any, model: Model) -> None:
+    def __init__(self, scene: Scene, model: Model) -> None:
         self.warnings = model.warnings
         self.looks = [look for looks in LOOKS for look in looks(scene, model)]
 

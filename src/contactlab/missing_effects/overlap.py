@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,13 +13,16 @@ from contactlab.missing_effects.missing_effect import Looks, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
 
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
+
 DEPTH = 0.01  # of a node's edges: how deep it lies in another body before that counts as touching
 CHUNK = 2_000_000  # pairs of points and segments looked at at a time
 
 Mask = NDArray[np.bool_]
 
 
-def overlap_looks(scene: Any, model: Model) -> Looks:
+def overlap_looks(scene: Scene, model: Model) -> Looks:
     """One look at all pairs of bodies, each body with itself as well."""
     yield Overlap(scene, model)
 
@@ -30,7 +33,7 @@ class Overlap:
     The nearest node is looked up at once: later the first may be nearer to the far side.
     """
 
-    def __init__(self, scene: Any, model: Model) -> None:
+    def __init__(self, scene: Scene, model: Model) -> None:
         self.scene, self.model, self.worst = scene, model, np.full(4, -1.0)
         self.outlines = [Outline(body, model) for body in model.bodies]
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,11 +11,15 @@ from contactlab.missing_effects.missing_effect import Known, Looks, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
 
+if TYPE_CHECKING:
+    from contactlab.scene.keys import Contact
+    from contactlab.scene.scene import Scene
+
 STIFFER = 12.0  # ratio of shear moduli: steel on a polymer, not steel on aluminium
 COARSER = 2.0  # ratio of segment lengths where the surfaces press
 
 
-def side_looks(scene: Any, model: Model) -> Looks:
+def side_looks(scene: Scene, model: Model) -> Looks:
     """Looks at every contact: at the moduli now, at the segments where and when they press."""
     for pair, spec in zip(model.contact.pairs if model.contact is not None else (), scene.contacts, strict=True):
         slave = _bodies_of(pair.slave.nodes, model.bodies)
@@ -36,7 +40,7 @@ def _bodies_of(nodes: Ints, bodies: tuple[Body, ...]) -> list[Body]:
 class CoarseSlave:
     """`worst`: largest median ratio of slave to master segments where they press."""
 
-    def __init__(self, pair: Any, spec: Any, model: Model) -> None:
+    def __init__(self, pair: Any, spec: Contact, model: Model) -> None:
         self.pair, self.spec, self.model, self.worst = pair, spec, model, np.zeros(1)
 
     def look(self) -> None:

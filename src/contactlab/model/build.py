@@ -21,10 +21,15 @@ from contactlab.model.pace import find_pace
 from contactlab.parts.error_origin import blamed
 
 if TYPE_CHECKING:
+    from contactlab.errors import Where
+    from contactlab.model.contact.plan import ContactPlan
     from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.parts.registry import Registry
+    from contactlab.scene.keys import Body as BodySpec
+    from contactlab.scene.scene import Scene
 
 
-def build(scene: Any, registry: Any) -> Model:
+def build(scene: Scene, registry: Registry) -> Model:
     """The model of a scene with every `auto` resolved.
 
     Raises SceneError or PartError, naming file and key, for anything that does not fit together.
@@ -33,7 +38,7 @@ def build(scene: Any, registry: Any) -> Model:
         return _built(scene, registry)
 
 
-def _built(scene: Any, registry: Any) -> Model:
+def _built(scene: Scene, registry: Registry) -> Model:
     integrator = registry.make("integrator", scene.integrator, scene.where("integrator"))
     bodies = build_bodies(scene, registry)
     rigid = _rigid_surfaces(scene, bodies)
@@ -79,7 +84,7 @@ def _built(scene: Any, registry: Any) -> Model:
 # --- what a scene may do without is imported where it is declared --------------------------------
 
 
-def _rigid_surfaces(scene: Any, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:
+def _rigid_surfaces(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:
     if not scene.rigid:
         return ()
     from contactlab.model.loading.rigid import build_rigid
@@ -88,7 +93,7 @@ def _rigid_surfaces(scene: Any, bodies: tuple[Body, ...]) -> tuple[RigidSurface,
 
 
 def _contact_plans(
-    scene: Any, registry: Any, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator
+    scene: Scene, registry: Registry, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator
 ) -> tuple[tuple[Any, ...], tuple[Body, ...]]:
     """The contacts, and the bodies with slave nodes moved where a contact asks for it."""
     if not scene.contacts:
@@ -108,7 +113,7 @@ def _contact(plans: tuple[Any, ...], *arguments: Any) -> Any:
     return build_contact(plans, *arguments)
 
 
-def _loads(scene: Any, *arguments: Any) -> Any:
+def _loads(scene: Scene, *arguments: Any) -> Any:
     if not scene.loads:
         return ()
     from contactlab.model.loading.loads import build_loads
@@ -117,8 +122,8 @@ def _loads(scene: Any, *arguments: Any) -> Any:
 
 
 def _effects(
-    scene: Any,
-    registry: Any,
+    scene: Scene,
+    registry: Registry,
     bodies: tuple[Body, ...],
     rigid: tuple[RigidSurface, ...],
     reference: Floats,
@@ -134,7 +139,7 @@ def _effects(
 # --- bodies -------------------------------------------------------------------------------------
 
 
-def build_bodies(scene: Any, registry: Any) -> tuple[Body, ...]:
+def build_bodies(scene: Scene, registry: Registry) -> tuple[Body, ...]:
     """All bodies in global node numbers, in scene order."""
     materials = {
         name: registry.make("material", spec, scene.where(f"materials.{name}"))
@@ -151,7 +156,7 @@ def build_bodies(scene: Any, registry: Any) -> tuple[Body, ...]:
     return tuple(bodies)
 
 
-def _body(scene: Any, registry: Any, name: str, spec: Any, material: Material, first: int) -> Body:
+def _body(scene: Scene, registry: Registry, name: str, spec: BodySpec, material: Material, first: int) -> Body:
     element: Element = registry.make("element", spec.element, scene.where(f"bodies.{name}.element"))
     refuse_wrong_tables(element)
     where = scene.where(f"bodies.{name}.mesh")
@@ -172,7 +177,7 @@ def _body(scene: Any, registry: Any, name: str, spec: Any, material: Material, f
     return Body(name, element, material, mesh, first, len(mesh.nodes), (mesh.cells + first).astype(np.int32))
 
 
-def _meshed(source: MeshSource, element: Element, level: int, where: Any) -> Mesh:
+def _meshed(source: MeshSource, element: Element, level: int, where: Where) -> Mesh:
     try:
         return source.mesh(element, level)
     except ValueError as problem:
@@ -192,7 +197,9 @@ def masses_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floa
 # --- state --------------------------------------------------------------------------------------
 
 
-def _shapes(nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: Any) -> Mapping[str, tuple[int, ...]]:
+def _shapes(
+    nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: tuple[ContactPlan, ...]
+) -> Mapping[str, tuple[int, ...]]:
     shapes: dict[str, tuple[int, ...]] = {"clock": (2,), "displacement": (nodes, 2)}
     if integrator.inertia:
         shapes["velocity"] = (nodes, 2)
@@ -256,7 +263,7 @@ def _bind(
     return BodyForces(body, geometry, field, force, history, trial, shape, threads, first_lane)
 
 
-def _initial_velocity(scene: Any, bodies: tuple[Body, ...], reference: Floats, mass: Floats, state: State) -> None:
+def _initial_velocity(scene: Scene, bodies: tuple[Body, ...], reference: Floats, mass: Floats, state: State) -> None:
     if "velocity" not in state:
         return
     for body, spec in zip(bodies, scene.bodies.values(), strict=True):

@@ -5,9 +5,12 @@ from __future__ import annotations
 import functools
 import types
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from contactlab.model.model import Model
 
 DEPTH = 12
 COMPILERS = ("numba", "llvmlite")  # kernels hold no arrays of a model
@@ -22,7 +25,7 @@ class HeldArray(NamedTuple):
     bytes: int
 
 
-def held_arrays(model: Any, **others: Any) -> list[HeldArray]:
+def held_arrays(model: Model, **others: Any) -> list[HeldArray]:
     """All arrays reachable from a model and from `others`, each piece of memory once.
 
     Fields of the model's state come first; `others` are what an integrator has bound, say, under the name
@@ -40,7 +43,7 @@ def _held(name: str, array: np.ndarray) -> HeldArray:
     return HeldArray(name, " x ".join(str(n) for n in array.shape), int(array.nbytes))
 
 
-def _walk(name: str, value: Any, seen: set[int], depth: int) -> Iterator[tuple[str, np.ndarray]]:
+def _walk(name: str, value: object, seen: set[int], depth: int) -> Iterator[tuple[str, np.ndarray]]:
     if isinstance(value, np.ndarray):
         owner = _owner(value)
         if id(owner) not in seen:
@@ -54,7 +57,7 @@ def _walk(name: str, value: Any, seen: set[int], depth: int) -> Iterator[tuple[s
         yield from _inside(name, _children(value), seen, depth)
 
 
-def _opaque(value: Any) -> bool:
+def _opaque(value: object) -> bool:
     return isinstance(value, OPAQUE) or type(value).__module__.partition(".")[0] in COMPILERS
 
 
@@ -70,7 +73,7 @@ def _owner(array: np.ndarray) -> np.ndarray:
     return array
 
 
-def _children(value: Any) -> Mapping[str, Any]:
+def _children(value: object) -> Mapping[str, Any]:
     if isinstance(value, Mapping):
         return {str(key): child for key, child in value.items()}
     if isinstance(value, tuple | list | set | frozenset):

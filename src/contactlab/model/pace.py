@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from contactlab.api import Floats, Integrator
 from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.supports import SupportPlan
+
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
 
 PERIODS = 50.0  # ramp in periods of the lowest mode that the loading excites
 DAMPING = 0.1  # alpha / w1
@@ -43,7 +46,12 @@ class Pace:
 
 
 def find_pace(
-    scene: Any, bodies: tuple[Body, ...], positions: Floats, mass: Floats, supports: SupportPlan, integrator: Integrator
+    scene: Scene,
+    bodies: tuple[Body, ...],
+    positions: Floats,
+    mass: Floats,
+    supports: SupportPlan,
+    integrator: Integrator,
 ) -> Pace:
     """Pace of a scene: for `end = "auto"` a ramp of 50 periods of the lowest mode w1 and damping 0.1 w1."""
     time = scene.time

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
-from typing import Any
 
 from contactlab.api.contact import ContactAlgorithm, GapAlgorithm
 from contactlab.api.effect import Effect
@@ -31,7 +30,7 @@ BASES: dict[str, tuple[type, ...]] = {
 """The classes of `contactlab.api` that a part of each kind derives from."""
 
 
-def faults(kind: str, target: Any) -> list[str]:
+def faults(kind: str, target: object) -> list[str]:
     """Everything that keeps `target` from being a part of `kind`; empty when it is one."""
     bases = BASES[kind]
     allowed = " or ".join(f"contactlab.api.{base.__name__}" for base in bases)

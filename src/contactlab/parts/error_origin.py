@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from traceback import walk_tb
-from typing import Any
+from typing import TYPE_CHECKING
 
 from contactlab.errors import ContactlabError, PartError, WrongAnswer
 from contactlab.parts.loading import one_line
 
+if TYPE_CHECKING:
+    from contactlab.parts.registry import Registry
 
-def part_at_fault(error: BaseException, registry: Any) -> str:
+
+def part_at_fault(error: BaseException, registry: Registry) -> str:
     """File, line and method of the innermost call that is of a plugin; empty where no plugin had a hand in it."""
     packages = {offer.part.target.partition(":")[0].partition(".")[0] for offer in registry.parts()} - {"contactlab"}
     found = ""
@@ -22,7 +25,7 @@ def part_at_fault(error: BaseException, registry: Any) -> str:
 
 
 @contextmanager
-def blamed(registry: Any) -> Iterator[None]:
+def blamed(registry: Registry) -> Iterator[None]:
     """What a part raises, or gives against the contract, becomes a PartError that tells where."""
     try:
         yield

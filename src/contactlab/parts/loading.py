@@ -104,7 +104,7 @@ def load(origin: Origin, importer: Callable[[], Any]) -> Plugin | Broken:
         return Broken(origin, one_line(error, name=False))
 
 
-def _register(module: Any) -> Any:
+def _register(module: object) -> Any:
     # a manager per plugin: what pluggy refuses in one then cannot touch another
     manager = pluggy.PluginManager(hookspecs.PROJECT)
     manager.add_hookspecs(hookspecs)
@@ -121,13 +121,13 @@ def _hook_names() -> list[str]:
     return [name for name in vars(hookspecs) if name.startswith(f"{hookspecs.PROJECT}_")]
 
 
-def _unknown_hooks(manager: pluggy.PluginManager, module: Any) -> Iterator[str]:
+def _unknown_hooks(manager: pluggy.PluginManager, module: object) -> Iterator[str]:
     for caller in manager.get_hookcallers(module) or []:
         if not caller.has_spec():
             yield caller.name
 
 
-def _refuse_unmarked(manager: pluggy.PluginManager, module: Any) -> None:
+def _refuse_unmarked(manager: pluggy.PluginManager, module: object) -> None:
     """A plugin without any hook does nothing, which nobody wants: say what is missing."""
     marked = {caller.name for caller in manager.get_hookcallers(module) or []}
     if not isinstance(module, ModuleType):

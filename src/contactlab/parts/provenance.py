@@ -5,12 +5,16 @@ from __future__ import annotations
 import platform
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
-from typing import Any
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from contactlab.parts.registry import Registry
+    from contactlab.scene.scene import Scene
 
 LIBRARIES = ("contactlab", "numpy", "scipy", "numba")
 
 
-def part_specs(scene: Any) -> Iterator[tuple[str, str, str]]:
+def part_specs(scene: Scene) -> Iterator[tuple[str, str, str]]:
     """Key, kind and name of every part that the scene uses."""
     yield "integrator", "integrator", scene.integrator["use"]
     for name, spec in scene.materials.items():
@@ -29,12 +33,12 @@ def part_specs(scene: Any) -> Iterator[tuple[str, str, str]]:
         yield f"record.recorders.{number}", "recorder", spec["use"]
 
 
-def parts_of(scene: Any, registry: Any) -> dict[str, str]:
+def parts_of(scene: Scene, registry: Registry) -> dict[str, str]:
     """By key of the scene: the part and the distribution it comes from."""
     return {key: f"{name} ({registry.offer(kind, name).origin})" for key, kind, name in part_specs(scene)}
 
 
-def versions(scene: Any, registry: Any) -> dict[str, str]:
+def versions(scene: Scene, registry: Registry) -> dict[str, str]:
     """Versions of Python, of the libraries below, and of every distribution that gave a part."""
     found = {"python": platform.python_version()}
     origins = {registry.offer(kind, name).origin.distribution for _, kind, name in part_specs(scene)}

@@ -155,7 +155,7 @@ class Registry:
             return f"contactlab parts (plugins that could not be loaded: {', '.join(broken)})"
         return "install the plugin that brings it; contactlab parts lists what there is"
 
-    def part_class(self, kind: str, name: str, where: Where = "") -> type:
+    def part_class(self, kind: str, name: str, where: Where = "") -> type[Any]:
         """The class of a part, imported now and checked against the contract.
 
         Raises PartError where the part is unknown, cannot be imported or is incomplete.

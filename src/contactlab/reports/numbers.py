@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 MISSING = "\N{EN DASH}"
 
@@ -37,7 +36,7 @@ def uncertain(value: float, error: float) -> str:
     return f"{value:.{decimals}f} ± {error:.{decimals}f}"
 
 
-def quantity(value: Any, unit: str, digits: int) -> str:
+def quantity(value: object, unit: str, digits: int) -> str:
     """A value of a column: shares in per cent, texts as they are."""
     if not isinstance(value, int | float):
         return str(value)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from html import escape
-from typing import Any
 
 from contactlab.api.drawing.colours import Style
 from contactlab.api.drawing.units import Units
@@ -79,7 +78,7 @@ def _algorithm(row: Row, style: Style, table: Table) -> str:
     return f'<td class="text">{name}</td>'
 
 
-def _text(value: Any) -> str:
+def _text(value: object) -> str:
     return f'<td class="text">{escape(str(value))}</td>'
 
 

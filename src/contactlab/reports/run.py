@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -158,14 +158,14 @@ def _cost_lines(cost: Mapping[str, Any]) -> Iterator[Line]:
         yield "memory at most", significant(_float(cost["peak_memory_mib"]), 3), "MiB"
 
 
-def _vector(force: Any) -> str:
+def _vector(force: Iterable[float]) -> str:
     """Components to five figures of the largest: what is smaller is round-off and shown as 0."""
     values = [float(component) for component in force]
     largest = max(map(abs, values), default=0.0)
     return "  ".join(significant(v if abs(v) > 1e-7 * largest else 0.0, 5) for v in values)
 
 
-def _short(value: Any) -> str:
+def _short(value: object) -> str:
     return significant(_float(value), 2)
 
 

@@ -124,7 +124,7 @@ def write_summary(folder: Path, summary: Mapping[str, Any]) -> None:
     written.replace(path)
 
 
-def plain(value: Any) -> Any:
+def plain(value: object) -> Any:
     """NumPy numbers and arrays as JSON knows them; nan and inf become null."""
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}

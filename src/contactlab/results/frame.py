@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,9 +16,11 @@ from contactlab.results.step_columns import step_columns
 
 if TYPE_CHECKING:
     from contactlab.model.contact.gap_pair import Pair
+    from contactlab.scene.keys import Contact
+    from contactlab.scene.scene import Scene
 
 
-def layout_of(model: Model, scene: Any, parts: Mapping[str, str], versions: Mapping[str, str]) -> Layout:
+def layout_of(model: Model, scene: Scene, parts: Mapping[str, str], versions: Mapping[str, str]) -> Layout:
     """What of a run does not change."""
     pairs = model.contact.pairs if model.contact is not None else ()
     supports = tuple(support.on for support in model.supports)
@@ -47,7 +49,7 @@ def layout_of(model: Model, scene: Any, parts: Mapping[str, str], versions: Mapp
     )
 
 
-def _contact(pair: Pair, spec: Any) -> ContactLayout:
+def _contact(pair: Pair, spec: Contact) -> ContactLayout:
     slave, master = spec.sides
     return ContactLayout(
         name=pair.name,

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats
 from contactlab.model.loading.ramps import course_of, smooth
 from contactlab.model.model import Model
+
+if TYPE_CHECKING:
+    from contactlab.scene.keys import Rigid, Support
+    from contactlab.scene.scene import Scene
 
 SAMPLES = 1024
 NEARLY = 1e-9  # of the whole time: differences below it are round-off
@@ -28,7 +32,7 @@ class LoadPath:
     follows  what steps are equal parts of, in words
     """
 
-    def __init__(self, model: Model, scene: Any, end: float) -> None:
+    def __init__(self, model: Model, scene: Scene, end: float) -> None:
         rated = rate_dependent(model)
         self.follows = f"loading and time: the law of {', '.join(rated)} depends on rate" if rated else "loading"
         self.corners = corners(scene, model.pace.ramp, end)
@@ -81,16 +85,16 @@ def rate_dependent(model: Model) -> list[str]:
     return [body.name for body in model.bodies if body.material.rate_dependent]
 
 
-def eased(scene: Any, ramp_time: float) -> list[float]:
+def eased(scene: Scene, ramp_time: float) -> list[float]:
     """Durations [s] over which contacts ease out overlaps of the start."""
     return [spec.start.duration or ramp_time for spec in scene.contacts if spec.start.overlap == "ramp"]
 
 
-def corners(scene: Any, ramp_time: float, end: float) -> list[float]:
+def corners(scene: Scene, ramp_time: float, end: float) -> list[float]:
     """Times [s] in (0, end] at which the loading may turn: speeds of prescribed motion or of loads jump, overlaps are
     out; the last is the end.
     """
-    moved = [*scene.supports, *scene.rigid.values()]
+    moved: list[Support | Rigid] = [*scene.supports, *scene.rigid.values()]
     values = [value for spec in moved for value in (spec.ux, spec.uy, spec.turn)]
     values += [value for spec in scene.loads for value in (spec.pressure, spec.shear, spec.tx, spec.ty)]
     times = {time for value in values if value is not None for time in course_of(value).corners(ramp_time)}

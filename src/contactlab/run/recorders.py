@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from contactlab.api.frame import Layout
 from contactlab.api.recorder import Recorder, Recording, replay
@@ -12,8 +12,12 @@ from contactlab.errors import RequestError
 from contactlab.parts.loading import one_line
 from contactlab.results.results import Results
 
+if TYPE_CHECKING:
+    from contactlab.parts.registry import Registry
+    from contactlab.scene.scene import Scene
 
-def recorders_of(scene: Any, registry: Any) -> dict[str, Recorder]:
+
+def recorders_of(scene: Scene, registry: Registry) -> dict[str, Recorder]:
     """The recorders that the scene names, or those that are there by default, by a name of their own."""
     specs = scene.record.recorders
     if specs is None:
@@ -26,7 +30,7 @@ def recorders_of(scene: Any, registry: Any) -> dict[str, Recorder]:
     return found
 
 
-def default_recorders(registry: Any) -> list[str]:
+def default_recorders(registry: Registry) -> list[str]:
     """Names of the installed recorders that serve where a scene names none."""
     return [name for name in registry.names("recorder") if registry.part_class("recorder", name).by_default]
 

@@ -17,13 +17,14 @@ from contactlab.scene.toml_text import parse_toml
 
 if TYPE_CHECKING:
     from contactlab.results.checkpoint_slots import Checkpoint
+    from contactlab.scene.scene import Scene
 
 FILE = "results.vtkhdf"
 RESUMABLE = ("interrupted", "failed")
 """A failed run is taken up where it was saved: what failed may be mended, a full disk say."""
 
 
-def finished_results(folder: Path, scene: Any) -> Results | None:
+def finished_results(folder: Path, scene: Scene) -> Results | None:
     """The results in `folder` if there is nothing left to do, None if the run can go on or has not begun.
 
     Raises RequestError where the folder holds another scene, or a file that cannot be read.
@@ -70,7 +71,7 @@ def stored_results(folder: Path, otherwise: Results) -> Results:
         return otherwise
 
 
-def _same_scene(text: str, scene: Any, folder: Path) -> None:
+def _same_scene(text: str, scene: Scene, folder: Path) -> None:
     """A run goes on with the scene it began with, or not at all."""
     differences = _differences(parse_toml(text, "scene.toml"), scene.data)
     if differences:

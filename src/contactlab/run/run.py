@@ -28,7 +28,9 @@ from contactlab.run.restart import changed_versions, check_memory, saved_run, st
 from contactlab.run.schedule import Schedule
 
 if TYPE_CHECKING:
+    from contactlab.parts.registry import Registry
     from contactlab.results.checkpoint_slots import Checkpoint
+    from contactlab.scene.scene import Scene
 
 SAVE_EVERY = 1.0  # seconds of wall time between saved states, at least
 SAVE_SHARE = 100.0  # and so many times what one costs: saving never takes more than a hundredth of a run
@@ -177,7 +179,7 @@ class Run:
         return stored_results(folder, results) if complete and folder is not None else results
 
 
-def begin_run(model: Model, scene: Any, registry: Any, folder: Path | None, resume: bool) -> Run:
+def begin_run(model: Model, scene: Scene, registry: Registry, folder: Path | None, resume: bool) -> Run:
     """A run of `model`, whose recorders write to `folder`; with `resume` the one that is saved there.
 
     Raises RequestError where the folder cannot be used or holds something else.
@@ -210,7 +212,7 @@ def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
     return past
 
 
-def schedule_of(model: Model, scene: Any) -> Schedule:
+def schedule_of(model: Model, scene: Scene) -> Schedule:
     """The schedule that suits the scene's integrator."""
     if model.integrator.explicit:
         return Schedule(model, scene)
@@ -219,7 +221,7 @@ def schedule_of(model: Model, scene: Any) -> Schedule:
     return LoadSchedule(model, scene)
 
 
-def _with_recorders(scene: Any, recorders: dict[str, Any]) -> Any:
+def _with_recorders(scene: Scene, recorders: dict[str, Any]) -> Any:
     """The scene with the recorders that it really has, for the list of parts."""
     specs = tuple({"use": name.partition(" ")[0]} for name in recorders)
     return replace(scene, record=replace(scene.record, recorders=specs))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from contactlab.api import Floats, Step
 from contactlab.errors import SimulationFailure
 from contactlab.model.model import Model
 from contactlab.results.summary import reaction_mismatch
+
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
 
 SETTLED_MISMATCH = 2e-4  # of support reactions, over the last period
 SETTLED_KINETIC = 1e-3  # kinetic over internal energy
@@ -26,7 +29,7 @@ class Schedule:
     reactions and kinetic energy have settled over one period of the lowest mode.
     """
 
-    def __init__(self, model: Model, scene: Any) -> None:
+    def __init__(self, model: Model, scene: Scene) -> None:
         self.model, self.scene, self.pace, self.state = model, scene, model.pace, model.state
         self.fraction_of_limit, self.fixed = scene.time.fraction, scene.time.step
         self.dt = self.first = self._first_step()

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING
 
 from contactlab.api import StepStatus
 from contactlab.errors import ContactlabError, RequestError, SimulationFailure
@@ -20,6 +20,10 @@ from contactlab.run.interruption import Interrupted, Interruption
 from contactlab.run.restart import finished_results
 from contactlab.run.run import Run, begin_run
 
+if TYPE_CHECKING:
+    from contactlab.parts.registry import Registry
+    from contactlab.scene.scene import Scene
+
 OURS = (ArithmeticError, LookupError, ValueError, TypeError, AttributeError, ContactlabError)
 """What a wrong array ends in; anything else that no part raised is a mistake of the core and is shown as one."""
 
@@ -28,9 +32,9 @@ Progress = Callable[[float, int, float, float], None]
 
 
 def simulate(
-    scene: Any,
+    scene: Scene,
     out: str | Path | None = None,
-    registry: Any = None,
+    registry: Registry | None = None,
     progress: Progress | None = None,
     resume: bool = False,
 ) -> Results:
@@ -63,7 +67,7 @@ def simulate(
     return results
 
 
-def _guarded(run: Run, registry: Any, interruption: Interruption, progress: Progress | None) -> tuple[str, str]:
+def _guarded(run: Run, registry: Registry, interruption: Interruption, progress: Progress | None) -> tuple[str, str]:
     """Run the loop; how it ended and why."""
     try:
         run.clock.start()

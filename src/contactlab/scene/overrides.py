@@ -59,7 +59,7 @@ def _entry_named(table: str, name: str, data: Mapping[str, Any]) -> int:
     )
 
 
-def _set(data: dict[str, Any], path: list[str], value: Any, is_part: Callable[[str], bool], switch: Switch) -> None:
+def _set(data: dict[str, Any], path: list[str], value: object, is_part: Callable[[str], bool], switch: Switch) -> None:
     if path[-1] == "use" and is_part(".".join(path[:-1])):
         path = path[:-1]
     holder: Any = data
@@ -107,7 +107,7 @@ def _no_such_entry(path: list[str], entries: Mapping[str, Any]) -> SceneError:
     )
 
 
-def _put(holder: Any, path: list[str], value: Any) -> None:
+def _put(holder: Any, path: list[str], value: object) -> None:
     name = path[-1]
     if isinstance(holder, list):
         index = _index(holder, name, path)

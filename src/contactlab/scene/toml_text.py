@@ -180,7 +180,7 @@ def _table(data: Mapping[str, Any], path: tuple[str, ...]) -> list[str]:
     return rows
 
 
-def _has_header(value: Any, path: tuple[str, ...]) -> bool:
+def _has_header(value: object, path: tuple[str, ...]) -> bool:
     if isinstance(value, list):
         return not path and bool(value) and all(isinstance(entry, Mapping) for entry in value)
     return isinstance(value, Mapping) and len(path) < 2
@@ -190,7 +190,7 @@ def _name(name: str) -> str:
     return name if re.fullmatch(r"[A-Za-z0-9_-]+", name) else _text(name)
 
 
-def _inline(value: Any) -> str:
+def _inline(value: object) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

@@ -14,7 +14,7 @@ class NotApplicable(SkipTest):
     """The part declares that it does not offer what a check is about; the text is the reason."""
 
 
-def require(condition: Any, message: str) -> None:
+def require(condition: object, message: str) -> None:
     """Raise AssertionError with `message` unless the condition holds (also under python -O)."""
     if not condition:
         raise AssertionError(message)

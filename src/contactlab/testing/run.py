@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from contactlab.api.part import KINDS
 from contactlab.testing.assertions import Check, NotApplicable
@@ -28,12 +28,12 @@ def checks_for(kind: str) -> tuple[Check, ...]:
     return checks
 
 
-def run_checks(kind: str, part: Any) -> list[Outcome]:
+def run_checks(kind: str, part: object) -> list[Outcome]:
     """Every check of the kind on one part. Parts that raise anything have failed the check."""
     return [run_check(check, part) for check in checks_for(kind)]
 
 
-def run_check(check: Check, part: Any) -> Outcome:
+def run_check(check: Check, part: object) -> Outcome:
     """One check on one part."""
     name = getattr(check, "__name__", str(check))
     says = (check.__doc__ or name).strip().partition("\n")[0]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import rerun as rr
+from numpy.typing import ArrayLike
 
 from contactlab.api.arrays import Floats
 from contactlab_rerun.gathered import short
@@ -35,7 +36,7 @@ class Axes:
     high: float
     hang: float
 
-    def points(self, x: Floats, y: Floats) -> np.ndarray:
+    def points(self, x: ArrayLike, y: ArrayLike) -> np.ndarray:
         """Where values lie in the drawing (..., 3)."""
         across = WIDTH * (np.asarray(x) - self.x0) / (self.x1 - self.x0)
         up = (np.asarray(y) - self.low) / (self.high - self.low)

@@ -57,7 +57,7 @@ def _one(shown: Sequence[Shown], profiles: Sequence[rrb.View], solver: rrb.Conta
     mesh, u = _mesh_view(shown[0]), _units(shown)
     energy = _series_view(shown, "energy", f"energy{_in(u.line_energy)}", legend=True)
     reaction = _series_view(shown, "reaction", f"reaction{_in(u.line_force)}", legend=True)
-    below = [_tabs([energy, reaction]), solver, *_states(shown), _words(shown)]
+    below: list[rrb.Container | rrb.View] = [_tabs([energy, reaction]), solver, *_states(shown), _words(shown)]
     above = rrb.Horizontal(mesh, _tabs(profiles), column_shares=[3, 2]) if profiles else mesh
     shares = [1.0] * (len(below) - 1) + [1.3]
     return rrb.Vertical(above, rrb.Horizontal(*below, column_shares=shares), row_shares=[3, 2])
@@ -71,7 +71,10 @@ def _several(shown: Sequence[Shown], profiles: Sequence[rrb.View], solver: rrb.C
     meshes = rrb.Grid(*[_mesh_view(one) for one in ordered], grid_columns=columns)
     u = _units(shown)
     energy = [_series_view(shown, "energy", f"{n} energy{_in(u.line_energy)}", (n,)) for n in ("internal", "kinetic")]
-    below = [_tabs([_reaction_view(shown, f"reaction{_in(u.line_force)}"), *energy]), solver]
+    below: list[rrb.Container | rrb.View] = [
+        _tabs([_reaction_view(shown, f"reaction{_in(u.line_force)}"), *energy]),
+        solver,
+    ]
     below += [*_states(shown), _words(shown)]
     shares = [1.0] * (len(below) - 1) + [1.5]
     if profiles:
@@ -173,7 +176,10 @@ def _reaction_view(shown: Sequence[Shown], name: str) -> rrb.TimeSeriesView | No
 
 
 def _lines(
-    entities: Sequence[str], name: str, legend: bool, overrides: Mapping[str, rr.SeriesLines] | None = None
+    entities: Sequence[str],
+    name: str,
+    legend: bool,
+    overrides: Mapping[str | rr.datatypes.EntityPath, rr.SeriesLines] | None = None,
 ) -> rrb.TimeSeriesView:
     return rrb.TimeSeriesView(
         origin="/",

@@ -64,7 +64,7 @@ class Surface:
     @property
     def along(self) -> Ints:
         """The nodes from the beginning of the first chain to the end of the last (m,)."""
-        return np.lexsort((self.s, self.chain))
+        return np.lexsort((self.s, self.chain)).astype(np.int32)
 
     @property
     def points(self) -> Floats:

@@ -15,9 +15,9 @@ _MIDDLE = [(0, 4, 8), (4, 1, 8), (1, 5, 8), (5, 2, 8), (2, 6, 8), (6, 3, 8), (3,
 TRIANGLES = {4: _CORNERS, 8: _SERENDIPITY, 9: _MIDDLE}
 """Triangles of a cell by its number of nodes."""
 
-_STRAIGHT = [(0, 1), (1, 2), (2, 3), (3, 0)]
-_CURVED = [(0, 4, 1), (1, 5, 2), (2, 6, 3), (3, 7, 0)]
-SIDES = {4: _STRAIGHT, 8: _CURVED, 9: _CURVED}
+_STRAIGHT: list[tuple[int, ...]] = [(0, 1), (1, 2), (2, 3), (3, 0)]
+_CURVED: list[tuple[int, ...]] = [(0, 4, 1), (1, 5, 2), (2, 6, 3), (3, 7, 0)]
+SIDES: dict[int, list[tuple[int, ...]]] = {4: _STRAIGHT, 8: _CURVED, 9: _CURVED}
 """Nodes along each side of a cell, by its number of nodes."""
 
 

@@ -46,8 +46,8 @@ def lane_names(surface: Surface, nodes: Sequence[int]) -> list[str]:
 
 def watched_nodes(surface: Surface, lanes: int) -> list[int]:
     """Positions of the watched nodes among the slave nodes."""
-    touched = np.flatnonzero(surface.state.max(axis=0) > OPEN)
-    touched = surface.along[np.isin(surface.along, touched)]
+    ever = np.flatnonzero(surface.state.max(axis=0) > OPEN)
+    touched = surface.along[np.isin(surface.along, ever)]
     chosen = np.linspace(0, len(touched) - 1, min(lanes, len(touched))).round().astype(int)
     return [int(node) for node in touched[chosen]]
 

@@ -55,7 +55,7 @@ class NodeOnSegment(ContactAlgorithm):
         segment_normals(at.master, master.segments, normal, length)
         tributary = np.empty(len(slave.nodes))
         tributary_lengths(at.slave, slave.segments, slave.node_segments, tributary)
-        return pair_nodes(
+        count: int = pair_nodes(
             at.slave,
             outward,
             tributary,
@@ -70,6 +70,7 @@ class NodeOnSegment(ContactAlgorithm):
             memory[0],
             (out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
         )
+        return count
 
     def normals(
         self,

@@ -74,7 +74,8 @@ def preconditioned(matrix: Any, right: Floats, factor: Factor, accuracy: float) 
         weights = np.linalg.lstsq(part, target, rcond=None)[0]
         left = float(np.linalg.norm(target - part @ weights)) / size
         if left <= accuracy:
-            return np.einsum("i,ij->j", weights, np.array(steps))
+            combined: Floats = np.einsum("i,ij->j", weights, np.array(steps))
+            return combined
         # at this pace too long
         if length == 0.0 or (j >= 2 and np.log(left) * MOST > np.log(accuracy) * (j + 1)):
             return None

@@ -13,10 +13,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ContactSlopes, Floats, ImplicitContact, Ints, Response
 from contactlab_statics.reuse import ReusedFactor
+
+Indices = NDArray[np.integer[Any]]
 
 REDUNDANT = 3e-12  # softness of a condition over that of its nodes: two that hold the same motion share their force
 RIGID = 1e-12  # share of a condition's weights: below it no free degree of freedom takes part
@@ -33,8 +36,8 @@ class Elimination:
     residual, by_force  (r, k) divided by by_gap; cross (k,) alike, of unknown tangential forces
     """
 
-    normal: Ints
-    tangential: Ints
+    normal: Indices
+    tangential: Indices
     change: Floats
     follow: Floats
     residual: Floats
@@ -42,7 +45,7 @@ class Elimination:
     cross: Floats
 
     @property
-    def chosen(self) -> Ints:
+    def chosen(self) -> Indices:
         """Slots whose slopes are needed."""
         moved = np.flatnonzero((self.change != 0.0).any(axis=0))
         return np.unique(np.concatenate([self.normal, self.tangential, moved]))
@@ -81,7 +84,7 @@ class SaddleSystem:
         self.held = np.asarray(held)
         self.number = np.full(self.size, -1, np.int32)
         self.number[self.free] = np.arange(len(self.free))
-        self._pattern: tuple[Ints, Ints, Ints] | None = None
+        self._pattern: tuple[Indices, Indices, Indices] | None = None
         self.solver = ReusedFactor()
 
     def step(
@@ -106,7 +109,7 @@ class SaddleSystem:
         lower: list[Floats] = []
         plan = eliminate(response)
         if contact is not None and (len(plan.chosen) or contact.conditions.force.any()):
-            slopes = contact.linearise(plan.chosen)
+            slopes = contact.linearise(plan.chosen.astype(np.int32))
             self._fill_rigid_rows(plan, slopes, response)
             matrix += self._border(plan, slopes)
             right = right + _explicit_forces(plan, slopes)
@@ -129,17 +132,17 @@ class SaddleSystem:
         du[self.free] = solution[: len(self.free)]
         return du, solution[len(self.free) :]
 
-    def _own(self, stiffness: Any) -> tuple[Ints, Ints, Floats]:
+    def _own(self, stiffness: Any) -> tuple[Indices, Indices, Floats]:
         """Entries of the stiffness between free degrees of freedom."""
         if self._pattern is None:
-            column = np.repeat(np.arange(self.size, dtype=np.int32), np.diff(stiffness.indptr))
-            row, column = self.number[stiffness.indices], self.number[column]
-            inside = np.flatnonzero((row >= 0) & (column >= 0))
-            self._pattern = row[inside], column[inside], inside
+            every = np.repeat(np.arange(self.size, dtype=np.int32), np.diff(stiffness.indptr))
+            free_row, free_column = self.number[stiffness.indices], self.number[every]
+            both = np.flatnonzero((free_row >= 0) & (free_column >= 0))
+            self._pattern = free_row[both], free_column[both], both
         row, column, inside = self._pattern
         return row, column, stiffness.data[inside]
 
-    def _inside(self, matrix: csr_array) -> tuple[Ints, Ints, Floats]:
+    def _inside(self, matrix: csr_array) -> tuple[Indices, Indices, Floats]:
         """Entries of a (., 2N) matrix in free columns, rows as they are."""
         entries = matrix.tocoo()
         column = self.number[entries.col]
@@ -161,7 +164,7 @@ class SaddleSystem:
                 rigid = slots[held[np.searchsorted(plan.chosen, slots)]]
                 plan.by_force[kind, rigid] = 1.0 / response.by_gap[kind, rigid]
 
-    def _border(self, plan: Elimination, slopes: ContactSlopes) -> list[tuple[Ints, Ints, Floats]]:
+    def _border(self, plan: Elimination, slopes: ContactSlopes) -> list[tuple[Indices, Indices, Floats]]:
         """Entries of contact: change of forces, columns and rows of the unknown multipliers."""
         first = len(self.free)
         second = first + len(plan.normal)
@@ -184,7 +187,7 @@ class SaddleSystem:
 
     def _both(
         self, directions: csr_array, slopes: csr_array, first: int, diagonal: Floats
-    ) -> list[tuple[Ints, Ints, Floats]]:
+    ) -> list[tuple[Indices, Indices, Floats]]:
         """Columns of one kind of multipliers, their rows, and their diagonal."""
         row, column, value = self._inside(directions)
         parts = [(column, first + row, -value)]

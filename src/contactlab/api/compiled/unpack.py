@@ -19,7 +19,7 @@ def unpack(typingctx: Any, address: Any, layout: Any) -> Any:
     if not isinstance(layout, types.StringLiteral):
         return None
     words = layout.literal_value.split()
-    found: Any = types.BaseTuple.from_types(  # type: ignore[no-untyped-call]
+    found: Any = types.BaseTuple.from_types(
         tuple(types.Array(from_dtype(np.dtype(DTYPES[word[0]])), int(word[1]), "C") for word in words)
     )
 

@@ -35,5 +35,5 @@ def refuse_wrong_speeds(material: Material) -> None:
         _refuse(material, "wave_speeds", str(speeds), "a dilatational and a smaller shear speed, finite")
 
 
-def _refuse(part: Any, method: str, got: str, needed: str) -> None:
+def _refuse(part: object, method: str, got: str, needed: str) -> None:
     raise WrongAnswer(f"{type(part).__name__}: {method} gave {got}, needed: {needed}")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,11 +14,14 @@ from contactlab.meshing.mesh import outer_edges
 from contactlab.model.bodies.body import Body
 from contactlab.model.contact.near_list import longest_segment
 
+if TYPE_CHECKING:
+    from contactlab.errors import Where
+
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
 TOO_DEEP = 1.0  # segment lengths beyond which no treatment of an overlap is tried
 
 
-def check_facing(slave: Surface, master: Surface, positions: Floats, sides: tuple[str, str], where: Any) -> None:
+def check_facing(slave: Surface, master: Surface, positions: Floats, sides: tuple[str, str], where: Where) -> None:
     """Raise SceneError where no part of the slave looks at any part of the master."""
     at, outward = _middles(slave, positions)
     other, other_outward = _middles(master, positions)
@@ -44,7 +47,7 @@ def check_facing(slave: Surface, master: Surface, positions: Floats, sides: tupl
 
 
 def check_overlap(
-    slave: Surface, master: Surface, bodies: tuple[Body, ...], positions: Floats, treated: bool, where: Any
+    slave: Surface, master: Surface, bodies: tuple[Body, ...], positions: Floats, treated: bool, where: Where
 ) -> None:
     """Raise SceneError where nodes of one side lie deep inside the body of the other."""
     size = _longest(slave, master, positions)
@@ -59,7 +62,7 @@ def check_overlap(
                 raise overlap_error(float(depth[worst]), positions[nodes[worst]], body.name, treated, where)
 
 
-def overlap_error(depth: float, at: Floats, inside: str, treated: bool, where: Any) -> SceneError:
+def overlap_error(depth: float, at: Floats, inside: str, treated: bool, where: Where) -> SceneError:
     """The error for surfaces that overlap before the run."""
     return SceneError(
         "slave and master overlap before the run" + (", too deep for any treatment" if treated else ""),
@@ -71,7 +74,7 @@ def overlap_error(depth: float, at: Floats, inside: str, treated: bool, where: A
     )
 
 
-def refuse_held_slave(slave: Surface, immobile: Flags, name: str, where: Any) -> None:
+def refuse_held_slave(slave: Surface, immobile: Flags, name: str, where: Where) -> None:
     """Raise SceneError where no node of the slave can move."""
     if immobile[slave.nodes].all():
         raise SceneError(

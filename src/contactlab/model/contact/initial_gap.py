@@ -18,6 +18,7 @@ from contactlab.model.contact.checks import check_overlap, overlap_error
 from contactlab.model.loading.ramps import smooth
 
 if TYPE_CHECKING:
+    from contactlab.errors import Where
     from contactlab.model.loading.rigid import RigidSurface
 
 ROUND = 1e-6  # segment lengths: pushing so little out in one step costs a millionth of the wave speed
@@ -75,7 +76,7 @@ def initial_gaps(pair: Any, positions: Floats) -> Floats:
     return np.asarray(pair.gaps[:, 0].copy())
 
 
-def _moved(body: Body, positions: Floats, where: Any) -> Body:
+def _moved(body: Body, positions: Floats, where: Where) -> Body:
     nodes = np.ascontiguousarray(positions[body.first : body.first + body.count])
     moved = replace(body, mesh=replace(body.mesh, nodes=nodes))
     folded = inverted_cells(moved.mesh, body.element)

@@ -32,7 +32,10 @@ from contactlab.model.contact.operator_pair import SurfacePair
 from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
+    from contactlab.errors import Where
     from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.parts.registry import Registry
+    from contactlab.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -52,7 +55,7 @@ class ContactPlan:
     enforcement: Enforcement
     sides: tuple[str, str]
     start: Any
-    where: Any
+    where: Where
 
     @property
     def rows_per_node(self) -> int:
@@ -91,7 +94,7 @@ class _EasedGapPair(EasedGaps, GapPair):
 
 
 def plan_contacts(
-    scene: Any, registry: Any, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator
+    scene: Scene, registry: Registry, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator
 ) -> tuple[ContactPlan, ...]:
     """Every contact of the scene with its parts made and checked."""
     positions = positions_of(bodies, rigid)
@@ -107,8 +110,8 @@ def plan_contacts(
 def _plan(
     name: str,
     spec: Any,
-    where: Any,
-    registry: Any,
+    where: Where,
+    registry: Registry,
     bodies: tuple[Body, ...],
     rigid: tuple[RigidSurface, ...],
     integrator: Integrator,
@@ -146,7 +149,9 @@ def _plan(
     )
 
 
-def _surface(names: tuple[str, ...], bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], where: Any) -> Surface:
+def _surface(
+    names: tuple[str, ...], bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], where: Where
+) -> Surface:
     """One surface of all the edge sets and rigid surfaces named; several make a surface of several chains."""
     stiff = {surface.name: surface.edges for surface in rigid}
     edges = [stiff[name] if name in stiff else edge_set(bodies, name, where)[1] for name in names]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -11,10 +11,13 @@ from contactlab.api import Floats, Ints, Mesh
 from contactlab.errors import SceneError, below, did_you_mean
 from contactlab.model.bodies.body import Body
 
+if TYPE_CHECKING:
+    from contactlab.errors import Where
+
 SLACK = 1e-6  # of an edge: a bound this near to a node goes through the node
 
 
-def edge_set(bodies: tuple[Body, ...], name: str, where: Any) -> tuple[Body, Ints]:
+def edge_set(bodies: tuple[Body, ...], name: str, where: Where) -> tuple[Body, Ints]:
     """The edges (e, b) named "body.set", in global node numbers."""
     body_name, _, set_name = name.partition(".")
     by_name = {body.name: body for body in bodies}
@@ -34,7 +37,7 @@ def edge_set(bodies: tuple[Body, ...], name: str, where: Any) -> tuple[Body, Int
     return body, (sets[set_name] + body.first).astype(np.int32)
 
 
-def nodes_of(bodies: tuple[Body, ...], name: str, where: Any) -> Ints:
+def nodes_of(bodies: tuple[Body, ...], name: str, where: Where) -> Ints:
     """Nodes of "body" or "body.edge_set"."""
     for body in bodies:
         if body.name == name:
@@ -42,7 +45,7 @@ def nodes_of(bodies: tuple[Body, ...], name: str, where: Any) -> Ints:
     return np.unique(edge_set(bodies, name, where)[1])
 
 
-def with_parts(mesh: Mesh, parts: Mapping[str, Any], where: Any) -> Mesh:
+def with_parts(mesh: Mesh, parts: Mapping[str, Any], where: Where) -> Mesh:
     """The mesh with further edge sets: `parts` by name as in `[bodies.NAME.sets]`, in its present place."""
     sets = dict(mesh.edges)
     for name, part in parts.items():
@@ -61,7 +64,7 @@ def with_parts(mesh: Mesh, parts: Mapping[str, Any], where: Any) -> Mesh:
     return Mesh(mesh.nodes, mesh.cells, sets)
 
 
-def _part(nodes: Floats, edges: Ints, part: Any, where: Any) -> Ints:
+def _part(nodes: Floats, edges: Ints, part: Any, where: Where) -> Ints:
     """The edges that lie within the bounds; SceneError where a bound cuts through one."""
     inside = np.ones(len(edges), np.bool_)
     for axis, name in enumerate("xy"):

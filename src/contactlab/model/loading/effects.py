@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,10 +15,17 @@ from contactlab.model.loading.edge_sets import nodes_of
 
 if TYPE_CHECKING:
     from contactlab.model.loading.loads import Load
+    from contactlab.parts.registry import Registry
+    from contactlab.scene.scene import Scene
 
 
 def build_effects(
-    scene: Any, registry: Any, bodies: tuple[Body, ...], reference: Floats, masses: Callable[[], Floats], state: State
+    scene: Scene,
+    registry: Registry,
+    bodies: tuple[Body, ...],
+    reference: Floats,
+    masses: Callable[[], Floats],
+    state: State,
 ) -> tuple[Load, ...]:
     """One call for each of the scene's effects; `masses` makes the nodal masses, which statics may do without."""
     made = [

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,10 +11,13 @@ from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.supports import SupportPlan
 
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
+
 MOTIONS = ("sliding along x", "sliding along y", "turning")
 
 
-def check_supported(scene: Any, bodies: tuple[Body, ...], supports: SupportPlan, integrator: Integrator) -> None:
+def check_supported(scene: Scene, bodies: tuple[Body, ...], supports: SupportPlan, integrator: Integrator) -> None:
     """Raise SceneError for a body that could drift away where the scene asks for a state of rest.
 
     Without inertia every rigid motion needs a support, a contact or an effect against it. Explicit runs with
@@ -55,7 +58,7 @@ def _rigid_modes(body: Body) -> Floats:
     return modes.reshape(-1, 3)
 
 
-def _neighbours(scene: Any, name: str) -> set[str]:
+def _neighbours(scene: Scene, name: str) -> set[str]:
     """Bodies and rigid surfaces that share a contact with this one."""
     found: set[str] = set()
     for contact in scene.contacts:
@@ -68,7 +71,7 @@ def _touched(neighbours: set[str]) -> str:
     return f", and {next(iter(neighbours))} alone touches it" if neighbours else " and nothing touches it"
 
 
-def _adrift(scene: Any, body: Body, free: list[str], problem: str) -> SceneError:
+def _adrift(scene: Scene, body: Body, free: list[str], problem: str) -> SceneError:
     return SceneError(
         problem,
         where=scene.where(f"bodies.{body.name}"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,6 +14,9 @@ from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import edge_set
 from contactlab.model.loading.ramps import Course, Ramp, course_of
 
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
+
 Load = Callable[[float, Floats], None]
 """Adds nodal forces (N, 2) [N] at a time [s]."""
 
@@ -21,7 +24,7 @@ POINTS = 3  # Gauss points of an edge: exact for the quadratic trace times the s
 
 
 def build_loads(
-    scene: Any, bodies: tuple[Body, ...], reference: Floats, position: Floats, ramp_time: float
+    scene: Scene, bodies: tuple[Body, ...], reference: Floats, position: Floats, ramp_time: float
 ) -> tuple[Load, ...]:
     """One call for each of the scene's loads. `position` (N, 2) is read anew in each call."""
     loads = []

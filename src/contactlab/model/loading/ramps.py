@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+
+if TYPE_CHECKING:
+    from contactlab.scene import keys
 
 Ramp = Callable[[float], float]
 """Fraction of the final value at a time [s]."""
@@ -53,7 +56,7 @@ class Course(NamedTuple):
         return self.to != 0.0
 
 
-def course_of(value: Any) -> Course:
+def course_of(value: float | keys.Ramp | keys.Turn) -> Course:
     """The course of a number (there from the start) or of a table of the scene."""
     if isinstance(value, int | float):
         return Course(float(value))

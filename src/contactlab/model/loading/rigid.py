@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats, Ints
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import edge_set
+
+if TYPE_CHECKING:
+    from contactlab.scene.keys import Arc, Rigid
+    from contactlab.scene.scene import Scene
 
 SAGITTA = 1e-3  # of its radius: an arc rises at most so far above the segments that stand for it
 
@@ -40,7 +44,7 @@ class RigidSurface:
         return np.arange(self.first, self.first + self.count, dtype=np.int32)
 
 
-def build_rigid(scene: Any, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:
+def build_rigid(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:
     """All rigid surfaces of the scene, numbered after the nodes of the bodies."""
     first = sum(body.count for body in bodies)
     surfaces: list[RigidSurface] = []
@@ -55,7 +59,7 @@ def build_rigid(scene: Any, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...
     return tuple(surfaces)
 
 
-def _facing(scene: Any, bodies: tuple[Body, ...], name: str) -> list[Ints]:
+def _facing(scene: Scene, bodies: tuple[Body, ...], name: str) -> list[Ints]:
     """Edge sets that have this surface as their master."""
     found = []
     for number, contact in enumerate(scene.contacts):
@@ -73,7 +77,7 @@ def _longest(edges: Ints, bodies: tuple[Body, ...]) -> float:
     return float(np.hypot(chord[:, 0], chord[:, 1]).max() / (edges.shape[1] - 1))
 
 
-def _chain(spec: Any, segment: float, multiple: int) -> tuple[Floats, bool]:
+def _chain(spec: Rigid, segment: float, multiple: int) -> tuple[Floats, bool]:
     """Points along the surface and whether they close; segments come in multiples of `multiple` per piece."""
     if spec.arc is not None:
         return _arc(spec.arc, segment, multiple)
@@ -87,7 +91,7 @@ def _chain(spec: Any, segment: float, multiple: int) -> tuple[Floats, bool]:
     return (points[:-1] if closed else points), closed
 
 
-def _arc(arc: Any, segment: float, multiple: int) -> tuple[Floats, bool]:
+def _arc(arc: Arc, segment: float, multiple: int) -> tuple[Floats, bool]:
     first, last = np.radians(arc.angles)
     turn = abs(last - first)
     closed = math.isclose(turn, 2.0 * math.pi)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -16,7 +16,10 @@ from contactlab.model.loading.edge_sets import nodes_of
 from contactlab.model.loading.ramps import Course, Ramp, course_of
 
 if TYPE_CHECKING:
+    from contactlab.errors import Where
     from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.scene.keys import Rigid, Support
+    from contactlab.scene.scene import Scene
 
 Values = Callable[[float], Floats]
 
@@ -148,7 +151,7 @@ class SupportPlan:
 
 
 def plan_supports(
-    scene: Any, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], reference: Floats
+    scene: Scene, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], reference: Floats
 ) -> SupportPlan:
     """Which degrees of freedom the scene prescribes; SceneError where two supports disagree."""
     plan = _Plan(reference)
@@ -179,7 +182,7 @@ class _Plan:
         self.places = 0
         self.moving = [False, False]
 
-    def add(self, on: str, nodes: Ints, spec: Any, where: Any) -> None:
+    def add(self, on: str, nodes: Ints, spec: Support | Rigid, where: Where) -> None:
         """Hold or move `nodes` as the table at `where` says."""
         self.on = on
         self.sets[on] = nodes
@@ -194,7 +197,8 @@ class _Plan:
                 for dof in (2 * nodes + component).tolist():
                     self._hold(dof, _Held(course.to, place, course), below(where, ("ux", "uy")[component]))
 
-    def _turn(self, nodes: Ints, spec: Any, where: Any) -> None:
+    def _turn(self, nodes: Ints, spec: Support | Rigid, where: Where) -> None:
+        assert spec.turn is not None
         turn, courses = spec.turn, [course_of(0.0 if value is None else value) for value in (spec.ux, spec.uy)]
         angle = course_of(turn)._replace(to=math.radians(turn.to))
         offsets = self.reference[nodes] - np.asarray(turn.about)
@@ -211,7 +215,7 @@ class _Plan:
         self.places += motion.size
         return begin
 
-    def _hold(self, dof: int, new: _Held, where: Any) -> None:
+    def _hold(self, dof: int, new: _Held, where: Where) -> None:
         old = self.held.setdefault(dof, new)
         self.owner.setdefault(dof, self.on)
         if old is not new and not _agree(old, new):
