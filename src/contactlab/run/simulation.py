@@ -74,6 +74,8 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
         _advance(run, progress)
         if interruption.name:
             return "interrupted", run.pause(f"stopped by {interruption.name}")
+        run.guards.at_the_end()
+        run.schedule.follow()
         run.schedule.verdict()
         return "finished", ""
     except SimulationFailure as failure:
