@@ -298,7 +298,7 @@ def test_newton_iterations_are_on_the_timeline(small_scene: MakeScene, tmp_path:
 
 
 def test_comparison_has_all_runs_on_one_cursor(small_scene: MakeScene, tmp_path: Path) -> None:
-    from contactlab.compare.recordings import record_comparison, runs_of, titled_runs
+    from contactlab.studies.recordings import record_comparison, runs_of, titled_runs
 
     algorithms = ("mortar-p0", "node-on-segment")
     for number, algorithm in enumerate(algorithms):

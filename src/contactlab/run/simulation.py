@@ -9,10 +9,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from contactlab.api import StepStatus
-from contactlab.errors import ContactlabError, RequestError, SimulationFailure
+from contactlab.errors import ContactlabError, RequestError, SimulationFailure, one_line
 from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault
-from contactlab.parts.loading import one_line
 from contactlab.results.results import Results
 from contactlab.run.folders import run_folder
 from contactlab.run.guards import EVERY

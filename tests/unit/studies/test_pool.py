@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from contactlab.compare.pool import ProcessDiedError, RaisedError, WorkerPool
+from contactlab.studies.pool import ProcessDiedError, RaisedError, WorkerPool
 
 TASKS = """
     import os, signal, sys, time

@@ -13,10 +13,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from contactlab.api.arrays import Floats
-from contactlab.compare.shape import Shape, shapes_of
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve, Results
 from contactlab.scene.scene import Scene
+from contactlab.studies.shape import Shape, shapes_of
 
 Report = Callable[[Any], None]
 

@@ -19,8 +19,8 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from typing import Any
 
-from contactlab.compare import worker as far_end
-from contactlab.compare.worker import receive, send
+from contactlab.studies import worker as far_end
+from contactlab.studies.worker import receive, send
 
 Report = Callable[[Any], None]
 
