@@ -25,7 +25,7 @@ METHODS = {
     "contact": {"pieces": "contact pieces", "normals": "contact normals", "conditions": "contact conditions"},
     "enforcement": {
         "solve": "contact enforcement",
-        "solve_chained": "contact enforcement",
+        "solve_factored": "contact enforcement",
         "respond": "contact enforcement",
     },
 }

@@ -25,7 +25,7 @@ from contactlab.scene.scene import Scene, bundled_scenes, load_scene
 
 PROBE = Path(__file__).with_name("composition_probe.py")
 CONTACT = r"contactlab\.(model\.(contact|surface_pair|gap_pair|initial_gap|implicit_contact)|results\.contact_report)"
-CONTACT_KERNELS = r"contactlab\.kernels\.(coupling|rows|search|windows|penetration)"
+CONTACT_KERNELS = r"contactlab\.kernels\.contact"
 
 
 @dataclass(frozen=True)
@@ -106,8 +106,8 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {name: (name, {}) for name in dif
     "static": ("disc-on-block", STATIC),
 }
 BRANCHES = {
-    "contactlab.kernels.contact.windows.identity",
-    "contactlab.kernels.contact.windows.solved",
+    "contactlab.kernels.contact.banded_rows.own_nodes",
+    "contactlab.kernels.contact.banded_rows.solved",
     "contactlab.kernels.watch.deepest",
 }
 """Kernels that depend on how surfaces lie, or look at them now and then: a run may come to need them later than in

@@ -79,10 +79,10 @@ def test_a_key_calls_for_its_effects_and_no_other(changes: dict[str, Any], effec
 def test_friction_brings_its_arrays() -> None:
     plain, rough = set(names(scene())), set(names(scene(COULOMB)))
     # conditions without friction need no rows: they are solved as columns and coupling
-    chained = {name for name in plain if name.startswith("contact.chained.")}
-    assert chained
-    assert not chained & rough
-    plain -= chained
+    factored = {name for name in plain if name.startswith("contact.factored.")}
+    assert factored
+    assert not factored & rough
+    plain -= factored
     assert plain < rough
     assert {"contact.rows.tangent_weight", "contact.rows.slip", "contact.rows.bound"} <= rough - plain
     assert tangential(rough) == rough - plain

@@ -27,9 +27,8 @@ LAYERS = (
     ("results",),
     ("missing_effects",),
     ("run",),
-    ("explain", "studies"),
-    ("reports",),
-    ("comparison",),
+    ("explain",),
+    ("compare", "reports"),
     ("testing", "commands", "cli"),
 )
 

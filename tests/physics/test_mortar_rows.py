@@ -90,7 +90,7 @@ def test_pressure_of_one_unit_nodal_force(
 def test_pressure_carries_the_force(algorithm: ContactAlgorithm, at: Chains) -> None:
     """The pressure of any nodal forces y is T^-1 y, so its own nodal forces are y again."""
     pair, _ = pair_of(algorithm, at)
-    kept = pair.owner == np.arange(pair.slots)
+    kept = pair.coupling.owner == np.arange(pair.slots)
     y = np.where(kept, np.random.default_rng(1).uniform(size=pair.slots), 0.0)
     again = merged_coupling(pair) @ np.where(kept, pair.tractions(y), 0.0)
     np.testing.assert_allclose(again, y, atol=ROUND_OFF)
@@ -100,7 +100,7 @@ def merged_coupling(pair: SurfacePair) -> Floats:
     """T with rows and columns of merged multipliers added to their owners."""
     p, n = pair.pieces, pair.count
     T = np.zeros((pair.slots, pair.slots))
-    rows = pair.owner[p.multiplier[:n]]
+    rows = pair.coupling.owner[p.multiplier[:n]]
     np.add.at(T, (rows[:, :, None], rows[:, None, :]), p.T[:n] * (rows[:, :, None] >= 0) * (rows[:, None, :] >= 0))
     return T
 
@@ -126,7 +126,7 @@ def test_a_uniform_pressure_crosses_a_partial_cover(algorithm: ContactAlgorithm,
     pair, _ = pair_of(algorithm, at)
     x, n = at.nodes[:, 0], len(at.slave.nodes)
     covered = min(x[n - 1], x[n:].max()) - max(x[0], x[n:].min())
-    y = merged_coupling(pair) @ (pair.owner == np.arange(pair.slots))
+    y = merged_coupling(pair) @ (pair.coupling.owner == np.arange(pair.slots))
     found = conditions(algorithm, at)
     force = y[found.owner] @ dense(found, found.normal_weight, len(at.nodes))[..., 1]
     assert force[:n].sum() == pytest.approx(covered, abs=ROUND_OFF)
@@ -147,9 +147,9 @@ def test_a_multiplier_with_little_cover_joins_its_neighbour(
     h = 0.25
     begins = 5.0 * h if algorithm is P1 else 5.5 * h  # where the support of multiplier 6 begins
     pair, _ = pair_of(algorithm, line(h * np.arange(9), np.array([-1.0, begins + beyond * h])))
-    assert pair.owner[6] == owner
-    assert list(pair.owner[:6]) == list(range(6))
-    np.testing.assert_array_equal(pair.owner[7:], -1)
+    assert pair.coupling.owner[6] == owner
+    assert list(pair.coupling.owner[:6]) == list(range(6))
+    np.testing.assert_array_equal(pair.coupling.owner[7:], -1)
 
 
 @BOTH
@@ -157,7 +157,7 @@ def test_a_corner_that_hardly_touches_has_no_condition(algorithm: ContactAlgorit
     """With nothing to join and less than 1e-6 of its length a multiplier is dropped: its row would be round-off."""
     h = 0.25
     pair, _ = pair_of(algorithm, line(h * np.arange(9), np.array([2.0 - 1e-7 * h, 4.0])))
-    assert pair.kept == 0
+    assert pair.coupling.kept == 0
 
 
 @BOTH
@@ -168,7 +168,7 @@ def test_the_multiplier_of_a_fixed_end_joins_its_neighbour(algorithm: ContactAlg
     fixed[0] = True
     pair = SurfacePair("contact", algorithm, at.slave, at.master, at.nodes, 0, None, fixed)
     pair.update(at.nodes, np.zeros((0, 9)))
-    assert list(pair.owner) == [1, *range(1, 9)]
+    assert list(pair.coupling.owner) == [1, *range(1, 9)]
     assert pair.cover[1] == pytest.approx(0.125 + 0.25, abs=ROUND_OFF)
 
 

@@ -75,12 +75,13 @@ def test_coupling_table_of_one_edge(algorithm: str, element: str) -> None:
 def test_rows_reproduce_constants_and_lines(algorithm: str, span: list[float]) -> None:
     """Both sides weigh constants alike and see the same linear function, also on partial cover.
 
-    The tolerance is the cut of the windows, 1e-13 per weight.
+    The tolerance is the cut of the rows, 1e-13 per weight.
     """
     pair, _ = updated_pair(pressed_blocks(algorithm, span, (3, 4)))
-    for k in pair.order[: pair.kept]:
+    weights = pair.weights()
+    for k in pair.coupling.order:
         sums = []
-        for (start, end, weight), x in ((pair.slave_window, pair.at.slave), (pair.master_window, pair.at.master)):
+        for (start, end, weight), x in ((weights.slave, pair.at.slave), (weights.master, pair.at.master)):
             w = weight[k, : end[k] - start[k]]
             sums.append((w.sum(), w @ x[start[k] : end[k], 0]))
         assert sums[0] == pytest.approx(sums[1], abs=1e-11)

@@ -15,13 +15,13 @@ from contactlab.scene.scene import Scene
 
 @pytest.fixture(scope="module")
 def both(small_scene: Callable[..., Scene], tmp_path_factory: pytest.TempPathFactory) -> tuple[Results, Results]:
-    """The same frictionless run, with conditions as chained rows and as rows."""
+    """The same frictionless run, with conditions as factored rows and as rows."""
     scene = small_scene({"contacts.0.algorithm": "mortar-p1"})
     solver = default_registry().part_class("enforcement", "forward-increment")
     with pytest.MonkeyPatch.context() as patch:
-        chained = simulate(scene, tmp_path_factory.mktemp("chained") / "run")
-        patch.setattr(solver, "chained", False)
-        return chained, simulate(scene, tmp_path_factory.mktemp("rows") / "run")
+        factored = simulate(scene, tmp_path_factory.mktemp("factored") / "run")
+        patch.setattr(solver, "factored", False)
+        return factored, simulate(scene, tmp_path_factory.mktemp("rows") / "run")
 
 
 def test_active_conditions_are_those_that_frames_show(both: tuple[Results, Results]) -> None:
@@ -34,7 +34,7 @@ def test_active_conditions_are_those_that_frames_show(both: tuple[Results, Resul
 
 
 def test_both_ways_tell_the_same(both: tuple[Results, Results]) -> None:
-    chained, rows = (run.steps for run in both)
-    np.testing.assert_array_equal(chained["contacts.0.active"], rows["contacts.0.active"])
+    factored, rows = (run.steps for run in both)
+    np.testing.assert_array_equal(factored["contacts.0.active"], rows["contacts.0.active"])
     # conditions hold within 1e-10 segment lengths (0.1 mm), positions within their round-off
-    assert max(chained["contacts.0.penetration"].max(), rows["contacts.0.penetration"].max()) < 1e-10
+    assert max(factored["contacts.0.penetration"].max(), rows["contacts.0.penetration"].max()) < 1e-10

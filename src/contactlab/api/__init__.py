@@ -9,10 +9,10 @@ from contactlab.api.contact import ContactAlgorithm, GapAlgorithm, GapConditions
 from contactlab.api.effect import Effect, EffectView
 from contactlab.api.element import BlockKernels, Element, Quadrature, Shape
 from contactlab.api.enforcement import (
-    ChainedRows,
     Conditions,
     Enforcement,
     ExplicitEnforcement,
+    FactoredRows,
     ImplicitEnforcement,
     Response,
     Rows,
@@ -52,7 +52,6 @@ __all__ = [
     "ZZ",
     "BlockKernels",
     "Candidates",
-    "ChainedRows",
     "Conditions",
     "ContactAlgorithm",
     "ContactCurve",
@@ -65,6 +64,7 @@ __all__ = [
     "Equations",
     "Event",
     "ExplicitEnforcement",
+    "FactoredRows",
     "Floats",
     "Frame",
     "FrictionBound",

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.compiled.bound_arrays import BoundArrays
-
-CHAINED = "i1 i1 d1 i1 d2 d1 d1 i1 d1 d1 d1 d1"
-"""Layout of the arrays that `ChainedRows` binds."""
+from contactlab.api.compiled.contact_tables import FactoredTable, RowsTable
 
 
 @dataclass
@@ -45,9 +44,14 @@ class Rows:
     bound: Floats
     work: Floats
 
+    @cached_property
+    def packed(self) -> BoundArrays:
+        """All arrays, for kernels that `unpack` a `RowsTable`; arrays are filled anew, never exchanged."""
+        return BoundArrays(RowsTable, *(getattr(self, name) for name in RowsTable._fields))
+
 
 @dataclass
-class ChainedRows:
+class FactoredRows:
     """Frictionless gap conditions before their coupling is inverted, `count` of them in use.
 
     The condition i is normal . (own + [T^-T B])_i: B has few entries per condition, T couples neighbours. What
@@ -61,8 +65,7 @@ class ChainedRows:
     above    (k,) [mm]   T[i - 1, i], 0 at the start of a chain
     below    (k,) [mm]   T[i, i - 1], 0 at the start of a chain
     inverse  (k,) [1/mm] of the pivots of T, eliminated in this order
-    left     (k,) [mm]   gaps under the forces, filled by the enforcement for those who record them
-    bound    all arrays but `count`, in this order, for kernels that unpack `CHAINED`
+    left     (k,) [mm]   gaps after the solve; written by the enforcement for recorders
     """
 
     count: int
@@ -78,18 +81,21 @@ class ChainedRows:
     below: Floats
     inverse: Floats
     left: Floats
-    bound: BoundArrays
 
     @classmethod
-    def allocate(cls, rows: int, entries: int) -> ChainedRows:
+    def allocate(cls, rows: int, entries: int) -> FactoredRows:
         """Zeroed room."""
         own, slot = (np.zeros(rows, np.int32) for _ in range(2))
         gap, size, above, below, inverse, left = (np.zeros(rows) for _ in range(6))
-        arrays = (
-            np.zeros(rows + 1, np.int32), np.zeros(entries, np.int32), np.zeros(entries), own, np.zeros((rows, 2)),
+        return cls(
+            0, np.zeros(rows + 1, np.int32), np.zeros(entries, np.int32), np.zeros(entries), own, np.zeros((rows, 2)),
             gap, size, slot, above, below, inverse, left,
         )  # fmt: skip
-        return cls(0, *arrays, BoundArrays(CHAINED, *arrays))
+
+    @cached_property
+    def packed(self) -> BoundArrays:
+        """All arrays, for kernels that `unpack` a `FactoredTable`; arrays are filled anew, never exchanged."""
+        return BoundArrays(FactoredTable, *(getattr(self, name) for name in FactoredTable._fields))
 
 
 class Solve(NamedTuple):
@@ -109,12 +115,14 @@ class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
 class ExplicitEnforcement(Enforcement):
     """For integrators that predict positions and correct them with contact forces in the same step.
 
-    chained  it has `solve_chained`, which is then asked first where all conditions can be given that way
+    factored  it has `solve_factored`, which is then asked first where all conditions can be given that way
     """
 
-    chained: ClassVar[bool] = False
+    factored: ClassVar[bool] = False
 
-    def solve_chained(self, rows: ChainedRows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
+    def solve_factored(
+        self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats
+    ) -> Solve | None:
         """As `solve`; None where it gives up, with multipliers and forces as they were."""
         raise NotImplementedError
 

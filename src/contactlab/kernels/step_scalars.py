@@ -20,11 +20,11 @@ def kinetic(mass, velocity):
 
 @kernel
 def step_scalars(
-    row, bound, bound_rows, dt, sweeps, iterations, residual, elements, contact, works, count, chained
+    row, bound, bound_rows, dt, sweeps, iterations, residual, elements, contact, works, count, factored
 ):  # fmt: skip
     """Both of the following in one call."""
     column = model_scalars(row, bound, dt, sweeps, iterations, residual, elements, contact, works)
-    contact_scalars(row, bound_rows, column, count, chained)
+    contact_scalars(row, bound_rows, column, count, factored)
 
 
 @kernel
@@ -69,26 +69,26 @@ def _pair(first, slot):
 
 
 @kernel
-def contact_scalars(row, bound, column, count, chained):
+def contact_scalars(row, bound, column, count, factored):
     """Fill active, sticking and penetration of every pair, from `column` on.
 
     bound       arrays buffer (BLOCK, columns), position (N, 2), multipliers (1 or 2, conditions),
                 pair_start (first slot of each pair, end of the last), of the rows start, node,
-                normal_weight, slot, measure, bound, of the chained rows slot and left
-    count       rows in use, chained those of the other kind; in a step one of them is zero
+                normal_weight, slot, measure, bound, of the factored rows slot and left
+    count       rows in use, factored those of the other kind; in a step one of them is zero
 
     Active are conditions with a force, sticking those of them below their friction bound;
     penetration is the deepest gap of the conditions at the end of the step [mm].
     """
     (
-        buffer, position, forces, first, start, node, weight, slot, measure, bounds, chained_slot, left,
+        buffer, position, forces, first, start, node, weight, slot, measure, bounds, factored_slot, left,
     ) = unpack(bound, CONTACT)  # fmt: skip
     out, pairs, friction = buffer[row], first.size - 1, bounds.shape[1] > 0
     for i in range(3 * pairs):
         out[column + i] = 0.0
-    for k in range(chained):
-        at = column + 3 * _pair(first, chained_slot[k])
-        if forces[0, chained_slot[k]] > 0.0:
+    for k in range(factored):
+        at = column + 3 * _pair(first, factored_slot[k])
+        if forces[0, factored_slot[k]] > 0.0:
             out[at] += 1.0
         out[at + 2] = max(out[at + 2], -left[k])
     for k in range(count):

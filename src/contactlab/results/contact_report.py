@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import Floats, Ints, State
+from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
-from contactlab.kernels.contact.windows import FAR
 from contactlab.model.contact.gap_pair import Pair
 from contactlab.results.arc_length import arc_length
 from contactlab.results.results import ContactCurve

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import ChainedRows, Floats, Step
+from contactlab.api import FactoredRows, Floats, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.state import WORK
 from contactlab.kernels.step_scalars import CONTACT, MODEL, model_scalars, step_scalars
@@ -68,21 +68,21 @@ def _with_rows(sampler: StepSampler, model: Model) -> Sample:
     assert contact is not None
     bound, works = _bound_model(sampler.rows, model), len(WORK)
     address, elements, solving = bound.address, model.seconds, contact.seconds
-    rows, chained = contact.rows, contact.chained
+    rows, factored = contact.rows, contact.factored
     bound_rows = _bound_rows(sampler.rows, model, contact)
     rows_address = bound_rows.address
 
     def sample(step: Step, dt: float) -> None:
-        nonlocal elements, solving, rows, chained, bound_rows, rows_address
-        if contact.rows is not rows or contact.chained is not chained:  # they were made anew with more room
-            rows, chained = contact.rows, contact.chained
+        nonlocal elements, solving, rows, factored, bound_rows, rows_address
+        if contact.rows is not rows or contact.factored is not factored:  # they were made anew with more room
+            rows, factored = contact.rows, contact.factored
             bound_rows = _bound_rows(sampler.rows, model, contact)
             rows_address = bound_rows.address
         row, of_elements, of_contact = sampler.count, model.seconds - elements, contact.seconds - solving
         elements, solving = model.seconds, contact.seconds
         step_scalars(
             row, address, rows_address, dt, step.sweeps, step.iterations, step.residual, of_elements, of_contact, works,
-            rows.count, 0 if chained is None else chained.count,
+            rows.count, 0 if factored is None else factored.count,
         )  # fmt: skip
         sampler.count = row + 1
         if row + 1 == BLOCK:
@@ -135,9 +135,9 @@ def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
 
 
 def _bound_rows(buffer: Floats, model: Model, contact: ContactSystem) -> BoundArrays:
-    pairs, r, chained = contact.pairs, contact.rows, contact.chained or ChainedRows.allocate(0, 0)
+    pairs, r, factored = contact.pairs, contact.rows, contact.factored or FactoredRows.allocate(0, 0)
     starts = np.array([*(pair.first_slot for pair in pairs), pairs[-1].first_slot + pairs[-1].slots], np.int32)
-    of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.bound, chained.slot, chained.left)
+    of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.bound, factored.slot, factored.left)
     return BoundArrays(CONTACT, buffer, model.position, contact.multipliers, starts, *of_rows)
 
 

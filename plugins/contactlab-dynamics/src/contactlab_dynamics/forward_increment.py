@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contactlab.api import ChainedRows, ExplicitEnforcement, Floats, Rows, Solve
+from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve
 from contactlab.api.compiled.late import late
 
 DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than the sweeps that it saves
@@ -19,7 +19,7 @@ class ForwardIncrement(ExplicitEnforcement):
     sweeps     most sweeps in a step; a residual left over is reported
     """
 
-    chained: ClassVar[bool] = True
+    factored: ClassVar[bool] = True
 
     tolerance: float = 1e-10
     sweeps: int = 200
@@ -30,10 +30,12 @@ class ForwardIncrement(ExplicitEnforcement):
         if self.sweeps < 1:
             raise ValueError(f"sweeps: got {self.sweeps}, allowed: at least 1")
 
-    def solve_chained(self, rows: ChainedRows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve | None:
+    def solve_factored(
+        self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats
+    ) -> Solve | None:
         """Active sets by conjugate gradients; None where they go round in circles."""
         passes, residual, largest = late("contactlab_dynamics.active_set").solve_active(
-            rows.count, rows.bound.address, compliance, multipliers, force, self.tolerance, self.sweeps
+            rows.count, rows.packed.address, compliance, multipliers, force, self.tolerance, self.sweeps
         )
         return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None
 
@@ -43,10 +45,5 @@ class ForwardIncrement(ExplicitEnforcement):
 
         conditions = rows.count * (2 if len(rows.tangent_weight) else 1)
         solve = solve_dense if conditions <= DENSE_UP_TO else solve_sparse
-        return Solve(
-            *solve(
-                rows.count, rows.start, rows.node, rows.normal_weight, rows.tangent_weight, rows.gap, rows.slip,
-                rows.measure, rows.size, rows.slot, rows.bound, rows.work, compliance, multipliers, force,
-                self.tolerance, self.sweeps,
-            )
-        )  # fmt: skip
+        address = rows.packed.address
+        return Solve(*solve(rows.count, address, compliance, multipliers, force, self.tolerance, self.sweeps))

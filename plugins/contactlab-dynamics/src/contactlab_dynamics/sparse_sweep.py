@@ -1,7 +1,7 @@
 """Projected Gauss-Seidel on the entries of the rows.
 
 While sweeping, `correction` (N, 2) [mm] is compliance times force, so that a row's current gap costs one
-pass over its entries.
+pass over its entries. `rows` is a `RowsTable` throughout.
 """
 
 from __future__ import annotations
@@ -13,12 +13,13 @@ from contactlab_dynamics.row_updates import normal_update, tangential_update
 
 
 @section
-def row_diagonals(count, start, node, normal, tangent, compliance, work):
-    """Compliance of each row by its own force: work[0], and work[2] with friction."""
+def row_diagonals(count, rows, compliance):
+    """Compliance of each row by its own force: rows.work[0], and [2] with friction."""
     for k in range(count):
-        work[0, k] = _row_compliance(start[k], start[k + 1], node, normal, compliance)
-        if tangent.shape[0] > 0:
-            work[2, k] = _row_compliance(start[k], start[k + 1], node, tangent, compliance)
+        begin, end = rows.start[k], rows.start[k + 1]
+        rows.work[0, k] = _row_compliance(begin, end, rows.node, rows.normal_weight, compliance)
+        if rows.tangent_weight.shape[0] > 0:
+            rows.work[2, k] = _row_compliance(begin, end, rows.node, rows.tangent_weight, compliance)
 
 
 @section
@@ -56,36 +57,36 @@ def _push(begin, end, node, weight, amount, compliance, correction):
 
 
 @section
-def _warm(count, start, node, normal, tangent, work, compliance, correction):
+def _warm(count, rows, compliance, correction):
     """Corrections that belong to the forces of the warm start."""
     correction[:] = 0.0
     for k in range(count):
-        _push(start[k], start[k + 1], node, normal, work[1, k], compliance, correction)
-        if tangent.shape[0] > 0:
-            _push(start[k], start[k + 1], node, tangent, work[3, k], compliance, correction)
+        begin, end = rows.start[k], rows.start[k + 1]
+        _push(begin, end, rows.node, rows.normal_weight, rows.work[1, k], compliance, correction)
+        if rows.tangent_weight.shape[0] > 0:
+            _push(begin, end, rows.node, rows.tangent_weight, rows.work[3, k], compliance, correction)
 
 
 @section
-def sparse_sweeps(
-    count, start, node, normal, tangent, gap, slip, measure, size, bound, work, compliance, correction, tolerance, limit
-):
+def sparse_sweeps(count, rows, compliance, correction, tolerance, limit):
     """Sweep until the residual falls below `tolerance`; returns (sweeps, residual)."""
-    _warm(count, start, node, normal, tangent, work, compliance, correction)
+    _warm(count, rows, compliance, correction)
+    node, normal, tangent = rows.node, rows.normal_weight, rows.tangent_weight
     sweeps, residual = 0, np.inf
     while residual > tolerance and sweeps < limit:
         residual = 0.0
         for i in range(count):
             # alternating directions keep a symmetric scene symmetric
             k = i if sweeps % 2 == 0 else count - 1 - i
-            begin, end = start[k], start[k + 1]
-            if work[0, k] > 0.0:
-                present = gap[k] + _row_value(begin, end, node, normal, correction)
-                found, change = normal_update(k, present, size, work)
+            begin, end = rows.start[k], rows.start[k + 1]
+            if rows.work[0, k] > 0.0:
+                present = rows.gap[k] + _row_value(begin, end, node, normal, correction)
+                found, change = normal_update(k, present, rows)
                 _push(begin, end, node, normal, change, compliance, correction)
                 residual = max(residual, found)
-            if tangent.shape[0] > 0 and work[2, k] > 0.0:
-                present = slip[k] + _row_value(begin, end, node, tangent, correction)
-                found, change = tangential_update(k, present, size, measure, bound, work)
+            if tangent.shape[0] > 0 and rows.work[2, k] > 0.0:
+                present = rows.slip[k] + _row_value(begin, end, node, tangent, correction)
+                found, change = tangential_update(k, present, rows)
                 _push(begin, end, node, tangent, change, compliance, correction)
                 residual = max(residual, found)
         sweeps += 1

@@ -1,35 +1,95 @@
-"""Arrays bound once and passed to a kernel by one number.
+"""Arrays that are bound once and passed to a kernel by one number.
 
 Passing twenty arrays costs a compiled call a microsecond, in tuples three, which is more than a kernel on a few dozen
 nodes works. A `BoundArrays` holds references to its arrays, so that its address stays good as long as it lives;
 `contactlab.api.compiled.unpack` turns the address into the arrays inside a kernel.
+
+What is bound is told by a layout, "d2 i1" say, or by a table: a named tuple whose annotations are the array types
+below, or other tables. Inside a kernel a table's arrays have the names of its fields.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Annotated, Any, get_type_hints
+from weakref import WeakKeyDictionary
 
 import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["DTYPES", "BoundArrays"]
+__all__ = [
+    "DTYPES",
+    "BoundArrays",
+    "BoundCache",
+    "Flags1",
+    "Floats1",
+    "Floats2",
+    "Floats3",
+    "Ints1",
+    "Ints2",
+    "layout_of",
+    "members",
+]
 
 DTYPES = {"d": np.float64, "i": np.int32, "l": np.int64, "b": np.bool_}
+
+Floats1 = Annotated[NDArray[np.float64], "d1"]
+Floats2 = Annotated[NDArray[np.float64], "d2"]
+Floats3 = Annotated[NDArray[np.float64], "d3"]
+Ints1 = Annotated[NDArray[np.int32], "i1"]
+Ints2 = Annotated[NDArray[np.int32], "i2"]
+Flags1 = Annotated[NDArray[np.bool_], "b1"]
+
+
+def members(table: type) -> dict[str, str | type]:
+    """What the fields of a table hold: the word of an array, "d2" say, or another table."""
+    hints = get_type_hints(table, include_extras=True)
+    return {name: getattr(hint, "__metadata__", (hint,))[0] for name, hint in hints.items()}
+
+
+def layout_of(table: type) -> str:
+    """The layout of all arrays of a table, those of the tables within it included, one after another."""
+    return " ".join(held if isinstance(held, str) else layout_of(held) for held in members(table).values())
 
 
 class BoundArrays:
     """C-contiguous arrays that never move while this object lives, for kernels that `unpack` its `address`.
 
     `layout` has a word for each array: a letter for what is in it (d float64, i int32, l int64, b bool) and the number
-    of its dimensions, "d2 i1" say. `table` is what the address leads to: the arrays as compiled code holds them.
+    of its dimensions, "d2 i1" say; or it is a table (see the module). `table` is what the address leads to: the arrays
+    as compiled code holds them.
     """
 
-    def __init__(self, layout: str, *arrays: Any) -> None:
+    def __init__(self, layout: str | type, *arrays: Any) -> None:
         words: list[int] = []
-        for word, array in zip(layout.split(), arrays, strict=True):
+        layout = layout if isinstance(layout, str) else layout_of(layout)
+        self.arrays = tuple(_flat(arrays))
+        for word, array in zip(layout.split(), self.arrays, strict=True):
             if array.dtype != DTYPES[word[0]] or array.ndim != int(word[1]) or not array.flags.c_contiguous:
                 raise TypeError(f"bound array: got {array.dtype} of {array.ndim} dimensions, needed: contiguous {word}")
             # owner and parent: none, `arrays` keeps them; then size, bytes per entry, address, shape and strides
             words += [0, 0, array.size, array.itemsize, array.ctypes.data, *array.shape, *array.strides]
-        self.arrays = arrays
         self.table = np.array(words, np.int64)
         self.address = int(self.table.ctypes.data)
+
+
+def _flat(arrays: tuple[Any, ...]) -> Iterator[Any]:
+    for array in arrays:
+        if isinstance(array, tuple):
+            yield from _flat(array)
+        else:
+            yield array
+
+
+class BoundCache:
+    """Bound arrays of objects that live for long, made when they are first asked for and forgotten with the object."""
+
+    def __init__(self) -> None:
+        self._kept: WeakKeyDictionary[Any, tuple[tuple[Any, ...], BoundArrays]] = WeakKeyDictionary()
+
+    def of(self, owner: Any, sources: tuple[Any, ...], bind: Callable[[], BoundArrays]) -> BoundArrays:
+        """What `bind` gave for `owner`; asked again where one of the `sources` is another object than it was then."""
+        found = self._kept.get(owner)
+        if found is None or any(one is not other for one, other in zip(found[0], sources, strict=True)):
+            found = self._kept[owner] = sources, bind()
+        return found[1]

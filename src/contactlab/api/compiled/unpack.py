@@ -8,22 +8,38 @@ import numpy as np
 from numba import from_dtype, types
 from numba.extending import intrinsic
 
-from contactlab.api.compiled.bound_arrays import DTYPES
+from contactlab.api.compiled.bound_arrays import DTYPES, members
 
 __all__ = ["unpack"]
 
 
 @intrinsic(prefer_literal=True)
 def unpack(typingctx: Any, address: Any, layout: Any) -> Any:
-    """Tuple of the arrays bound at `address` with the same `layout`, a constant."""
-    if not isinstance(layout, types.StringLiteral):
+    """Tuple of the arrays bound at `address` with the same `layout`, a constant; a named one if it is a table."""
+    found = _type_of(layout)
+    if found is None:
         return None
-    words = layout.literal_value.split()
-    found: Any = types.BaseTuple.from_types(
-        tuple(types.Array(from_dtype(np.dtype(DTYPES[word[0]])), int(word[1]), "C") for word in words)
-    )
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
         return builder.load(builder.inttoptr(args[0], context.get_value_type(found).as_pointer()))
 
     return found(types.int64, layout), codegen
+
+
+def _type_of(layout: Any) -> Any:
+    if isinstance(layout, types.StringLiteral):
+        return _tuple([_array(word) for word in layout.literal_value.split()])
+    return _table(layout.instance_class) if isinstance(layout, types.NamedTupleClass) else None
+
+
+def _table(table: type) -> Any:
+    held = members(table).values()
+    return _tuple([_array(one) if isinstance(one, str) else _table(one) for one in held], table)
+
+
+def _tuple(held: list[Any], table: type | None = None) -> Any:
+    return types.BaseTuple.from_types(tuple(held), table)
+
+
+def _array(word: str) -> Any:
+    return types.Array(from_dtype(np.dtype(DTYPES[word[0]])), int(word[1]), "C")

@@ -1,22 +1,24 @@
-"""From local pieces to the coupling T of the multipliers: merged, dropped and factorised.
+"""From segment contributions to the coupling T of the multipliers: merged, dropped, factorised and solved.
 
-T is tridiagonal along the slave chain (`diagonal`, `lower[k]` = T[k, previous], `upper[k]` =
-T[k, next]). On partial cover a multiplier that keeps less than 5 % of its length is merged into its
-neighbour, one that has none and keeps less than 1e-6 is dropped (docs/theory/rows.md); merging
-adds rows and columns, so T stays square and tridiagonal. `owner[k]` is the multiplier that k became, -1 if dropped.
+T is tridiagonal along the slave chain. On partial cover a multiplier that keeps less than 5 % of its length is merged
+into its neighbour, one that has none and keeps less than 1e-6 is dropped (docs/theory/rows.md); merging adds rows and
+columns, so T stays square and tridiagonal. All kernels work on a `CouplingTable`.
 """
 
 from __future__ import annotations
 
 from contactlab.api.compiled.kernel import kernel, section
+from contactlab.api.compiled.unpack import unpack
+from contactlab.kernels.contact.tables import CouplingTable
 
 MERGE_BELOW = 0.05
 DROP_BELOW = 1e-6
 
 
 @section
-def accumulate(count, multiplier, T, following, diagonal, lower, upper, cover):
-    """Sum the pieces' T into the three diagonals and the covered length of each multiplier."""
+def accumulate(count, multiplier, T, c):
+    """Sum the contributions' T into the three diagonals and the covered length of each multiplier."""
+    diagonal, lower, upper, cover, following = c.diagonal, c.lower, c.upper, c.cover, c.following
     for k in range(cover.size):
         diagonal[k], lower[k], upper[k], cover[k] = 0.0, 0.0, 0.0, 0.0
     width = multiplier.shape[1]
@@ -47,22 +49,21 @@ def accumulate(count, multiplier, T, following, diagonal, lower, upper, cover):
 
 
 @section
-def settle(full, fixed, following, preceding, diagonal, lower, upper, cover, owner, next_, previous):
-    """Drop and merge multipliers; link the rest in `next_` and `previous` (-1 at ends).
-
-    `full` (k,) [mm] is the length of each multiplier on full cover; `fixed` (k,) marks multipliers
-    of nodes that cannot move, which are merged whatever they cover.
-    """
+def merge(c):
+    """Drop and merge multipliers; link the rest by `next` and `previous`."""
+    owner, cover, full, lower, upper = c.owner, c.cover, c.full, c.lower, c.upper
     for k in range(owner.size):
         # a hat may reach into the cover where the multiplier of its node does not: both count as touched
-        owner[k] = k if cover[k] > 0.0 or diagonal[k] + lower[k] + upper[k] > 0.0 else -1
+        owner[k] = k if cover[k] > 0.0 or c.diagonal[k] + lower[k] + upper[k] > 0.0 else -1
     for k in range(owner.size):
-        n, p = following[k], preceding[k]
-        next_[k] = n if owner[k] >= 0 and n >= 0 and owner[n] >= 0 and (upper[k] != 0.0 or lower[n] != 0.0) else -1
-        previous[k] = p if owner[k] >= 0 and p >= 0 and owner[p] >= 0 and (lower[k] != 0.0 or upper[p] != 0.0) else -1
+        n, p = c.following[k], c.preceding[k]
+        after = owner[k] >= 0 and n >= 0 and owner[n] >= 0 and (upper[k] != 0.0 or lower[n] != 0.0)
+        before = owner[k] >= 0 and p >= 0 and owner[p] >= 0 and (lower[k] != 0.0 or upper[p] != 0.0)
+        c.next[k] = n if after else -1
+        c.previous[k] = p if before else -1
     for k in range(owner.size):
-        if owner[k] == k and (fixed[k] or cover[k] < MERGE_BELOW * full[k]):
-            _merge(k, fixed, diagonal, lower, upper, cover, owner, next_, previous)
+        if owner[k] == k and (c.fixed[k] or cover[k] < MERGE_BELOW * full[k]):
+            _merge_one(k, c)
     for k in range(owner.size):
         if owner[k] == k and cover[k] < DROP_BELOW * full[k]:
             owner[k] = -1
@@ -72,79 +73,97 @@ def settle(full, fixed, following, preceding, diagonal, lower, upper, cover, own
 
 
 @section
-def _merge(k, fixed, diagonal, lower, upper, cover, owner, next_, previous):
+def _merge_one(k, c):
     """Give row and column k to the neighbour with more cover, if there is one to take them."""
-    n, p = next_[k], previous[k]
+    n, p = c.next[k], c.previous[k]
     target = n
-    if n < 0 or (p >= 0 and (fixed[n] or cover[p] > cover[n]) and not fixed[p]):
+    if n < 0 or (p >= 0 and (c.fixed[n] or c.cover[p] > c.cover[n]) and not c.fixed[p]):
         target = p
-    if target < 0 or (not fixed[k] and cover[target] < cover[k]):
+    if target < 0 or (not c.fixed[k] and c.cover[target] < c.cover[k]):
         return
-    owner[k] = target
-    diagonal[target] += diagonal[k]
-    cover[target] += cover[k]
+    c.owner[k] = target
+    c.diagonal[target] += c.diagonal[k]
+    c.cover[target] += c.cover[k]
     if target == n:
-        diagonal[n] += upper[k] + lower[n]
-        lower[n] = lower[k]
+        c.diagonal[n] += c.upper[k] + c.lower[n]
+        c.lower[n] = c.lower[k]
     else:
-        diagonal[p] += lower[k] + upper[p]
-        upper[p] = upper[k]
+        c.diagonal[p] += c.lower[k] + c.upper[p]
+        c.upper[p] = c.upper[k]
     if p >= 0:
-        next_[p] = n
+        c.next[p] = n
     if n >= 0:
-        previous[n] = p
+        c.previous[n] = p
 
 
 @section
-def factorise(diagonal, lower, upper, owner, next_, previous, from_left, order):
-    """Pivots of T eliminated from the start of each chain; `order` lists the multipliers chain by chain.
+def factorise(c):
+    """Pivots of T eliminated from the start of each chain, and `order`.
 
-    Returns their number, or -1 where a closed chain is covered all around (T is then periodic).
+    `kept[0]` becomes the number of kept multipliers, or -1 where a closed chain is covered all around (T is then
+    periodic).
     """
     count = 0
     total = 0
-    for k in range(owner.size):
-        if owner[k] != k:
+    for k in range(c.owner.size):
+        if c.owner[k] != k:
             continue
         total += 1
-        if previous[k] >= 0:
+        if c.previous[k] >= 0:
             continue
         j = k
         while j >= 0:
-            from_left[j] = diagonal[j]
+            c.pivot[j] = c.diagonal[j]
             if j != k:
-                from_left[j] -= lower[j] * upper[previous[j]] / from_left[previous[j]]
-            order[count] = j
+                c.pivot[j] -= c.lower[j] * c.upper[c.previous[j]] / c.pivot[c.previous[j]]
+            c.order[count] = j
             count += 1
-            j = next_[j]
-    return count if count == total else -1
+            j = c.next[j]
+    c.kept[0] = count if count == total else -1
 
 
 @kernel
-def couple(
-    count, multiplier, T, full, fixed, following, preceding, diagonal, lower, upper, cover, owner, next_, previous,
-    from_left, order,
-):  # fmt: skip
-    """Accumulate, settle and factorise; returns the number of kept multipliers or -1 (see `factorise`)."""
-    accumulate(count, multiplier, T, following, diagonal, lower, upper, cover)
-    settle(full, fixed, following, preceding, diagonal, lower, upper, cover, owner, next_, previous)
-    return factorise(diagonal, lower, upper, owner, next_, previous, from_left, order)
+def couple(count, multiplier, T, c):
+    """Accumulate the first `count` contributions, merge and factorise; returns `kept[0]`, see `factorise`."""
+    accumulate(count, multiplier, T, c)
+    merge(c)
+    factorise(c)
+    return c.kept[0]
 
 
 @kernel
-def solve(count, order, lower, upper, next_, previous, from_left, values):
-    """Overwrite values (k,) by T^-1 values."""
-    for i in range(count):
-        k = order[i]
-        p = previous[k]
+def solve(bound, values):
+    """Overwrite values (k,) by T^-1 values; `bound` is the address of a `CouplingTable`."""
+    c = unpack(bound, CouplingTable)
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        p = c.previous[k]
         if p >= 0:
-            values[k] -= lower[k] / from_left[p] * values[p]
-    for i in range(count - 1, -1, -1):
-        k = order[i]
-        n = next_[k]
+            values[k] -= c.lower[k] / c.pivot[p] * values[p]
+    for i in range(c.kept[0] - 1, -1, -1):
+        k = c.order[i]
+        n = c.next[k]
         if n >= 0:
-            values[k] -= upper[k] * values[n]
-        values[k] /= from_left[k]
+            values[k] -= c.upper[k] * values[n]
+        values[k] /= c.pivot[k]
+
+
+@section
+def solve_transposed(c, values):
+    """Overwrite values (k, 2) by T^-T values."""
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        p = c.previous[k]
+        for x in range(2):
+            if p >= 0:
+                values[k, x] -= c.upper[p] * values[p, x]
+            values[k, x] /= c.pivot[k]
+    for i in range(c.kept[0] - 1, -1, -1):
+        k = c.order[i]
+        n = c.next[k]
+        if n >= 0:
+            for x in range(2):
+                values[k, x] -= c.lower[n] / c.pivot[k] * values[n, x]
 
 
 @kernel

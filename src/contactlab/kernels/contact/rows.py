@@ -1,12 +1,15 @@
-"""Sparse gap rows G = T^-T [D^T | -M^T] . normal, written out from the windows of a pair."""
+"""Sparse gap rows G = T^-T [D^T | -M^T] . normal, written out from the banded rows of a pair."""
 
 from __future__ import annotations
 
+from contactlab.api.compiled.contact_tables import RowsTable
 from contactlab.api.compiled.kernel import kernel, section
+from contactlab.api.compiled.unpack import unpack
+from contactlab.kernels.contact.tables import PairTable
 
 
 @section
-def _write(k, side, sign, numbers, normal, at, node, normal_weight, tangent_weight):
+def _write(k, side, sign, numbers, normal, at, rows):
     """Entries of one side of condition k; returns the next free entry."""
     start, end, weight = side
     nx, ny = sign * normal[0], sign * normal[1]
@@ -15,77 +18,128 @@ def _write(k, side, sign, numbers, normal, at, node, normal_weight, tangent_weig
         w = weight[k, z - shift]
         if w == 0.0:
             continue
-        node[at] = numbers[z]
-        normal_weight[at, 0], normal_weight[at, 1] = w * nx, w * ny
-        if tangent_weight.shape[0] > 0:
-            tangent_weight[at, 0], tangent_weight[at, 1] = w * ny, -w * nx
+        rows.node[at] = numbers[z]
+        rows.normal_weight[at, 0], rows.normal_weight[at, 1] = w * nx, w * ny
+        if rows.tangent_weight.shape[0] > 0:
+            rows.tangent_weight[at, 0], rows.tangent_weight[at, 1] = w * ny, -w * nx
         at += 1
     return at
 
 
 @kernel
-def write_rows(
-    count, order, multipliers, margin, slave, master, slave_nodes, master_nodes, normals, gaps, cover, sizes,
-    first_slot, row, at, out,
-):  # fmt: skip
+def write_rows(bound, margin, multipliers, first_slot, row, at, bound_rows):
     """Append the conditions with a gap below `margin` or a force; returns (rows, entries), (-1, 0) if out of room.
 
-    out = (start, node, normal_weight, tangent_weight, gap, measure, size, slot) of the model's rows
+    bound, bound_rows  addresses of a `PairTable` and of the model's `RowsTable`, of which `row` rows and `at` entries
+                       are in use
     """
-    start, node, normal_weight, tangent_weight, gap, measure, size, slot = out
-    for i in range(count):
-        k = order[i]
+    pair, rows = unpack(bound, PairTable), unpack(bound_rows, RowsTable)
+    c, gaps, normal = pair.coupling, pair.gaps.gaps, pair.pieces.normal
+    slave, master = pair.weights.slave, pair.weights.master
+    for i in range(c.kept[0]):
+        k = c.order[i]
         if gaps[k, 0] >= margin and multipliers[0, first_slot + k] <= 0.0:
             continue
-        room = slave[1][k] - slave[0][k] + master[1][k] - master[0][k]
-        if row >= gap.size or at + room > node.size:
+        room = slave.end[k] - slave.start[k] + master.end[k] - master.start[k]
+        if row >= rows.gap.size or at + room > rows.node.size:
             return -1, 0
-        start[row] = at
-        at = _write(k, slave, 1.0, slave_nodes, normals[k], at, node, normal_weight, tangent_weight)
-        at = _write(k, master, -1.0, master_nodes, normals[k], at, node, normal_weight, tangent_weight)
-        start[row + 1] = at
-        gap[row], measure[row], size[row] = gaps[k, 0], cover[k], sizes[k]
-        slot[row] = first_slot + k
+        rows.start[row] = at
+        at = _write(k, slave, 1.0, pair.places.slave, normal[k], at, rows)
+        at = _write(k, master, -1.0, pair.places.master, normal[k], at, rows)
+        rows.start[row + 1] = at
+        rows.gap[row], rows.measure[row], rows.size[row] = gaps[k, 0], c.cover[k], c.full[k]
+        rows.slot[row] = first_slot + k
         row += 1
     return row, at
 
 
 @kernel
-def write_slips(first, last, first_slot, start, node, tangent_weight, slot, gaps, normals, before, current, slip):
+def write_slips(first, last, first_slot, measured, current, bound_rows):
     """Slip of the step in rows first ... last - 1: tangent times separation now minus at its start.
 
     Each term has the tangent of its own time and both have the same weights (docs/theory/rows.md), so that a
-    rigid rotation of the pair gives none. `before` (k, 2) are the normals and `current` (N, 2) the
-    positions at the start of the step.
+    rigid rotation of the pair gives none. measured = gaps, normals and the normals at the start of the step, (k, 2)
+    each; `current` (N, 2) are the positions at the start of the step.
     """
+    gaps, normals, before = measured
+    rows = unpack(bound_rows, RowsTable)
     for row in range(first, last):
-        k = slot[row] - first_slot
+        k = rows.slot[row] - first_slot
         # tangent = (ny, -nx): the scalar weight is tangent . tangent_weight
         tx, ty = normals[k, 1], -normals[k, 0]
         x, y = 0.0, 0.0
-        for z in range(start[row], start[row + 1]):
-            w = tangent_weight[z, 0] * tx + tangent_weight[z, 1] * ty
-            x += w * current[node[z], 0]
-            y += w * current[node[z], 1]
-        slip[row] = gaps[k, 1] - (before[k, 1] * x - before[k, 0] * y)
+        for z in range(rows.start[row], rows.start[row + 1]):
+            w = rows.tangent_weight[z, 0] * tx + rows.tangent_weight[z, 1] * ty
+            x += w * current[rows.node[z], 0]
+            y += w * current[rows.node[z], 1]
+        rows.slip[row] = gaps[k, 1] - (before[k, 1] * x - before[k, 0] * y)
 
 
 @kernel
-def tangential_work(
-    count, start, node, tangent_weight, slot, multipliers, slip, mean_velocity, dt, compliance, force
-):  # fmt: skip
+def tangential_work(count, bound_rows, multipliers, mean_velocity, dt, compliance, force):
     """Sum over the rows of y_t times mean sliding velocity times dt, and of -y_t times the slip at the end."""
+    rows = unpack(bound_rows, RowsTable)
     work, dissipated = 0.0, 0.0
     for row in range(count):
-        y = multipliers[1, slot[row]]
+        y = multipliers[1, rows.slot[row]]
         if y == 0.0:
             continue
-        sliding, end = 0.0, slip[row]
-        for z in range(start[row], start[row + 1]):
-            n = node[z]
-            tx, ty = tangent_weight[z, 0], tangent_weight[z, 1]
+        sliding, end = 0.0, rows.slip[row]
+        for z in range(rows.start[row], rows.start[row + 1]):
+            n = rows.node[z]
+            tx, ty = rows.tangent_weight[z, 0], rows.tangent_weight[z, 1]
             sliding += tx * mean_velocity[n, 0] + ty * mean_velocity[n, 1]
             end += tx * compliance[n, 0] * force[n, 0] + ty * compliance[n, 1] * force[n, 1]
         work += dt * y * sliding
         dissipated -= y * end
     return work, dissipated
+
+
+@kernel
+def add_forces(bound, multipliers, first, normal_force, tangent_force):
+    """Add the nodal forces of normal and of tangential multipliers to (N, 2) each (the latter may be empty).
+
+    `bound` is the address of a `PairTable`, whose multipliers begin at `first`.
+    """
+    pair = unpack(bound, PairTable)
+    _add_side(pair, pair.weights.slave, pair.places.slave, 1.0, multipliers[:, first:], normal_force, tangent_force)
+    _add_side(pair, pair.weights.master, pair.places.master, -1.0, multipliers[:, first:], normal_force, tangent_force)
+
+
+@section
+def _add_side(pair, side, nodes, sign, multipliers, normal_force, tangent_force):
+    c, normals, friction = pair.coupling, pair.pieces.normal, tangent_force.shape[0] > 0
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        y_n = multipliers[0, k]
+        y_t = multipliers[1, k] if friction else 0.0
+        if y_n == 0.0 and y_t == 0.0:
+            continue
+        nx, ny = normals[k, 0], normals[k, 1]
+        for z in range(side.start[k], side.end[k]):
+            w, n = sign * side.weight[k, z - side.start[k]], nodes[z]
+            normal_force[n, 0] += w * y_n * nx
+            normal_force[n, 1] += w * y_n * ny
+            if friction:
+                tangent_force[n, 0] += w * y_t * ny
+                tangent_force[n, 1] -= w * y_t * nx
+
+
+@kernel
+def flexibilities(bound, nodal, out):
+    """Sum of squared normal weights times nodal flexibility (N, 2) into out (k,) for the kept multipliers.
+
+    `bound` is the address of a `PairTable`.
+    """
+    pair = unpack(bound, PairTable)
+    c, normals = pair.coupling, pair.pieces.normal
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        total = 0.0
+        for side in range(2):
+            start, end, weight = pair.weights.slave if side == 0 else pair.weights.master
+            nodes = pair.places.slave if side == 0 else pair.places.master
+            for z in range(start[k], end[k]):
+                w, n = weight[k, z - start[k]], nodes[z]
+                total += w * w * (normals[k, 0] ** 2 * nodal[n, 0] + normals[k, 1] ** 2 * nodal[n, 1])
+        out[k] = total

@@ -20,8 +20,13 @@ def boxes(positions, segments, low, high):
 
 
 @kernel
-def sweep(slave_low, slave_high, low, high, order, widest, axis, reach, start, found):
-    """Count (found empty) or list the master boxes that overlap each slave box grown by `reach`."""
+def sweep(slave, master, axis, reach, start, found):
+    """Count (found empty) or list the master boxes that overlap each slave box grown by `reach`.
+
+    slave = (low, high) corners; master = (low, high, order along `axis`, width of the widest box along it)
+    """
+    slave_low, slave_high = slave
+    low, high, order, widest = master
     other = 1 - axis
     count = 0
     listing = found.size > 0
@@ -59,13 +64,13 @@ def near_segments(
     slave_positions: Floats, slave_segments: Ints, master_positions: Floats, master_segments: Ints, reach: float
 ) -> Candidates:
     """All pairs of segments whose boxes come within `reach` [mm] of each other."""
-    slave_low, slave_high = _bounds(slave_positions, slave_segments)
+    slave = _bounds(slave_positions, slave_segments)
     low, high = _bounds(master_positions, master_segments)
     axis = int(np.argmax(high.max(axis=0) - low.min(axis=0)))
     order = np.argsort(low[:, axis], kind="stable").astype(np.int32)
     widest = float((high[:, axis] - low[:, axis]).max())
     start = np.zeros(len(slave_segments) + 1, np.int32)
-    arguments = (slave_low, slave_high, low, high, order, widest, axis, reach, start)
+    arguments = (slave, (low, high, order, widest), axis, reach, start)
     count = sweep(*arguments, np.zeros(0, np.int32))
     found = np.zeros(count, np.int32)
     if count:

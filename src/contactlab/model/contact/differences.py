@@ -7,7 +7,7 @@ import numpy as np
 from contactlab.api import Candidates, Floats, Ints, Pieces, Surface
 from contactlab.api.slopes import PieceSlopes
 from contactlab.api.surface import SurfacePositions
-from contactlab.kernels.contact import piece_slopes as kernels
+from contactlab.kernels.contact import derivatives as kernels
 from contactlab.model.contact.near_list import REACH
 from contactlab.model.contact.operator_pair import SurfacePair
 
@@ -90,22 +90,20 @@ class PieceDerivatives:
         colours = _colours(
             len((pair.slave, pair.master)[side].nodes), max(_period(nodes[: pair.count]), _period(owners))
         )
-        chain = (*self.links[side], colours)
         shift, step = side * len(pair.slave.nodes), STEP * pair.size
         entries = (out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT)
         normals = (out.normal_of, out.normal_moved, out.dnormal)
         for colour in range(int(colours.max()) + 1):
             for direction in range(2):
+                move = kernels.Move(*self.links[side], colours, RING, shift, colour, direction, 0.5 / step)
                 high_count = self._moved(side, colours == colour, direction, step, memory, self.high)
                 low_count = self._moved(side, colours == colour, direction, -step, memory, self.low)
                 out.count = kernels.differences(
-                    high_count, _arrays(self.high), _arrays(self.high)[2 * side], low_count, _arrays(self.low),
-                    _arrays(self.low)[2 * side], shift, RING, chain, colour, direction, 0.5 / step, out.count, entries,
-                )  # fmt: skip
+                    high_count, _arrays(self.high), low_count, _arrays(self.low), 2 * side, move, out.count, entries
+                )
                 out.normal_count = kernels.normal_differences(
-                    self.high.normal, pair.pieces.normal, self.low.normal, owners, shift, RING, chain, colour,
-                    direction, 0.5 / step, out.normal_count, normals,
-                )  # fmt: skip
+                    self.high.normal, pair.pieces.normal, self.low.normal, owners, move, out.normal_count, normals
+                )
 
     def _moved(self, side: int, chosen: Floats, direction: int, step: float, memory: Floats, out: Pieces) -> int:
         at = [self.pair.at.slave, self.pair.at.master]

@@ -6,7 +6,7 @@ from time import perf_counter
 
 import numpy as np
 
-from contactlab.api import ChainedRows, ExplicitEnforcement, Floats, Rows, Solve, State
+from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
 from contactlab.kernels.contact.rows import tangential_work
 from contactlab.kernels.contact.warm_start import extrapolate
 from contactlab.model.contact.gap_pair import Pair
@@ -27,9 +27,9 @@ class ContactSystem:
         self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]
         self.margin = MARGIN * min(pair.size for pair in pairs)
         self.rows = allocate_rows(sum(pair.slots for pair in pairs), 64, self.friction)
-        self.chained: ChainedRows | None = None
-        if enforcement.chained and not self.friction and all(pair.chained for pair in pairs):
-            self.chained = ChainedRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap))
+        self.factored: FactoredRows | None = None
+        if enforcement.factored and not self.friction and all(pair.factored for pair in pairs):
+            self.factored = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap))
         self.last = Solve(0, 0.0, 0, 0.0)
         self.seconds = 0.0
 
@@ -50,22 +50,21 @@ class ContactSystem:
         """Work and dissipation of the tangential forces; see `contactlab.api.ContactEquations`."""
         if not self.friction:
             return 0.0, 0.0
-        r = self.rows
+        address = self.rows.packed.address
         work, dissipation = tangential_work(
-            r.count, r.start, r.node, r.tangent_weight, r.slot, self.multipliers, r.slip, mean_velocity, dt,
-            compliance, force,
-        )  # fmt: skip
+            self.rows.count, address, self.multipliers, mean_velocity, dt, compliance, force
+        )
         return work, dissipation
 
     def _solve_rows(self, current: Floats, compliance: Floats, force: Floats) -> None:
         # extrapolating the normal forces of the last two steps saves a quarter of the sweeps
         extrapolate(self.multipliers[0], self.before)
-        if self.chained is not None:
-            done = self.enforcement.solve_chained(self._assemble_chained(), compliance, self.multipliers, force)
+        if self.factored is not None:
+            done = self.enforcement.solve_factored(self._assemble_factored(), compliance, self.multipliers, force)
             if done is not None:
                 self.last = done
                 return
-            self.chained.count = 0
+            self.factored.count = 0
         margin, warm = self.margin, self.multipliers.copy()
         while True:
             self._assemble(margin, current)
@@ -76,17 +75,17 @@ class ContactSystem:
             margin = np.inf
             self.multipliers[:] = warm
 
-    def _assemble_chained(self) -> ChainedRows:
-        assert self.chained is not None
+    def _assemble_factored(self) -> FactoredRows:
+        assert self.factored is not None
         self.rows.count = 0
         while True:
-            self.chained.count = 0
+            self.factored.count = 0
             for pair in self.surfaces:
-                if not pair.append_chained(self.chained):
+                if not pair.append_factored(self.factored):
                     break
             else:
-                return self.chained
-            self.chained = ChainedRows.allocate(len(self.chained.gap), int(GROW * len(self.chained.node)) + 64)
+                return self.factored
+            self.factored = FactoredRows.allocate(len(self.factored.gap), int(GROW * len(self.factored.node)) + 64)
 
     def _assemble(self, margin: float, current: Floats) -> None:
         while True:

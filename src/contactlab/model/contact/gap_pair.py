@@ -11,7 +11,8 @@ from contactlab.api import Candidates, Floats, FrictionLaw, GapAlgorithm, GapCon
 from contactlab.api.compiled.chains import tributary_lengths
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
-from contactlab.kernels.contact import edges, rows, windows
+from contactlab.kernels.contact import edges, rows
+from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.warm_start import displaced
 from contactlab.model.contact.near_list import REACH, Near, longest_segment
 from contactlab.model.contact.operator_pair import SurfacePair
@@ -24,7 +25,7 @@ class GapPair:
     """
 
     rows_per_node = 1
-    chained = False  # conditions come finished
+    factored = False  # conditions come finished
     kept = 0
 
     def __init__(
@@ -44,7 +45,7 @@ class GapPair:
         self.size = longest_segment(self.at, slave, master)
         self.near: Near | None = None
         self.full, self.cover = np.zeros(m), np.zeros(m)
-        self.gaps, self.normals = np.full((m, 2), windows.FAR), np.zeros((m, 2))
+        self.gaps, self.normals = np.full((m, 2), FAR), np.zeros((m, 2))
         self.updated: Floats = reference.copy()
         self.pushed: Floats = reference.copy()
         self.of_slave = np.zeros(len(reference), np.bool_)
@@ -90,7 +91,7 @@ class GapPair:
         assert self.found is not None
         found = self.found
         moved = positions[found.node] - self.updated[found.node]
-        self.gaps[:, 0] = windows.FAR
+        self.gaps[:, 0] = FAR
         self.gaps[found.owner, 0] = found.gap + _per_row(found, found.normal_weight, moved)
         if self.friction is not None:
             self.gaps[found.owner, 1] = _per_row(found, found.tangent_weight, positions[found.node])
@@ -132,7 +133,7 @@ class GapPair:
         """Append rows with a gap below `margin` [mm] or a force; returns the next free entry, -1 out of room."""
         found, first = self.found, out.count
         assert found is not None
-        near = self.gaps[found.owner, 0] < (windows.FAR if self.everywhere else margin)
+        near = self.gaps[found.owner, 0] < (FAR if self.everywhere else margin)
         chosen = np.flatnonzero(near | (multipliers[0, self.first_slot + found.owner] > 0.0))
         width = np.diff(found.start)[chosen]
         ends = entries + np.cumsum(width)
@@ -160,10 +161,8 @@ class GapPair:
         assert self.found is not None
         out.bound[:, first:last] = self.bound[:, None]
         out.tangent_weight[own] = self.found.tangent_weight[taken]
-        rows.write_slips(
-            first, last, self.first_slot, out.start, out.node, out.tangent_weight, out.slot, self.gaps, self.normals,
-            self.before, current, out.slip,
-        )  # fmt: skip
+        measured = self.gaps, self.normals, self.before
+        rows.write_slips(first, last, self.first_slot, measured, current, out.packed.address)
 
     # --- from multipliers to pressures ----------------------------------------------------------
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import vstack
 
 from contactlab.api import Conditions, ContactSlopes, Floats, ImplicitEnforcement, Ints, State
-from contactlab.kernels.contact import piece_slopes
+from contactlab.kernels.contact import rows
 from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.linearisation import PairLinearisation, PairSlopes
 from contactlab.model.contact.operator_pair import SurfacePair
@@ -32,7 +32,7 @@ class ImplicitContactSystem:
         self.flexibility = np.ones((nodes, 2))
         self.multipliers = state["multipliers"]
         self.rows = allocate_rows(self.multipliers.shape[1], 32, self.friction)
-        self.chained = None  # conditions that are never written as `ChainedRows`
+        self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
 
     def _memory(self, pair: SurfacePair) -> Floats:
@@ -76,14 +76,11 @@ class ImplicitContactSystem:
             linear.evaluate(position, self.start, memory)
             own = slice(pair.first_slot, pair.first_slot + pair.slots)
             flexibility = np.zeros(pair.slots)
-            piece_slopes.flexibilities(
-                pair.kept, pair.order, pair.slave_window, pair.master_window, pair.slave.nodes, pair.master.nodes,
-                pair.pieces.normal, self.flexibility, flexibility,
-            )  # fmt: skip
+            rows.flexibilities(pair.rows_address, self.flexibility, flexibility)
             # without flexibility both sides are held: there is nothing that a force could do
             c.present[own] = flexibility > 0.0
             c.stiffness[own] = np.divide(1.0, flexibility, out=np.full(pair.slots, np.inf), where=flexibility > 0.0)
-            c.gap[own], c.measure[own], c.size[own] = pair.gaps[:, 0], pair.cover, pair.full
+            c.gap[own], c.measure[own], c.size[own] = pair.gaps[:, 0], pair.coupling.cover, pair.coupling.full
             if self.friction:
                 c.slip[own] = linear.slip if len(linear.slip) else 0.0
         c.force[:, ~c.present] = 0.0
@@ -94,14 +91,7 @@ class ImplicitContactSystem:
         normal[:] = 0.0
         tangential[:] = 0.0
         for pair in self.pairs:
-            for window, nodes, sign in (
-                (pair.slave_window, pair.slave.nodes, 1.0),
-                (pair.master_window, pair.master.nodes, -1.0),
-            ):
-                piece_slopes.add_forces(
-                    pair.kept, pair.order, window, nodes, sign, pair.pieces.normal, self.conditions.force,
-                    pair.first_slot, normal, tangential,
-                )  # fmt: skip
+            rows.add_forces(pair.rows_address, self.conditions.force, pair.first_slot, normal, tangential)
 
     def scale(self, flexibility: Floats) -> None:
         """Nodal flexibilities from which contact stiffnesses follow."""

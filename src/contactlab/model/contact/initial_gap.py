@@ -10,8 +10,8 @@ import numpy as np
 from contactlab.api import Floats
 from contactlab.api.arrays import Flags
 from contactlab.errors import SceneError, below
+from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
-from contactlab.kernels.contact.windows import FAR
 from contactlab.meshing.mesh import inverted_cells
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_overlap, overlap_error

@@ -17,7 +17,8 @@ from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import Floats, Ints
 from contactlab.api.slopes import PieceSlopes
-from contactlab.kernels.contact import coupling, piece_slopes, windows
+from contactlab.kernels.contact import banded_rows, derivatives
+from contactlab.kernels.contact.tables import BandedRows
 from contactlab.model.contact.differences import PieceDerivatives
 from contactlab.model.contact.operator_pair import SurfacePair
 
@@ -47,7 +48,7 @@ class PairLinearisation:
         self.pair, self.size = pair, 2 * nodes
         self.derivatives = PieceDerivatives(pair)
         k = pair.slots
-        self.window = room(k, 16)
+        self.inverse = BandedRows.allocate(k, 16)
         self.slip = np.zeros(k if pair.friction is not None else 0)
         self.start_separation, self.start_gaps = np.zeros((k, 2)), np.zeros((k, 2))
 
@@ -94,40 +95,22 @@ class PairLinearisation:
         q = y_n[:, None] * normal
         if y_t is not None:
             q += y_t[:, None] * turned(normal)
-        out = np.zeros_like(q)
-        kept = pair.order[: pair.kept]
+        out, kept = np.zeros_like(q), pair.coupling.order
         for c in range(2):
-            values = np.ascontiguousarray(q[:, c])
-            coupling.solve(
-                pair.kept, pair.order, pair.lower, pair.upper, pair.next, pair.previous, pair.from_left, values
-            )
-            out[kept, c] = values[kept]
+            out[kept, c] = pair.coupling.solve(q[:, c])[kept]
         return out
 
     def _inverse_transposed(self, chosen: Ints) -> tuple[Ints, Ints, Floats]:
         """Entries (row, column, value) of the chosen rows of T^-T."""
-        pair = self.pair
-        row = np.zeros(pair.slots)
-        while True:
-            piece_slopes.unit_windows(pair.kept, pair.order, *self.window)
-            needed = windows.solve_windows(
-                pair.kept, pair.order, pair.lower, pair.upper, pair.next, pair.previous, pair.from_left,
-                *self.window, row,
-            )  # fmt: skip
-            if not needed:
-                break
-            self.window = room(pair.slots, needed + needed // 2)
-            row = np.zeros(max(pair.slots, self.window[2].shape[1]))
-        return entries(chosen, self.window, CUT)
+        self.inverse = self.pair.coupling.inverse_transposed(self.inverse)
+        return entries(chosen, self.inverse, CUT)
 
     def _weights(self, chosen: Ints) -> Any:
         """Rows 2 k + component of P by all degrees of freedom, for the chosen multipliers."""
         pair, parts = self.pair, []
-        for window, numbers, sign in (
-            (pair.slave_window, pair.slave.nodes, 1.0),
-            (pair.master_window, pair.master.nodes, -1.0),
-        ):
-            row, column, value = entries(chosen, window, CUT)
+        sides, numbered = pair.weights(), (pair.slave.nodes, pair.master.nodes)
+        for side, numbers, sign in zip(sides, numbered, (1.0, -1.0), strict=True):
+            row, column, value = entries(chosen, side, CUT)
             parts.append((row, numbers[column], sign * value))
         row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
         return self._matrix(_both(row), _both(column), np.repeat(value, 2), 2 * pair.slots)
@@ -166,10 +149,11 @@ class PairLinearisation:
         self, pieces: PieceSlopes, wanted: Floats, slave_at: Floats, master_at: Floats, separation: Floats
     ) -> Any:
         pair, out = self.pair, _triplets(2 * pieces.count * pieces.multiplier.shape[1])
-        count = piece_slopes.gap_slopes(
-            pieces.count, _arrays(pieces), pair.owner, wanted, slave_at, master_at, separation, pair.slave.nodes,
-            pair.master.nodes, out,
-        )  # fmt: skip
+        nodes = pair.slave.nodes, pair.master.nodes
+        at = slave_at, master_at
+        count = derivatives.gap_derivatives(
+            pieces.count, _arrays(pieces), pair.coupling.owner, wanted, at, separation, nodes, out
+        )
         return self._matrix(*_first(out, count), 2 * pair.slots)
 
     def _force_slope(
@@ -178,10 +162,10 @@ class PairLinearisation:
         pair, k = self.pair, pieces.multiplier.shape[1]
         direct = _triplets(2 * pieces.count * (pieces.slave.shape[1] + pieces.master.shape[1]))
         coupled = _triplets(2 * pieces.count * k)
-        count, given = piece_slopes.force_slopes(
-            pieces.count, _arrays(pieces), pair.owner, wanted, traction, pair.slave.nodes, pair.master.nodes, direct,
-            coupled,
-        )  # fmt: skip
+        nodes = pair.slave.nodes, pair.master.nodes
+        count, given = derivatives.force_derivatives(
+            pieces.count, _arrays(pieces), pair.coupling.owner, wanted, traction, nodes, direct, coupled
+        )
         of, turn = pieces.normal_of[: pieces.normal_count], pieces.dnormal[: pieces.normal_count]
         dq = y_n[of, None] * turn
         if y_t is not None:
@@ -198,16 +182,10 @@ def turned(vectors: Floats) -> Floats:
     return np.stack([vectors[:, 1], -vectors[:, 0]], axis=1)
 
 
-def room(conditions: int, width: int) -> tuple[Ints, Ints, Floats]:
-    """Room for windows of `width` weights: start, end, weight."""
-    return np.zeros(conditions, np.int32), np.zeros(conditions, np.int32), np.zeros((conditions, width))
-
-
-def entries(chosen: Ints, window: tuple[Ints, Ints, Floats], cut: float) -> tuple[Ints, Ints, Floats]:
-    """Entries (row, position, value) of the chosen rows of a window."""
-    start, end, _ = window
-    out = _triplets(int(np.maximum(end[chosen] - start[chosen], 0).sum()))
-    count = piece_slopes.window_entries(chosen, window, cut, *out)
+def entries(chosen: Ints, rows: BandedRows, cut: float) -> tuple[Ints, Ints, Floats]:
+    """Entries (row, position, value) of the chosen ones of some rows, those above `cut`."""
+    out = _triplets(int(np.maximum(rows.end[chosen] - rows.start[chosen], 0).sum()))
+    count = banded_rows.entries(chosen, rows, cut, *out)
     return _first(out, count)
 
 

@@ -7,30 +7,25 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Candidates, ChainedRows, ContactAlgorithm, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
+from contactlab.api import Candidates, ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Pieces, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.api.compiled.contact_tables import PiecesTable
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
-from contactlab.kernels.contact import chained, coupling, edges, rows, windows
+from contactlab.kernels.contact import banded_rows, edges, rows
 from contactlab.kernels.contact import pair as kernels
+from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.tables import (
+    BandedRows,
+    CouplingColumns,
+    GapsTable,
+    PairTable,
+    PlacesTable,
+    WeightsTable,
+)
+from contactlab.model.contact.coupling import Coupling
 from contactlab.model.contact.near_list import REACH, SKIN, Near, longest_segment
-
-
-class _Bound:
-    """The arrays of a pair as kernels are given them."""
-
-    def __init__(
-        self,
-        places: BoundArrays,
-        coupling: BoundArrays,
-        pieces: BoundArrays,
-        columns: BoundArrays,
-        gaps: BoundArrays,
-    ) -> None:
-        self.places, self.others = places, (coupling, pieces, columns, gaps)
-        self.addresses = tuple(bound.address for bound in self.others)
-
 
 _NONE = Candidates(np.zeros(0, np.int32), np.zeros(0, np.int32), 0.0)
 
@@ -41,7 +36,7 @@ class SurfacePair:
     Multiplier k = slot * m + i of the pair lives at `first_slot + k` of the state's multipliers.
     """
 
-    chained = True  # conditions can be given as `ChainedRows`
+    factored = True  # conditions can be given as `FactoredRows`
 
     def __init__(
         self,
@@ -62,22 +57,15 @@ class SurfacePair:
         self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
         self.measured = SurfacePositions(self.at.slave.copy(), self.at.master.copy())
         self.size = longest_segment(self.at, slave, master)
-        self.following, self.preceding = _neighbours(slave, slots)
-        self.fixed = np.tile(fixed, slots)
+        self.coupling = Coupling(slave, slots, fixed)
         self.linear_trace = slave.edges.shape[1] == 2
         self.near: Near | None = None
         self.unchecked = True
         k = self.slots
-        self.diagonal, self.lower, self.upper, self.cover = (np.zeros(k) for _ in range(4))
-        self.from_left, self.full = (np.zeros(k) for _ in range(2))
-        self.owner, self.next, self.previous, self.order = (np.zeros(k, np.int32) for _ in range(4))
-        self.separation, self.gaps = np.zeros((k, 2)), np.full((k, 2), windows.FAR)
-        self.slave_column, self.master_column = _window(k, 8), _window(k, 8)
-        self._windows = _window(k, 8), _window(k, 64)
+        self.separation, self.gaps = np.zeros((k, 2)), np.full((k, 2), FAR)
+        self.columns = CouplingColumns(BandedRows.allocate(k, 8), BandedRows.allocate(k, 8), np.zeros(1, np.bool_))
+        self._weights = WeightsTable(BandedRows.allocate(k, 8), BandedRows.allocate(k, 64))
         self._solved = False
-        self.single = False
-        self.row = np.zeros(64)
-        self.kept = 0
         self.count = 0
         self.skin = SKIN * self.size
         self._room(0)
@@ -90,14 +78,9 @@ class SurfacePair:
         return self.algorithm.rows_per_node
 
     @property
-    def slave_window(self) -> Window:
-        """Weights of the slave's nodes in each condition, of the last `update`."""
-        return self._solved_windows()[0]
-
-    @property
-    def master_window(self) -> Window:
-        """Weights of the master's nodes in each condition, of the last `update`."""
-        return self._solved_windows()[1]
+    def cover(self) -> Floats:
+        """Covered length (k,) [mm] of each multiplier, of the last `update`."""
+        return self.coupling.cover
 
     @property
     def normals(self) -> Floats:
@@ -128,8 +111,7 @@ class SurfacePair:
         self.settle()
 
     def _follow(self, positions: Floats, compliance: Floats, force: Floats, memory: Floats, asked: int) -> None:
-        bound = self.bound_arrays
-        if not kernels.place(bound.places.address, positions, compliance, force, asked) <= self.skin:
+        if not kernels.place(self.bound_arrays.address, positions, compliance, force, asked) <= self.skin:
             self.find_near(self.at.slave, self.at.master)
         assert self.near is not None
         count = self.algorithm.pieces(
@@ -147,9 +129,9 @@ class SurfacePair:
 
     def measure(self, positions: Floats) -> None:
         """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
-        bound = self.bound_arrays
-        kernels.place(bound.places.address, positions, positions, positions, kernels.MEASURED)
-        kernels.measure(*bound.addresses, self.kept, self.single, windows.FAR)
+        address = self.bound_arrays.address
+        kernels.place(address, positions, positions, positions, kernels.MEASURED)
+        kernels.measure(address)
         self.settle()
 
     def settle(self) -> None:
@@ -157,10 +139,7 @@ class SurfacePair:
 
     def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:
         """Separations (k, 2) and gaps (k, 2) of surfaces at `at`, with the coupling of the last `update`."""
-        chained.separations(
-            self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, self.single,
-            self.slave_column, self.master_column, at.slave, at.master, normals, windows.FAR, separation, gaps,
-        )  # fmt: skip
+        kernels.measure_at(self.bound_arrays.address, at, normals, separation, gaps)
 
     def begin(self, positions: Floats, memory: Floats) -> None:
         """Normals of the present pieces at `positions`, where the step starts (friction only)."""
@@ -194,69 +173,60 @@ class SurfacePair:
         """Bind all arrays that kernels of every step work on; anew whenever one of them is another."""
         p = self.pieces
         near = self.near or Near(_NONE, np.full_like(self.at.slave, np.inf), np.full_like(self.at.master, np.inf))
-        self.bound_arrays = _Bound(
-            BoundArrays(
-                kernels.PLACES, self.slave.nodes, self.master.nodes, self.slave.segments, self.slave.node_segments,
-                *self.at, *self.measured, near.slave, near.master, self.full,
+        self.bound_arrays = BoundArrays(
+            PairTable,
+            PlacesTable(
+                self.slave.nodes, self.master.nodes, self.slave.segments, self.slave.node_segments, *self.at,
+                *self.measured, near.slave, near.master,
             ),
-            BoundArrays(
-                kernels.COUPLING, self.following, self.preceding, self.fixed, self.full, self.diagonal, self.lower,
-                self.upper, self.cover, self.from_left, self.owner, self.next, self.previous, self.order,
-            ),
-            BoundArrays(kernels.PIECES, p.slave, p.multiplier, p.master, p.D, p.M, p.T, p.normal),
-            BoundArrays(kernels.COLUMNS, *self.slave_column, *self.master_column),
-            BoundArrays(kernels.GAPS, *self.measured, self.separation, self.gaps),
+            self.coupling.table,
+            PiecesTable(p.slave, p.multiplier, p.master, p.D, p.M, p.T, p.normal),
+            self.columns,
+            GapsTable(self.separation, self.gaps),
+            self._weights,
         )  # fmt: skip
 
     def _join(self) -> None:
         """Coupling, columns (widened as needed) and gaps of the pieces."""
         while True:
-            self.kept, self.single, lacking, missing = kernels.join(
-                *self.bound_arrays.addresses, self.count, self.linear_trace, windows.FAR
-            )
-            if self.kept < 0:
+            kept, lacking, missing = kernels.join(self.bound_arrays.address, self.count, self.linear_trace)
+            if kept < 0:
                 raise ValueError(f"{self.name}: the slave is a closed curve covered all around; swap slave and master")
             if not lacking and not missing:
                 break
             if lacking:
-                self.slave_column = _window(self.slots, lacking + lacking // 2)
+                self.columns = self.columns._replace(slave=BandedRows.allocate(self.slots, lacking + lacking // 2))
             if missing:
-                self.master_column = _window(self.slots, missing + missing // 2)
+                self.columns = self.columns._replace(master=BandedRows.allocate(self.slots, missing + missing // 2))
             self._bind()
         self._solved = False
 
-    def _solved_windows(self) -> tuple[Window, Window]:
-        """Rows of the last update, made when they are first asked for."""
+    def weights(self) -> WeightsTable:
+        """Weights of both sides' nodes in each condition of the last update, made when they are first asked for."""
         if not self._solved:
-            slave, master = self._windows
-            if self.single:
-                windows.identity(self.kept, self.order, len(self.slave.nodes), *slave)
+            slave, master = self._weights
+            if self.columns.single[0]:
+                banded_rows.own_nodes(self.coupling.bound.address, len(self.slave.nodes), slave)
             else:
-                slave = self._solved_window(self.slave_column, slave)
-            self._windows = slave, self._solved_window(self.master_column, master)
+                slave = self.coupling.rows(self.columns.slave, slave)
+            found = WeightsTable(slave, self.coupling.rows(self.columns.master, master))
+            if found.slave is not self._weights.slave or found.master is not self._weights.master:
+                self._weights = found
+                self._bind()
             self._solved = True
-        return self._windows
+        return self._weights
 
-    def _solved_window(self, column: Window, window: Window) -> Window:
-        """Windows of T^-T column^T, widened as needed."""
-        while True:
-            needed = windows.solved(
-                self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, column,
-                *window, self.row,
-            )  # fmt: skip
-            if not needed:
-                return window
-            window = _window(self.slots, needed + needed // 2)
-            self.row = np.zeros(max(len(self.row), window[2].shape[1]))
+    @property
+    def rows_address(self) -> int:
+        """Where kernels find the arrays of this pair, `weights` up to date."""
+        self.weights()
+        return self.bound_arrays.address
 
     # --- from coupling to rows ------------------------------------------------------------------
 
-    def append_chained(self, out: ChainedRows) -> bool:
+    def append_factored(self, out: FactoredRows) -> bool:
         """Append all conditions to `out`; False where it is too small."""
-        own = self.bound_arrays
-        count = kernels.write_chained(
-            *own.addresses, own.places.address, self.kept, self.single, self.first_slot, out.count, out.bound.address
-        )
+        count = kernels.append_factored(self.bound_arrays.address, self.first_slot, out.count, out.packed.address)
         if count >= 0:
             out.count = count
         return bool(count >= 0)
@@ -268,22 +238,16 @@ class SurfacePair:
         positions at the start of the step, used with friction.
         """
         if self.everywhere:
-            margin = windows.FAR
+            margin = FAR
         first = out.count
-        count, end = rows.write_rows(
-            self.kept, self.order, multipliers, min(margin, windows.FAR), self.slave_window, self.master_window,
-            self.slave.nodes, self.master.nodes, self.pieces.normal, self.gaps, self.cover, self.full,
-            self.first_slot, first, entries,
-            (out.start, out.node, out.normal_weight, out.tangent_weight, out.gap, out.measure, out.size, out.slot),
-        )  # fmt: skip
+        address, packed = self.rows_address, out.packed.address
+        count, end = rows.write_rows(address, min(margin, FAR), multipliers, self.first_slot, first, entries, packed)
         if count < 0:
             return -1
         if self.friction is not None:
             out.bound[:, first:count] = self.bound[:, None]
-            rows.write_slips(
-                first, count, self.first_slot, out.start, out.node, out.tangent_weight, out.slot, self.gaps,
-                self.pieces.normal, self.before, current, out.slip,
-            )  # fmt: skip
+            measured = self.gaps, self.pieces.normal, self.before
+            rows.write_slips(first, count, self.first_slot, measured, current, packed)
         elif len(out.slip):
             out.bound[:, first:count] = 0.0
             out.slip[first:count] = 0.0
@@ -294,9 +258,7 @@ class SurfacePair:
 
     def tractions(self, forces: Floats) -> Floats:
         """Lambda (k,) [MPa] from nodal forces y (k,) [N]: T^-1 y, the owner's value where merged, 0 off cover."""
-        values = np.array(forces)
-        coupling.solve(self.kept, self.order, self.lower, self.upper, self.next, self.previous, self.from_left, values)
-        return np.where(self.owner >= 0, values[self.owner], 0.0)
+        return self.coupling.solve(forces)
 
 
 def refuse_wrong(pieces: Pieces, count: Any, slave_nodes: int, master_nodes: int, part: str) -> None:
@@ -312,22 +274,3 @@ def refuse_wrong(pieces: Pieces, count: Any, slave_nodes: int, master_nodes: int
         if used.size and not 0 <= used.min() <= used.max() < size:
             wrong = used.min() if used.min() < 0 else used.max()
             raise WrongAnswer(f"{part}: pieces filled {name} with {wrong}, needed: positions 0 to {size - 1}")
-
-
-Window = tuple[Ints, Ints, Floats]
-
-
-def _window(conditions: int, width: int) -> Window:
-    """Room for windows of `width` weights: start, end, weight."""
-    return np.zeros(conditions, np.int32), np.zeros(conditions, np.int32), np.zeros((conditions, width))
-
-
-def _neighbours(slave: Surface, slots: int) -> tuple[Ints, Ints]:
-    """For every multiplier the ones of the next and of the previous chain node, -1 at ends."""
-    m = len(slave.nodes)
-    into, out = slave.node_segments[:, 0], slave.node_segments[:, 1]
-    following = np.where(out >= 0, slave.segments[out, 1], -1)
-    preceding = np.where(into >= 0, slave.segments[into, 0], -1)
-    shift = m * np.arange(slots)[:, None]
-    both = [np.where(side >= 0, side + shift, -1).ravel().astype(np.int32) for side in (following, preceding)]
-    return both[0], both[1]

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import weakref
+from typing import NamedTuple
+
 import numpy as np
 import pytest
 
-from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache, Floats1, Floats2, Ints1, layout_of
 from contactlab.api.compiled.kernel import kernel
 from contactlab.api.compiled.unpack import unpack
 
@@ -43,3 +46,53 @@ def test_arrays_that_are_not_as_the_layout_says_are_refused(array: np.ndarray) -
         BoundArrays("d2", array)
     with pytest.raises(ValueError, match="argument 2 is"):
         BoundArrays("d1", np.zeros(3), np.zeros(3))
+
+
+class Inner(NamedTuple):
+    weight: Floats2
+    start: Ints1
+
+
+class Outer(NamedTuple):
+    scale: Floats1
+    first: Inner
+    second: Inner
+
+
+@kernel
+def weighed(bound):
+    """Moves a weight from the first to the second inner table; returns what names and shapes say."""
+    table = unpack(bound, Outer)
+    table.second.weight[1, 1] += table.first.weight[0, 2] * table.scale[0]
+    return table.first.start.size + 10 * table.second.start[0]
+
+
+def test_tables_have_names_inside_kernels_and_hold_tables() -> None:
+    first, second = (Inner(np.full((2, 3), w), np.full(4, n, np.int32)) for w, n in ((2.0, 5), (1.0, 7)))
+    bound = BoundArrays(Outer, np.full(1, 3.0), first, second)
+    assert layout_of(Outer) == "d1 d2 i1 d2 i1"
+    assert weighed(bound.address) == 4 + 70
+    assert second.weight[1, 1] == 7.0
+    with pytest.raises(TypeError, match="needed: contiguous i1"):
+        BoundArrays(Outer, np.full(1, 3.0), first, Inner(first.weight, np.zeros(4)))
+
+
+class Owner:
+    """Something whose arrays are bound."""
+
+
+def test_a_cache_binds_once_for_an_owner_and_its_sources_and_forgets_the_owner() -> None:
+    cache, owner, made = BoundCache(), Owner(), []
+    sources = (np.zeros(1), "b")
+
+    def bind() -> BoundArrays:
+        made.append(BoundArrays("d1", sources[0]))
+        return made[-1]
+
+    first = cache.of(owner, sources, bind)
+    assert cache.of(owner, sources, bind) is first
+    assert cache.of(owner, (np.zeros(1), "b"), bind) is made[1] is not first
+    bound = weakref.ref(made.pop())
+    made.clear()
+    del owner, first
+    assert bound() is None

@@ -63,8 +63,8 @@ def test_two_masters_make_one_surface_without_a_seam(make) -> None:
     model = make(bodies=TWO_BASES, contacts=[contact], supports=supports)
     pair = model.contact.pairs[0]
     assert len(pair.master.nodes) == 6 + 5
-    assert pair.cover == pytest.approx(pair.full)
-    start, end, weight = pair.master_window
+    assert pair.cover == pytest.approx(pair.coupling.full)
+    start, end, weight = pair.weights().master
     sums = [weight[k, : end[k] - start[k]].sum() for k in range(pair.slots)]
     assert sums == pytest.approx(np.ones(5))
 

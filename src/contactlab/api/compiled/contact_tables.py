@@ -1,0 +1,66 @@
+"""Tables of what kernels of contact are given: surfaces, segment contributions and rows, as `contactlab.api` has them.
+
+Each table has the fields of the object of its name that are arrays, in their order; `unpack` gives it to a kernel.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from contactlab.api.compiled.bound_arrays import Floats1, Floats2, Floats3, Ints1, Ints2
+
+__all__ = ["FactoredTable", "PiecesTable", "RowsTable", "SurfaceTable"]
+
+
+class SurfaceTable(NamedTuple):
+    """The arrays of a `Surface` but for its nodes."""
+
+    segments: Ints2
+    node_segments: Ints2
+    edges: Ints2
+    segment_edge: Ints2
+
+
+class PiecesTable(NamedTuple):
+    """The arrays of `Pieces`."""
+
+    slave: Ints2
+    multiplier: Ints2
+    master: Ints2
+    D: Floats3
+    M: Floats3
+    T: Floats3
+    normal: Floats2
+
+
+class RowsTable(NamedTuple):
+    """The arrays of `Rows`."""
+
+    start: Ints1
+    node: Ints1
+    normal_weight: Floats2
+    tangent_weight: Floats2
+    gap: Floats1
+    slip: Floats1
+    measure: Floats1
+    size: Floats1
+    slot: Ints1
+    bound: Floats2
+    work: Floats2
+
+
+class FactoredTable(NamedTuple):
+    """The arrays of `FactoredRows`."""
+
+    start: Ints1
+    node: Ints1
+    weight: Floats1
+    own: Ints1
+    normal: Floats2
+    gap: Floats1
+    size: Floats1
+    slot: Ints1
+    above: Floats1
+    below: Floats1
+    inverse: Floats1
+    left: Floats1

@@ -1,0 +1,191 @@
+"""The bill: what each effect of a scene costs, and what leaving it out changes in the answer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.compare.measure_run import driven_support, without_compilation
+from contactlab.compare.plan import Job, Plan, find_scene
+from contactlab.compare.profile import FoldedSurfaceError, Profile, distance, norm
+from contactlab.compare.removable import Variant, variants
+from contactlab.compare.run_job import Outcome
+from contactlab.compare.study import Study
+from contactlab.compare.table import COMPLETE
+from contactlab.errors import RequestError
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
+
+BASE = "as declared"
+INSTANTS = 201  # of the loading, at which histories are compared
+
+
+@dataclass(frozen=True)
+class Price:
+    """One effect.
+
+    declared   False: the scene leaves it out, and it was added to be priced
+    step_s     what it costs in each step, CPU [s]; nan where the runs cannot be compared step by step
+    run_s      what it costs in the whole run, CPU [s]
+    memory_mib what its arrays need
+    reaction, pressure, energy  what leaving it out changes: of the force and of the internal energy over the
+               whole loading, and of the final pressure, L2 norms relative to the run that has the effect
+    status     of the run without it (or with it, where it is not declared), and the reason where it did not finish
+    """
+
+    effect: str
+    declared: bool
+    step_s: float = math.nan
+    run_s: float = math.nan
+    memory_mib: float = math.nan
+    reaction: float = math.nan
+    pressure: float = math.nan
+    energy: float = math.nan
+    status: str = "refused"
+    reason: str = ""
+
+    @property
+    def error(self) -> float:
+        """The largest of the changes in the answer, nan where none is known."""
+        known = [value for value in (self.reaction, self.pressure, self.energy) if not math.isnan(value)]
+        return max(known, default=math.nan)
+
+
+@dataclass(frozen=True)
+class Bill:
+    """Prices in the order of the variants, beside what the scene costs as it is declared.
+
+    step_s, run_s CPU time [s]; memory_mib of its arrays; status, reason of the run as declared
+    """
+
+    step_s: float
+    run_s: float
+    memory_mib: float
+    steps: float
+    status: str
+    reason: str
+    prices: Sequence[Price]
+
+
+@dataclass(frozen=True)
+class BillPlan(Plan):
+    """The runs of a bill: the scene as declared first, then a run for each variant; and variants that are refused."""
+
+    shown: Mapping[str, Variant]
+    refused: Sequence[Price]
+
+
+def plan_bill(
+    request: Scene | Study | str | Any, registry: Registry | None = None, changes: Mapping[str, Any] | None = None
+) -> BillPlan:
+    """What to run for the bill of a scene. Raises RequestError where nothing can be taken out or added."""
+    study, scene = find_scene(request, registry)
+    scene = scene.with_(changes or {})
+    found = variants(scene)
+    jobs, shown, refused = [_job("1-as-declared", scene, BASE)], {}, []
+    for variant in found:
+        try:
+            changed = scene.with_(variant.changes)
+        except RequestError as error:
+            refused.append(Price(variant.effect, variant.declared, reason=str(error)))
+            continue
+        name = f"{len(jobs) + 1}-{variant.label.replace(' ', '-')}"
+        shown[name] = variant
+        jobs.append(_job(name, changed, variant.label))
+    if not found:
+        raise RequestError("the scene has no effect that could be taken out", where=scene.origin.file or scene.name)
+    own = Study(scene=study.scene, name=f"{scene.name}: what its effects cost", repeat=study.repeat)
+    return BillPlan(own, scene, 0, jobs, shown, refused)
+
+
+def _job(name: str, scene: Scene, label: str) -> Job:
+    """The run of one variant; it has no partner."""
+    contact = scene.contacts[0] if scene.contacts else None
+    algorithm = contact.algorithm["use"] if contact is not None else "no contact"
+    slave = contact.sides[0].partition(".")[0] if contact is not None else ""
+    return Job(name, scene, {"effect": label}, {"effect": label}, algorithm, slave, partner=name, refines=False)
+
+
+def make_bill(plan: BillPlan, outcomes: Mapping[str, Outcome]) -> Bill:
+    """The bill of runs that are over."""
+    base = outcomes[plan.jobs[0].name]
+    prices = [
+        _price(plan.shown[job.name], plan, base, outcomes[job.name], job) for job in plan.jobs if job.name in plan.shown
+    ]
+    costs = _costs(base)
+    return Bill(*costs, base.summary.get("steps", math.nan), base.status, base.reason, [*prices, *plan.refused])
+
+
+def _costs(outcome: Outcome) -> tuple[float, float, float]:
+    """CPU seconds of a step and of the run without the compiling and loading of kernels, and MiB of arrays."""
+    cost = outcome.summary.get("cost", {})
+    run = max(0.0, without_compilation(cost, "run_cpu_s"))  # nothing where a run left no cost
+    steps = outcome.summary.get("steps", 0)
+    return run / steps if steps else math.nan, run, float(cost.get("arrays_mib", math.nan))
+
+
+def _price(variant: Variant, plan: BillPlan, base: Outcome, other: Outcome, job: Job) -> Price:
+    rich, poor = (base, other) if variant.declared else (other, base)
+    step, run, memory = (a - b for a, b in zip(_costs(rich), _costs(poor), strict=True))
+    if bool(rich.summary.get("iterations")) != bool(poor.summary.get("iterations")):
+        step = math.nan  # a load step is no time step
+    named = (variant.effect, variant.declared)
+    if not (base.status in COMPLETE and other.status in COMPLETE):
+        return Price(*named, step, status=other.status, reason=other.reason)
+    changes = _reaction(rich, poor, plan.scene if variant.declared else job.scene), _pressure(rich, poor)
+    return Price(*named, step, run, memory, *changes, _energy(rich, poor), other.status, other.reason)
+
+
+# --- what changes in the answer ----------------------------------------------------------------------
+
+
+def _reaction(rich: Outcome, poor: Outcome, scene: Scene) -> float:
+    """Change of the driven support's force, or of the first contact's where nothing is supported."""
+    names = _force_columns(rich, scene)
+    return _change([_course(rich, name) for name in names], [_course(poor, name) for name in names])
+
+
+def _force_columns(outcome: Outcome, scene: Scene) -> tuple[str, ...]:
+    reactions = {on: np.asarray(force) for on, force in outcome.summary.get("reactions", {}).items()}
+    where = driven_support(scene.data, reactions) or ("contacts.0" if scene.contacts else "")
+    return tuple(f"{where}.{component}" for component in ("fx", "fy")) if where else ()
+
+
+def _energy(rich: Outcome, poor: Outcome) -> float:
+    return _change([_course(rich, "energy.internal")], [_course(poor, "energy.internal")])
+
+
+def _course(outcome: Outcome, column: str) -> Floats:
+    """A column of the history over the loading, from 0 to its end; zero where there is none."""
+    if column not in outcome.history:
+        return np.zeros(INSTANTS)
+    time, values = (np.asarray(outcome.history[name]) for name in ("time", column))
+    whole = outcome.summary.get("resolved", {}).get("ramp") or time[-1]
+    return np.interp(np.linspace(0.0, 1.0, INSTANTS), time / whole, values)
+
+
+def _change(rich: Sequence[Floats], poor: Sequence[Floats]) -> float:
+    """L2 norm of the difference over that of the richer run; nan where that is zero."""
+    if not rich:
+        return math.nan
+    whole, difference = np.stack(rich), np.stack(rich) - np.stack(poor)
+    size = float(np.linalg.norm(whole))
+    return float(np.linalg.norm(difference)) / size if size > 0.0 else math.nan
+
+
+def _pressure(rich: Outcome, poor: Outcome) -> float:
+    """Change of the final pressure of the first contact; the whole of it where the other run has no contact."""
+    try:
+        profiles = [Profile.of_curve(o.curve) if o.curve is not None else None for o in (rich, poor)]
+    except FoldedSurfaceError:
+        return math.nan
+    own, other = profiles
+    size = norm(own) if own is not None else 0.0
+    if own is None or not size > 0.0:
+        return math.nan
+    return distance(own, other) / size if other is not None else 1.0

@@ -1,0 +1,234 @@
+"""Make a reference from the project's own runs on fine meshes, with an estimate of its error.
+
+    python -m contactlab.compare.make_reference RECIPE --out FOLDER [--jobs N]
+
+RECIPE is a study (`docs/scene-format.md`) that varies the level and whatever else should make no
+difference: algorithms, slave and master. The pressure is the mean of the runs at the finest level.
+Its error is the larger of two differences: of single runs from the mean, and of the mean from the
+mean at the next coarser level. (Edges of contact limit the pressure to first order in h, so the
+distance between levels of ratio two estimates what is left.)
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.compare.profile import Profile, distance, norm
+from contactlab.compare.reference import FOLDER
+from contactlab.compare.runner import compare
+from contactlab.compare.table import Row, Table
+from contactlab.errors import ContactlabError, RequestError
+
+_POINTS_PER_SEGMENT = 4  # of the stored curve, so that storing adds nothing to the error
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A mean pressure: x (m,) [mm] and, at each, pressure, spread of the runs and change by refinement [MPa]."""
+
+    x: Floats
+    pressure: Floats
+    spread: Floats
+    refinement: Floats
+
+
+def make_reference(recipe: str | Path, out: str | Path, jobs: int | None = None) -> Path:
+    """Run the recipe, write NAME.csv and NAME.json into `out`, and return the path of the latter.
+
+    Raises RequestError for a recipe with fewer than two levels, ContactlabError when a run fails.
+    """
+    path = _recipe_path(recipe)
+    table = compare(path, jobs=jobs)
+    if table.failed:
+        failed = "; ".join(f"{row.name}: {row.status}: {row.reason}" for row in table.failed)
+        raise ContactlabError(f"no reference from runs that fail: {failed}")
+    levels = sorted({row.level for row in table.rows})
+    if len(levels) < 2:
+        raise RequestError(
+            "one level says nothing about its error", where=str(path), got=levels, allowed="level = [COARSE, FINE]"
+        )
+    name = path.name.partition(".")[0]
+    folder = Path(out)
+    folder.mkdir(parents=True, exist_ok=True)
+    curve, error = mean_curve(table, levels)
+    _write_curve(curve, folder / f"{name}.csv")
+    target = folder / f"{name}.json"
+    target.write_text(json.dumps(_description(name, table, levels, error), indent=2) + "\n", encoding="utf-8")
+    return target
+
+
+def _recipe_path(recipe: str | Path) -> Path:
+    bundled = FOLDER / f"{recipe}.toml"
+    return bundled if bundled.is_file() else Path(recipe)
+
+
+# --- the pressure ----------------------------------------------------------------------------------
+
+
+def mean_curve(table: Table, levels: Sequence[int]) -> tuple[Curve, float]:
+    """The mean pressure at the finest level and its relative L2 error."""
+    mirrored = table.scene.get("symmetry") == "x"
+    fine, coarse = (_profiles(table.rows, level, mirrored) for level in (levels[-1], levels[-2]))
+    x = _grid(fine)
+    pressed = _mean(_profiles(table.rows, levels[-1], mirrored, "nodal_pressure"), x) > 0.0
+    # the multiplier ripples a little beyond the edge of contact; the pressure there is none
+    mean = np.where(pressed, np.maximum(_mean(fine, x), 0.0), 0.0)
+    spread = np.max([np.abs(p(x) - mean) for p in fine], axis=0)
+    refinement = np.abs(_mean(coarse, x) - mean)
+    profile = Profile(x, mean)
+    differences = [distance(p, profile) for p in fine] + [distance(Profile(x, _mean(coarse, x)), profile)]
+    return Curve(x, mean, spread, refinement), max(differences) / norm(profile)
+
+
+def _profiles(rows: Sequence[Row], level: int, mirrored: bool, column: str = "pressure") -> list[Profile]:
+    """Profiles of all runs at a level; the mirror images of a symmetric scene count as runs, too."""
+    found = [Profile.of_curve(row.curve, column) for row in rows if row.level == level and row.curve is not None]
+    return found + [p.mirrored() for p in found] if mirrored else found
+
+
+def _mean(profiles: Sequence[Profile], x: Floats) -> Floats:
+    return np.asarray(np.mean([p(x) for p in profiles], axis=0))
+
+
+def _grid(profiles: Sequence[Profile]) -> Floats:
+    """Even points over the part where any profile is not zero, finer than the finest segments."""
+    pressed = [p.x[np.flatnonzero(p.value)] for p in profiles]
+    left, right = min(x[0] for x in pressed), max(x[-1] for x in pressed)
+    segment = min(float(np.diff(p.x).min()) for p in profiles)
+    count = 2 * int(np.ceil(0.5 * (right - left) / segment * _POINTS_PER_SEGMENT)) + 1
+    margin = segment
+    return np.linspace(left - margin, right + margin, count)
+
+
+def _write_curve(curve: Curve, path: Path) -> None:
+    columns = (curve.x, curve.pressure, curve.spread, curve.refinement)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(("x_deformed_mm", "p_MPa", "p_spread_MPa", "p_refinement_MPa"))
+        writer.writerows([f"{value:.7g}" for value in values] for values in zip(*columns, strict=True))
+
+
+# --- scalars and description -----------------------------------------------------------------------
+
+
+def limit(values: Sequence[float], levels: Sequence[int]) -> tuple[float, float]:
+    """The limit of a sequence of levels and its error.
+
+    Three levels of one ratio that converge from one side are extrapolated by the order they show
+    (Aitken's rule), and the last step of that is the error; else the finest value counts, and its
+    distance from the one before is the error.
+    """
+    last, step = values[-1], values[-1] - values[-2]
+    if len(values) >= 3 and levels[-1] * levels[-3] == levels[-2] ** 2 and step != 0.0:
+        ratio = (values[-2] - values[-3]) / step
+        if ratio > 1.0:
+            rest = step / (ratio - 1.0)
+            return last + rest, abs(rest)
+    return last, abs(step)
+
+
+def _reaction(table: Table, levels: Sequence[int]) -> dict[str, Any]:
+    """Mean over the runs of the limit of each; the error covers both the limits' own and their spread."""
+    runs: dict[tuple[str, str], dict[int, float]] = {}
+    for row in table.rows:
+        runs.setdefault((row.algorithm, row.slave), {})[row.level] = row["reaction"]
+    limits = [limit([run[level] for level in levels], levels) for run in runs.values()]
+    value = float(np.mean([found for found, _ in limits]))
+    error = max(max(abs(found - value) for found, _ in limits), max(own for _, own in limits))
+    return {"value": round(value, 6), "error": float(f"{error:.2g}"), "meaning": "reaction of the driven support"}
+
+
+def _description(name: str, table: Table, levels: Sequence[int], error: float) -> dict[str, Any]:
+    algorithms = ", ".join(dict.fromkeys(row.algorithm for row in table.rows))
+    slaves = ", ".join(dict.fromkeys(row.slave for row in table.rows))
+    choices = dict.fromkeys(f"; {key} {value}" for row in table.rows for key, value in row.choices.items())
+    more = "".join(choices)
+    versions = ", ".join(f"{k} {v}" for k, v in table.rows[0].system.items() if k in ("contactlab", "numpy", "numba"))
+    return {
+        "format": 1,
+        "name": name,
+        "title": table.study.name,
+        "curve": f"{name}.csv",
+        "columns": {"x": "x_deformed_mm", "pressure": "p_MPa", "spread": "p_spread_MPa"},
+        "mirror": False,
+        "window": None,
+        "scalars": {"reaction": _reaction(table, levels)},
+        "error_estimate": {
+            "pressure": float(f"{error:.2g}"),
+            "meaning": f"relative L2 norm; the larger of the spread of the runs at level {levels[-1]} and the change "
+            f"of their mean from level {levels[-2]}",
+        },
+        "origin": f"This project's own runs at levels {', '.join(map(str, levels))}: {algorithms}; "
+        f"slaves {slaves}{more}. Pressure: mean of the runs at level {levels[-1]}. Made with {versions} by "
+        f"python -m contactlab.compare.make_reference {name}.",
+        "holds_for": holds_for(table.scene),
+    }
+
+
+def holds_for(scene: Mapping[str, Any]) -> dict[str, Any]:
+    """The keys of a scene that its quasi-static answer depends on; meshes, algorithms and time do not count."""
+    keys: dict[str, Any] = {}
+    for name, material in scene["materials"].items():
+        keys |= _flat(f"materials.{name}", _without(material, "density"))
+    for name, body in scene["bodies"].items():
+        geometry = {field: body[field] for field in ("material", "rotate", "shift")}
+        keys |= _flat(f"bodies.{name}", {**geometry, "mesh": _without(body["mesh"], "cells", "grading")})
+    for number, contact in enumerate(scene["contacts"]):
+        pair = _without(contact, "algorithm", "swap", "name", "enforcement")
+        keys |= _flat(f"contacts.{number}", {"friction": None, **pair})
+    for number, support in enumerate(scene["supports"]):
+        keys |= _flat(
+            f"supports.{number}", {name: _end(support[name]) for name in ("on", "ux", "uy") if name in support}
+        )
+    for number, load in enumerate(scene.get("loads", ())):
+        keys |= _flat(f"loads.{number}", _without(load, "name"))
+    for number, effect in enumerate(scene.get("effects", ())):
+        keys |= _flat(f"effects.{number}", effect)
+    tables = ("contacts", "supports", "loads", "effects")
+    return keys | {f"{table}.{len(scene.get(table, ()))}": None for table in tables}
+
+
+def _without(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    return {name: value for name, value in table.items() if name not in names}
+
+
+def _end(value: Any) -> Any:
+    """Where a ramp ends; the way there makes no difference to a quasi-static answer."""
+    return {"to": value["to"]} if isinstance(value, Mapping) else value
+
+
+def _flat(prefix: str, table: Mapping[str, Any]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name, value in table.items():
+        key = f"{prefix}.{name}"
+        found |= _flat(key, value) if isinstance(value, Mapping) else {key: value}
+    return found
+
+
+def main() -> int:
+    """The command line of this module."""
+    parser = argparse.ArgumentParser(prog="python -m contactlab.compare.make_reference", description=__doc__)
+    parser.add_argument("recipe", help="name of a bundled recipe, or a study file")
+    parser.add_argument("--out", default=".", help="folder for NAME.csv and NAME.json")
+    parser.add_argument("--jobs", type=int, help="runs at a time")
+    options = parser.parse_args()
+    try:
+        print(make_reference(options.recipe, options.out, options.jobs))
+    except ContactlabError as error:
+        print(error, file=sys.stderr)
+        return error.exit_status
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

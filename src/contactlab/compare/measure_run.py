@@ -1,0 +1,166 @@
+"""From the summary and the curve of one run to the numbers of its row."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.compare import measures as m
+from contactlab.compare.profile import FoldedSurfaceError, Profile
+from contactlab.compare.reference import Reference
+from contactlab.results.results import ContactCurve
+
+Measures = dict[str, float]
+
+
+def measure_run(
+    scene: Mapping[str, Any],
+    summary: Mapping[str, Any],
+    contact: int,
+    curve: ContactCurve | None,
+    reference: Reference | None,
+) -> tuple[Measures, list[str]]:
+    """All measures of one run that need no other run, and notes on those that are missing.
+
+    scene    TOML data with defaults written out
+    summary  content of `summary.json`; may be empty when the process died
+    contact  number of the contact whose `curve` is compared
+    """
+    found = _costs(summary) | _forces(scene, summary, contact)
+    found["reaction_error"] = _reaction_error(found["reaction"], reference)
+    notes: list[str] = []
+    if curve is not None and len(curve.x):
+        try:
+            profile = Profile.of_curve(curve)
+        except FoldedSurfaceError as error:
+            notes.append(str(error))
+        else:
+            found |= _pressures(profile, reference, mirrored=scene.get("symmetry") == "x")
+    return found, notes
+
+
+def _pressures(profile: Profile, reference: Reference | None, mirrored: bool) -> Measures:
+    found: Measures = {}
+    if mirrored:
+        found["mirror_asymmetry"] = m.mirror_asymmetry(profile)
+    if reference is not None:
+        exact, window = reference.profile, reference.window
+        found["pressure_error"] = m.pressure_error(profile, exact, window)
+        found["largest_pressure_error"] = m.largest_pressure_error(profile, exact, window)
+        found["oscillation"] = m.oscillation(profile, exact)
+        found["turning_points"] = m.excess_turning_points(profile, exact)
+        found["edge_error"] = m.edge_error(profile, exact)
+    return found
+
+
+# --- forces ----------------------------------------------------------------------------------------
+
+
+def _forces(scene: Mapping[str, Any], summary: Mapping[str, Any], contact: int) -> Measures:
+    reactions = {on: np.asarray(force, float) for on, force in summary.get("reactions", {}).items()}
+    facts = summary.get("contacts", {}).get(f"contacts.{contact}", {})
+    resultant, integral = (_vector(facts.get(name)) for name in ("resultant", "pressure_integral"))
+    return {
+        "reaction": _length(reactions.get(driven_support(scene, reactions))),
+        "reaction_mismatch": _float(summary.get("reaction_mismatch")),
+        "reaction_against_pressure": reaction_against_pressure(scene, reactions, contact, integral),
+        "sideways_force": _quotient(abs(resultant[0]), abs(resultant[1])),
+        "max_pressure": _float(facts.get("max_pressure")),
+        "max_penetration": _largest_penetration(summary),
+    }
+
+
+def driven_support(scene: Mapping[str, Any], reactions: Mapping[str, Floats]) -> str:
+    """The first support that moves; where none does, the one with the largest force."""
+    for support in scene.get("supports", ()):
+        if any(isinstance(support.get(name), Mapping) for name in ("ux", "uy")):
+            return str(support["on"])
+    return max(reactions, key=lambda on: _length(reactions[on]), default="")
+
+
+def reaction_against_pressure(
+    scene: Mapping[str, Any], reactions: Mapping[str, Floats], contact: int, integral: Floats
+) -> float:
+    """|R + P| / |R| with the integral P (2,) of the contact tractions on the slave and the support force R
+    on the slave's body; with -P and the master's body where the slave's has no support.
+
+    nan where both bodies are free or take part in other contacts as well.
+    """
+    slave, master = sides(scene["contacts"][contact]) if scene.get("contacts") else ("", "")
+    for surface, force in ((slave, integral), (master, -integral)):
+        body = body_of(surface)
+        held = [value for on, value in reactions.items() if body_of(on) == body]
+        if held and _contacts_of(scene, body) == 1:
+            support = np.sum(held, axis=0)
+            return _quotient(_length(support + force), _length(support))
+    return math.nan
+
+
+def _contacts_of(scene: Mapping[str, Any], body: str) -> int:
+    return sum(body in {body_of(surface) for surface in sides(c)} for c in scene.get("contacts", ()))
+
+
+def sides(contact: Mapping[str, Any]) -> tuple[str, str]:
+    """Slave and master surface as they act, `swap` taken into account."""
+    slave, master = (
+        side if isinstance(side, str) else " + ".join(side) for side in (contact["slave"], contact["master"])
+    )
+    return (master, slave) if contact.get("swap") else (slave, master)
+
+
+def body_of(surface: str) -> str:
+    """The body of "body.edge_set"."""
+    return surface.partition(".")[0]
+
+
+def _reaction_error(reaction: float, reference: Reference | None) -> float:
+    if reference is None:
+        return math.nan
+    exact = reference.scalar("reaction")
+    return _quotient(abs(reaction - exact), abs(exact))
+
+
+def _largest_penetration(summary: Mapping[str, Any]) -> float:
+    depths = [_float(facts.get("max_penetration")) for facts in summary.get("contacts", {}).values()]
+    return max(depths, default=math.nan)
+
+
+# --- costs -----------------------------------------------------------------------------------------
+
+
+def _costs(summary: Mapping[str, Any]) -> Measures:
+    cost, balance = summary.get("cost", {}), summary.get("balance", {})
+    steps = _float(summary.get("steps"))
+    return {
+        "steps": steps,
+        "sweeps": _quotient(_float(summary.get("contact_sweeps")), steps),
+        "cpu_s": without_compilation(cost, "run_cpu_s"),
+        "wall_s": without_compilation(cost, "run_wall_s"),
+        "memory_mib": _float(cost.get("peak_memory_mib")),
+        "kinetic_share": _quotient(_float(balance.get("kinetic")), abs(_float(balance.get("internal")))),
+    }
+
+
+def without_compilation(cost: Mapping[str, Any], name: str) -> float:
+    """Seconds without the compiling and loading of kernels: that says nothing about an algorithm."""
+    return float(np.maximum(_float(cost.get(name)) - _float(cost.get("compile_s", 0.0)), 0.0))
+
+
+def _float(value: Any) -> float:
+    return math.nan if value is None else float(value)
+
+
+def _vector(value: Any) -> Floats:
+    return np.full(2, np.nan) if value is None else np.asarray(value, float)
+
+
+def _length(vector: Floats | None) -> float:
+    return math.nan if vector is None else float(np.hypot(*vector))
+
+
+def _quotient(numerator: float, denominator: float) -> float:
+    return float(numerator / denominator) if denominator > 0.0 else math.nan

@@ -1,0 +1,179 @@
+"""From what was asked for to the list of runs."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from contactlab.compare.measure_run import body_of, sides
+from contactlab.compare.study import Pareto, Study, bundled_studies, checked_vary, is_study, read_study, study_from
+from contactlab.errors import RequestError
+from contactlab.parts.registry import Registry, default_registry
+from contactlab.scene.scene import Scene, load_scene
+from contactlab.scene.toml_text import location, read_toml
+
+Vary = Mapping[str, Sequence[Any]]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run to be made.
+
+    name      of its folder
+    scene     with the varied values set
+    varied    scene keys and values that tell it from the others
+    choices   those of them that neither algorithm nor slave nor level shows
+    partner   the same without the swap of slave and master: two jobs that share it are a pair
+    refines   True when it is only there for the plot of error against cost
+    """
+
+    name: str
+    scene: Scene
+    varied: Mapping[str, Any]
+    choices: Mapping[str, Any]
+    algorithm: str
+    slave: str
+    partner: str
+    refines: bool
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All runs of a study.
+
+    scene    the common scene, nothing varied
+    contact  number of the contact that is compared
+    """
+
+    study: Study
+    scene: Scene
+    contact: int
+    jobs: Sequence[Job]
+
+
+def make_plan(
+    request: Scene | Study | str | Path,
+    vary: Vary | None = None,
+    registry: Registry | None = None,
+    changes: Mapping[str, Any] | None = None,
+) -> Plan:
+    """What to run for a scene, a study, the name of either, or a file of either.
+
+    With `vary` the study's own lists and levels are replaced; `changes` sets keys of the common scene
+    and stops the study from varying them. Where nothing is varied, a scene is run with every
+    installed contact algorithm and both choices of slave. Raises RequestError.
+    """
+    registry = registry or default_registry()
+    study, scene = find_scene(request, registry)
+    if vary:
+        given = checked_vary({name: (values, f"vary {name}") for name, values in vary.items()})
+        study = replace(study, vary=given, pareto=Pareto())
+    changes = changes or {}
+    scene = scene.with_(changes)
+    contact = _contact_number(scene, study.contact)
+    if not study.vary:
+        study = replace(study, vary=_everything(scene, contact, registry))
+    study = replace(study, vary={key: values for key, values in study.vary.items() if key not in changes})
+    return Plan(study, scene, contact, _named(_jobs(study, scene, contact)))
+
+
+def find_scene(request: Scene | Study | str | Path, registry: Registry | None = None) -> tuple[Study, Scene]:
+    """The study that is asked for, and its scene. Raises RequestError."""
+    registry = registry or default_registry()
+    if isinstance(request, Scene):
+        return Study(scene=request.name, name=request.name), request
+    if isinstance(request, str | Path):
+        request = _find_study(request, registry)
+    beside = (request.folder or Path()) / request.scene
+    scene = load_scene(beside if request.folder and beside.is_file() else request.scene, registry)
+    return (request if request.name else replace(request, name=scene.name)), scene
+
+
+def _find_study(request: str | Path, registry: Registry) -> Study:
+    """A bundled study, a study file, or else a scene that stands alone."""
+    if isinstance(request, str) and request in bundled_studies():
+        return read_study(bundled_studies()[request])
+    path = Path(request)
+    if path.is_file():
+        data, lines = read_toml(path, str(path))
+        if is_study(data):
+            return study_from(data, location(str(path), lines), path)
+    return Study(scene=str(request))
+
+
+def _contact_number(scene: Scene, key: str) -> int:
+    """The number in "contacts.0", or of the contact with the name in "contacts.NAME"."""
+    if not scene.contacts:
+        raise RequestError(
+            "the scene has no contact to compare", where=scene.origin.file or scene.name, allowed="[[contacts]]"
+        )
+    names = {f"contacts.{i}": i for i in range(len(scene.contacts))}
+    names |= {f"contacts.{c.name}": i for i, c in enumerate(scene.contacts) if c.name}
+    if key not in names:
+        raise RequestError("no such contact", where="contact", got=key, allowed=", ".join(names))
+    return names[key]
+
+
+def _everything(scene: Scene, contact: int, registry: Registry) -> dict[str, tuple[Any, ...]]:
+    return {
+        f"contacts.{contact}.algorithm": tuple(registry.names("contact")),
+        f"contacts.{contact}.swap": (False, True),
+    }
+
+
+def _jobs(study: Study, scene: Scene, contact: int) -> list[Job]:
+    combinations = study.combinations()
+    asked = [_job(scene, varied, contact, refines=False) for varied in combinations]
+    done = {(job.partner, job.slave, job.algorithm) for job in asked}
+    further = []
+    for level in sorted(study.pareto.levels):
+        for varied in combinations:
+            job = _job(scene, {**varied, "level": level}, contact, refines=True)
+            if (job.partner, job.slave, job.algorithm) not in done:
+                done.add((job.partner, job.slave, job.algorithm))
+                further.append(job)
+    return asked + further
+
+
+def _job(base: Scene, varied: Mapping[str, Any], contact: int, refines: bool) -> Job:
+    scene = base.with_(varied)
+    compared = scene.data["contacts"][contact]
+    algorithm = _algorithm_label(base, varied, contact, compared)
+    slave = body_of(sides(compared)[0])
+    swaps, algorithms = _names_of(base, contact, "swap"), tuple(_names_of(base, contact, "algorithm"))
+    rest = {key: value for key, value in varied.items() if key not in swaps}
+    choices = {key: value for key, value in rest.items() if key != "level" and not key.startswith(algorithms)}
+    partner = json.dumps({**rest, "level": scene.level}, sort_keys=True, default=str)
+    return Job(_slug(algorithm, slave, scene.level), scene, varied, choices, algorithm, slave, partner, refines)
+
+
+def _algorithm_label(base: Scene, varied: Mapping[str, Any], contact: int, compared: Mapping[str, Any]) -> str:
+    """The part's name, with the fields that the study itself sets."""
+    name = str(compared["algorithm"]["use"])
+    fields: dict[str, Any] = {}
+    for key in _names_of(base, contact, "algorithm"):
+        if isinstance(varied.get(key), Mapping):
+            fields |= {field: value for field, value in varied[key].items() if field != "use"}
+        fields |= {k.removeprefix(f"{key}."): value for k, value in varied.items() if k.startswith(f"{key}.")}
+    fields.pop("use", None)
+    return " ".join([name, *(f"{field}={value}" for field, value in fields.items())])
+
+
+def _names_of(scene: Scene, contact: int, field: str) -> list[str]:
+    """Both ways to write a key of the compared contact."""
+    name = scene.contacts[contact].name
+    return [f"contacts.{label}.{field}" for label in (contact, name) if label is not None]
+
+
+def _slug(algorithm: str, slave: str, level: int) -> str:
+    return re.sub(r"[^A-Za-z0-9.=-]+", "-", f"{algorithm}-{slave}-level-{level}").strip("-")
+
+
+def _named(jobs: list[Job]) -> list[Job]:
+    """The jobs with numbered names, so that folders sort as the table does."""
+    width = len(str(len(jobs)))
+    return [replace(job, name=f"{number:0{width}d}-{job.name}") for number, job in enumerate(jobs, start=1)]

@@ -1,0 +1,174 @@
+"""Reference solutions: a pressure with its error estimate, its scalars, its origin, and the scenes it holds for.
+
+A reference is a JSON file beside the CSV of its curve, in `data/references/` or anywhere else:
+
+    name, title, origin   what it is and where it comes from
+    curve, columns        the CSV file and its columns for x, pressure and spread
+    mirror                true when the curve shows x >= 0 of a symmetric pressure
+    window                [x0, x1] [mm] over which pressures are compared; absent: everywhere
+    scalars               {"reaction": {"value": .., "error": .., "meaning": ..}, ..}
+    error_estimate        {"pressure": relative L2 error of the curve, "meaning": ..}
+    holds_for             scene keys and their values; null: the key must be absent
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.compare.profile import Profile, Window
+from contactlab.errors import RequestError, Where, did_you_mean
+
+FOLDER = Path(__file__).parent.parent / "data" / "references"
+
+_ABSENT = object()
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A reference solution.
+
+    profile         pressure [MPa] over deformed x [mm]
+    spread          of the runs behind it [MPa], at the nodes of `profile`
+    window          where pressures are compared, None for everywhere
+    scalars         name -> {"value", "error", "meaning"}
+    error_estimate  {"pressure": relative L2 error, "meaning": how it was estimated}
+    holds_for       scene keys and the values they must have
+    """
+
+    name: str
+    title: str
+    origin: str
+    profile: Profile
+    spread: Floats
+    window: Window | None = None
+    scalars: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    error_estimate: Mapping[str, Any] = field(default_factory=dict)
+    holds_for: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def pressure_uncertainty(self) -> float:
+        """Relative L2 error of the pressure, nan when unknown."""
+        return float(self.error_estimate.get("pressure", math.nan))
+
+    def scalar(self, name: str) -> float:
+        """A scalar's value, nan when the reference has none of that name."""
+        return float(self.scalars.get(name, {}).get("value", math.nan))
+
+    @cached_property
+    def pressed_range(self) -> Window:
+        """Where the pressure is not zero [mm]."""
+        pressed = self.profile.x[self.profile.value > 0.0]
+        return float(pressed[0]), float(pressed[-1])
+
+    def mismatch(self, scene: Mapping[str, Any]) -> str:
+        """Why the reference says nothing about a scene (its TOML data); empty when it holds."""
+        for key, wanted in self.holds_for.items():
+            found = value_at(scene, key)
+            if not _agree(found, wanted):
+                return f"{key} is {_shown(found)}, the reference is for {_shown(wanted)}"
+        return ""
+
+
+def value_at(data: Any, key: str) -> Any:
+    """The value at a dotted key of nested tables and arrays; a private marker when there is none."""
+    for name in key.split("."):
+        try:
+            data = data[int(name)] if isinstance(data, list | tuple) else data[name]
+        except (LookupError, TypeError, ValueError):
+            return _ABSENT
+    return data
+
+
+def _agree(found: Any, wanted: Any) -> bool:
+    if wanted is None:
+        return found is _ABSENT or not found
+    if isinstance(wanted, int | float) and isinstance(found, int | float):
+        # Values are compared as written; the tolerance only forgives decimal rounding.
+        return math.isclose(found, wanted, rel_tol=1e-9)
+    if isinstance(found, Mapping) and isinstance(wanted, str):
+        return bool(found.get("use") == wanted and len(found) == 1)
+    return bool(found == wanted)
+
+
+def _shown(value: Any) -> str:
+    return "absent" if value is _ABSENT or value is None else repr(value)
+
+
+def bundled() -> dict[str, Path]:
+    """Bundled references by name."""
+    return {path.stem: path for path in sorted(FOLDER.glob("*.json"))}
+
+
+def load_reference(name: str, *, beside: Path | None = None, where: Where = "reference") -> Reference:
+    """A reference by bundled name, or by the path of its JSON file (relative to `beside`).
+
+    Raises RequestError when there is none or the file is not a reference.
+    """
+    known = bundled()
+    path = known.get(name) or (beside or Path()) / name
+    if not path.is_file():
+        raise RequestError(
+            "there is no such reference",
+            where=where,
+            got=name,
+            allowed="the path of a reference's JSON file or one of " + ", ".join(known),
+            hint=did_you_mean(name, known),
+        )
+    return _read(path)
+
+
+def matching_reference(scene: Mapping[str, Any]) -> Reference | None:
+    """The first bundled reference that holds for the scene (its TOML data)."""
+    for name in bundled():
+        reference = load_reference(name)
+        if not reference.mismatch(scene):
+            return reference
+    return None
+
+
+def _read(path: Path) -> Reference:
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        profile, spread = _read_curve(path.parent / data["curve"], data["columns"], data.get("mirror", False))
+        return Reference(
+            name=data["name"],
+            title=data["title"],
+            origin=data["origin"],
+            profile=profile,
+            spread=spread,
+            window=tuple(data["window"]) if data.get("window") else None,
+            scalars=data.get("scalars", {}),
+            error_estimate=data.get("error_estimate", {}),
+            holds_for=data.get("holds_for", {}),
+        )
+    except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
+        raise RequestError(
+            "the reference cannot be read",
+            where=str(path),
+            got=f"{type(error).__name__}: {error}",
+            allowed="JSON with name, title, origin, curve, columns and the CSV file that `curve` names",
+            hint="compare it with " + str(FOLDER),
+        ) from error
+
+
+def _read_curve(path: Path, columns: Mapping[str, str], mirror: bool) -> tuple[Profile, Floats]:
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    x, pressure, spread = (np.array([float(row[columns[c]]) for row in rows]) for c in ("x", "pressure", "spread"))
+    if mirror:
+        left = slice(None, 0, -1) if x[0] == 0.0 else slice(None, None, -1)
+        x = np.concatenate([-x[left], x])
+        pressure, spread = (np.concatenate([v[left], v]) for v in (pressure, spread))
+    if np.any(np.diff(x) <= 0.0) or not np.all(np.isfinite(pressure)):
+        raise ValueError(f"{path.name}: x must increase and pressures must be finite")
+    return Profile(x, pressure), spread

@@ -1,0 +1,191 @@
+"""Run every combination of a study side by side, and gather what came of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from concurrent.futures import CancelledError, Future, as_completed
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from contactlab.compare import run_job
+from contactlab.compare.bill import BillPlan, make_bill, plan_bill
+from contactlab.compare.gather import common_reference, gather
+from contactlab.compare.plan import Job, Plan, Vary, make_plan
+from contactlab.compare.pool import ProcessDiedError, RaisedError, WorkerPool
+from contactlab.compare.recordings import record_comparison
+from contactlab.compare.reference import Reference, load_reference
+from contactlab.compare.resume import sigterm_as_ctrl_c, stored_outcomes
+from contactlab.compare.run_job import Outcome
+from contactlab.compare.study import Study
+from contactlab.compare.system import usable_cores
+from contactlab.compare.table import Table
+from contactlab.compare.table_files import write_table
+from contactlab.errors import RequestError
+from contactlab.parts.registry import Registry
+from contactlab.reports.page import write_report
+from contactlab.reports.progress import Bars, progress_bars
+from contactlab.run.folders import claimed_folder, made_folder
+from contactlab.scene.scene import Scene
+from contactlab.scene.toml_text import write_toml
+
+
+def compare(
+    scene_or_study: Scene | Study | str | Path,
+    vary: Vary | None = None,
+    out: str | Path | None = None,
+    jobs: int | None = None,
+    registry: Registry | None = None,
+    progress: bool | None = None,
+    changes: Mapping[str, Any] | None = None,
+    effects: bool = False,
+    resume: bool = False,
+) -> Table:
+    """Run every combination and measure accuracy against cost.
+
+    scene_or_study  a scene, a study, the name of a bundled one, or a TOML file of either
+    vary            scene keys and lists of values, instead of the study's own
+    out             folder for `table.csv`, `table.json`, plots, `report.html` and the runs; none: no files
+    jobs            processes at a time; all cores by default
+    changes         scene keys and values for all runs, also instead of what the study varies
+    progress        bars on standard error; by default where that is a terminal
+    effects         instead of combinations, the scene with each of its effects taken out in turn: `Table.bill`
+    resume          go on with the comparison in `out`: runs that are over are read back, the others go on
+
+    A run that fails, or whose process is killed, is a row with its status and reason.
+    Raises RequestError when the request itself is wrong, and KeyboardInterrupt after Ctrl-C or SIGTERM,
+    when what there is has been written.
+    """
+    plan = _plan(scene_or_study, vary, registry, changes, effects)
+    named = _named_reference(plan.study)
+    workers = _checked_jobs(jobs)
+    folder = _folder(out, resume)
+    done = stored_outcomes(plan, folder) if resume and folder is not None else {}
+    began = perf_counter()
+    with progress_bars(plan.jobs, progress) as bars, sigterm_as_ctrl_c():
+        outcomes, interrupted = _run_all(plan, done, folder, workers, bars)
+    if interrupted and folder is not None:
+        outcomes |= stored_outcomes(plan, folder)  # over, but its answer was still on the way
+    rows = gather(plan, outcomes, named)
+    table = Table(
+        rows=rows,
+        study=plan.study,
+        reference=common_reference(rows, named),
+        scene=plan.scene.data,
+        scene_text=plan.scene.toml(),
+        wall_s=perf_counter() - began,
+        folder=folder,
+        bill=make_bill(plan, outcomes) if isinstance(plan, BillPlan) else None,
+    )
+    if folder is not None:
+        _write(table, plan, outcomes, folder)
+        main = [job.name for job in plan.jobs if not job.refines]
+        record_comparison(plan.scene, plan.scene.registry, folder, main)
+    if interrupted:
+        raise KeyboardInterrupt
+    return table
+
+
+def _folder(out: str | Path | None, resume: bool) -> Path | None:
+    if out is None:
+        if resume:
+            raise RequestError("a comparison can only be taken up in its folder", where="resume", allowed="a folder")
+        return None
+    return made_folder(Path(out)) if resume else claimed_folder(Path(out))
+
+
+def _plan(request: Any, vary: Vary | None, registry: Registry | None, changes: Any, effects: bool) -> Plan:
+    if not effects:
+        return make_plan(request, vary, registry, changes)
+    if vary:
+        raise RequestError(
+            "effects are taken out of one scene, nothing else is varied beside", where="vary", got=", ".join(vary),
+            hint="set keys of the scene instead, or compare without effects",
+        )  # fmt: skip
+    return plan_bill(request, registry, changes)
+
+
+def _named_reference(study: Study) -> Reference | None:
+    if study.reference is None:
+        return None
+    where = f"{study.path}, key reference" if study.path else "reference"
+    return load_reference(study.reference, beside=study.folder, where=where)
+
+
+def _checked_jobs(jobs: int | None) -> int:
+    if jobs is not None and jobs < 1:
+        raise RequestError("there must be at least one process", where="jobs", got=jobs, allowed="1 or more")
+    return jobs or usable_cores()
+
+
+def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Path) -> None:
+    folder.mkdir(parents=True, exist_ok=True)  # long runs may outlive a folder that was tidied away
+    (folder / "study.toml").write_text(write_toml(plan.study.as_data()), encoding="utf-8")
+    for name, outcome in outcomes.items():
+        if outcome.traceback:
+            place = folder / "runs" / name
+            place.mkdir(parents=True, exist_ok=True)
+            (place / "error.txt").write_text(outcome.traceback, encoding="utf-8")
+    write_table(table, folder)
+    write_report(table, folder)
+
+
+# --- running ---------------------------------------------------------------------------------------
+
+
+def _run_all(
+    plan: Plan, done: Mapping[str, Outcome], folder: Path | None, workers: int, bars: Bars
+) -> tuple[dict[str, Outcome], bool]:
+    """Outcomes by job name, those that are `done` among them, and whether the user stopped it."""
+    outcomes = dict(done)
+    for name, outcome in done.items():
+        bars.finish(name, outcome.status)
+    rest = [job for job in plan.jobs if job.name not in done]
+    if not rest:
+        return outcomes, False
+    futures: dict[Future[Outcome], Job] = {}
+    with WorkerPool(min(workers, len(rest))) as pool:
+        try:
+            _warm_up(pool, rest, bars)
+            # the study's own runs, then the longest first, so that no core waits at the end
+            queue = sorted(rest, key=lambda job: (job.refines, -job.scene.level))
+            futures = {_submit(pool, plan, job, folder, bars): job for job in queue}
+            for future in as_completed(futures):
+                outcomes[futures[future].name] = _outcome(future)
+                bars.finish(futures[future].name, outcomes[futures[future].name].status)
+        except KeyboardInterrupt:
+            pool.interrupt()
+            stopped = {job.name: Outcome("interrupted", "stopped before it began") for job in rest}
+            ended = {job.name: _outcome(future, stopped=True) for future, job in futures.items()}
+            return {**stopped, **ended, **outcomes}, True
+    return outcomes, False
+
+
+def _warm_up(pool: WorkerPool, jobs: Sequence[Job], bars: Bars) -> None:
+    """Compile once, in one process, before several would compile the same side by side."""
+    first = {run_job.composition(job.scene): job for job in reversed(jobs)}
+    bars.say("compiling kernels")
+    for job in first.values():
+        # Whatever is wrong here is wrong in the run itself, and told there.
+        pool.submit(run_job.warm_up, job.scene).exception()
+    bars.say("")
+
+
+def _submit(pool: WorkerPool, plan: Plan, job: Job, folder: Path | None, bars: Bars) -> Future[Outcome]:
+    place = None if folder is None else (folder / "runs" / job.name).resolve()
+
+    def report(message: tuple[float, int]) -> None:
+        bars.advance(job.name, *message)
+
+    return pool.submit(run_job.run, job.scene, place, plan.contact, plan.study.repeat, report=report)
+
+
+def _outcome(future: Future[Outcome], stopped: bool = False) -> Outcome:
+    try:
+        return future.result()
+    except CancelledError:
+        return Outcome("interrupted", "stopped before it began")
+    except ProcessDiedError as error:
+        return Outcome("interrupted", "stopped by the user") if stopped else Outcome("failed", str(error))
+    except RaisedError as error:
+        return Outcome("failed", str(error), traceback=error.details)

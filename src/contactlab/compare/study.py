@@ -1,0 +1,143 @@
+"""Studies: a scene, what to vary, what to measure and what to compare with."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from contactlab.compare.columns import BY_NAME
+from contactlab.errors import Location, RequestError, Where, below, did_you_mean
+from contactlab.scene.fields import key, read_table
+from contactlab.scene.toml_text import location, parse_value, read_toml
+
+FOLDER = Path(__file__).parent.parent / "data" / "studies"
+
+
+@dataclass(frozen=True)
+class Pareto:
+    """`[pareto]`: the levels at which error is plotted against cost."""
+
+    levels: tuple[int, ...] = key((), least=1, says="mesh levels to run in addition")
+
+
+@dataclass(frozen=True)
+class Study:
+    """A study file.
+
+    `vary` maps scene keys to lists of values; every combination is run.
+    """
+
+    scene: str = key(says="the name of a bundled scene, or a scene file beside the study")
+    format: Literal[1] = key(1, says="version of the study format")
+    name: str = key("", says="heading of the report; not written: the name of the file")
+    reference: str | None = key(None, says="reference to compare with; not written: the first that fits the scene")
+    measures: tuple[str, ...] = key((), says="columns of the printed table; not written: the usual ones")
+    repeat: int = key(1, least=1, says="runs of each combination; the costs shown are medians")
+    contact: str = key("contacts.0", says="the contact whose pressure is compared")
+    vary: Mapping[str, tuple[Any, ...]] = field(default_factory=dict, metadata={"hidden": True})
+    pareto: Pareto = key(Pareto(), says="levels of the plot of error against cost")
+    path: Path | None = field(default=None, metadata={"hidden": True})
+
+    def combinations(self) -> list[dict[str, Any]]:
+        """All combinations of the varied values, the first key slowest."""
+        return [dict(zip(self.vary, values, strict=True)) for values in itertools.product(*self.vary.values())]
+
+    @property
+    def folder(self) -> Path | None:
+        """Where relative paths of the study begin."""
+        return self.path.parent if self.path else None
+
+    def as_data(self) -> dict[str, Any]:
+        """The study as it could be written in a file."""
+        data: dict[str, Any] = {"scene": self.scene, "contact": self.contact, "repeat": self.repeat}
+        optional = {"name": self.name, "reference": self.reference, "measures": list(self.measures)}
+        data |= {name: value for name, value in optional.items() if value}
+        data["vary"] = {name: list(values) for name, values in self.vary.items()}
+        if self.pareto.levels:
+            data["pareto"] = {"levels": list(self.pareto.levels)}
+        return data
+
+
+def bundled_studies() -> dict[str, Path]:
+    """Bundled studies by name."""
+    return {path.stem: path for path in sorted(FOLDER.glob("*.toml"))}
+
+
+def is_study(data: Mapping[str, Any]) -> bool:
+    """Whether TOML data are a study rather than a scene."""
+    return "scene" in data or "vary" in data
+
+
+def read_study(path: Path) -> Study:
+    """A study file. Raises RequestError naming file, line and key."""
+    data, lines = read_toml(path, str(path))
+    return study_from(data, location(str(path), lines), path)
+
+
+def study_from(data: Mapping[str, Any], where: Location, path: Path | None = None) -> Study:
+    """A study from TOML data. Raises RequestError."""
+    tables = dict(data)
+    vary = checked_vary(_flat(tables.pop("vary", {}), below(where, "vary")))
+    tables.setdefault("name", path.stem if path else "")
+    _check_measures(tables.get("measures", ()), below(where, "measures"))
+    return read_table(Study, tables, where, vary=vary, path=path)
+
+
+def _flat(table: Any, where: Where) -> dict[str, tuple[Any, Where]]:
+    """Dotted keys and their lists; nested tables and quoted dotted keys are the same."""
+    if not isinstance(table, Mapping):
+        raise RequestError("a table is needed here", where=where, got=table, allowed=_VARY)
+    found: dict[str, tuple[Any, Where]] = {}
+    for name, value in table.items():
+        inner = below(where, name)
+        if isinstance(value, Mapping):
+            found |= {f"{name}.{rest}": item for rest, item in _flat(value, inner).items()}
+        else:
+            found[name] = (value, inner)
+    return found
+
+
+_VARY = "scene keys and lists of values, such as level = [1, 2]"
+
+
+def checked_vary(vary: Mapping[str, tuple[Any, Where]]) -> dict[str, tuple[Any, ...]]:
+    """Lists of values by scene key. Raises RequestError for what is no list, empty, or named twice."""
+    return {name: _checked_values(values, where) for name, (values, where) in vary.items()}
+
+
+def _checked_values(values: Any, where: Where) -> tuple[Any, ...]:
+    if not isinstance(values, list | tuple):
+        raise RequestError("a list is needed here", where=where, got=values, allowed=_VARY, hint=f"[{values}]")
+    if not values:
+        raise RequestError("the list is empty", where=where, got=values, allowed=_VARY)
+    repeated = [value for k, value in enumerate(values) if value in values[:k]]
+    if repeated:
+        hint = "the key `repeat` of a study measures costs again"
+        raise RequestError("a value is listed twice", where=where, got=repeated[0], hint=hint)
+    return tuple(values)
+
+
+def parse_vary(texts: Sequence[str]) -> dict[str, tuple[Any, ...]]:
+    """`KEY=[V1, V2]` as typed on a command line; bare words are strings. Raises RequestError."""
+    vary: dict[str, tuple[Any, Where]] = {}
+    for text in texts:
+        name, equals, values = text.partition("=")
+        name = name.strip()
+        where = f"--vary {name}"
+        if not equals or not name:
+            raise RequestError("no key is varied here", where="--vary", got=text, allowed="KEY=[V1, V2]")
+        if name in vary:
+            raise RequestError("the key is varied twice", where=where, hint="write one list with all values")
+        vary[name] = (parse_value(values.strip(), where), where)
+    return checked_vary(vary)
+
+
+def _check_measures(measures: Any, where: Where) -> None:
+    for name in measures if isinstance(measures, list | tuple) else ():
+        if isinstance(name, str) and name not in BY_NAME:
+            raise RequestError(
+                "no such measure", where=where, got=name, allowed=", ".join(BY_NAME), hint=did_you_mean(name, BY_NAME)
+            )

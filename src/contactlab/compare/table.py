@@ -1,0 +1,159 @@
+"""The result of a comparison: one row per run, failures included."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from contactlab.api.warning import RunWarning
+from contactlab.compare.columns import MEASURES
+from contactlab.compare.profile import FoldedSurfaceError, Profile
+from contactlab.compare.shape import Shape
+from contactlab.results.results import ContactCurve
+
+if TYPE_CHECKING:
+    from contactlab.compare.bill import Bill
+    from contactlab.compare.reference import Reference
+    from contactlab.compare.study import Study
+
+
+COMPLETE = ("finished", "not-converged")
+"""Statuses of runs that carried the load to its end, settled or not."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """One run.
+
+    name       of its folder, unique in the table
+    algorithm  contact algorithm of the compared contact
+    slave      body whose surface is the slave
+    level      of the mesh
+    varied     scene keys that the study sets, and their values
+    choices    those of them that neither algorithm nor slave nor level shows
+    status     finished, diverged, not-converged, refused, interrupted or failed
+    reason     why it did not finish; empty when it did
+    measures   numbers by name (`columns.MEASURES`), `nan` where one has no meaning
+    notes      why measures are missing
+    warnings   what the run says against itself
+    system     machine and versions
+    parts      parts by role, as the run's summary tells
+    reference  name of the reference the measures compare with, empty for none
+    curve      last contact curve, None if the run left none
+    shapes     deformed bodies by name
+    refines    True for a run that is only there for the error at another level
+    """
+
+    name: str
+    algorithm: str
+    slave: str
+    level: int
+    varied: Mapping[str, Any]
+    status: str
+    reason: str
+    measures: Mapping[str, float] = field(default_factory=dict)
+    notes: Sequence[str] = ()
+    warnings: Sequence[RunWarning] = ()
+    system: Mapping[str, Any] = field(default_factory=dict)
+    parts: Mapping[str, Any] = field(default_factory=dict)
+    reference: str = ""
+    choices: Mapping[str, Any] = field(default_factory=dict)
+    curve: ContactCurve | None = None
+    shapes: Mapping[str, Shape] = field(default_factory=dict)
+    refines: bool = False
+
+    @property
+    def finished(self) -> bool:
+        """True when the run came to its end."""
+        return self.status == "finished"
+
+    @property
+    def complete(self) -> bool:
+        """True when the whole load was applied, settled or not: only then are pressures compared."""
+        return self.status in COMPLETE
+
+    @cached_property
+    def profile(self) -> Profile | None:
+        """Contact pressure over deformed x; None without a curve or on a folded surface."""
+        if self.curve is None or not len(self.curve.x):
+            return None
+        try:
+            return Profile.of_curve(self.curve)
+        except FoldedSurfaceError:
+            return None
+
+    def __getitem__(self, name: str) -> Any:
+        """A value by the name of its column in `table.csv`."""
+        return self.record()[name]
+
+    def record(self) -> dict[str, Any]:
+        """Everything but the curve, flat, by column name."""
+        return {
+            "name": self.name,
+            "algorithm": self.algorithm,
+            "slave": self.slave,
+            "level": self.level,
+            "status": self.status,
+            "reason": self.reason,
+            **{column.name: self.measures.get(column.name, math.nan) for column in MEASURES},
+            "reference": self.reference,
+            "notes": "; ".join(self.notes),
+            "warnings": "; ".join(dict.fromkeys(warning.code for warning in self.warnings)),
+            **self.varied,
+            **self.system,
+        }
+
+
+@dataclass(frozen=True)
+class Table:
+    """All rows of a comparison, in the order of the study.
+
+    study       what was compared
+    reference   what the pressures were measured against, None if nothing fits
+    scene       TOML data of the common scene
+    scene_text  the same as TOML
+    wall_s      wall time of the whole comparison [s]
+    folder      where the files are, None if none were written
+    bill        what the effects of the scene cost, where that was asked for
+    """
+
+    rows: Sequence[Row]
+    study: Study
+    reference: Reference | None
+    scene: Mapping[str, Any]
+    scene_text: str = ""
+    wall_s: float = math.nan
+    folder: Path | None = None
+    bill: Bill | None = None
+
+    def __iter__(self) -> Iterator[Row]:
+        return iter(self.rows)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __getitem__(self, column: str) -> list[Any]:
+        """One column by its name in `table.csv`."""
+        return [row[column] for row in self.rows]
+
+    def select(self, **values: Any) -> list[Row]:
+        """Rows whose columns have these values: `select(algorithm="mortar-p0", level=2)`."""
+        return [row for row in self.rows if all(row[name] == value for name, value in values.items())]
+
+    @property
+    def main(self) -> list[Row]:
+        """Rows of the study itself, without the further levels of the plot of error against cost."""
+        return [row for row in self.rows if not row.refines]
+
+    @property
+    def failed(self) -> list[Row]:
+        """Rows that did not finish."""
+        return [row for row in self.rows if not row.finished]
+
+    def columns(self) -> list[str]:
+        """Names of all columns of `table.csv`."""
+        return list(dict.fromkeys(name for row in self.rows for name in row.record()))

@@ -1,0 +1,76 @@
+"""`table.csv` and `table.json`: a row per run, failures included."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from contactlab.compare.agreement import agreements
+from contactlab.compare.bill import Bill
+from contactlab.compare.table import Row, Table
+
+
+def write_table(table: Table, folder: Path) -> None:
+    """Write both files into the folder, and `bill.csv` where effects were priced."""
+    _write_csv(table, folder / "table.csv")
+    _write_json(table, folder / "table.json")
+    if table.bill is not None:
+        _write_bill(table.bill, folder / "bill.csv")
+
+
+def _write_bill(bill: Bill, path: Path) -> None:
+    """A row per effect."""
+    rows = [asdict(price) for price in bill.prices]
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]))
+        writer.writeheader()
+        writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
+
+
+def _write_csv(table: Table, path: Path) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, table.columns(), restval="")
+        writer.writeheader()
+        writer.writerows({name: _cell(value) for name, value in row.record().items()} for row in table.rows)
+
+
+def _write_json(table: Table, path: Path) -> None:
+    data = {
+        "format": 1,
+        "study": table.study.as_data(),
+        "reference": table.reference.name if table.reference else None,
+        "wall_s": _number(table.wall_s),
+        "agreement": [_plain(asdict(item)) for item in agreements(table.rows)],
+        **({"bill": _bill(table.bill)} if table.bill is not None else {}),
+        "rows": [_row(row) for row in table.rows],
+    }
+    path.write_text(json.dumps(data, indent=1, default=str) + "\n", encoding="utf-8")
+
+
+def _row(row: Row) -> dict[str, Any]:
+    warnings = [_plain(warning.as_data()) for warning in row.warnings]
+    return {**_plain(row.record()), "warnings": warnings, "parts": _plain(row.parts), "refines": row.refines}
+
+
+def _bill(bill: Bill) -> dict[str, Any]:
+    data = asdict(bill)
+    return {**_plain(data), "prices": [_plain(price) for price in data["prices"]]}
+
+
+def _cell(value: object) -> Any:
+    """As written in a CSV file: nothing for a number that is missing."""
+    return "" if isinstance(value, float) and math.isnan(value) else value
+
+
+def _number(value: object) -> Any:
+    """As written in JSON, which knows no nan and no infinity."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: _number(value) for name, value in data.items()}

@@ -1,0 +1,292 @@
+"""Derivatives of segment contributions by differences, and what they do to gaps and forces.
+
+Nodes that no contribution depends on together are moved at once (colours), so that a few evaluations of the
+algorithm give the derivatives of all contributions.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from contactlab.api.compiled.bound_arrays import Ints1
+from contactlab.api.compiled.kernel import kernel
+
+JUMP = 2.0  # a change that is larger than that to the other side by this factor is a kink or a jump
+
+
+class Move(NamedTuple):
+    """The nodes of one colour moved along one direction.
+
+    following, preceding  (m,) neighbours on the surface that is moved, -1 at ends
+    colours    (m,) of its nodes
+    ring       nodes on either side of a contribution's own that it may depend on, too
+    shift      number of the surface's first node among those of both
+    colour, direction, scale  what is moved, and one over the length between both evaluations [1/mm]
+    """
+
+    following: Ints1
+    preceding: Ints1
+    colours: Ints1
+    ring: int
+    shift: int
+    colour: int
+    direction: int
+    scale: float
+
+
+@kernel
+def _ends(nodes, p, size):
+    """First and last of a contribution's nodes along the chain of `size` nodes, which may run through its start."""
+    low, high = nodes[p, 0], nodes[p, 0]
+    for i in range(1, nodes.shape[1]):
+        low, high = min(low, nodes[p, i]), max(high, nodes[p, i])
+    if 2 * (high - low) <= size or high - low < nodes.shape[1]:
+        return low, high
+    first, last = high, low
+    for i in range(nodes.shape[1]):
+        n = nodes[p, i]
+        if 2 * n > size:
+            first = min(first, n)
+        else:
+            last = max(last, n)
+    return first, last
+
+
+@kernel
+def moved_node(nodes, p, move):
+    """The node of the moved colour that contribution p may depend on: its own and a ring on either side; -1: none."""
+    v, beyond = _ends(nodes, p, move.colours.size)
+    for _ in range(move.ring):
+        if move.preceding[v] >= 0:
+            v = move.preceding[v]
+        if move.following[beyond] >= 0:
+            beyond = move.following[beyond]
+    for _ in range(move.colours.size):
+        if move.colours[v] == move.colour:
+            return v
+        if v == beyond or move.following[v] < 0:
+            return -1
+        v = move.following[v]
+    return -1
+
+
+@kernel
+def _alike(p, first, q, second):
+    """Whether contribution p of one set and q of the other couple the same nodes and multipliers."""
+    for i in range(first[0].shape[1]):
+        if first[0][p, i] != second[0][q, i]:
+            return False
+    for i in range(first[1].shape[1]):
+        if first[1][p, i] != second[1][q, i]:
+            return False
+    for i in range(first[2].shape[1]):
+        if first[2][p, i] != second[2][q, i]:
+            return False
+    return True
+
+
+@kernel
+def _put(at, scale, p, pieces, moved, out):
+    """Entry `at` becomes scale * contribution p."""
+    slave, multiplier, master, D, M, T = pieces
+    o_slave, o_multiplier, o_master, o_moved, dD, dM, dT = out
+    for i in range(slave.shape[1]):
+        o_slave[at, i] = slave[p, i]
+        for j in range(multiplier.shape[1]):
+            dD[at, i, j] = scale * D[p, i, j]
+    for i in range(master.shape[1]):
+        o_master[at, i] = master[p, i]
+        for j in range(multiplier.shape[1]):
+            dM[at, i, j] = scale * M[p, i, j]
+    for i in range(multiplier.shape[1]):
+        o_multiplier[at, i] = multiplier[p, i]
+        for j in range(multiplier.shape[1]):
+            dT[at, i, j] = scale * T[p, i, j]
+    o_moved[at] = moved
+
+
+@kernel
+def _take_off(at, scale, q, pieces, out):
+    """Subtract scale * contribution q from entry `at`; False if nothing is left of it."""
+    D, M, T = pieces[3], pieces[4], pieces[5]
+    dD, dM, dT = out[4], out[5], out[6]
+    left = 0.0
+    for j in range(dT.shape[2]):
+        for i in range(dD.shape[1]):
+            dD[at, i, j] -= scale * D[q, i, j]
+            left = max(left, abs(dD[at, i, j]))
+        for i in range(dM.shape[1]):
+            dM[at, i, j] -= scale * M[q, i, j]
+            left = max(left, abs(dM[at, i, j]))
+        for i in range(dT.shape[1]):
+            dT[at, i, j] -= scale * T[q, i, j]
+            left = max(left, abs(dT[at, i, j]))
+    return left > 0.0
+
+
+@kernel
+def differences(high_count, high, low_count, low, side, move, at, out):
+    """Append scale * (high - low) for the contributions that depend on the moved nodes.
+
+    high, low = (slave, multiplier, master, D, M, T) of both evaluations, `side` 0 or 2: that of the moved nodes.
+    Contributions that only one has are entries of their own. Returns the next free entry.
+    """
+    high_nodes, low_nodes = (high[0], low[0]) if side == 0 else (high[2], low[2])
+    head = 0
+    while head < min(high_count, low_count) and _alike(head, high, head, low):
+        head += 1
+    tail = 0
+    while tail < min(high_count, low_count) - head and _alike(high_count - 1 - tail, high, low_count - 1 - tail, low):
+        tail += 1
+    for p in range(high_count):
+        v = moved_node(high_nodes, p, move)
+        if v < 0:
+            continue
+        _put(at, move.scale, p, high, 2 * (move.shift + v) + move.direction, out)
+        if p < head or p >= high_count - tail:
+            q = p if p < head else p - high_count + low_count
+            if _take_off(at, move.scale, q, low, out):
+                at += 1
+        else:
+            at += 1
+    for q in range(head, low_count - tail):
+        v = moved_node(low_nodes, q, move)
+        if v >= 0:
+            _put(at, -move.scale, q, low, 2 * (move.shift + v) + move.direction, out)
+            at += 1
+    return at
+
+
+@kernel
+def normal_differences(high, middle, low, owners, move, at, out):
+    """Append scale * (high - low) of the normals (k, 2); `owners` (k, b) are surface nodes of each multiplier.
+
+    Where a normal jumps, as between two segments, the side without the jump is taken.
+    out = (normal_of, normal_moved, dnormal). Returns the next free entry.
+    """
+    normal_of, normal_moved, dnormal = out
+    scale = move.scale
+    for k in range(high.shape[0]):
+        ahead = max(abs(high[k, 0] - middle[k, 0]), abs(high[k, 1] - middle[k, 1]))
+        behind = max(abs(middle[k, 0] - low[k, 0]), abs(middle[k, 1] - low[k, 1]))
+        x, y = scale * (high[k, 0] - low[k, 0]), scale * (high[k, 1] - low[k, 1])
+        if ahead > JUMP * behind:
+            x, y = 2.0 * scale * (middle[k, 0] - low[k, 0]), 2.0 * scale * (middle[k, 1] - low[k, 1])
+        elif behind > JUMP * ahead:
+            x, y = 2.0 * scale * (high[k, 0] - middle[k, 0]), 2.0 * scale * (high[k, 1] - middle[k, 1])
+        if (x == 0.0 and y == 0.0) or owners[k, 0] < 0:
+            continue
+        v = moved_node(owners, k, move)
+        if v < 0:
+            continue
+        normal_of[at], normal_moved[at] = k, 2 * (move.shift + v) + move.direction
+        dnormal[at, 0], dnormal[at, 1] = x, y
+        at += 1
+    return at
+
+
+@kernel
+def master_owners(count, multiplier, master, owners):
+    """First and last master node (k, 2) that the contributions of each multiplier reach, -1 where there is none."""
+    owners[:] = -1
+    for p in range(count):
+        for j in range(multiplier.shape[1]):
+            k = multiplier[p, j]
+            for i in range(master.shape[1]):
+                n = master[p, i]
+                owners[k, 0] = n if owners[k, 0] < 0 else min(owners[k, 0], n)
+                owners[k, 1] = max(owners[k, 1], n)
+
+
+@kernel
+def _wanted(e, multiplier, owner, wanted):
+    for j in range(multiplier.shape[1]):
+        k = owner[multiplier[e, j]]
+        if k >= 0 and wanted[k]:
+            return True
+    return False
+
+
+@kernel
+def _column(moved, nodes):
+    slave_nodes, master_nodes = nodes
+    v = moved // 2
+    node = slave_nodes[v] if v < slave_nodes.size else master_nodes[v - slave_nodes.size]
+    return 2 * node + moved % 2
+
+
+@kernel
+def _emit(at, row, column, value, out):
+    if value == 0.0:
+        return at
+    out[0][at], out[1][at], out[2][at] = row, column, value
+    return at + 1
+
+
+@kernel
+def force_derivatives(count, derivatives, owner, wanted, traction, nodes, force, coupling):
+    """Derivatives of D a and -M a, and of T a, at fixed tractions a (k, 2); only for wanted multipliers.
+
+    derivatives = (slave, multiplier, master, moved, dD, dM, dT), nodes = global ones of slave and master;
+    force and coupling = (row, column, value). Rows of `force` are degrees of freedom of the model, of `coupling`
+    2 k + component; columns are degrees of freedom. Returns the number of entries of both.
+    """
+    slave, multiplier, master, moved, dD, dM, dT = derivatives
+    slave_nodes, master_nodes = nodes
+    at, given = 0, 0
+    for e in range(count):
+        if not _wanted(e, multiplier, owner, wanted):
+            continue
+        column = _column(moved[e], nodes)
+        for c in range(2):
+            for i in range(slave.shape[1]):
+                total = 0.0
+                for j in range(multiplier.shape[1]):
+                    k = owner[multiplier[e, j]]
+                    total += dD[e, i, j] * traction[k, c] if k >= 0 else 0.0
+                at = _emit(at, 2 * slave_nodes[slave[e, i]] + c, column, total, force)
+            for i in range(master.shape[1]):
+                total = 0.0
+                for j in range(multiplier.shape[1]):
+                    k = owner[multiplier[e, j]]
+                    total -= dM[e, i, j] * traction[k, c] if k >= 0 else 0.0
+                at = _emit(at, 2 * master_nodes[master[e, i]] + c, column, total, force)
+            for i in range(multiplier.shape[1]):
+                row, total = owner[multiplier[e, i]], 0.0
+                for j in range(multiplier.shape[1]):
+                    k = owner[multiplier[e, j]]
+                    total += dT[e, i, j] * traction[k, c] if k >= 0 else 0.0
+                if row >= 0:
+                    given = _emit(given, 2 * row + c, column, total, coupling)
+    return at, given
+
+
+@kernel
+def gap_derivatives(count, derivatives, owner, wanted, at, separation, nodes, weight):
+    """Derivatives of the weighted gaps D^T x - M^T y - T^T r at fixed positions and separations r (k, 2).
+
+    at = positions of slave and master, nodes = their global numbers; weight = (row, column, value) with rows
+    2 k + component. Returns the number of entries.
+    """
+    slave, multiplier, master, moved, dD, dM, dT = derivatives
+    slave_at, master_at = at
+    given = 0
+    for e in range(count):
+        if not _wanted(e, multiplier, owner, wanted):
+            continue
+        column = _column(moved[e], nodes)
+        for j in range(multiplier.shape[1]):
+            k = owner[multiplier[e, j]]
+            if k < 0:
+                continue
+            for c in range(2):
+                gap = 0.0
+                for i in range(slave.shape[1]):
+                    gap += dD[e, i, j] * slave_at[slave[e, i], c]
+                for i in range(master.shape[1]):
+                    gap -= dM[e, i, j] * master_at[master[e, i], c]
+                for i in range(multiplier.shape[1]):
+                    other = owner[multiplier[e, i]]
+                    gap -= dT[e, i, j] * separation[other, c] if other >= 0 else 0.0
+                given = _emit(given, 2 * k + c, column, gap, weight)
+    return given

@@ -1,0 +1,93 @@
+"""Conditions of a pair as columns of D and M and the coupling T, without the rows T^-T [D^T | -M^T].
+
+A row reaches along the whole contact, a column over the few nodes that share a segment with its multiplier.
+Whatever rows do to vectors, columns and two substitutions with T do in O(conditions).
+"""
+
+from __future__ import annotations
+
+from contactlab.api.compiled.kernel import kernel, section
+from contactlab.kernels.contact.coupling import solve_transposed
+
+FAR = 1e300  # gap of a multiplier that is not kept
+
+
+@section
+def weigh(k, column, at, sign, out):
+    """Add sign times the weighted sum of positions `at` over column k to out[k]."""
+    start, end, weight = column
+    shift = start[k]
+    x, y = 0.0, 0.0
+    for z in range(start[k], end[k]):
+        x += weight[k, z - shift] * at[z, 0]
+        y += weight[k, z - shift] * at[z, 1]
+    out[k, 0] += sign * x
+    out[k, 1] += sign * y
+
+
+@kernel
+def separations(c, columns, at, normals, separation, gaps):
+    """Vector from the master's to the slave's weighted position, its normal and tangential part (k, 2).
+
+    at = positions of slave and master; conditions that are not kept count as `FAR` open.
+    """
+    slave_at, master_at = at
+    single = columns.single[0]
+    for k in range(gaps.shape[0]):
+        gaps[k, 0] = FAR
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        separation[k, 0], separation[k, 1] = 0.0, 0.0
+        weigh(k, columns.master, master_at, -1.0, separation)
+        if not single:
+            weigh(k, columns.slave, slave_at, 1.0, separation)
+    solve_transposed(c, separation)
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        if single:
+            node = k % slave_at.shape[0]
+            separation[k, 0] += slave_at[node, 0]
+            separation[k, 1] += slave_at[node, 1]
+        x, y = separation[k, 0], separation[k, 1]
+        gaps[k, 0] = normals[k, 0] * x + normals[k, 1] * y
+        gaps[k, 1] = normals[k, 1] * x - normals[k, 0] * y
+
+
+@section
+def _write_column(k, column, sign, numbers, at, node, weight):
+    start, end, values = column
+    for z in range(start[k], end[k]):
+        w = values[k, z - start[k]]
+        if w != 0.0:
+            node[at], weight[at] = numbers[z], sign * w
+            at += 1
+    return at
+
+
+@section
+def write_factored(pair, first_slot, row, out):
+    """Append all conditions of a pair (`PairTable`) to those of the model; returns their number, or -1 if out of room.
+
+    out = a `FactoredTable`, `row` of it in use
+    """
+    c, columns, slave, master = pair.coupling, pair.columns, pair.places.slave, pair.places.master
+    single, normal, gaps = columns.single[0], pair.pieces.normal, pair.gaps.gaps
+    at = out.start[row]
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        room = columns.master.end[k] - columns.master.start[k]
+        room += 0 if single else columns.slave.end[k] - columns.slave.start[k]
+        if row >= out.gap.size or at + max(room, 0) > out.node.size:
+            return -1
+        at = _write_column(k, columns.master, -1.0, master, at, out.node, out.weight)
+        if not single:
+            at = _write_column(k, columns.slave, 1.0, slave, at, out.node, out.weight)
+        p = c.previous[k]
+        out.own[row] = slave[k % slave.size] if single else -1
+        out.normal[row, 0], out.normal[row, 1] = normal[k, 0], normal[k, 1]
+        out.gap[row], out.size[row], out.slot[row] = gaps[k, 0], c.full[k], first_slot + k
+        out.above[row], out.below[row] = (c.upper[p], c.lower[k]) if p >= 0 else (0.0, 0.0)
+        out.inverse[row] = 1.0 / c.pivot[k]
+        row += 1
+        out.start[row] = at
+    return row

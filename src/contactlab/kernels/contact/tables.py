@@ -1,0 +1,110 @@
+"""What the kernels of one contact pair work on, in tables: k multipliers, m slave nodes, l master nodes."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contactlab.api.compiled.bound_arrays import Flags1, Floats1, Floats2, Ints1, Ints2
+from contactlab.api.compiled.contact_tables import PiecesTable
+
+
+class BandedRows(NamedTuple):
+    """Rows of which each has its weights in one stretch of a chain of nodes.
+
+    Row k weighs the positions start[k] <= p < end[k] by weight[k, p - start[k]].
+    """
+
+    start: Ints1
+    end: Ints1
+    weight: Floats2
+
+    @classmethod
+    def allocate(cls, rows: int, width: int) -> BandedRows:
+        """Room for rows of at most `width` weights, all empty."""
+        return cls(np.zeros(rows, np.int32), np.zeros(rows, np.int32), np.zeros((rows, width)))
+
+
+class CouplingTable(NamedTuple):
+    """The tridiagonal coupling T of the multipliers and its factors; see `contactlab.kernels.contact.coupling`.
+
+    following, preceding   (k,) multipliers of the next and the previous chain node, -1 at ends
+    fixed                  (k,) those of nodes that cannot move
+    full, cover            (k,) [mm] length of each multiplier on full cover, and what of it is covered
+    diagonal, lower, upper (k,) [mm] T[k, k], T[k, previous], T[k, next]
+    pivot                  (k,) [mm] what is left of the diagonal where T is eliminated from the start of each chain
+    owner                  (k,) the multiplier that each one became, -1 if it was dropped
+    next, previous         (k,) neighbours among those that are kept, -1 at ends
+    order                  (k,) those that are kept, chain by chain; kept[0] is their number
+    """
+
+    following: Ints1
+    preceding: Ints1
+    fixed: Flags1
+    full: Floats1
+    cover: Floats1
+    diagonal: Floats1
+    lower: Floats1
+    upper: Floats1
+    pivot: Floats1
+    owner: Ints1
+    next: Ints1
+    previous: Ints1
+    order: Ints1
+    kept: Ints1
+
+
+class CouplingColumns(NamedTuple):
+    """Columns of D and M for each multiplier; where single[0] each one weighs its own slave node alone, D = T."""
+
+    slave: BandedRows
+    master: BandedRows
+    single: Flags1
+
+
+class PlacesTable(NamedTuple):
+    """Where a pair is.
+
+    slave, master           (m,), (l,) global nodes
+    segments, node_segments of the slave
+    slave_at, master_at     (m, 2), (l, 2) [mm] where D, M and T are integrated
+    slave_measured, master_measured  [mm] where gaps are measured
+    slave_before, master_before      [mm] where the near list was made
+    """
+
+    slave: Ints1
+    master: Ints1
+    segments: Ints2
+    node_segments: Ints2
+    slave_at: Floats2
+    master_at: Floats2
+    slave_measured: Floats2
+    master_measured: Floats2
+    slave_before: Floats2
+    master_before: Floats2
+
+
+class GapsTable(NamedTuple):
+    """Weighted positions of the slave minus those of the master, and their normal and tangential parts, (k, 2) [mm]."""
+
+    separation: Floats2
+    gaps: Floats2
+
+
+class WeightsTable(NamedTuple):
+    """Rows T^-T D^T and T^-T M^T of a pair."""
+
+    slave: BandedRows
+    master: BandedRows
+
+
+class PairTable(NamedTuple):
+    """All that the kernels of one pair work on."""
+
+    places: PlacesTable
+    coupling: CouplingTable
+    pieces: PiecesTable
+    columns: CouplingColumns
+    gaps: GapsTable
+    weights: WeightsTable

@@ -1,0 +1,96 @@
+"""The coupling T of one pair's multipliers as an object, and the banded rows that follow from it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats, Ints, Surface
+from contactlab.api.arrays import Flags
+from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.kernels.contact import banded_rows, coupling
+from contactlab.kernels.contact.tables import BandedRows, CouplingTable
+
+
+class Coupling:
+    """The tridiagonal T of k multipliers: merged and dropped where little of them is covered, and factorised.
+
+    `table` holds its arrays, which the kernels of a pair fill from segment contributions. `fixed` (m,) marks slave
+    nodes that cannot move: their multipliers are merged whatever they cover.
+    """
+
+    def __init__(self, slave: Surface, rows_per_node: int, fixed: Flags) -> None:
+        following, preceding = _neighbours(slave, rows_per_node)
+        k = len(following)
+        full, cover, diagonal, lower, upper, pivot = np.zeros((6, k))
+        owner, next_, previous, order = np.zeros((4, k), np.int32)
+        self.table = CouplingTable(
+            following, preceding, np.tile(fixed, rows_per_node), full, cover, diagonal, lower, upper, pivot, owner,
+            next_, previous, order, np.zeros(1, np.int32),
+        )  # fmt: skip
+        self.bound = BoundArrays(CouplingTable, *self.table)
+        self._scratch = np.zeros(0)
+
+    @property
+    def kept(self) -> int:
+        """Number of multipliers that are neither merged nor dropped."""
+        return int(self.table.kept[0])
+
+    @property
+    def order(self) -> Ints:
+        """The kept multipliers, chain by chain."""
+        return self.table.order[: self.table.kept[0]]
+
+    @property
+    def owner(self) -> Ints:
+        """The multiplier (k,) that each one became, -1 if it was dropped."""
+        return self.table.owner
+
+    @property
+    def cover(self) -> Floats:
+        """Covered length (k,) [mm] of each multiplier."""
+        return self.table.cover
+
+    @property
+    def full(self) -> Floats:
+        """Length (k,) [mm] of each multiplier on full cover."""
+        return self.table.full
+
+    def solve(self, values: Floats) -> Floats:
+        """T^-1 values (k,), those of the owner where multipliers are merged, 0 where they are dropped."""
+        found = np.array(values)
+        coupling.solve(self.bound.address, found)
+        return np.where(self.owner >= 0, found[self.owner], 0.0)
+
+    def rows(self, columns: BandedRows, rows: BandedRows) -> BandedRows:
+        """Rows of T^-T A^T from columns of A, in `rows` or in wider ones."""
+        while True:
+            scratch = self._room(rows)
+            needed = banded_rows.solved(self.bound.address, columns, rows, scratch)
+            if not needed:
+                return rows
+            rows = BandedRows.allocate(len(self.owner), needed + needed // 2)
+
+    def inverse_transposed(self, rows: BandedRows) -> BandedRows:
+        """Rows of T^-T, in `rows` or in wider ones."""
+        while True:
+            scratch = self._room(rows)
+            needed = banded_rows.inverse_transposed(self.bound.address, rows, scratch)
+            if not needed:
+                return rows
+            rows = BandedRows.allocate(len(self.owner), needed + needed // 2)
+
+    def _room(self, rows: BandedRows) -> Floats:
+        if rows.weight.shape[1] > len(self._scratch):
+            self._scratch = np.zeros(rows.weight.shape[1])
+        return self._scratch
+
+
+def _neighbours(slave: Surface, slots: int) -> tuple[Ints, Ints]:
+    """For every multiplier the ones of the next and of the previous chain node, -1 at ends."""
+    m = len(slave.nodes)
+    into, out = slave.node_segments[:, 0], slave.node_segments[:, 1]
+    following = np.where(out >= 0, slave.segments[out, 1], -1)
+    preceding = np.where(into >= 0, slave.segments[into, 0], -1)
+    shift = m * np.arange(slots)[:, None]
+    both = [np.where(side >= 0, side + shift, -1).ravel().astype(np.int32) for side in (following, preceding)]
+    return both[0], both[1]

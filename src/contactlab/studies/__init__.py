@@ -1,1 +1,0 @@
-"""Studies: every combination of some choices, run side by side and measured: accuracy against cost."""
