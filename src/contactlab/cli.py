@@ -93,6 +93,9 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
     _add_changes(command)
     _add_out(command)
     command.add_argument("--resume", action="store_true", help="go on with the comparison in DIR; what is over stays")
+    command.add_argument(
+        "--time-limit", type=_seconds, metavar="S", help="wall time for one run; one over it is a row `timed-out`"
+    )
     command.add_argument("--jobs", type=_positive, metavar="N", help="runs at a time (default: one per core)")
 
 
@@ -145,6 +148,16 @@ def _positive(text: str) -> int:
         number = 0
     if number < 1:
         raise argparse.ArgumentTypeError(f"got {text}, allowed: a whole number >= 1")
+    return number
+
+
+def _seconds(text: str) -> float:
+    try:
+        number = float(text.removesuffix("s"))
+    except ValueError:
+        number = 0.0
+    if not 0.0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"got {text}, allowed: seconds, above 0")
     return number
 
 

@@ -26,10 +26,18 @@ def compare(options: argparse.Namespace) -> int:
         try:
             result = run_all(
                 options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True,
-                effects=options.effects, resume=options.resume,
+                effects=options.effects, resume=options.resume, time_limit=options.time_limit,
             )  # fmt: skip
         except KeyboardInterrupt:
-            line = resume_line(options.scene, options.vary, options.settings, options.files, options.effects, folder)
+            line = resume_line(
+                options.scene,
+                options.vary,
+                options.settings,
+                options.files,
+                options.effects,
+                folder,
+                options.time_limit,
+            )
             console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
             return INTERRUPTED
     shown = console()

@@ -1,8 +1,9 @@
-"""Fresh Python processes that run functions side by side, and outlive any one of them dying.
+"""Fresh Python processes that run functions side by side, and outlive any one of them dying or hanging.
 
 Each thread of a `concurrent.futures` pool owns one process, so a process that is killed costs
 exactly the call it was serving and its exit status is known. (One shared process pool would fail
-every pending call at once and not tell which one was to blame.)
+every pending call at once and not tell which one was to blame.) A call may have a time limit: it is
+told to stop, and when it does not, its process is killed.
 """
 
 from __future__ import annotations
@@ -15,16 +16,21 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 from collections.abc import Callable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from typing import Any
 
 from contactlab.compare import worker as far_end
-from contactlab.compare.worker import receive, send
+from contactlab.compare.worker import BEGUN, STOP, receive, send
 
 Report = Callable[[Any], None]
 
 _THREAD_VARIABLES = ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+PREPARATION = 600.0  # s that a process may take to import and compile before the time of its call begins
+GRACE = 5.0  # s that a call may take to stop in order before its process is killed
 
 
 class ProcessDiedError(RuntimeError):
@@ -39,12 +45,22 @@ class RaisedError(RuntimeError):
         self.details = details
 
 
+class TimedOutError(RuntimeError):
+    """A call was stopped at its time limit; `result` is what it gave when it was told to stop, None if nothing."""
+
+    def __init__(self, limit: float, result: Any = None) -> None:
+        super().__init__(f"stopped after its time limit of {limit:g} s")
+        self.result = result
+
+
 class Worker:
     """One process, started at the first call, kept for the next ones."""
 
     def __init__(self) -> None:
+        self.overtime = False
+        self._sending = threading.Lock()
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - lives as long as the process, ends with it
-        # Its own session: an interrupt typed at the terminal reaches it once, through `interrupt`.
+        # Its own session: an interrupt typed at the terminal does not reach it, `stop` does.
         self._process = subprocess.Popen(
             [sys.executable, "-P", far_end.__file__],
             stdin=subprocess.PIPE,
@@ -53,6 +69,8 @@ class Worker:
             start_new_session=True,
             env=_environment(),
         )
+        assert self._process.stdin is not None
+        self._pipe = self._process.stdin
         self._send(sys.path)
 
     @property
@@ -60,8 +78,49 @@ class Worker:
         """True while the process runs."""
         return self._process.poll() is None
 
-    def call(self, function: Callable[..., Any], arguments: tuple[Any, ...], report: Report) -> Any:
-        """function(*arguments, report) over there. Raises RaisedError or ProcessDiedError."""
+    def call(
+        self, function: Callable[..., Any], arguments: tuple[Any, ...], report: Report, limit: float | None = None
+    ) -> Any:
+        """function(*arguments, report) over there. Raises RaisedError, ProcessDiedError or TimedOutError."""
+        if limit is None:
+            return self._answer(function, arguments, report)
+        timers = [self._timer(PREPARATION + limit)]
+
+        def heard(message: Any) -> None:
+            if message == BEGUN:
+                timers.pop().cancel()
+                timers.append(self._timer(limit))
+            else:
+                report(message)
+
+        try:
+            result = self._answer(function, arguments, heard)
+        except ProcessDiedError:
+            if self.overtime:
+                raise TimedOutError(limit) from None
+            raise
+        finally:
+            timers.pop().cancel()
+        if self.overtime:
+            raise TimedOutError(limit, result)
+        return result
+
+    def _timer(self, seconds: float) -> threading.Timer:
+        timer = threading.Timer(seconds, self._over_time)
+        timer.daemon = True
+        timer.start()
+        return timer
+
+    def _over_time(self) -> None:
+        """The call has had its time: from here on this process serves no other."""
+        self.overtime = True
+        self.stop()
+        try:
+            self._process.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            self.kill()
+
+    def _answer(self, function: Callable[..., Any], arguments: tuple[Any, ...], report: Report) -> Any:
         # Pickled apart, so that an import error over there is an answer and not a broken pipe.
         self._send(pickle.dumps((function, arguments)))
         while True:
@@ -73,26 +132,36 @@ class Worker:
             else:
                 return content[0]
 
-    def interrupt(self) -> None:
-        """Ask the process to stop its run in order, as Ctrl-C does."""
-        if self.alive:
-            self._process.send_signal(signal.SIGINT)
+    def stop(self) -> None:
+        """Tell the process to stop its call in order, as Ctrl-C would; it serves no other after it."""
+        # a process that is halted may not have read its last call yet: nothing is waited for
+        if self._sending.acquire(timeout=1.0):
+            try:
+                send(self._pipe, STOP)
+            except (OSError, ValueError):
+                pass  # it has ended already
+            finally:
+                self._sending.release()
 
-    def close(self, patience: float = 5.0) -> None:
+    def kill(self) -> None:
+        """End the process and all that it has started, at once; one that is halted, too."""
+        with contextlib.suppress(ProcessLookupError, PermissionError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+        self._process.wait()
+
+    def close(self, patience: float = GRACE) -> None:
         """End the process: politely, and by force after `patience` seconds."""
-        if self._process.stdin is not None:
-            with contextlib.suppress(BrokenPipeError):
-                self._process.stdin.close()
+        with contextlib.suppress(OSError):
+            self._pipe.close()
         try:
             self._process.wait(patience)
         except subprocess.TimeoutExpired:
-            self._process.kill()
-            self._process.wait()
+            self.kill()
 
     def _send(self, message: Any) -> None:
-        assert self._process.stdin is not None
         try:
-            send(self._process.stdin, message)
+            with self._sending:
+                send(self._pipe, message)
         except BrokenPipeError:
             raise self._death() from None
 
@@ -130,44 +199,71 @@ class WorkerPool:
         self._threads = ThreadPoolExecutor(max_workers=jobs, thread_name_prefix="contactlab-compare")
         self._idle: queue.SimpleQueue[Worker] = queue.SimpleQueue()
         self._workers: list[Worker] = []
+        self._lock = threading.Lock()
+        self._closed = False
 
     def submit(
-        self, function: Callable[..., Any], *arguments: Any, report: Report = lambda message: None
+        self,
+        function: Callable[..., Any],
+        *arguments: Any,
+        report: Report = lambda message: None,
+        limit: float | None = None,
     ) -> Future[Any]:
         """function(*arguments, report) in a process; `report` is called in a thread of this one.
 
-        The future raises RaisedError or ProcessDiedError; other calls are not touched by either.
+        `limit` is the time that the call may take [s], from when it reports `BEGUN`. The future raises RaisedError,
+        ProcessDiedError or TimedOutError; other calls are not touched by any of them.
         """
-        return self._threads.submit(self._run, function, arguments, report)
+        return self._threads.submit(self._run, function, arguments, report, limit)
 
-    def _run(self, function: Callable[..., Any], arguments: tuple[Any, ...], report: Report) -> Any:
+    def _run(
+        self, function: Callable[..., Any], arguments: tuple[Any, ...], report: Report, limit: float | None
+    ) -> Any:
         worker = self._take()
         try:
-            return worker.call(function, arguments, report)
+            return worker.call(function, arguments, report, limit)
         finally:
-            if worker.alive:
+            if worker.overtime:
+                worker.close(patience=0.0)
+            elif worker.alive:
                 self._idle.put(worker)
 
     def _take(self) -> Worker:
         try:
             return self._idle.get_nowait()
         except queue.Empty:
+            pass
+        with self._lock:
+            if self._closed:
+                raise CancelledError
             worker = Worker()
             self._workers.append(worker)
             return worker
 
-    def interrupt(self) -> None:
-        """Drop what has not begun and ask what runs to stop in order."""
+    def stop(self) -> None:
+        """Drop what has not begun and tell what runs to stop in order."""
         self._threads.shutdown(wait=False, cancel_futures=True)
         for worker in self._workers:
-            worker.interrupt()
+            worker.stop()
+
+    def kill(self) -> None:
+        """Drop what has not begun and end every process at once."""
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        with self._lock:
+            self._closed = True
+            for worker in self._workers:
+                worker.kill()
 
     def __enter__(self) -> WorkerPool:
         return self
 
     def __exit__(self, *exception: object) -> None:
-        if exception[0] is not None:
-            self.interrupt()
-        self._threads.shutdown(wait=True, cancel_futures=True)
-        for worker in self._workers:
-            worker.close()
+        try:
+            if exception[0] is not None:
+                self.stop()
+            self._threads.shutdown(wait=True, cancel_futures=True)
+            for worker in self._workers:
+                worker.close()
+        except KeyboardInterrupt:
+            self.kill()
+            raise

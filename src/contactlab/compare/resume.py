@@ -47,13 +47,20 @@ def _check_runs(plan: Plan, folder: Path) -> None:
 
 
 def resume_line(
-    request: str, vary: list[str], settings: list[str], files: list[str], effects: bool, folder: Path
+    request: str,
+    vary: list[str],
+    settings: list[str],
+    files: list[str],
+    effects: bool,
+    folder: Path,
+    time_limit: float | None = None,
 ) -> str:
     """The command that takes a comparison up again."""
     words = [word for text in vary for word in ("--vary", text)]
     words += [word for text in settings for word in ("--set", text)]
     words += [word for text in files for word in ("--with", text)]
     words += ["--effects"] if effects else []
+    words += ["--time-limit", f"{time_limit:g}"] if time_limit is not None else []
     return shlex.join(["contactlab", "compare", request, *words, "--out", str(folder), "--resume"])
 
 

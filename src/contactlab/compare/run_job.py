@@ -14,6 +14,7 @@ from typing import Any
 
 from contactlab.api.arrays import Floats
 from contactlab.compare.shape import Shape, shapes_of
+from contactlab.compare.worker import BEGUN
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve, Results
 from contactlab.scene.scene import Scene
@@ -54,8 +55,9 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
     """Simulate `scene` into `folder`, `repeat` times; `report` gets (fraction done, step).
 
     A run that was stopped there goes on, and one that is over is read back; one that recorded nothing is made anew.
-    A request that only the model can see to be wrong is an outcome, too: "refused".
+    A request that only the model can see to be wrong is an outcome, too: "refused"; so is a run that was stopped.
     """
+    from contactlab.run.interruption import Interrupted
     from contactlab.run.simulation import simulate
 
     def once(number: int, place: Path | None) -> Results:
@@ -68,6 +70,7 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
 
     if folder is None or not folder.exists():
         _be_ready(scene)
+    report(BEGUN)
     try:
         first = once(0, folder)
         costs = costs_in(folder, first)
@@ -77,6 +80,8 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
                 (folder / COSTS).write_text(json.dumps(costs), encoding="utf-8")
     except RequestError as error:
         return Outcome("refused", str(error))
+    except Interrupted as stop:
+        return outcome_of(stop.results, contact, [stop.results.summary.get("cost", {})])
     return outcome_of(first, contact, costs)
 
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Mapping, Sequence
 from concurrent.futures import CancelledError, Future, as_completed
+from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -12,7 +15,7 @@ from contactlab.compare import run_job
 from contactlab.compare.bill import BillPlan, make_bill, plan_bill
 from contactlab.compare.gather import common_reference, gather
 from contactlab.compare.plan import Job, Plan, Vary, make_plan
-from contactlab.compare.pool import ProcessDiedError, RaisedError, WorkerPool
+from contactlab.compare.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
 from contactlab.compare.recordings import record_comparison
 from contactlab.compare.reference import Reference, load_reference
 from contactlab.compare.resume import sigterm_as_ctrl_c, stored_outcomes
@@ -21,6 +24,7 @@ from contactlab.compare.study import Study
 from contactlab.compare.system import usable_cores
 from contactlab.compare.table import Table
 from contactlab.compare.table_files import write_table
+from contactlab.compare.worker import BEGUN
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.reports.page import write_report
@@ -40,6 +44,7 @@ def compare(
     changes: Mapping[str, Any] | None = None,
     effects: bool = False,
     resume: bool = False,
+    time_limit: float | None = None,
 ) -> Table:
     """Run every combination and measure accuracy against cost.
 
@@ -51,12 +56,14 @@ def compare(
     progress        bars on standard error; by default where that is a terminal
     effects         instead of combinations, the scene with each of its effects taken out in turn: `Table.bill`
     resume          go on with the comparison in `out`: runs that are over are read back, the others go on
+    time_limit      wall time that one run may take [s], instead of the study's own: a run over it is stopped, and
+                    killed where it does not answer; a row "timed-out"
 
     A run that fails, or whose process is killed, is a row with its status and reason.
     Raises RequestError when the request itself is wrong, and KeyboardInterrupt after Ctrl-C or SIGTERM,
-    when what there is has been written.
+    when what there is has been written. The first one lets runs save their state, a second one ends them at once.
     """
-    plan = _plan(scene_or_study, vary, registry, changes, effects)
+    plan = _limited(_plan(scene_or_study, vary, registry, changes, effects), time_limit)
     named = _named_reference(plan.study)
     workers = _checked_jobs(jobs)
     folder = _folder(out, resume)
@@ -105,6 +112,15 @@ def _plan(request: Any, vary: Vary | None, registry: Registry | None, changes: A
     return plan_bill(request, registry, changes)
 
 
+def _limited(plan: Plan, time_limit: float | None) -> Plan:
+    """The plan with this limit of time instead of the study's."""
+    if time_limit is None:
+        return plan
+    if not 0.0 < time_limit < math.inf:
+        raise RequestError("no time to run in", where="time_limit", got=time_limit, allowed="seconds, above 0")
+    return replace(plan, study=replace(plan.study, time_limit=float(time_limit)))
+
+
 def _named_reference(study: Study) -> Reference | None:
     if study.reference is None:
         return None
@@ -146,7 +162,7 @@ def _run_all(
     futures: dict[Future[Outcome], Job] = {}
     with WorkerPool(min(workers, len(rest))) as pool:
         try:
-            _warm_up(pool, rest, bars)
+            _warm_up(pool, plan, rest, bars)
             # the study's own runs, then the longest first, so that no core waits at the end
             queue = sorted(rest, key=lambda job: (job.refines, -job.scene.level))
             futures = {_submit(pool, plan, job, folder, bars): job for job in queue}
@@ -154,30 +170,56 @@ def _run_all(
                 outcomes[futures[future].name] = _outcome(future)
                 bars.finish(futures[future].name, outcomes[futures[future].name].status)
         except KeyboardInterrupt:
-            pool.interrupt()
             stopped = {job.name: Outcome("interrupted", "stopped before it began") for job in rest}
-            ended = {job.name: _outcome(future, stopped=True) for future, job in futures.items()}
-            return {**stopped, **ended, **outcomes}, True
+            return {**stopped, **_stop(pool, futures), **outcomes}, True
     return outcomes, False
 
 
-def _warm_up(pool: WorkerPool, jobs: Sequence[Job], bars: Bars) -> None:
+def _stop(pool: WorkerPool, futures: Mapping[Future[Outcome], Job]) -> dict[str, Outcome]:
+    """What becomes of the runs after Ctrl-C: they save their state, or are ended at once after another one."""
+    running = [job.name for future, job in futures.items() if future.running()]
+    try:
+        if running:
+            print(_waiting_for(running), file=sys.stderr, flush=True)
+        pool.stop()
+        return {job.name: _outcome(future, stopped=True) for future, job in futures.items()}
+    except KeyboardInterrupt:
+        print("contactlab: ending them at once; what was saved last is kept", file=sys.stderr, flush=True)
+        pool.kill()
+        return {job.name: _outcome(future, stopped=True) for future, job in futures.items()}
+
+
+def _waiting_for(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
+    runs = f"{len(names)} run{'s' * (len(names) > 1)}"
+    return f"contactlab: stopping, once {runs} saved the state: {shown} (Ctrl-C again ends what runs at once)"
+
+
+def _warm_up(pool: WorkerPool, plan: Plan, jobs: Sequence[Job], bars: Bars) -> None:
     """Compile once, in one process, before several would compile the same side by side."""
     first = {run_job.composition(job.scene): job for job in reversed(jobs)}
     bars.say("compiling kernels")
     for job in first.values():
         # Whatever is wrong here is wrong in the run itself, and told there.
-        pool.submit(run_job.warm_up, job.scene).exception()
+        pool.submit(run_job.warm_up, job.scene, limit=_call_limit(plan)).exception()
     bars.say("")
 
 
 def _submit(pool: WorkerPool, plan: Plan, job: Job, folder: Path | None, bars: Bars) -> Future[Outcome]:
     place = None if folder is None else (folder / "runs" / job.name).resolve()
 
-    def report(message: tuple[float, int]) -> None:
-        bars.advance(job.name, *message)
+    def report(message: Any) -> None:
+        if message != BEGUN:
+            bars.advance(job.name, *message)
 
-    return pool.submit(run_job.run, job.scene, place, plan.contact, plan.study.repeat, report=report)
+    repeat = plan.study.repeat
+    return pool.submit(run_job.run, job.scene, place, plan.contact, repeat, report=report, limit=_call_limit(plan))
+
+
+def _call_limit(plan: Plan) -> float | None:
+    """Time for all repetitions of one run [s]."""
+    limit = plan.study.time_limit
+    return None if limit is None else limit * plan.study.repeat
 
 
 def _outcome(future: Future[Outcome], stopped: bool = False) -> Outcome:
@@ -185,7 +227,18 @@ def _outcome(future: Future[Outcome], stopped: bool = False) -> Outcome:
         return future.result()
     except CancelledError:
         return Outcome("interrupted", "stopped before it began")
+    except TimedOutError as error:
+        return _timed_out(error)
     except ProcessDiedError as error:
         return Outcome("interrupted", "stopped by the user") if stopped else Outcome("failed", str(error))
     except RaisedError as error:
         return Outcome("failed", str(error), traceback=error.details)
+
+
+def _timed_out(error: TimedOutError) -> Outcome:
+    """As far as the run came when it was told to stop; one that ended all the same has ended."""
+    if not isinstance(error.result, Outcome):
+        return Outcome("timed-out", f"{error}; it did not answer and was killed")
+    if error.result.status != "interrupted":
+        return error.result
+    return replace(error.result, status="timed-out", reason=f"{error}, after step {error.result.summary['steps']}")

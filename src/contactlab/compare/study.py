@@ -36,6 +36,7 @@ class Study:
     reference: str | None = key(None, says="reference to compare with; not written: the first that fits the scene")
     measures: tuple[str, ...] = key((), says="columns of the printed table; not written: the usual ones")
     repeat: int = key(1, least=1, says="runs of each combination; the costs shown are medians")
+    time_limit: float | None = key(None, above=0.0, says="wall time that one run may take [s]; not written: any")
     contact: str = key("contacts.0", says="the contact whose pressure is compared")
     vary: Mapping[str, tuple[Any, ...]] = field(default_factory=dict, metadata={"hidden": True})
     pareto: Pareto = key(Pareto(), says="levels of the plot of error against cost")
@@ -53,7 +54,12 @@ class Study:
     def as_data(self) -> dict[str, Any]:
         """The study as it could be written in a file."""
         data: dict[str, Any] = {"scene": self.scene, "contact": self.contact, "repeat": self.repeat}
-        optional = {"name": self.name, "reference": self.reference, "measures": list(self.measures)}
+        optional = {
+            "name": self.name,
+            "reference": self.reference,
+            "measures": list(self.measures),
+            "time_limit": self.time_limit,
+        }
         data |= {name: value for name, value in optional.items() if value}
         data["vary"] = {name: list(values) for name, values in self.vary.items()}
         if self.pareto.levels:

@@ -35,7 +35,7 @@ class Row:
     level      of the mesh
     varied     scene keys that the study sets, and their values
     choices    those of them that neither algorithm nor slave nor level shows
-    status     finished, diverged, not-converged, refused, interrupted or failed
+    status     finished, diverged, not-converged, refused, interrupted, timed-out or failed
     reason     why it did not finish; empty when it did
     measures   numbers by name (`columns.MEASURES`), `nan` where one has no meaning
     notes      why measures are missing

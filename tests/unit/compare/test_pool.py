@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
 import sys
 import textwrap
+import time
 from concurrent.futures import as_completed
 from pathlib import Path
 
 import pytest
 
-from contactlab.compare.pool import ProcessDiedError, RaisedError, WorkerPool
+from contactlab.compare import pool as pool_module
+from contactlab.compare.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
 
 TASKS = """
     import os, signal, sys, time
@@ -32,6 +36,17 @@ TASKS = """
 
     def process(x, report):
         return os.getpid(), os.environ.get("OMP_NUM_THREADS"), sys.modules["__main__"].__file__
+
+    def halt(x, report):
+        report(os.getpid())
+        report("begun")
+        os.kill(os.getpid(), signal.SIGSTOP)
+
+    def deaf(x, report):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        report(os.getpid())
+        report("begun")
+        time.sleep(600)
 
     def patient(x, report):
         try:
@@ -92,8 +107,73 @@ def test_processes_are_kept_fresh_and_single_threaded(tasks: object, monkeypatch
 def test_an_interrupt_stops_runs_in_order_and_drops_the_rest(tasks: object) -> None:
     begun: list[object] = []
     with WorkerPool(1) as pool:
-        running = pool.submit(tasks.patient, 0, report=lambda message: (begun.append(message), pool.interrupt()))
+        running = pool.submit(tasks.patient, 0, report=lambda message: (begun.append(message), pool.stop()))
         waiting = pool.submit(tasks.square, 1)
         assert running.result() == "stopped in order"
     assert begun == ["begun"]
     assert waiting.cancelled()
+
+
+def is_there(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("way", ["halt", "deaf"])
+def test_a_call_that_hangs_costs_its_time_and_nothing_else(
+    way: str, tasks: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pool_module, "GRACE", 0.2)
+    seen: list[int] = []
+    began = time.monotonic()
+    with WorkerPool(2) as pool:
+        hung = pool.submit(getattr(tasks, way), 0, report=seen.append, limit=1.0)
+        fine = [pool.submit(tasks.square, x, limit=60.0) for x in range(6)]
+        with pytest.raises(TimedOutError, match="time limit of 1 s") as caught:
+            hung.result()
+        assert [f.result() for f in fine] == [x * x for x in range(6)]
+    assert caught.value.result is None
+    assert time.monotonic() - began < 20.0  # 1 s and the grace, on a busy machine
+    assert not is_there(seen[0])
+
+
+def test_a_call_over_its_time_may_end_in_order(tasks: object) -> None:
+    with WorkerPool(1) as pool:
+        with pytest.raises(TimedOutError) as caught:
+            pool.submit(tasks.patient, 0, limit=0.5).result()
+        assert caught.value.result == "stopped in order"
+        assert pool.submit(tasks.square, 3).result() == 9  # by another process
+
+
+def test_nobody_is_left_behind(tasks: object) -> None:
+    seen: list[int] = []
+    with WorkerPool(2) as pool:
+        calls = [pool.submit(tasks.halt, 0, report=seen.append), pool.submit(tasks.deaf, 0, report=seen.append)]
+        while len(seen) < 4:
+            time.sleep(0.01)
+        pool.stop()
+        pool.kill()
+        for call in calls:
+            with pytest.raises(ProcessDiedError):
+                call.result()
+    assert not any(is_there(process) for process in seen if process != "begun")
+
+
+def test_processes_that_were_started_without_ctrl_c_are_told_to_stop(tmp_path: Path, tasks: object) -> None:
+    """In the background of a script SIGINT is ignored, by children, too."""
+    program = """
+        import pool_tasks
+        from contactlab.compare.pool import WorkerPool
+        with WorkerPool(1) as pool:
+            running = pool.submit(pool_tasks.patient, 0, report=lambda message: pool.stop())
+            print(running.result(timeout=30))
+    """
+    done = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(program)],
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN),
+        env={**os.environ, "PYTHONPATH": str(tmp_path)}, capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert done.stdout == "stopped in order\n", done.stderr
