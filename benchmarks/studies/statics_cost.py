@@ -25,10 +25,10 @@ for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[name] = "1"
 
 import contactlab  # noqa: E402
-from contactlab.compare.measures import pressure_error  # noqa: E402
-from contactlab.compare.profile import Profile  # noqa: E402
-from contactlab.compare.reference import Reference, load_reference  # noqa: E402
 from contactlab.run.simulation import simulate  # noqa: E402
+from contactlab.studies.measures import pressure_error  # noqa: E402
+from contactlab.studies.profile import Profile  # noqa: E402
+from contactlab.studies.reference import Reference, load_reference  # noqa: E402
 
 PEER = Path(__file__).parents[1] / "peers" / "getfem_disc_on_block.py"
 CASES = {"shallow": (0.01, 1), "deep": (0.1581, 5)}

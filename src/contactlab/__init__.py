@@ -12,7 +12,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from contactlab.compare.runner import compare
+    from contactlab.comparison import compare
     from contactlab.errors import ContactlabError
     from contactlab.results.load import load_results
     from contactlab.run.interruption import Interrupted
@@ -36,6 +36,7 @@ _HOMES = {
     "ContactlabError": "contactlab.errors",
     "Interrupted": "contactlab.run.interruption",
     "Scene": "contactlab.scene.scene",
+    "compare": "contactlab.comparison",
     "load_results": "contactlab.results.load",
     "load_scene": "contactlab.scene.scene",
     "simulate": "contactlab.run.simulation",
@@ -45,8 +46,6 @@ _HOMES = {
 def __getattr__(name: str) -> Any:
     from importlib import import_module
 
-    if name == "compare":
-        return import_module("contactlab.compare")  # a package that can be called
     if name not in _HOMES:
         raise AttributeError(f"module 'contactlab' has no attribute {name!r}")
     value = getattr(import_module(_HOMES[name]), name)

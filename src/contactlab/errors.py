@@ -76,6 +76,13 @@ def below(where: Where, name: str | int) -> Where:
     return f"{where}.{name}" if where else str(name)
 
 
+def one_line(error: BaseException, name: bool = True) -> str:
+    """An exception as one line: its type, its text, and the place it came from."""
+    text = "; ".join(" ".join(line.split()) for line in str(error).splitlines() if line.strip())
+    kind = type(error).__name__
+    return f"{kind}: {text}" if name and text else text or kind
+
+
 def show(value: object) -> str:
     """A value as a scene file would write it, shortened to one line."""
     text = _written(value)

@@ -12,12 +12,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from contactlab.compare.study import Pareto, Study
 from contactlab.errors import show
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.fields import accepts, is_required, keys_of
 from contactlab.scene.keys import Arc, Body, Contact, EdgePart, Load, Ramp, Record, Rigid, Start, Support, Time, Turn
 from contactlab.scene.scene import Scene
+from contactlab.studies.study import Pareto, Study
 
 TABLES: dict[str, type[Any]] = {
     "The top of the file": Scene,

@@ -27,8 +27,9 @@ LAYERS = (
     ("results",),
     ("missing_effects",),
     ("run",),
-    ("explain",),
-    ("compare", "reports"),
+    ("explain", "studies"),
+    ("reports",),
+    ("comparison",),
     ("testing", "commands", "cli"),
 )
 

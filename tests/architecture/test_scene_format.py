@@ -11,9 +11,9 @@ from types import ModuleType
 
 import pytest
 
-from contactlab.compare.study import study_from
 from contactlab.errors import Location
 from contactlab.scene.scene import Scene, load_scene
+from contactlab.studies.study import study_from
 
 ROOT = Path(__file__).parents[2]
 DOCUMENT = (ROOT / "docs" / "scene-format.md").read_text()

@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.compare import measures
-from contactlab.compare.profile import Profile, integral
-from contactlab.compare.reference import Reference, load_reference
 from contactlab.model.build import build
 from contactlab.scene.scene import load_scene
+from contactlab.studies import measures
+from contactlab.studies.profile import Profile, integral
+from contactlab.studies.reference import Reference, load_reference
 
 SHALLOW, DEEP = -0.01, -0.1581
 MORTARS = ["mortar-p0", "mortar-p1"]

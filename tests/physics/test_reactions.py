@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.compare.measure_run import reaction_against_pressure
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
+from contactlab.studies.measure_run import reaction_against_pressure
 
 STIFFNESS, SHORTER = 1000.0, 1e-3
 

@@ -9,9 +9,9 @@ import pytest
 
 import contactlab
 from contactlab.api import ContactCurve, Floats
-from contactlab.compare.energy_norm import energy_distance, energy_norm
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
+from contactlab.studies.energy_norm import energy_distance, energy_norm
 
 MORTAR = pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 WHERE = pytest.mark.parametrize("where", ["everywhere", "closed"])

@@ -15,9 +15,9 @@ from typing import Any
 import pytest
 
 import contactlab
-from contactlab.compare import runner
-from contactlab.compare.resume import resume_line
 from contactlab.errors import RequestError
+from contactlab.studies import runner
+from contactlab.studies.resume import resume_line
 
 MakeScene = Callable[..., Any]
 
@@ -99,8 +99,8 @@ def test_resume_needs_a_folder(small_scene: MakeScene) -> None:
 def test_repetitions_that_were_made_are_kept(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from contactlab.compare import run_job
     from contactlab.run import simulation
+    from contactlab.studies import run_job
 
     made: list[Path | None] = []
     simulate = simulation.simulate

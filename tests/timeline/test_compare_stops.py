@@ -15,8 +15,8 @@ from typing import Any
 import pytest
 
 import contactlab
-from contactlab.compare import pool
-from contactlab.compare.runner import compare
+from contactlab.comparison import compare
+from contactlab.studies import pool
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="children are found in /proc")
 

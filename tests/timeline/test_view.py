@@ -15,9 +15,9 @@ import pytest
 
 from contactlab.api.drawing.colours import STYLES, rgb, styles
 from contactlab.cli import main
-from contactlab.compare.recordings import record_comparison
 from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
+from contactlab.studies.recordings import record_comparison
 
 viewer = pytest.importorskip("contactlab_rerun.viewer", reason="plugin contactlab-rerun is not installed")
 pytest.importorskip("rerun.experimental", reason="rerun-sdk is not installed (plugin contactlab-rerun)")
@@ -210,10 +210,10 @@ def test_finer_runs_of_a_comparison_are_left_out(tmp_path: Path) -> None:
     """They are there for the plot of error against cost; side by side they would hide the others."""
     import json
 
-    from contactlab.compare.recordings import main_runs_of
+    from contactlab.studies.recordings import main_runs_of
 
     rows = [{"name": "1-coarse", "refines": False}, {"name": "2-fine", "refines": True}]
     (tmp_path / "table.json").write_text(json.dumps({"rows": rows}))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("contactlab.compare.recordings.runs_of", lambda folder: {"1-coarse": 1, "2-fine": 2})
+        patch.setattr("contactlab.studies.recordings.runs_of", lambda folder: {"1-coarse": 1, "2-fine": 2})
         assert main_runs_of(tmp_path) == {"1-coarse": 1}

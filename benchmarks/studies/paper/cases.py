@@ -14,10 +14,10 @@ from common import ROOT, SHORT, Numbers, area, cross, deep_reference, difference
 from scipy.optimize import brentq
 
 import contactlab
-from contactlab.compare.measures import pressure_error
-from contactlab.compare.profile import Profile
-from contactlab.compare.reference import load_reference
 from contactlab.results.results import Results
+from contactlab.studies.measures import pressure_error
+from contactlab.studies.profile import Profile
+from contactlab.studies.reference import load_reference
 
 ALGORITHMS = ("node-on-segment", "mortar-p0", "mortar-p1")
 MORTARS = ALGORITHMS[1:]

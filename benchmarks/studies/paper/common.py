@@ -15,11 +15,11 @@ from matplotlib.figure import Figure
 import contactlab
 from contactlab.api import ContactCurve
 from contactlab.api.drawing.colours import REFERENCE, STATES, styles
-from contactlab.compare.measures import mutual_difference
-from contactlab.compare.profile import Profile, integral
-from contactlab.compare.reference import load_reference
 from contactlab.reports.figures import house_style
 from contactlab.results.results import Results
+from contactlab.studies.measures import mutual_difference
+from contactlab.studies.profile import Profile, integral
+from contactlab.studies.reference import load_reference
 
 ROOT = Path(__file__).parents[3]
 PICTURES = ROOT / "docs" / "paper"

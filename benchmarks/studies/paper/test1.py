@@ -26,10 +26,10 @@ from common import (
 from matplotlib.figure import Figure
 
 import contactlab
-from contactlab.compare.measures import excess_turning_points, pressure_error
-from contactlab.compare.profile import Profile
 from contactlab.parts.registry import Registry
 from contactlab.results.results import Results
+from contactlab.studies.measures import excess_turning_points, pressure_error
+from contactlab.studies.profile import Profile
 
 MORTARS = ("mortar-p0", "mortar-p1")
 SLAVES = {False: "disc is slave", True: "block is slave"}

@@ -15,9 +15,9 @@ from scipy.stats import t as student
 
 import contactlab
 from contactlab.api.drawing.colours import FIELD
-from contactlab.compare.energy_norm import energy_distance, energy_norm
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
+from contactlab.studies.energy_norm import energy_distance, energy_norm
 
 ALGORITHMS = ("mortar-p0", "mortar-p1", "node-on-segment")
 READINGS = {"everywhere": "bound everywhere", "closed": "only where pressed"}

@@ -9,8 +9,8 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactlab.errors import PartError, RequestError
-from contactlab.parts.loading import Origin, one_line
+from contactlab.errors import PartError, RequestError, one_line
+from contactlab.parts.loading import Origin
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.toml_text import parse_value
 

@@ -12,11 +12,11 @@ INTERRUPTED = 130
 
 def compare(options: argparse.Namespace) -> int:
     """Run the combinations and print their table; failed rows are results, so the status is 0."""
-    from contactlab.compare.resume import resume_line
-    from contactlab.compare.runner import compare as run_all
-    from contactlab.compare.study import parse_vary
+    from contactlab.comparison import compare as run_all
     from contactlab.reports.bill_table import print_bill
     from contactlab.reports.table import print_table
+    from contactlab.studies.resume import resume_line
+    from contactlab.studies.study import parse_vary
 
     registry = registry_with(options.files)
     vary = parse_vary(options.vary) if options.vary else None

@@ -11,8 +11,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from contactlab.commands.common import add_row, console, number, table
-from contactlab.errors import ContactlabError
-from contactlab.parts.loading import one_line
+from contactlab.errors import ContactlabError, one_line
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.scene import load_scene
 

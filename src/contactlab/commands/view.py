@@ -7,12 +7,12 @@ from pathlib import Path
 
 from contactlab.api.recorder import Recorder
 from contactlab.commands.common import console
-from contactlab.compare.recordings import main_runs_of, titled_runs
 from contactlab.errors import ContactlabError, RequestError
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.load import FILE, load_results
 from contactlab.results.results import Results
 from contactlab.run.recorders import record_again
+from contactlab.studies.recordings import main_runs_of, titled_runs
 
 
 def view(options: argparse.Namespace) -> int:

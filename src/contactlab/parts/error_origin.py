@@ -7,8 +7,7 @@ from contextlib import contextmanager
 from traceback import walk_tb
 from typing import TYPE_CHECKING
 
-from contactlab.errors import ContactlabError, PartError, WrongAnswer
-from contactlab.parts.loading import one_line
+from contactlab.errors import ContactlabError, PartError, WrongAnswer, one_line
 
 if TYPE_CHECKING:
     from contactlab.parts.registry import Registry

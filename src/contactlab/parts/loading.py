@@ -15,7 +15,7 @@ from typing import Any
 
 import pluggy
 
-from contactlab.errors import PartError, RequestError, did_you_mean
+from contactlab.errors import PartError, RequestError, did_you_mean, one_line
 from contactlab.parts import hookspecs
 
 GROUP = hookspecs.PROJECT
@@ -146,13 +146,6 @@ def call(plugin: Plugin, hook: str, **arguments: Any) -> list[Any] | Broken:
         return list(getattr(plugin.hooks, hook)(**arguments))
     except (Exception, SystemExit) as error:
         return Broken(plugin.origin, f"{hook} raised {one_line(error)}", item=hook)
-
-
-def one_line(error: BaseException, name: bool = True) -> str:
-    """An exception as one line: its type, its text, and the place it came from."""
-    text = "; ".join(" ".join(line.split()) for line in str(error).splitlines() if line.strip())
-    kind = type(error).__name__
-    return f"{kind}: {text}" if name and text else text or kind
 
 
 def file_module(path: Path) -> ModuleType:

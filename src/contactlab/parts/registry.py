@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Part
-from contactlab.errors import NOTHING, PartError, RequestError, SceneError, Where, below, did_you_mean, show
+from contactlab.errors import NOTHING, PartError, RequestError, SceneError, Where, below, did_you_mean, one_line, show
 from contactlab.parts import contract
 from contactlab.parts import loading as plugins
 from contactlab.parts.loading import Broken, Origin, Plugin
@@ -180,7 +180,7 @@ class Registry:
             raise
         except Exception as error:
             offer = self.offer(kind, name)
-            reason = f"the {kind} {name} of {offer.origin} failed on its fields: {plugins.one_line(error)}"
+            reason = f"the {kind} {name} of {offer.origin} failed on its fields: {one_line(error)}"
             raise PartError(reason, where=where, got=fields) from error
 
     def written_out(self, kind: str, spec: Any, where: Where = "") -> PartSpec:
@@ -276,7 +276,7 @@ def _checked_class(offer: Offer) -> type:
     try:
         target = getattr(importlib.import_module(module_name), class_name, NOTHING)
     except (Exception, SystemExit) as error:
-        raise PartError(f"{module_name} cannot be imported: {plugins.one_line(error)}", where=where) from error
+        raise PartError(f"{module_name} cannot be imported: {one_line(error)}", where=where) from error
     if target is NOTHING:
         raise PartError(f"{module_name} has no {class_name}", where=where)
     wrong = contract.faults(offer.part.kind, target)

@@ -5,12 +5,12 @@ from __future__ import annotations
 from html import escape
 from pathlib import Path
 
-from contactlab.compare.bill import Bill
-from contactlab.compare.table import Table
 from contactlab.reports.bill_plot import bill_figure
 from contactlab.reports.bill_table import EXPLANATION, HEADS, by_cost, cells, reasons, sentence
 from contactlab.reports.figures import save
 from contactlab.reports.html import document, figure_section, machine_section, plain_table, scene_section, section
+from contactlab.studies.bill import Bill
+from contactlab.studies.table import Table
 
 _PLOT = (
     "Each point is an effect. Full: the scene declares it, and it was taken out. Hollow: the scene leaves it out, "

@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from contactlab.compare.bill import Bill, Price
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent
+from contactlab.studies.bill import Bill, Price
 
 FLOOR = 1e-5  # share: what changes less is drawn here
 NEEDED = 1e-2  # share of the answer beyond which an effect is called needed in the plot

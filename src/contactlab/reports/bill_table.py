@@ -9,9 +9,9 @@ from rich.console import Console, Group, RenderableType
 from rich.table import Table as RichTable
 from rich.text import Text
 
-from contactlab.compare.bill import Bill, Price
-from contactlab.compare.table import COMPLETE, Table
 from contactlab.reports.numbers import percent, significant
+from contactlab.studies.bill import Bill, Price
+from contactlab.studies.table import COMPLETE, Table
 
 HEADS = (
     "effect", "in the scene", "CPU per step, µs", "share of a step, %", "CPU in the run, s", "arrays, MiB",

@@ -10,9 +10,9 @@ from matplotlib.figure import Figure
 from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import FIELD
 from contactlab.api.drawing.units import Units
-from contactlab.compare.shape import Shape
-from contactlab.compare.table import Row, Table
 from contactlab.reports.figures import FAINT, INK, MUTED, house_style
+from contactlab.studies.shape import Shape
+from contactlab.studies.table import Row, Table
 
 _WIDTH = 8.6  # inches
 _BESIDE, _BELOW = 1.5, 0.7  # inches for the colour bar and for the labels

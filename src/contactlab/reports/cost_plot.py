@@ -13,9 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from contactlab.api.drawing.colours import REFERENCE, Style, styles
-from contactlab.compare.table import Row, Table
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
+from contactlab.studies.table import Row, Table
 
 _LINES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
 

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from contactlab.compare.table import Row, Table
 from contactlab.reports.numbers import MISSING, percent, significant
+from contactlab.studies.table import Row, Table
 
 
 @dataclass(frozen=True)

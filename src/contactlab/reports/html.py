@@ -9,10 +9,10 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from contactlab.compare.table import Table
 from contactlab.reports.figures import inline_svg
 from contactlab.reports.numbers import significant
 from contactlab.scene.toml_text import write_toml
+from contactlab.studies.table import Table
 
 _ASSETS = Path(__file__).parent.parent / "data" / "report"
 

@@ -8,10 +8,6 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from contactlab.api.drawing.colours import Style, styles
-from contactlab.compare.agreement import Agreement, agreements
-from contactlab.compare.columns import MEASURES
-from contactlab.compare.reference import Reference
-from contactlab.compare.table import Table
 from contactlab.reports.body_plot import body_figure, shown_row
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.figures import save
@@ -28,6 +24,10 @@ from contactlab.reports.html import (
 from contactlab.reports.numbers import percent, uncertain
 from contactlab.reports.page_table import runs_table
 from contactlab.reports.pressure_plot import pressure_figure
+from contactlab.studies.agreement import Agreement, agreements
+from contactlab.studies.columns import MEASURES
+from contactlab.studies.reference import Reference
+from contactlab.studies.table import Table
 
 
 def write_report(table: Table, folder: Path) -> None:

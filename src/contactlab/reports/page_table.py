@@ -8,10 +8,10 @@ from html import escape
 
 from contactlab.api.drawing.colours import Style
 from contactlab.api.drawing.units import Units
-from contactlab.compare.columns import MEASURES, Column
-from contactlab.compare.table import Row, Table
 from contactlab.reports.numbers import heading_unit, quantity
 from contactlab.reports.table import USUAL
+from contactlab.studies.columns import MEASURES, Column
+from contactlab.studies.table import Row, Table
 
 
 def runs_table(table: Table, styles: dict[str, Style]) -> str:

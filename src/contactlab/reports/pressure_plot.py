@@ -13,10 +13,10 @@ from matplotlib.patches import Patch
 
 from contactlab.api.drawing.colours import REFERENCE, Style, styles
 from contactlab.api.drawing.units import Units
-from contactlab.compare.reference import Reference
-from contactlab.compare.table import Row, Table
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
+from contactlab.studies.reference import Reference
+from contactlab.studies.table import Row, Table
 
 _MARGIN = 0.2  # of the pressed length, shown on either side
 _DASHES = (0, (4, 1.5))

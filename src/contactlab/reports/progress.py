@@ -5,32 +5,11 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from typing import Protocol
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-
-class Named(Protocol):
-    """Anything that is shown by its name."""
-
-    @property
-    def name(self) -> str:
-        """Shown beside the bar."""
-        ...
-
-
-class Bars(Protocol):
-    """What a comparison tells while it runs; may be called from any thread."""
-
-    def say(self, text: str) -> None:
-        """What goes on before the first run; nothing takes it away."""
-
-    def advance(self, name: str, fraction: float, step: int) -> None:
-        """A run has done this fraction of its way."""
-
-    def finish(self, name: str, status: str) -> None:
-        """A run is over."""
+from contactlab.studies.progress import Bars, Named, Silence
 
 
 @contextmanager
@@ -38,7 +17,7 @@ def progress_bars(runs: Sequence[Named], show: bool | None = None) -> Iterator[B
     """Bars for the runs. `show`: None shows them where standard error is a terminal, False shows nothing."""
     console = Console(stderr=True)
     if show is False or (show is None and not sys.stderr.isatty()):
-        yield _Silence()
+        yield Silence()
     elif not console.is_terminal:
         yield _Lines(console, len(runs))
     else:
@@ -55,17 +34,6 @@ def _progress(console: Console) -> Progress:
         TimeElapsedColumn(),
         console=console,
     )
-
-
-class _Silence:
-    def say(self, text: str) -> None:
-        pass
-
-    def advance(self, name: str, fraction: float, step: int) -> None:
-        pass
-
-    def finish(self, name: str, status: str) -> None:
-        pass
 
 
 class _Lines:

@@ -12,11 +12,11 @@ from rich.table import Table
 from rich.text import Text
 
 from contactlab.api.drawing.units import Units
-from contactlab.compare.measure_run import reaction_against_pressure
-from contactlab.compare.measures import mirror_asymmetry
-from contactlab.compare.profile import FoldedSurfaceError, Profile
 from contactlab.reports.numbers import percent, significant
 from contactlab.results.results import Results
+from contactlab.studies.measure_run import reaction_against_pressure
+from contactlab.studies.measures import mirror_asymmetry
+from contactlab.studies.profile import FoldedSurfaceError, Profile
 
 Line = tuple[str, str, str]
 """What, how much, in which unit."""

@@ -11,9 +11,9 @@ from rich.text import Text
 
 from contactlab.api.drawing.units import Units
 from contactlab.api.warning import RunWarning
-from contactlab.compare.columns import BY_NAME, Column
-from contactlab.compare.table import Row, Table
 from contactlab.reports.numbers import heading_unit, percent, quantity
+from contactlab.studies.columns import BY_NAME, Column
+from contactlab.studies.table import Row, Table
 
 WIDTH = 140
 """Columns of text that the usual table needs."""

@@ -11,9 +11,8 @@ import numpy as np
 from contactlab.api import Floats
 from contactlab.api.frame import Event, Frame, IterationRow, Layout, Level
 from contactlab.api.recorder import Recording
-from contactlab.errors import SimulationFailure
+from contactlab.errors import SimulationFailure, one_line
 from contactlab.model.model import Model
-from contactlab.parts.loading import one_line
 from contactlab.results.files import HistoryFile, IterationFile, plain, write_contacts, write_summary
 from contactlab.results.frame import frame_of
 from contactlab.results.results import ContactHistory, Results

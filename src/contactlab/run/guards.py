@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats, Step
+from contactlab.api import Floats, RunWarning, Step
 from contactlab.errors import SimulationFailure
 from contactlab.kernels.watch import deepest, smallest_jacobian, status_changes
 from contactlab.model.bodies.body import BodyForces
@@ -29,6 +29,8 @@ UNEXPLAINED = 0.01  # energy stored without work, over the largest that was ther
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
 DAMPED_GAIN = 0.5  # in `auto` runs, whose damping takes what contact makes and whose verdict tells what is left
 LASTING = 100  # steps that either must last: sharp impacts borrow some energy for a few
+OVERSHOOT = 100.0  # kinetic over all energy: 1/(1 - (w dt/2)^2) at most in a mode that leapfrog follows; 99 % of 2/w
+AT_THE_END = 5.0  # times these limits: more at the end of a run stops it whether it lasted or not
 ROUND = 1e-7  # strains that are round-off: energies of laws, quadratic in them, are differences of numbers near one
 TOO_DEEP = 0.5  # segment lengths
 FAR_SIDE = 2.0  # segment lengths beyond which a node is on the far side of a thin body
@@ -43,7 +45,7 @@ class Guards:
         self.since = np.full(2, -1.0)  # steps at which energies became too high
         speeds = np.hypot(*model.state["velocity"].T) if "velocity" in model.state else np.zeros(1)
         self.input_speed = float(speeds.max(initial=0.0))
-        self.held = np.unique(model.prescribed.dof // 2)
+        self.driven = model.prescribed.dof  # by component: a node held in one is free in the other
         self.wave_speed = max(body.material.wave_speeds()[0] for body in model.bodies)
         # energies of smaller strains are round-off
         self.largest_energy = max(model.initial_energy, float(model.mass.sum()) * (ROUND * self.wave_speed) ** 2)
@@ -153,9 +155,11 @@ class Guards:
     def _speed(self) -> None:
         if "velocity" not in self.model.state:
             return
-        speed = np.hypot(*self.model.state["velocity"].T)
+        velocity = self.model.state["velocity"]
+        speed = np.hypot(*velocity.T)
         # what supports and rigid surfaces are told to do goes in
-        self.input_speed = max(self.input_speed, float(speed[self.held].max(initial=0.0)))
+        told = float(np.abs(velocity.ravel()[self.driven]).max(initial=0.0))
+        self.input_speed = max(self.input_speed, told)
         limit = max(10.0 * self.input_speed, self.wave_speed)
         worst = int(np.argmax(speed))
         if not speed[worst] <= limit:
@@ -198,18 +202,24 @@ class Guards:
                     "try the other side as slave, a finer slave, or a smaller time.fraction",
                 )
 
-    def _energy(self) -> None:
+    def at_the_end(self) -> None:
+        """Look for the last time: energy that has not lasted long enough to stop a run is told, much more stops it."""
+        self.look()
+        self._energy(last=True)
+
+    def _energy(self, last: bool = False) -> None:
         if "velocity" not in self.model.state:
             return
         energy, gained, unexplained = energy_gain(self.model)
         self.largest_energy = max(self.largest_energy, abs(energy), abs(float(self.work[1])))
-        if self._lasts(0, unexplained > UNEXPLAINED * self.largest_energy):
+        self._overshoot()
+        if self._too_much(0, unexplained, UNEXPLAINED, last):
             self._stop(
                 f"the bodies hold {unexplained:.3g} more energy than work was done on them, {self._share(unexplained)} "
                 f"(allowed {UNEXPLAINED:.0%}), since step {self.since[0]:.0f}; {self._fastest_body()}",
                 "the step is too long for what happens: try a smaller time.fraction (or time.step where it is fixed)",
             )
-        if self._lasts(1, gained > self.gain * self.largest_energy) and not self.eased:
+        if not self.eased and self._too_much(1, gained, self.gain, last):
             self._stop(
                 f"the energy {energy:.3g} is {gained:.3g} above that of the start and the work done from outside, "
                 f"{self._share(gained)} (allowed {self.gain:.0%}), since step {self.since[1]:.0f}; "
@@ -217,11 +227,26 @@ class Guards:
                 "contact adds energy: try the other side as slave, another algorithm, or a smaller time.fraction",
             )
 
-    def _lasts(self, which: int, high: bool) -> bool:
-        """Whether an energy has been too high for long."""
-        step = self.model.state.step
-        self.since[which] = -1.0 if not high else step if self.since[which] < 0.0 else self.since[which]
-        return high and step - self.since[which] >= LASTING
+    def _overshoot(self) -> None:
+        """Above the stable step leapfrog keeps its energy, too: what is stored becomes as negative as kinetic grows."""
+        share = self.model.kinetic_energy() / self.largest_energy
+        if not share <= OVERSHOOT:
+            self._stop(
+                f"the kinetic energy is {share:.3g} times all that was supplied (allowed {OVERSHOOT:.0f}); "
+                f"{self._fastest_body()}",
+                "the step is above the stable one: try a smaller time.fraction, and look whether the material's wave "
+                "speeds and stiffening are right",
+            )
+
+    def _too_much(self, which: int, energy: float, limit: float, last: bool) -> bool:
+        """Whether an energy has been above its limit for long, or is far above it at the end of the run."""
+        step, share = self.model.state.step, energy / self.largest_energy
+        self.since[which] = -1.0 if share <= limit else step if self.since[which] < 0.0 else self.since[which]
+        if not share > limit:
+            return False
+        if last and share <= AT_THE_END * limit:
+            self.model.warnings.add(_energy_warning(step, share, limit))
+        return bool(step - self.since[which] >= LASTING or (last and share > AT_THE_END * limit))
 
     def _share(self, energy: float) -> str:
         return f"{energy / self.largest_energy:.1%} of the largest energy so far"
@@ -232,6 +257,14 @@ class Guards:
         shares = {b.name: float(squares[b.first : b.first + b.count].sum()) for b in self.model.bodies}
         name = max(shares, key=lambda body: shares[body])
         return f"body {name} has {shares[name] / max(float(squares.sum()), 1e-300):.0%} of the kinetic energy"
+
+
+def _energy_warning(step: int, share: float, limit: float) -> RunWarning:
+    return RunWarning(
+        "energy-at-end", share, limit, "time.fraction",
+        f"at step {step}, the last one, there is {share:.1%} more energy than is accounted for, of the largest so far "
+        f"(allowed {limit:.0%}); run on to see whether it stays, or try a smaller time.fraction",
+    )  # fmt: skip
 
 
 def _eased(pairs: tuple[Pair, ...]) -> bool:

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from contactlab.api.frame import Layout
 from contactlab.api.recorder import Recorder, Recording, replay
-from contactlab.errors import RequestError
-from contactlab.parts.loading import one_line
+from contactlab.errors import RequestError, one_line
 from contactlab.results.results import Results
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats, Step
-from contactlab.errors import SimulationFailure
+from contactlab.api import Floats, RunWarning, Step
+from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.model import Model
 from contactlab.results.summary import reaction_mismatch
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 SETTLED_MISMATCH = 2e-4  # of support reactions, over the last period
 SETTLED_KINETIC = 1e-3  # kinetic over internal energy
 SAMPLES = 40  # looks per period while waiting to settle
+ROUND_OFF = 1.0 + 1e-6  # of the stable step: what a step may be longer that was meant to be as long
 SHORTEST = 1e-3  # of the first step: a stable step below it means that cells are collapsing
 
 
@@ -42,11 +43,18 @@ class Schedule:
         self.stopped = False
 
     def _first_step(self) -> float:
-        if self.fixed is not None:
-            return float(self.fixed)
-        if not self.model.integrator.explicit:
-            return (self.pace.end or self.pace.ramp) / 20.0
-        return self._even(self.fraction_of_limit * self.model.stable_step())
+        stable = self.model.stable_step()
+        if self.fixed is None:
+            return self._even(self.fraction_of_limit * stable)
+        if self.fixed > ROUND_OFF * stable:
+            raise SceneError(
+                "the fixed step is longer than the stable one, and the run would diverge",
+                where=self.scene.where("time.step"),
+                got=self.fixed,
+                allowed=f"at most {stable:.6g} [s], set by {self._smallest()}",
+                hint="leave it out: steps are time.fraction of the stable one then, as that changes",
+            )
+        return float(self.fixed)
 
     def _even(self, dt: float) -> float:
         """A step of at most dt that meets a fixed end exactly."""
@@ -57,9 +65,11 @@ class Schedule:
 
     def follow(self) -> None:
         """Shorten the step when the stable one has become shorter."""
-        if self.fixed is not None or not self.model.integrator.explicit:
+        stable = self.model.stable_step()
+        if self.fixed is not None:
+            self._judge_fixed(stable)
             return
-        safe = self.fraction_of_limit * self.model.stable_step()
+        safe = self.fraction_of_limit * stable
         if safe < SHORTEST * self.first:
             raise SimulationFailure(
                 "diverged",
@@ -73,6 +83,15 @@ class Schedule:
     def follows(self) -> str:
         """What steps are equal parts of, in words."""
         return "time"
+
+    def _judge_fixed(self, stable: float) -> None:
+        """Warn of a fixed step that the stable one has fallen below."""
+        if self.dt > ROUND_OFF * stable:
+            self.model.warnings.add(RunWarning(
+                "fixed-step", self.dt, stable, "time.step",
+                f"the fixed step {self.dt:.4g} s is {self.dt / stable:.3g} times the stable one, which fell to "
+                f"{stable:.4g} s by {self._smallest()}; leave time.step out, steps follow the stable one then",
+            ))  # fmt: skip
 
     def estimated_steps(self) -> int:
         """Steps of the whole run if nothing changes their length; a run that settles is taken to do so in a period."""

@@ -9,10 +9,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from contactlab.api import StepStatus
-from contactlab.errors import ContactlabError, RequestError, SimulationFailure
+from contactlab.errors import ContactlabError, RequestError, SimulationFailure, one_line
 from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault
-from contactlab.parts.loading import one_line
 from contactlab.results.results import Results
 from contactlab.run.folders import run_folder
 from contactlab.run.guards import EVERY
@@ -74,6 +73,8 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
         _advance(run, progress)
         if interruption.name:
             return "interrupted", run.pause(f"stopped by {interruption.name}")
+        run.guards.at_the_end()
+        run.schedule.follow()
         run.schedule.verdict()
         return "finished", ""
     except SimulationFailure as failure:

@@ -7,13 +7,13 @@ import math
 import numpy as np
 import pytest
 
-from contactlab.compare.profile import Profile
-from contactlab.compare.reference import Reference
-from contactlab.compare.shape import Shape
-from contactlab.compare.study import Study
-from contactlab.compare.system import system_facts
-from contactlab.compare.table import Row, Table
 from contactlab.results.results import ContactCurve
+from contactlab.studies.profile import Profile
+from contactlab.studies.reference import Reference
+from contactlab.studies.shape import Shape
+from contactlab.studies.study import Study
+from contactlab.studies.system import system_facts
+from contactlab.studies.table import Row, Table
 
 X = np.linspace(-0.8, 0.8, 33)
 EXACT = np.maximum(0.0, 1000.0 * (1.0 - (X / 0.5) ** 2))

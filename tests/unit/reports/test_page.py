@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from contactlab.api import RunWarning
-from contactlab.compare.table import Row, Table
 from contactlab.reports.page import draw, page, write_report
+from contactlab.studies.table import Row, Table
 
 VOID = {"meta", "br", "link", "img", "input", "hr"}
 

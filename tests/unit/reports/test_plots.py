@@ -10,11 +10,11 @@ import pytest
 from matplotlib.axes import Axes
 
 from contactlab.api.drawing.colours import STYLES, styles
-from contactlab.compare.shape import Shape, von_mises
-from contactlab.compare.table import Table
 from contactlab.reports.body_plot import body_figure, outline
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.pressure_plot import pressure_figure
+from contactlab.studies.shape import Shape, von_mises
+from contactlab.studies.table import Table
 
 
 def texts(axes: Axes) -> str:

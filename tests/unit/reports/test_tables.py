@@ -13,12 +13,12 @@ from rich.console import Console
 
 from contactlab.api import RunWarning
 from contactlab.api.drawing.units import Units
-from contactlab.compare.table import Row, Table
 from contactlab.reports.findings import findings, span
 from contactlab.reports.numbers import percent, significant, uncertain
 from contactlab.reports.run import render_run
 from contactlab.reports.table import WIDTH, print_table, render
 from contactlab.results.results import ContactCurve, ContactHistory, Results
+from contactlab.studies.table import Row, Table
 
 
 def shown(renderable: object, width: int = WIDTH) -> str:

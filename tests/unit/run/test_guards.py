@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from contactlab.api import Step
-from contactlab.errors import SimulationFailure
+from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.build import build
 from contactlab.model.model import Model
 from contactlab.parts.registry import Registry, default_registry
@@ -48,6 +48,16 @@ class Brittle(LinearElastic):
 
 
 @dataclass(frozen=True)
+class Slow(LinearElastic):
+    """Says that waves travel slower than they do, so that steps are longer than the stable ones."""
+
+    share: float = 0.5
+
+    def wave_speeds(self):
+        return tuple(self.share * speed for speed in super().wave_speeds())
+
+
+@dataclass(frozen=True)
 class Twitch(ExplicitEnforcement):
     """Lets go in every step after one in which it pressed."""
 
@@ -62,6 +72,7 @@ class Twitch(ExplicitEnforcement):
 def contactlab_parts():
     return [
         Part("material", "brittle", "seeded_parts:Brittle", "for tests"),
+        Part("material", "slow", "seeded_parts:Slow", "for tests"),
         Part("enforcement", "twitch", "seeded_parts:Twitch", "for tests"),
     ]
 '''
@@ -229,6 +240,82 @@ def test_a_punch_between_the_nodes_of_the_slave() -> None:
     assert 0.5 < float(found[1]) < 0.55
     assert int(found[2]) == round(100 * float(found[1]))
     assert "the other side as slave" in reason
+
+
+# --- steps above the stable one ----------------------------------------------------------------------
+
+
+def pad(**more: Any) -> dict[str, Any]:
+    """Tables of a block whose top is driven in y and free in x."""
+    top = {"on": "slab.top", "uy": {"ramp": "parabola", "duration": 1e-5, "to": -0.01}}
+    return {"bodies": {"slab": block((0.0, 2.0), (0.0, 1.0), (4, 2))}, "supports": [HELD_SLAB, top], **more}
+
+
+HELD_SLAB = {"on": "slab.bottom", "ux": 0.0, "uy": 0.0}
+
+
+def slow(share: float) -> dict[str, Any]:
+    return {"use": "slow", "young": 1000.0, "poisson": 0.25, "density": 1e-6, "share": share}
+
+
+def test_what_a_half_held_node_does_freely_is_not_what_goes_in(seeded: Registry) -> None:
+    """Steps of 1.8 times the stable one grow sideways at the driven top, too: no speed that anybody prescribed."""
+    reason = stopped(scene(law=slow(0.5), registry=seeded, **pad(time={"end": 2e-4})))
+    assert re.search(r"node \d+ of body slab (moves at|has the)", reason), reason
+    model = build(scene(**pad()), default_registry())
+    guards = Guards(model)
+    top = next(support.nodes for support in model.supports if support.on == "slab.top")
+    model.state["velocity"][top[0]] = (5.0 * SOUND, 0.0)
+    with pytest.raises(SimulationFailure, match="moves at"):
+        guards.look()
+
+
+@pytest.mark.parametrize(("share", "status"), [(0.5, "diverged"), (1.0, "finished")])
+def test_the_energy_is_judged_at_the_end_of_a_short_run(seeded: Registry, share: float, status: str) -> None:
+    """Some 20 steps, fewer than any energy must last: nothing else sees it, as nothing is fast yet."""
+    stable = build(scene(**pad()), default_registry()).stable_step()
+    moving = pad(time={"end": 20 * stable})
+    moving["supports"][1]["uy"] |= {"duration": stable, "to": -1e-9}
+    results = simulate(scene(law=slow(share), registry=seeded, **moving), registry=seeded)
+    assert results.summary["steps"] < 50
+    assert results.status == status, results.reason
+    assert ("times all that was supplied" in results.reason) == (status == "diverged")
+
+
+def test_what_may_still_go_away_is_told_at_the_end() -> None:
+    model = build(scene(**pad()), default_registry())
+    guards = Guards(model)
+    model.state["velocity"][:] = 1.0
+    guards.largest_energy = 20.0 * model.kinetic_energy()
+    model.state["work"][0] = -0.02 * guards.largest_energy  # 2 % stored that no work explains
+    guards.at_the_end()
+    (warning,) = model.warnings
+    assert warning.code == "energy-at-end"
+    assert warning.value == pytest.approx(0.02, rel=1e-3)
+    model.state["work"][0] = -0.06 * guards.largest_energy
+    with pytest.raises(SimulationFailure, match=r"6\.0% of the largest"):
+        guards.at_the_end()
+
+
+def test_a_fixed_step_above_the_stable_one_is_refused_with_the_number() -> None:
+    """Leapfrog's limit is exact for the cell that sets it; a millionth more is round-off, two are not."""
+    stable = build(scene(**pad()), default_registry()).stable_step()
+    right = scene(**pad(time={"end": 40 * stable, "step": (1.0 + 0.9e-6) * stable}))
+    assert simulate(right).status == "finished"
+    with pytest.raises(SceneError, match=r"time\.step") as refused:
+        simulate(right.with_({"time.step": (1.0 + 1.1e-6) * stable}))
+    assert f"at most {stable:.6g} [s], set by cell" in str(refused.value)
+    with pytest.raises(SceneError, match="the run would diverge"):
+        simulate(right.with_({"time.step": 2.0 * stable}))
+
+
+def test_a_fixed_step_that_the_stable_one_falls_below_is_told() -> None:
+    squashed = squeezed(0.3, time={"end": 4e-4})
+    stable = build(scene(**squashed), default_registry()).stable_step()
+    results = simulate(scene(**squashed | {"time": {"end": 4e-4, "step": 0.999 * stable}}))
+    (warning,) = [warning for warning in results.warnings if warning.code == "fixed-step"]
+    assert warning.value == pytest.approx(0.999 * stable)
+    assert warning.limit < stable
 
 
 # --- what is left of a run that was stopped ---------------------------------------------------------

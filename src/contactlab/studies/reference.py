@@ -25,8 +25,8 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.compare.profile import Profile, Window
 from contactlab.errors import RequestError, Where, did_you_mean
+from contactlab.studies.profile import Profile, Window
 
 FOLDER = Path(__file__).parent.parent / "data" / "references"
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from contactlab.compare.measure_run import body_of, sides
-from contactlab.compare.study import Pareto, Study, bundled_studies, checked_vary, is_study, read_study, study_from
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.scene.toml_text import location, read_toml
+from contactlab.studies.measure_run import body_of, sides
+from contactlab.studies.study import Pareto, Study, bundled_studies, checked_vary, is_study, read_study, study_from
 
 Vary = Mapping[str, Sequence[Any]]
 

@@ -7,8 +7,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from contactlab.compare.measures import mutual_difference, relative_difference
-from contactlab.compare.table import Row
+from contactlab.studies.measures import mutual_difference, relative_difference
+from contactlab.studies.table import Row
 
 
 @dataclass(frozen=True)

@@ -10,16 +10,16 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.compare.measure_run import driven_support, without_compilation
-from contactlab.compare.plan import Job, Plan, find_scene
-from contactlab.compare.profile import FoldedSurfaceError, Profile, distance, norm
-from contactlab.compare.removable import Variant, variants
-from contactlab.compare.run_job import Outcome
-from contactlab.compare.study import Study
-from contactlab.compare.table import COMPLETE
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
+from contactlab.studies.measure_run import driven_support, without_compilation
+from contactlab.studies.plan import Job, Plan, find_scene
+from contactlab.studies.profile import FoldedSurfaceError, Profile, distance, norm
+from contactlab.studies.removable import Variant, variants
+from contactlab.studies.run_job import Outcome
+from contactlab.studies.study import Study
+from contactlab.studies.table import COMPLETE
 
 BASE = "as declared"
 INSTANTS = 201  # of the loading, at which histories are compared

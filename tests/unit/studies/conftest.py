@@ -11,13 +11,13 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from contactlab.compare import run_job
 from contactlab.results.results import ContactCurve
+from contactlab.studies import run_job
 
 FAKE_RUNS = """
     import os
     import numpy as np
-    from contactlab.compare.run_job import Outcome
+    from contactlab.studies.run_job import Outcome
     from contactlab.results.results import ContactCurve
 
     def warm_up(scene, report):

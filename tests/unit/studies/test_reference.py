@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contactlab.compare.make_reference import holds_for, limit, make_reference, mean_curve
-from contactlab.compare.plan import make_plan
-from contactlab.compare.profile import Profile, distance, integral
-from contactlab.compare.reference import bundled, load_reference, matching_reference
-from contactlab.compare.study import Study, bundled_studies
-from contactlab.compare.table import Row, Table
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import load_scene
+from contactlab.studies.make_reference import holds_for, limit, make_reference, mean_curve
+from contactlab.studies.plan import make_plan
+from contactlab.studies.profile import Profile, distance, integral
+from contactlab.studies.reference import bundled, load_reference, matching_reference
+from contactlab.studies.study import Study, bundled_studies
+from contactlab.studies.table import Row, Table
 
 SHALLOW = {"supports.1.uy.to": -0.01}
 

@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from contactlab.compare import pool as pool_module
-from contactlab.compare.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
+from contactlab.studies import pool as pool_module
+from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
 
 TASKS = """
     import os, signal, sys, time
@@ -166,7 +166,7 @@ def test_processes_that_were_started_without_ctrl_c_are_told_to_stop(tmp_path: P
     """In the background of a script SIGINT is ignored, by children, too."""
     program = """
         import pool_tasks
-        from contactlab.compare.pool import WorkerPool
+        from contactlab.studies.pool import WorkerPool
         with WorkerPool(1) as pool:
             running = pool.submit(pool_tasks.patient, 0, report=lambda message: pool.stop())
             print(running.result(timeout=30))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from contactlab.compare.profile import FoldedSurfaceError, Profile, distance, integral, norm
+from contactlab.studies.profile import FoldedSurfaceError, Profile, distance, integral, norm
 
 # Sums of a few dozen products of numbers of order one to a hundred: round-off only.
 ROUND_OFF = 1e-12

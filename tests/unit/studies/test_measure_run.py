@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.compare.measure_run import driven_support, measure_run, reaction_against_pressure, sides
-from contactlab.compare.profile import Profile
-from contactlab.compare.reference import Reference
 from contactlab.results.results import ContactCurve
+from contactlab.studies.measure_run import driven_support, measure_run, reaction_against_pressure, sides
+from contactlab.studies.profile import Profile
+from contactlab.studies.reference import Reference
 
 SCENE: dict[str, Any] = {
     "symmetry": "x",

@@ -10,11 +10,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
-from contactlab.compare.plan import Plan
-from contactlab.compare.recordings import RUNS
-from contactlab.compare.run_job import Outcome, costs_in, outcome_of
 from contactlab.errors import RequestError
 from contactlab.run.restart import finished_results
+from contactlab.studies.plan import Plan
+from contactlab.studies.recordings import RUNS
+from contactlab.studies.run_job import Outcome, costs_in, outcome_of
 
 
 def stored_outcomes(plan: Plan, folder: Path) -> dict[str, Outcome]:

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from contactlab.compare.plan import make_plan
-from contactlab.compare.study import Study, bundled_studies, parse_vary, read_study
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.scene import load_scene
+from contactlab.studies.plan import make_plan
+from contactlab.studies.study import Study, bundled_studies, parse_vary, read_study
 
 
 def study_file(folder: Path, text: str) -> Path:

@@ -11,57 +11,44 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from contactlab.compare import run_job
-from contactlab.compare.bill import BillPlan, make_bill, plan_bill
-from contactlab.compare.gather import common_reference, gather
-from contactlab.compare.plan import Job, Plan, Vary, make_plan
-from contactlab.compare.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
-from contactlab.compare.recordings import record_comparison
-from contactlab.compare.reference import Reference, load_reference
-from contactlab.compare.resume import sigterm_as_ctrl_c, stored_outcomes
-from contactlab.compare.run_job import Outcome
-from contactlab.compare.study import Study
-from contactlab.compare.system import usable_cores
-from contactlab.compare.table import Table
-from contactlab.compare.table_files import write_table
-from contactlab.compare.worker import BEGUN
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
-from contactlab.reports.page import write_report
-from contactlab.reports.progress import Bars, progress_bars
 from contactlab.run.folders import claimed_folder, made_folder
 from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import write_toml
+from contactlab.studies import run_job
+from contactlab.studies.bill import BillPlan, make_bill, plan_bill
+from contactlab.studies.gather import common_reference, gather
+from contactlab.studies.plan import Job, Plan, Vary, make_plan
+from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
+from contactlab.studies.progress import Bars, MakeBars, no_bars
+from contactlab.studies.recordings import record_comparison
+from contactlab.studies.reference import Reference, load_reference
+from contactlab.studies.resume import sigterm_as_ctrl_c, stored_outcomes
+from contactlab.studies.run_job import Outcome
+from contactlab.studies.study import Study
+from contactlab.studies.system import usable_cores
+from contactlab.studies.table import Table
+from contactlab.studies.table_files import write_table
+from contactlab.studies.worker import BEGUN
 
 
-def compare(
+def run_study(
     scene_or_study: Scene | Study | str | Path,
     vary: Vary | None = None,
     out: str | Path | None = None,
     jobs: int | None = None,
     registry: Registry | None = None,
-    progress: bool | None = None,
+    bars: MakeBars = no_bars,
     changes: Mapping[str, Any] | None = None,
     effects: bool = False,
     resume: bool = False,
     time_limit: float | None = None,
 ) -> Table:
-    """Run every combination and measure accuracy against cost.
+    """Run every combination, and write what was measured into `out`; see `contactlab.comparison.compare`.
 
-    scene_or_study  a scene, a study, the name of a bundled one, or a TOML file of either
-    vary            scene keys and lists of values, instead of the study's own
-    out             folder for `table.csv`, `table.json`, plots, `report.html` and the runs; none: no files
-    jobs            processes at a time; all cores by default
-    changes         scene keys and values for all runs, also instead of what the study varies
-    progress        bars on standard error; by default where that is a terminal
-    effects         instead of combinations, the scene with each of its effects taken out in turn: `Table.bill`
-    resume          go on with the comparison in `out`: runs that are over are read back, the others go on
-    time_limit      wall time that one run may take [s], instead of the study's own: a run over it is stopped, and
-                    killed where it does not answer; a row "timed-out"
-
-    A run that fails, or whose process is killed, is a row with its status and reason.
-    Raises RequestError when the request itself is wrong, and KeyboardInterrupt after Ctrl-C or SIGTERM,
-    when what there is has been written. The first one lets runs save their state, a second one ends them at once.
+    `bars` shows the progress; `time_limit` is the wall time that one run may take [s]. After Ctrl-C or SIGTERM the
+    table holds what there is, and `interrupted` is True. Raises RequestError when the request itself is wrong.
     """
     plan = _limited(_plan(scene_or_study, vary, registry, changes, effects), time_limit)
     named = _named_reference(plan.study)
@@ -69,8 +56,8 @@ def compare(
     folder = _folder(out, resume)
     done = stored_outcomes(plan, folder) if resume and folder is not None else {}
     began = perf_counter()
-    with progress_bars(plan.jobs, progress) as bars, sigterm_as_ctrl_c():
-        outcomes, interrupted = _run_all(plan, done, folder, workers, bars)
+    with bars(plan.jobs) as shown, sigterm_as_ctrl_c():
+        outcomes, interrupted = _run_all(plan, done, folder, workers, shown)
     if interrupted and folder is not None:
         outcomes |= stored_outcomes(plan, folder)  # over, but its answer was still on the way
     rows = gather(plan, outcomes, named)
@@ -83,13 +70,10 @@ def compare(
         wall_s=perf_counter() - began,
         folder=folder,
         bill=make_bill(plan, outcomes) if isinstance(plan, BillPlan) else None,
+        interrupted=interrupted,
     )
     if folder is not None:
         _write(table, plan, outcomes, folder)
-        main = [job.name for job in plan.jobs if not job.refines]
-        record_comparison(plan.scene, plan.scene.registry, folder, main)
-    if interrupted:
-        raise KeyboardInterrupt
     return table
 
 
@@ -143,7 +127,8 @@ def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Pa
             place.mkdir(parents=True, exist_ok=True)
             (place / "error.txt").write_text(outcome.traceback, encoding="utf-8")
     write_table(table, folder)
-    write_report(table, folder)
+    main = [job.name for job in plan.jobs if not job.refines]
+    record_comparison(plan.scene, plan.scene.registry, folder, main)
 
 
 # --- running ---------------------------------------------------------------------------------------

@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from contactlab.compare.bill import BillPlan, make_bill, plan_bill
-from contactlab.compare.removable import variants
-from contactlab.compare.run_job import Outcome
-from contactlab.compare.runner import compare
+from contactlab.comparison import compare
 from contactlab.errors import RequestError
 from contactlab.reports.bill_plot import bill_figure
 from contactlab.reports.bill_table import by_cost, render_bill
 from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import Scene, load_scene
+from contactlab.studies.bill import BillPlan, make_bill, plan_bill
+from contactlab.studies.removable import variants
+from contactlab.studies.run_job import Outcome
 
 COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 GRAVITY = {"effects": [{"use": "gravity", "acceleration": [0.0, -9810.0]}]}

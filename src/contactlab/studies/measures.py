@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.compare.profile import Profile, Window, distance, norm
+from contactlab.studies.profile import Profile, Window, distance, norm
 
 EDGE_LEVEL = 0.05
 """Pressure, as a share of the largest one, at which the edge of contact is read. Above the small

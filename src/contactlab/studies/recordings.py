@@ -8,8 +8,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactlab.errors import RequestError
-from contactlab.parts.loading import one_line
+from contactlab.errors import RequestError, one_line
 from contactlab.results.load import FILE, load_results
 from contactlab.results.results import Results
 from contactlab.run.recorders import recorders_of

@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from contactlab.compare.agreement import agreements
-from contactlab.compare.table import Row
 from contactlab.results.results import ContactCurve
+from contactlab.studies.agreement import agreements
+from contactlab.studies.table import Row
 
 X = np.linspace(-1.0, 1.0, 21)
 P = 1.0 - X**2

@@ -10,9 +10,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from contactlab.compare.agreement import agreements
-from contactlab.compare.bill import Bill
-from contactlab.compare.table import Row, Table
+from contactlab.studies.agreement import agreements
+from contactlab.studies.bill import Bill
+from contactlab.studies.table import Row, Table
 
 
 def write_table(table: Table, folder: Path) -> None:

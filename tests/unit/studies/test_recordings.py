@@ -5,8 +5,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from contactlab.compare.recordings import titled_runs
 from contactlab.scene.scene import load_scene
+from contactlab.studies.recordings import titled_runs
 
 FRICTION = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 

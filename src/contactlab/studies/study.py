@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from contactlab.compare.columns import BY_NAME
 from contactlab.errors import Location, RequestError, Where, below, did_you_mean
 from contactlab.scene.fields import key, read_table
 from contactlab.scene.toml_text import location, parse_value, read_toml
+from contactlab.studies.columns import BY_NAME
 
 FOLDER = Path(__file__).parent.parent / "data" / "studies"
 

@@ -21,8 +21,8 @@ from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
 from typing import Any
 
-from contactlab.compare import worker as far_end
-from contactlab.compare.worker import BEGUN, STOP, receive, send
+from contactlab.studies import worker as far_end
+from contactlab.studies.worker import BEGUN, STOP, receive, send
 
 Report = Callable[[Any], None]
 

@@ -1,6 +1,6 @@
 """Make a reference from the project's own runs on fine meshes, with an estimate of its error.
 
-    python -m contactlab.compare.make_reference RECIPE --out FOLDER [--jobs N]
+    python -m contactlab.studies.make_reference RECIPE --out FOLDER [--jobs N]
 
 RECIPE is a study (`docs/scene-format.md`) that varies the level and whatever else should make no
 difference: algorithms, slave and master. The pressure is the mean of the runs at the finest level.
@@ -23,11 +23,11 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.compare.profile import Profile, distance, norm
-from contactlab.compare.reference import FOLDER
-from contactlab.compare.runner import compare
-from contactlab.compare.table import Row, Table
 from contactlab.errors import ContactlabError, RequestError
+from contactlab.studies.profile import Profile, distance, norm
+from contactlab.studies.reference import FOLDER
+from contactlab.studies.runner import run_study
+from contactlab.studies.table import Row, Table
 
 _POINTS_PER_SEGMENT = 4  # of the stored curve, so that storing adds nothing to the error
 
@@ -48,7 +48,7 @@ def make_reference(recipe: str | Path, out: str | Path, jobs: int | None = None)
     Raises RequestError for a recipe with fewer than two levels, ContactlabError when a run fails.
     """
     path = _recipe_path(recipe)
-    table = compare(path, jobs=jobs)
+    table = run_study(path, jobs=jobs)
     if table.failed:
         failed = "; ".join(f"{row.name}: {row.status}: {row.reason}" for row in table.failed)
         raise ContactlabError(f"no reference from runs that fail: {failed}")
@@ -170,7 +170,7 @@ def _description(name: str, table: Table, levels: Sequence[int], error: float) -
         },
         "origin": f"This project's own runs at levels {', '.join(map(str, levels))}: {algorithms}; "
         f"slaves {slaves}{more}. Pressure: mean of the runs at level {levels[-1]}. Made with {versions} by "
-        f"python -m contactlab.compare.make_reference {name}.",
+        f"python -m contactlab.studies.make_reference {name}.",
         "holds_for": holds_for(table.scene),
     }
 
@@ -217,7 +217,7 @@ def _flat(prefix: str, table: Mapping[str, Any]) -> dict[str, Any]:
 
 def main() -> int:
     """The command line of this module."""
-    parser = argparse.ArgumentParser(prog="python -m contactlab.compare.make_reference", description=__doc__)
+    parser = argparse.ArgumentParser(prog="python -m contactlab.studies.make_reference", description=__doc__)
     parser.add_argument("recipe", help="name of a bundled recipe, or a study file")
     parser.add_argument("--out", default=".", help="folder for NAME.csv and NAME.json")
     parser.add_argument("--jobs", type=int, help="runs at a time")

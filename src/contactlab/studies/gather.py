@@ -8,13 +8,13 @@ from dataclasses import replace
 from typing import Any
 
 from contactlab.api.warning import RunWarning
-from contactlab.compare.measure_run import measure_run
-from contactlab.compare.measures import mutual_difference, relative_difference
-from contactlab.compare.plan import Job, Plan
-from contactlab.compare.reference import Reference, load_reference, matching_reference
-from contactlab.compare.run_job import Outcome
-from contactlab.compare.system import system_facts
-from contactlab.compare.table import COMPLETE, Row
+from contactlab.studies.measure_run import measure_run
+from contactlab.studies.measures import mutual_difference, relative_difference
+from contactlab.studies.plan import Job, Plan
+from contactlab.studies.reference import Reference, load_reference, matching_reference
+from contactlab.studies.run_job import Outcome
+from contactlab.studies.system import system_facts
+from contactlab.studies.table import COMPLETE, Row
 
 
 def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Reference | None) -> list[Row]:

@@ -13,11 +13,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from contactlab.api.arrays import Floats
-from contactlab.compare.shape import Shape, shapes_of
-from contactlab.compare.worker import BEGUN
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve, Results
 from contactlab.scene.scene import Scene
+from contactlab.studies.shape import Shape, shapes_of
+from contactlab.studies.worker import BEGUN
 
 Report = Callable[[Any], None]
 

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from contactlab.compare import measures
-from contactlab.compare.profile import Profile
+from contactlab.studies import measures
+from contactlab.studies.profile import Profile
 
 ROUND_OFF = 1e-12
 

@@ -10,15 +10,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.api.warning import RunWarning
-from contactlab.compare.columns import MEASURES
-from contactlab.compare.profile import FoldedSurfaceError, Profile
-from contactlab.compare.shape import Shape
 from contactlab.results.results import ContactCurve
+from contactlab.studies.columns import MEASURES
+from contactlab.studies.profile import FoldedSurfaceError, Profile
+from contactlab.studies.shape import Shape
 
 if TYPE_CHECKING:
-    from contactlab.compare.bill import Bill
-    from contactlab.compare.reference import Reference
-    from contactlab.compare.study import Study
+    from contactlab.studies.bill import Bill
+    from contactlab.studies.reference import Reference
+    from contactlab.studies.study import Study
 
 
 COMPLETE = ("finished", "not-converged")
@@ -112,13 +112,14 @@ class Row:
 class Table:
     """All rows of a comparison, in the order of the study.
 
-    study       what was compared
-    reference   what the pressures were measured against, None if nothing fits
-    scene       TOML data of the common scene
-    scene_text  the same as TOML
-    wall_s      wall time of the whole comparison [s]
-    folder      where the files are, None if none were written
-    bill        what the effects of the scene cost, where that was asked for
+    study        what was compared
+    reference    what the pressures were measured against, None if nothing fits
+    scene        TOML data of the common scene
+    scene_text   the same as TOML
+    wall_s       wall time of the whole comparison [s]
+    folder       where the files are, None if none were written
+    bill         what the effects of the scene cost, where that was asked for
+    interrupted  True after Ctrl-C or SIGTERM: runs that had not ended are rows of that status
     """
 
     rows: Sequence[Row]
@@ -129,6 +130,7 @@ class Table:
     wall_s: float = math.nan
     folder: Path | None = None
     bill: Bill | None = None
+    interrupted: bool = False
 
     def __iter__(self) -> Iterator[Row]:
         return iter(self.rows)

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.compare import measures as m
-from contactlab.compare.profile import FoldedSurfaceError, Profile
-from contactlab.compare.reference import Reference
 from contactlab.results.results import ContactCurve
+from contactlab.studies import measures as m
+from contactlab.studies.profile import FoldedSurfaceError, Profile
+from contactlab.studies.reference import Reference
 
 Measures = dict[str, float]
 
