@@ -37,7 +37,7 @@ def compare(
     jobs            processes at a time; all cores by default
     changes         scene keys and values for all runs, also instead of what the study varies
     progress        bars on standard error; by default where that is a terminal
-    effects         instead of combinations, the scene with each of its effects taken out in turn: `Table.bill`
+    effects         instead of combinations, the scene with each of its effects taken out in turn: `Table.breakdown`
     resume          go on with the comparison in `out`: runs that are over are read back, the others go on
     time_limit      wall time that one run may take [s], instead of the study's own: a run over it is stopped, and
                     killed where it does not answer; a row "timed-out"

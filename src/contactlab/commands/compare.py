@@ -13,7 +13,7 @@ INTERRUPTED = 130
 def compare(options: argparse.Namespace) -> int:
     """Run the combinations and print their table; failed rows are results, so the status is 0."""
     from contactlab.comparison import compare as run_all
-    from contactlab.reports.bill_table import print_bill
+    from contactlab.reports.breakdown_table import print_breakdown
     from contactlab.reports.table import print_table
     from contactlab.studies.resume import resume_line
     from contactlab.studies.study import parse_vary
@@ -41,7 +41,7 @@ def compare(options: argparse.Namespace) -> int:
             console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
             return INTERRUPTED
     shown = console()
-    (print_table if result.bill is None else print_bill)(result, shown)
+    (print_table if result.breakdown is None else print_breakdown)(result, shown)
     shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)
     print_how_to_look(folder, registry, shown)
     return 0

@@ -18,7 +18,7 @@ from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import Model
 from contactlab.model.pace import find_pace
-from contactlab.parts.error_origin import blamed
+from contactlab.parts.error_origin import part_errors
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
@@ -34,7 +34,7 @@ def build(scene: Scene, registry: Registry) -> Model:
 
     Raises SceneError or PartError, naming file and key, for anything that does not fit together.
     """
-    with blamed(registry):
+    with part_errors(registry):
         return _built(scene, registry)
 
 
@@ -236,13 +236,13 @@ def _updates(forces: tuple[BodyForces, ...], threads: int) -> tuple[Any, ...]:
     """The block calls of all bodies in the order in which they are made."""
     calls = [call for body in forces for call in body.calls]
     colours = [colour for body in forces for colour in body.colours]
-    return in_order(calls, colours, [lane for body in forces for lane in body.lanes], threads)
+    return in_order(calls, colours, [thread for body in forces for thread in body.block_threads], threads)
 
 
 def _bind(
     body: Body,
     threads: int,
-    first_lane: int,
+    first_thread: int,
     reference: Floats,
     position: Floats,
     increment: Floats | None,
@@ -260,7 +260,7 @@ def _bind(
     shape = (reference, state["displacement"])
     trial = None if explicit else np.zeros_like(history)
     force = state["internal_force"]
-    return BodyForces(body, geometry, field, force, history, trial, shape, threads, first_lane)
+    return BodyForces(body, geometry, field, force, history, trial, shape, threads, first_thread)
 
 
 def _initial_velocity(scene: Scene, bodies: tuple[Body, ...], reference: Floats, mass: Floats, state: State) -> None:

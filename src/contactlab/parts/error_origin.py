@@ -24,7 +24,7 @@ def part_at_fault(error: BaseException, registry: Registry) -> str:
 
 
 @contextmanager
-def blamed(registry: Registry) -> Iterator[None]:
+def part_errors(registry: Registry) -> Iterator[None]:
     """What a part raises, or gives against the contract, becomes a PartError that tells where."""
     try:
         yield

@@ -32,10 +32,10 @@ from contactlab.studies.table import Table
 
 def write_report(table: Table, folder: Path) -> None:
     """Write `report.html` and the plots (SVG and PNG) into the folder."""
-    if table.bill is not None:
-        from contactlab.reports.bill_page import write_bill_report
+    if table.breakdown is not None:
+        from contactlab.reports.breakdown_page import write_breakdown_report
 
-        write_bill_report(table, table.bill, folder)
+        write_breakdown_report(table, table.breakdown, folder)
         return
     figures = draw(table)
     for name, figure in figures.items():

@@ -17,7 +17,7 @@ from contactlab.run.folders import claimed_folder, made_folder
 from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies import run_job
-from contactlab.studies.bill import BillPlan, make_bill, plan_bill
+from contactlab.studies.cost_breakdown import BreakdownPlan, breakdown_of, plan_breakdown
 from contactlab.studies.gather import common_reference, gather
 from contactlab.studies.plan import Job, Plan, Vary, make_plan
 from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
@@ -69,7 +69,7 @@ def run_study(
         scene_text=plan.scene.toml(),
         wall_s=perf_counter() - began,
         folder=folder,
-        bill=make_bill(plan, outcomes) if isinstance(plan, BillPlan) else None,
+        breakdown=breakdown_of(plan, outcomes) if isinstance(plan, BreakdownPlan) else None,
         interrupted=interrupted,
     )
     if folder is not None:
@@ -93,7 +93,7 @@ def _plan(request: Any, vary: Vary | None, registry: Registry | None, changes: A
             "effects are taken out of one scene, nothing else is varied beside", where="vary", got=", ".join(vary),
             hint="set keys of the scene instead, or compare without effects",
         )  # fmt: skip
-    return plan_bill(request, registry, changes)
+    return plan_breakdown(request, registry, changes)
 
 
 def _limited(plan: Plan, time_limit: float | None) -> Plan:

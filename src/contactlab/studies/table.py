@@ -16,7 +16,7 @@ from contactlab.studies.profile import FoldedSurfaceError, Profile
 from contactlab.studies.shape import Shape
 
 if TYPE_CHECKING:
-    from contactlab.studies.bill import Bill
+    from contactlab.studies.cost_breakdown import CostBreakdown
     from contactlab.studies.reference import Reference
     from contactlab.studies.study import Study
 
@@ -118,7 +118,7 @@ class Table:
     scene_text   the same as TOML
     wall_s       wall time of the whole comparison [s]
     folder       where the files are, None if none were written
-    bill         what the effects of the scene cost, where that was asked for
+    breakdown         what the effects of the scene cost, where that was asked for
     interrupted  True after Ctrl-C or SIGTERM: runs that had not ended are rows of that status
     """
 
@@ -129,7 +129,7 @@ class Table:
     scene_text: str = ""
     wall_s: float = math.nan
     folder: Path | None = None
-    bill: Bill | None = None
+    breakdown: CostBreakdown | None = None
     interrupted: bool = False
 
     def __iter__(self) -> Iterator[Row]:

@@ -11,21 +11,21 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.studies.agreement import agreements
-from contactlab.studies.bill import Bill
+from contactlab.studies.cost_breakdown import CostBreakdown
 from contactlab.studies.table import Row, Table
 
 
 def write_table(table: Table, folder: Path) -> None:
-    """Write both files into the folder, and `bill.csv` where effects were priced."""
+    """Write both files into the folder, and `bill.csv` where the cost of effects was measured."""
     _write_csv(table, folder / "table.csv")
     _write_json(table, folder / "table.json")
-    if table.bill is not None:
-        _write_bill(table.bill, folder / "bill.csv")
+    if table.breakdown is not None:
+        _write_breakdown(table.breakdown, folder / "bill.csv")
 
 
-def _write_bill(bill: Bill, path: Path) -> None:
+def _write_breakdown(breakdown: CostBreakdown, path: Path) -> None:
     """A row per effect."""
-    rows = [asdict(price) for price in bill.prices]
+    rows = [asdict(cost) for cost in breakdown.effects]
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(rows[0]))
         writer.writeheader()
@@ -46,7 +46,7 @@ def _write_json(table: Table, path: Path) -> None:
         "reference": table.reference.name if table.reference else None,
         "wall_s": _number(table.wall_s),
         "agreement": [_plain(asdict(item)) for item in agreements(table.rows)],
-        **({"bill": _bill(table.bill)} if table.bill is not None else {}),
+        **({"bill": _breakdown(table.breakdown)} if table.breakdown is not None else {}),
         "rows": [_row(row) for row in table.rows],
     }
     path.write_text(json.dumps(data, indent=1, default=str) + "\n", encoding="utf-8")
@@ -57,9 +57,10 @@ def _row(row: Row) -> dict[str, Any]:
     return {**_plain(row.record()), "warnings": warnings, "parts": _plain(row.parts), "refines": row.refines}
 
 
-def _bill(bill: Bill) -> dict[str, Any]:
-    data = asdict(bill)
-    return {**_plain(data), "prices": [_plain(price) for price in data["prices"]]}
+def _breakdown(breakdown: CostBreakdown) -> dict[str, Any]:
+    data = asdict(breakdown)
+    effects = data.pop("effects")
+    return {**_plain(data), "prices": [_plain(cost) for cost in effects]}
 
 
 def _cell(value: object) -> Any:

@@ -11,7 +11,7 @@ import numpy as np
 from contactlab.api import BLOCK_CELLS, Element, Floats, Ints, Material, Mesh
 from contactlab.kernels.cells import element_kernels, midpoint
 from contactlab.kernels.size import jacobian_determinants
-from contactlab.model.bodies.thread_blocks import colours, lanes_of
+from contactlab.model.bodies.thread_blocks import colours, threads_of_blocks
 
 if TYPE_CHECKING:
     from contactlab.model.loading.rigid import RigidSurface
@@ -80,7 +80,7 @@ class BodyForces:
 
     geometry and field are what the law's kinematics asks for: (X, u), (x, X) or (x, du). With
     `trial_history` updates are trials from `history` until they are accepted; explicit runs give none.
-    `shape` is (X, u) whatever the kinematics, for elements that stabilise. `colours` and `lanes` of the
+    `shape` is (X, u) whatever the kinematics, for elements that stabilise. `colours` and `block_threads` of the
     blocks: see `contactlab.model.bodies.thread_blocks`.
     """
 
@@ -94,7 +94,7 @@ class BodyForces:
         trial_history: Floats | None = None,
         shape: tuple[Floats, Floats] | None = None,
         threads: int = 1,
-        first_lane: int = 0,
+        first_thread: int = 0,
     ) -> None:
         self.body = body
         self.kernels = element_kernels(body.element, body.material.kinematics)
@@ -105,10 +105,10 @@ class BodyForces:
         self.shares_gradient = trial_history is None and len(self.blocks) > 1
         self.shares_stress = self.shares_gradient and not body.material.history_size
         self.colours = colours([block.connectivity for block in self.blocks], len(force))
-        self.lanes = lanes_of(self.colours, threads, first_lane)
-        _share(self.blocks, self.lanes, self.shares_gradient, self.shares_stress)
+        self.block_threads = threads_of_blocks(self.colours, threads, first_thread)
+        _share(self.blocks, self.block_threads, self.shares_gradient, self.shares_stress)
         self.dt = 0.0
-        self.scratch = _scratch(self.blocks, self.lanes)
+        self.scratch = _scratch(self.blocks, self.block_threads)
         self.calls: tuple[Callable[[float], None], ...] = tuple(
             self._bind(block, scratch) for block, scratch in zip(self.blocks, self.scratch, strict=True)
         )
@@ -214,28 +214,28 @@ class BodyForces:
         return out
 
 
-def _share(blocks: list[Block], lanes: Sequence[int], gradient: bool, stress: bool) -> None:
-    """One array for all blocks of a width and lane where it can be had again.
+def _share(blocks: list[Block], block_threads: Sequence[int], gradient: bool, stress: bool) -> None:
+    """One array for all blocks of a width and thread where it can be had again.
 
     That is 128 bytes less to move per Q1 cell and step for each of the two.
 
     A gradient follows from positions, a stress from the gradient unless the law has a history.
     """
     first: dict[tuple[int, ...], Block] = {}
-    for block, lane in zip(blocks, lanes, strict=True):
-        like = first.setdefault((lane, *block.stress.shape), block)
+    for block, thread in zip(blocks, block_threads, strict=True):
+        like = first.setdefault((thread, *block.stress.shape), block)
         block.gradient = like.gradient if gradient else block.gradient
         block.stress = like.stress if stress else block.stress
 
 
-def _scratch(blocks: Sequence[Block], lanes: Sequence[int]) -> list[Floats]:
-    """Scratch of every block; those of one size and lane share it."""
+def _scratch(blocks: Sequence[Block], block_threads: Sequence[int]) -> list[Floats]:
+    """Scratch of every block; those of one size and thread share it."""
     shared: dict[tuple[int, int], Floats] = {}
-    for block, lane in zip(blocks, lanes, strict=True):
+    for block, thread in zip(blocks, block_threads, strict=True):
         nodes, cells = block.connectivity.shape
-        if (lane, cells) not in shared:
-            shared[lane, cells] = np.zeros((6 * nodes + 6, cells))
-    return [shared[lane, block.connectivity.shape[1]] for block, lane in zip(blocks, lanes, strict=True)]
+        if (thread, cells) not in shared:
+            shared[thread, cells] = np.zeros((6 * nodes + 6, cells))
+    return [shared[thread, block.connectivity.shape[1]] for block, thread in zip(blocks, block_threads, strict=True)]
 
 
 def block_size(cells: int) -> int:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 STEP = 1e-6  # of a cell's size: central differences then err by about 1e-10 of the stiffness
 
 
-class ExplodedCells:
+class StiffnessByDifferences:
     """Stiffness of one body from forces of its own kernels on cells torn apart."""
 
     def __init__(self, forces: BodyForces) -> None:
@@ -30,7 +30,7 @@ class ExplodedCells:
     def add(self, block: Block, dt: float, pairs: Ints, pattern: Pattern) -> None:
         """Add the block's cells to the pattern's data."""
         nodes, cells = block.connectivity.shape
-        geometry, field = self._torn(self.forces.geometry, block), self._torn(self.forces.field, block)
+        geometry, field = self._per_cell(self.forces.geometry, block), self._per_cell(self.forces.field, block)
         x = geometry.reshape(nodes, cells, 2)
         step = STEP * np.ptp(x, axis=0).max(axis=1)
         matrices = np.empty((cells, 2 * nodes, 2 * nodes))
@@ -42,7 +42,7 @@ class ExplodedCells:
                 matrices[:, :, 2 * b + k] = column.transpose(1, 0, 2).reshape(cells, 2 * nodes)
         scatter_all(matrices, pairs, pattern.place, pattern.stride, pattern.data)
 
-    def _torn(self, values: Floats, block: Block) -> Floats:
+    def _per_cell(self, values: Floats, block: Block) -> Floats:
         """Nodal values (a B, 2) of the block's cells, node by node."""
         return np.ascontiguousarray(values[block.connectivity].reshape(-1, 2))
 
@@ -66,7 +66,7 @@ class ExplodedCells:
         self.law.stress(slopes, block.history, dt, stress, np.empty_like(block.history))
         force(geometry, connectivity, stress, out, scratch)
         if stabilise is not None and self.forces.shape is not None:
-            reference, displacement = (self._torn(values, block) for values in self.forces.shape)
+            reference, displacement = (self._per_cell(values, block) for values in self.forces.shape)
             displacement[moved, k] += step
             stabilise(reference, displacement, connectivity, self.forces.body.shear_modulus, out, scratch)
         return out

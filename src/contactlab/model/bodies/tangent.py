@@ -9,7 +9,7 @@ from contactlab.api import Floats, Ints
 from contactlab.kernels import tangent as kernels
 from contactlab.kernels.cells import table_kernels
 from contactlab.model.bodies.body import Block, BodyForces
-from contactlab.model.bodies.element_differences import ExplodedCells
+from contactlab.model.bodies.element_differences import StiffnessByDifferences
 
 KIND = {"small": kernels.SMALL, "finite": kernels.FINITE, "rate": kernels.RATE}
 
@@ -19,7 +19,9 @@ class Tangent:
 
     def __init__(self, nodes: int, forces: tuple[BodyForces, ...]) -> None:
         self.pattern = Pattern(nodes, [block.connectivity for body in forces for block in body.blocks])
-        self.bodies = tuple(BodyTangent(body) if follows_tables(body) else ExplodedCells(body) for body in forces)
+        self.bodies = tuple(
+            BodyTangent(body) if follows_tables(body) else StiffnessByDifferences(body) for body in forces
+        )
 
     def assemble(self, dt: float) -> csc_array:
         """Stiffness (2N, 2N) at the last update of stresses, which a step `dt` led to; the same arrays every call."""

@@ -33,17 +33,19 @@ def colours(blocks: Sequence[Ints], nodes: int) -> list[int]:
     return found
 
 
-def lanes_of(found: Sequence[int], threads: int, first: int = 0) -> list[int]:
+def threads_of_blocks(found: Sequence[int], threads: int, first: int = 0) -> list[int]:
     """The thread of every block: those of one colour are dealt out in turns, beginning with thread `first`."""
     seen: dict[int, int] = {}
-    lanes = []
+    block_threads = []
     for colour in found:
-        lanes.append((first + seen.get(colour, 0)) % threads)
+        block_threads.append((first + seen.get(colour, 0)) % threads)
         seen[colour] = seen.get(colour, 0) + 1
-    return lanes
+    return block_threads
 
 
-def in_order(updates: Sequence[Update], found: Sequence[int], lanes: Sequence[int], threads: int) -> tuple[Update, ...]:
+def in_order(
+    updates: Sequence[Update], found: Sequence[int], block_threads: Sequence[int], threads: int
+) -> tuple[Update, ...]:
     """Calls to be made one after another: the updates by colour, or with several threads one call for each colour."""
     by_colour = sorted(range(len(updates)), key=lambda number: found[number])
     if threads == 1:
@@ -53,5 +55,5 @@ def in_order(updates: Sequence[Update], found: Sequence[int], lanes: Sequence[in
     team = Threads(threads)
     rounds: dict[int, list[list[Update]]] = {}
     for number in by_colour:
-        rounds.setdefault(found[number], [[] for _ in range(threads)])[lanes[number]].append(updates[number])
-    return tuple(team.together([lane for lane in dealt if lane]) for dealt in rounds.values())
+        rounds.setdefault(found[number], [[] for _ in range(threads)])[block_threads[number]].append(updates[number])
+    return tuple(team.together([thread for thread in dealt if thread]) for dealt in rounds.values())

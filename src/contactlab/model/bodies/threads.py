@@ -14,24 +14,24 @@ class Threads:
     def __init__(self, threads: int) -> None:
         self.pool = ThreadPoolExecutor(threads - 1, thread_name_prefix="contactlab-cells")
 
-    def together(self, lanes: Sequence[Sequence[Update]]) -> Update:
-        """One call that makes those of every lane in turn, the lanes side by side; it ends when all are done."""
-        own, others = lanes[0], lanes[1:]
+    def together(self, shares: Sequence[Sequence[Update]]) -> Update:
+        """One call that makes those of every share in turn, the shares side by side; it ends when all are done."""
+        own, others = shares[0], shares[1:]
         submit = self.pool.submit
 
         def update(dt: float) -> None:
-            waiting = [submit(_run, lane, dt) for lane in others]
+            waiting = [submit(_run, share, dt) for share in others]
             try:
                 _run(own, dt)
             finally:
                 for other in waiting:
-                    other.exception()  # nobody goes on while a lane still writes
+                    other.exception()  # nobody goes on while a share still writes
             for other in waiting:
                 other.result()
 
         return update
 
 
-def _run(lane: Sequence[Update], dt: float) -> None:
-    for update in lane:
+def _run(share: Sequence[Update], dt: float) -> None:
+    for update in share:
         update(dt)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from contactlab.model.bodies import body as body_module
-from contactlab.model.bodies.thread_blocks import colours, in_order, lanes_of
+from contactlab.model.bodies.thread_blocks import colours, in_order, threads_of_blocks
 from contactlab.model.bodies.threads import Threads
 from contactlab.model.build import build
 from contactlab.run.simulation import simulate
@@ -53,7 +53,7 @@ def test_every_update_is_made_once_whatever_the_number_of_threads() -> None:
         made: list[int] = []
         updates = [partial(_note, made, number) for number in range(11)]
         found = [0, 1, 0, 1, 2, 0, 1, 0, 2, 66, 67]
-        calls = in_order(updates, found, lanes_of(found, threads, first=1), threads)
+        calls = in_order(updates, found, threads_of_blocks(found, threads, first=1), threads)
         for call in calls:
             call(0.0)
         assert sorted(made) == list(range(11))
@@ -110,7 +110,7 @@ def test_any_number_of_threads_gives_the_same_bits(changes: dict[str, Any]) -> N
 
 
 def test_threads_work_side_by_side_and_one_thread_starts_none() -> None:
-    """Two lanes that wait for each other come to an end only if both run at once."""
+    """Two block_threads that wait for each other come to an end only if both run at once."""
     from threading import Barrier
 
     meet = Barrier(2, timeout=30.0)
@@ -119,10 +119,10 @@ def test_threads_work_side_by_side_and_one_thread_starts_none() -> None:
     assert len(model.updates) == sum(len(forces.blocks) for forces in model.forces)
     several = build(scene(threads=2), scene().registry)
     assert len(several.updates) == len({colour for forces in several.forces for colour in forces.colours})
-    # no two lanes of a body share scratch
+    # no two block_threads of a body share scratch
     for forces in several.forces:
         owners: dict[int, set[int]] = {}
-        for scratch, lane in zip(forces.scratch, forces.lanes, strict=True):
-            owners.setdefault(id(scratch), set()).add(lane)
-        assert all(len(lanes) == 1 for lanes in owners.values())
-        assert set(forces.lanes) == {0, 1}
+        for scratch, thread in zip(forces.scratch, forces.block_threads, strict=True):
+            owners.setdefault(id(scratch), set()).add(thread)
+        assert all(len(block_threads) == 1 for block_threads in owners.values())
+        assert set(forces.block_threads) == {0, 1}

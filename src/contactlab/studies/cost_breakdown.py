@@ -1,4 +1,4 @@
-"""The bill: what each effect of a scene costs, and what leaving it out changes in the answer."""
+"""The breakdown: what each effect of a scene costs, and what leaving it out changes in the answer."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ INSTANTS = 201  # of the loading, at which histories are compared
 
 
 @dataclass(frozen=True)
-class Price:
+class EffectCost:
     """One effect.
 
-    declared   False: the scene leaves it out, and it was added to be priced
+    declared   False: the scene leaves it out, and it was added to be measured
     step_s     what it costs in each step, CPU [s]; nan where the runs cannot be compared step by step
     run_s      what it costs in the whole run, CPU [s]
     memory_mib what its arrays need
@@ -57,7 +57,7 @@ class Price:
 
 
 @dataclass(frozen=True)
-class Bill:
+class CostBreakdown:
     """Prices in the order of the variants, beside what the scene costs as it is declared.
 
     step_s, run_s CPU time [s]; memory_mib of its arrays; status, reason of the run as declared
@@ -69,21 +69,21 @@ class Bill:
     steps: float
     status: str
     reason: str
-    prices: Sequence[Price]
+    effects: Sequence[EffectCost]
 
 
 @dataclass(frozen=True)
-class BillPlan(Plan):
-    """The runs of a bill: the scene as declared first, then a run for each variant; and variants that are refused."""
+class BreakdownPlan(Plan):
+    """The runs of a breakdown: the scene as declared first, then a run for each variant; and variants that are refused."""
 
     shown: Mapping[str, Variant]
-    refused: Sequence[Price]
+    refused: Sequence[EffectCost]
 
 
-def plan_bill(
+def plan_breakdown(
     request: Scene | Study | str | Any, registry: Registry | None = None, changes: Mapping[str, Any] | None = None
-) -> BillPlan:
-    """What to run for the bill of a scene. Raises RequestError where nothing can be taken out or added."""
+) -> BreakdownPlan:
+    """What to run for the breakdown of a scene. Raises RequestError where nothing can be taken out or added."""
     study, scene = find_scene(request, registry)
     scene = scene.with_(changes or {})
     found = variants(scene)
@@ -92,7 +92,7 @@ def plan_bill(
         try:
             changed = scene.with_(variant.changes)
         except RequestError as error:
-            refused.append(Price(variant.effect, variant.declared, reason=str(error)))
+            refused.append(EffectCost(variant.effect, variant.declared, reason=str(error)))
             continue
         name = f"{len(jobs) + 1}-{variant.label.replace(' ', '-')}"
         shown[name] = variant
@@ -100,7 +100,7 @@ def plan_bill(
     if not found:
         raise RequestError("the scene has no effect that could be taken out", where=scene.origin.file or scene.name)
     own = Study(scene=study.scene, name=f"{scene.name}: what its effects cost", repeat=study.repeat)
-    return BillPlan(own, scene, 0, jobs, shown, refused)
+    return BreakdownPlan(own, scene, 0, jobs, shown, refused)
 
 
 def _job(name: str, scene: Scene, label: str) -> Job:
@@ -111,14 +111,16 @@ def _job(name: str, scene: Scene, label: str) -> Job:
     return Job(name, scene, {"effect": label}, {"effect": label}, algorithm, slave, partner=name, refines=False)
 
 
-def make_bill(plan: BillPlan, outcomes: Mapping[str, Outcome]) -> Bill:
-    """The bill of runs that are over."""
+def breakdown_of(plan: BreakdownPlan, outcomes: Mapping[str, Outcome]) -> CostBreakdown:
+    """The breakdown of runs that are over."""
     base = outcomes[plan.jobs[0].name]
-    prices = [
-        _price(plan.shown[job.name], plan, base, outcomes[job.name], job) for job in plan.jobs if job.name in plan.shown
+    effects = [
+        _cost(plan.shown[job.name], plan, base, outcomes[job.name], job) for job in plan.jobs if job.name in plan.shown
     ]
     costs = _costs(base)
-    return Bill(*costs, base.summary.get("steps", math.nan), base.status, base.reason, [*prices, *plan.refused])
+    return CostBreakdown(
+        *costs, base.summary.get("steps", math.nan), base.status, base.reason, [*effects, *plan.refused]
+    )
 
 
 def _costs(outcome: Outcome) -> tuple[float, float, float]:
@@ -129,16 +131,16 @@ def _costs(outcome: Outcome) -> tuple[float, float, float]:
     return run / steps if steps else math.nan, run, float(cost.get("arrays_mib", math.nan))
 
 
-def _price(variant: Variant, plan: BillPlan, base: Outcome, other: Outcome, job: Job) -> Price:
+def _cost(variant: Variant, plan: BreakdownPlan, base: Outcome, other: Outcome, job: Job) -> EffectCost:
     rich, poor = (base, other) if variant.declared else (other, base)
     step, run, memory = (a - b for a, b in zip(_costs(rich), _costs(poor), strict=True))
     if bool(rich.summary.get("iterations")) != bool(poor.summary.get("iterations")):
         step = math.nan  # a load step is no time step
     named = (variant.effect, variant.declared)
     if not (base.status in COMPLETE and other.status in COMPLETE):
-        return Price(*named, step, status=other.status, reason=other.reason)
+        return EffectCost(*named, step, status=other.status, reason=other.reason)
     changes = _reaction(rich, poor, plan.scene if variant.declared else job.scene), _pressure(rich, poor)
-    return Price(*named, step, run, memory, *changes, _energy(rich, poor), other.status, other.reason)
+    return EffectCost(*named, step, run, memory, *changes, _energy(rich, poor), other.status, other.reason)
 
 
 # --- what changes in the answer ----------------------------------------------------------------------

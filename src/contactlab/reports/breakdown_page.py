@@ -1,15 +1,15 @@
-"""`report.html` of a bill: one table, one plot, and what was run."""
+"""`report.html` of a breakdown: one table, one plot, and what was run."""
 
 from __future__ import annotations
 
 from html import escape
 from pathlib import Path
 
-from contactlab.reports.bill_plot import bill_figure
-from contactlab.reports.bill_table import EXPLANATION, HEADS, by_cost, cells, reasons, sentence
+from contactlab.reports.breakdown_plot import breakdown_figure
+from contactlab.reports.breakdown_table import EXPLANATION, HEADS, by_cost, cells, reasons, sentence
 from contactlab.reports.figures import save
 from contactlab.reports.html import document, figure_section, machine_section, plain_table, scene_section, section
-from contactlab.studies.bill import Bill
+from contactlab.studies.cost_breakdown import CostBreakdown
 from contactlab.studies.table import Table
 
 _PLOT = (
@@ -18,13 +18,15 @@ _PLOT = (
 )
 
 
-def write_bill_report(table: Table, bill: Bill, folder: Path) -> None:
+def write_breakdown_report(table: Table, breakdown: CostBreakdown, folder: Path) -> None:
     """Write `report.html` and the plot (SVG and PNG) into the folder."""
-    figure = bill_figure(bill)
+    figure = breakdown_figure(breakdown)
     save(figure, folder, "bill")
-    notes = "".join(f'<p class="note">{escape(text)}</p>\n' for text in reasons(bill.prices))
-    rows = (cells(price, bill) for price in by_cost(bill))
-    head = f'<header>\n<h1>{escape(table.study.name)}</h1>\n<p class="lead">{escape(sentence(bill))}</p>\n</header>'
+    notes = "".join(f'<p class="note">{escape(text)}</p>\n' for text in reasons(breakdown.effects))
+    rows = (cells(cost, breakdown) for cost in by_cost(breakdown))
+    head = (
+        f'<header>\n<h1>{escape(table.study.name)}</h1>\n<p class="lead">{escape(sentence(breakdown))}</p>\n</header>'
+    )
     explanation = f'<p class="note">{escape(EXPLANATION)}</p>\n'
     sections = [
         head,

@@ -1,4 +1,4 @@
-"""The bill: what can be taken out of a scene, and prices of runs whose costs and answers are known."""
+"""The breakdown: what can be taken out of a scene, and effects of runs whose costs and answers are known."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from rich.console import Console
 
 from contactlab.comparison import compare
 from contactlab.errors import RequestError
-from contactlab.reports.bill_plot import bill_figure
-from contactlab.reports.bill_table import by_cost, render_bill
+from contactlab.reports.breakdown_plot import breakdown_figure
+from contactlab.reports.breakdown_table import by_cost, render_breakdown
 from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import Scene, load_scene
-from contactlab.studies.bill import BillPlan, make_bill, plan_bill
+from contactlab.studies.cost_breakdown import BreakdownPlan, breakdown_of, plan_breakdown
 from contactlab.studies.removable import variants
 from contactlab.studies.run_job import Outcome
 
@@ -92,7 +92,7 @@ def test_constants_are_kept_when_a_law_is_changed() -> None:
     assert elastic == {"use": "neo-hookean", **ELASTIC, "yield_stress": 9.0}
 
 
-# --- prices -----------------------------------------------------------------------------------------
+# --- effects -----------------------------------------------------------------------------------------
 
 
 def outcome(
@@ -116,11 +116,11 @@ def triangle(curve_of: Callable[..., ContactCurve]) -> Callable[[float], Contact
     return lambda peak: curve_of(np.linspace(-1.0, 1.0, 21), peak * (1.0 - np.abs(np.linspace(-1.0, 1.0, 21))))
 
 
-def plan() -> BillPlan:
-    return plan_bill(scene(COULOMB))
+def plan() -> BreakdownPlan:
+    return plan_breakdown(scene(COULOMB))
 
 
-def named(plan: BillPlan, label: str) -> str:
+def named(plan: BreakdownPlan, label: str) -> str:
     return next(name for name, variant in plan.shown.items() if variant.label == label)
 
 
@@ -130,8 +130,8 @@ def test_the_price_of_an_effect_is_the_difference_of_two_runs(triangle: Callable
     runs[named(wished, "without friction")] = outcome(0.75, force=0.9, curve=triangle(0.8))
     runs[named(wished, "with quadratic shape functions")] = outcome(3.0, force=1.25, curve=triangle(1.0))
     runs[named(wished, "without contact")] = outcome(0.5, force=0.0, curve=None)
-    prices = {price.effect: price for price in make_bill(wished, runs).prices}
-    friction, quadratic, contact = (prices[n] for n in ("friction", "quadratic shape functions", "contact"))
+    effects = {cost.effect: cost for cost in breakdown_of(wished, runs).effects}
+    friction, quadratic, contact = (effects[n] for n in ("friction", "quadratic shape functions", "contact"))
     assert (friction.step_s, friction.run_s, friction.memory_mib) == pytest.approx((0.0025, 0.25, 0.5))
     # relative to the run that has the effect: forces and energies 0.9 of it, pressures 0.8
     assert (friction.reaction, friction.energy, friction.pressure) == pytest.approx((0.1, 0.1, 0.2))
@@ -148,14 +148,14 @@ def test_runs_that_fail_are_kept_with_their_reason() -> None:
     runs[named(wished, "without damping")] = outcome(1.0, status="not-converged")
     runs[named(wished, "without contact")] = outcome(0.1, status="diverged")
     runs[named(wished, "without inertia")] = Outcome("refused", "a body would drift")
-    prices = {price.effect: price for price in make_bill(wished, runs).prices}
-    assert prices["damping"].status == "not-converged"
-    assert prices["damping"].reaction == 0.0  # it carried the load to its end
-    assert (prices["contact"].status, prices["contact"].reason) == ("diverged", "so it was")
-    assert math.isnan(prices["contact"].error)
-    assert prices["contact"].step_s == pytest.approx(0.009)
-    assert math.isnan(prices["inertia"].run_s)
-    assert "a body would drift" in prices["inertia"].reason
+    effects = {cost.effect: cost for cost in breakdown_of(wished, runs).effects}
+    assert effects["damping"].status == "not-converged"
+    assert effects["damping"].reaction == 0.0  # it carried the load to its end
+    assert (effects["contact"].status, effects["contact"].reason) == ("diverged", "so it was")
+    assert math.isnan(effects["contact"].error)
+    assert effects["contact"].step_s == pytest.approx(0.009)
+    assert math.isnan(effects["inertia"].run_s)
+    assert "a body would drift" in effects["inertia"].reason
 
 
 def test_effects_and_variations_do_not_go_together() -> None:
@@ -171,10 +171,10 @@ def test_the_dearest_effect_comes_first_and_reasons_below() -> None:
     runs = {job.name: outcome(1.0) for job in wished.jobs}
     runs[named(wished, "without friction")] = outcome(0.75)
     runs[named(wished, "without contact")] = outcome(0.1, status="diverged")
-    bill = make_bill(wished, runs)
-    assert by_cost(bill)[0].effect == "friction"
+    breakdown = breakdown_of(wished, runs)
+    assert by_cost(breakdown)[0].effect == "friction"
     console = Console(width=200, record=True)
-    console.print(render_bill(bill, "title"))
+    console.print(render_breakdown(breakdown, "title"))
     shown = console.export_text()
     assert "without contact: diverged: so it was" in shown
     row = next(line.split() for line in shown.splitlines() if line.split()[:1] == ["friction"])
@@ -188,29 +188,29 @@ def test_the_plot_has_a_point_for_every_priced_effect_and_names_the_rest() -> No
     runs = {job.name: outcome(1.0, force=0.9) for job in wished.jobs}
     runs[wished.jobs[0].name] = outcome(2.0)
     runs[named(wished, "without contact")] = outcome(0.1, status="diverged")
-    bill = make_bill(wished, runs)
-    axes = bill_figure(bill).axes[0]
+    breakdown = breakdown_of(wished, runs)
+    axes = breakdown_figure(breakdown).axes[0]
     points = [line for line in axes.lines if line.get_marker() == "o"]
-    assert len(points) == len(bill.prices) - 1
+    assert len(points) == len(breakdown.effects) - 1
     assert "contact: diverged" in axes.get_title(loc="left")
     texts = {text.get_text() for text in axes.texts}
-    assert {price.effect for price in bill.prices if price.effect != "contact"} <= texts
+    assert {cost.effect for cost in breakdown.effects if cost.effect != "contact"} <= texts
 
 
 @pytest.mark.usefixtures("fake_runs")
 def test_a_bill_is_one_table_one_plot_and_a_page(tmp_path: Path) -> None:
     table = compare(scene(COULOMB), out=tmp_path / "out", jobs=2, effects=True)
-    assert table.bill is not None
+    assert table.breakdown is not None
     # the stand-in for a run looks at the first contact: without one it fails, and the row stays
-    gone = next(price for price in table.bill.prices if price.effect == "contact")
+    gone = next(cost for cost in table.breakdown.effects if cost.effect == "contact")
     assert (gone.status, "IndexError" in gone.reason) == ("failed", True)
-    rows = list(csv.DictReader((tmp_path / "out" / "bill.csv").open()))
-    assert [row["effect"] for row in rows] == [price.effect for price in table.bill.prices]
+    rows = list(csv.DictReader((tmp_path / "out" / "breakdown.csv").open()))
+    assert [row["effect"] for row in rows] == [cost.effect for cost in table.breakdown.effects]
     kept = json.loads((tmp_path / "out" / "table.json").read_text())
-    assert len(kept["bill"]["prices"]) == len(rows)
+    assert len(kept["breakdown"]["effects"]) == len(rows)
     assert len(kept["rows"]) == len(rows) + 1
     page = (tmp_path / "out" / "report.html").read_text()
-    for price in table.bill.prices:
-        assert price.effect in page
+    for cost in table.breakdown.effects:
+        assert cost.effect in page
     assert page.count("<svg") == 1
-    assert (tmp_path / "out" / "bill.png").stat().st_size > 10_000
+    assert (tmp_path / "out" / "breakdown.png").stat().st_size > 10_000

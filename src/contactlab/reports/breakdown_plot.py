@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter
 
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent
-from contactlab.studies.bill import Bill, Price
+from contactlab.studies.cost_breakdown import CostBreakdown, EffectCost
 
 FLOOR = 1e-5  # share: what changes less is drawn here
 NEEDED = 1e-2  # share of the answer beyond which an effect is called needed in the plot
@@ -22,19 +22,19 @@ DEAR = 0.05  # share of the run's CPU time beyond which an effect is called dear
 DECLARED, ADDED = "#0072B2", "#D55E00"
 
 
-def bill_figure(bill: Bill) -> Figure:
+def breakdown_figure(breakdown: CostBreakdown) -> Figure:
     """A point for each effect: to the right it costs more, further up the answer needs it more."""
-    drawn = [price for price in bill.prices if _drawable(price, bill)]
+    drawn = [cost for cost in breakdown.effects if _drawable(cost, breakdown)]
     with house_style():
         figure = Figure(figsize=(8.6, 5.2), layout="constrained")
         axes = figure.subplots()
-        for price in drawn:
-            _draw(axes, price, bill)
-        _scales(axes, drawn, bill)
+        for cost in drawn:
+            _draw(axes, cost, breakdown)
+        _scales(axes, drawn, breakdown)
         _regions(axes)
-        _label(axes, drawn, bill)
+        _label(axes, drawn, breakdown)
         _legend(axes)
-        left_out = [f"{price.effect}: {price.status}" for price in bill.prices if price not in drawn]
+        left_out = [f"{cost.effect}: {cost.status}" for cost in breakdown.effects if cost not in drawn]
         if not drawn:
             note(axes, "no run tells what an effect costs and changes")
         elif left_out:
@@ -43,18 +43,18 @@ def bill_figure(bill: Bill) -> Figure:
     return figure
 
 
-def _drawable(price: Price, bill: Bill) -> bool:
-    return not math.isnan(price.error) and not math.isnan(price.run_s) and bill.run_s > 0.0
+def _drawable(cost: EffectCost, breakdown: CostBreakdown) -> bool:
+    return not math.isnan(cost.error) and not math.isnan(cost.run_s) and breakdown.run_s > 0.0
 
 
-def _place(price: Price, bill: Bill) -> tuple[float, float]:
-    return 100.0 * price.run_s / bill.run_s, 100.0 * max(price.error, FLOOR)
+def _place(cost: EffectCost, breakdown: CostBreakdown) -> tuple[float, float]:
+    return 100.0 * cost.run_s / breakdown.run_s, 100.0 * max(cost.error, FLOOR)
 
 
-def _draw(axes: Axes, price: Price, bill: Bill) -> None:
-    x, y = _place(price, bill)
-    colour = DECLARED if price.declared else ADDED
-    face = colour if price.declared else "none"
+def _draw(axes: Axes, cost: EffectCost, breakdown: CostBreakdown) -> None:
+    x, y = _place(cost, breakdown)
+    colour = DECLARED if cost.declared else ADDED
+    face = colour if cost.declared else "none"
     axes.plot(x, y, marker="o", markersize=9, color=colour, markerfacecolor=face, zorder=3)
 
 
@@ -62,19 +62,19 @@ _BESIDE: Any = (((9, 4), "left"), ((-9, 4), "right"), ((9, -13), "left"), ((-9, 
 _LETTER, _LINE = 0.0115, 0.04  # size of a letter in parts of the axes
 
 
-def _label(axes: Axes, drawn: Sequence[Price], bill: Bill) -> None:
+def _label(axes: Axes, drawn: Sequence[EffectCost], breakdown: CostBreakdown) -> None:
     """The name of each effect on that side of its point where it covers no other name or point."""
     to_axes = axes.transData + axes.transAxes.inverted()
-    places = [tuple(to_axes.transform(_place(price, bill))) for price in drawn]
+    places = [tuple(to_axes.transform(_place(cost, breakdown))) for cost in drawn]
     taken: list[tuple[float, ...]] = [(x - 0.01, x + 0.01, y - 0.015, y + 0.015) for x, y in places]
-    for price, (x, y) in zip(drawn, places, strict=True):
-        boxes = [_box(x, y, len(price.effect), *side) for side in _BESIDE]
+    for cost, (x, y) in zip(drawn, places, strict=True):
+        boxes = [_box(x, y, len(cost.effect), *side) for side in _BESIDE]
         free = [k for k, box in enumerate(boxes) if not any(_cover(box, other) for other in taken)]
         chosen = free[0] if free else 0
         taken.append(boxes[chosen])
         offset, across = _BESIDE[chosen]
         where = {"xytext": offset, "textcoords": "offset points", "ha": across}
-        axes.annotate(price.effect, _place(price, bill), color=INK, fontsize=9, **where)
+        axes.annotate(cost.effect, _place(cost, breakdown), color=INK, fontsize=9, **where)
 
 
 def _box(x: float, y: float, letters: int, offset: tuple[int, int], across: str) -> tuple[float, ...]:
@@ -88,14 +88,14 @@ def _cover(a: tuple[float, ...], b: tuple[float, ...]) -> bool:
     return a[0] < b[1] and b[0] < a[1] and a[2] < b[3] and b[2] < a[3]
 
 
-def _scales(axes: Axes, drawn: Sequence[Price], bill: Bill) -> None:
+def _scales(axes: Axes, drawn: Sequence[EffectCost], breakdown: CostBreakdown) -> None:
     axes.set_xlabel("cost: share of the CPU time of the scene as declared [%]")
     axes.set_ylabel("error of omitting it: largest change of\nforce, pressure and energy [%]")
     axes.set_xscale("symlog", linthresh=1.0, linscale=0.6)
     axes.set_yscale("log")
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.yaxis.set_major_formatter(FuncFormatter(_error_label))
-    places = [_place(price, bill) for price in drawn]
+    places = [_place(cost, breakdown) for cost in drawn]
     low, high = min([x for x, _ in places], default=0.0), max([x for x, _ in places], default=1.0)
     axes.set_xlim(min(-1.5, 3.0 * low), max(30.0, 6.0 * high))
     axes.set_ylim(100.0 * FLOOR / 2.0, max(200.0, 3.0 * max([y for _, y in places], default=1.0)))

@@ -1,0 +1,81 @@
+"""What the effects of a scene cost and change: cells of the table, and the table on a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich import box
+from rich.console import Console, Group, RenderableType
+from rich.table import Table as RichTable
+from rich.text import Text
+
+from contactlab.reports.numbers import percent, significant
+from contactlab.studies.cost_breakdown import CostBreakdown, EffectCost
+from contactlab.studies.table import COMPLETE, Table
+
+HEADS = (
+    "effect", "in the scene", "CPU per step, µs", "share of a step, %", "CPU in the run, s", "arrays, MiB",
+    "force, %", "pressure, %", "energy, %", "the other run",
+)  # fmt: skip
+"""Columns of the table; the first two and the last are words."""
+
+
+def by_cost(breakdown: CostBreakdown) -> list[EffectCost]:
+    """The dearest effect first, what is not known last."""
+    return sorted(breakdown.effects, key=lambda cost: -cost.run_s if cost.run_s == cost.run_s else float("inf"))
+
+
+def cells(cost: EffectCost, breakdown: CostBreakdown) -> tuple[str, ...]:
+    """One row as texts."""
+    return (
+        cost.effect,
+        "yes" if cost.declared else "no",
+        significant(1e6 * cost.step_s, 3),
+        percent(cost.step_s / breakdown.step_s, 2) if breakdown.step_s > 0.0 else significant(float("nan")),
+        significant(cost.run_s, 2),
+        significant(cost.memory_mib, 2),
+        percent(cost.reaction, 2),
+        percent(cost.pressure, 2),
+        percent(cost.energy, 2),
+        cost.status if cost.declared else f"with it: {cost.status}",
+    )
+
+
+def reasons(effects: Sequence[EffectCost]) -> list[str]:
+    """Why runs did not come to their end."""
+    return [f"{'without' if p.declared else 'with'} {p.effect}: {p.status}: {p.reason}" for p in effects if p.reason]
+
+
+def sentence(breakdown: CostBreakdown) -> str:
+    """What the scene costs, and what of it buys least."""
+    text = f"As declared: {significant(1e6 * breakdown.step_s, 3)} µs of CPU time per step, "
+    text += f"{significant(breakdown.run_s, 3)} s in {breakdown.steps:.0f} steps, {significant(breakdown.memory_mib, 3)} MiB of arrays."
+    spare = [p for p in breakdown.effects if p.declared and p.run_s > 0.02 * breakdown.run_s and p.error < 0.001]
+    if spare:
+        names = ", ".join(p.effect for p in spare)
+        text += f" Of these the answer would not miss (under 0.1 %): {names}."
+    return text
+
+
+def print_breakdown(table: Table, console: Console) -> None:
+    """Print the breakdown of a table that has one."""
+    assert table.breakdown is not None
+    console.print(render_breakdown(table.breakdown, table.study.name))
+
+
+def render_breakdown(breakdown: CostBreakdown, title: str) -> RenderableType:
+    """The table, and what needs words below it."""
+    drawn = RichTable(box=box.SIMPLE_HEAD, title=title, title_justify="left", pad_edge=False)
+    for number, head in enumerate(HEADS):
+        drawn.add_column(head, justify="left" if number in (0, 1, len(HEADS) - 1) else "right")
+    for cost in by_cost(breakdown):
+        drawn.add_row(*(Text(cell) for cell in cells(cost, breakdown)))
+    ended = [] if breakdown.status in COMPLETE else [f"the scene itself: {breakdown.status}: {breakdown.reason}"]
+    notes = [Text(text, style="yellow") for text in (*ended, *reasons(breakdown.effects))]
+    return Group(drawn, Text(sentence(breakdown)), Text(EXPLANATION, style="dim"), *notes)
+
+
+EXPLANATION = (
+    "What an effect costs is the run with it less the run without it; force, pressure and energy tell how far leaving "
+    "it out changes the answer, relative to the run that has it. Negative costs: the run is slower without it."
+)
