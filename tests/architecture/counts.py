@@ -64,14 +64,10 @@ def class_attributes() -> list[Count]:
 
 
 def _attributes(node: ast.ClassDef) -> set[str]:
-    fields = {
-        item.target.id for item in node.body if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name)
-    }
-    for inner in ast.walk(node):
-        if isinstance(inner, ast.Attribute) and isinstance(inner.ctx, ast.Store):
-            if isinstance(inner.value, ast.Name) and inner.value.id == "self":
-                fields.add(inner.attr)
-    return fields
+    declared = (item.target for item in node.body if isinstance(item, ast.AnnAssign))
+    fields = {target.id for target in declared if isinstance(target, ast.Name)}
+    stored = (n for n in ast.walk(node) if isinstance(n, ast.Attribute) and isinstance(n.ctx, ast.Store))
+    return fields | {n.attr for n in stored if isinstance(n.value, ast.Name) and n.value.id == "self"}
 
 
 def function_lines() -> list[Count]:

@@ -48,8 +48,11 @@ def reasons(effects: Sequence[EffectCost]) -> list[str]:
 
 def sentence(breakdown: CostBreakdown) -> str:
     """What the scene costs, and what of it buys least."""
-    text = f"As declared: {significant(1e6 * breakdown.step_s, 3)} µs of CPU time per step, "
-    text += f"{significant(breakdown.run_s, 3)} s in {breakdown.steps:.0f} steps, {significant(breakdown.memory_mib, 3)} MiB of arrays."
+    text = (
+        f"As declared: {significant(1e6 * breakdown.step_s, 3)} µs of CPU time per step, "
+        f"{significant(breakdown.run_s, 3)} s in {breakdown.steps:.0f} steps, "
+        f"{significant(breakdown.memory_mib, 3)} MiB of arrays."
+    )
     spare = [p for p in breakdown.effects if p.declared and p.run_s > 0.02 * breakdown.run_s and p.error < 0.001]
     if spare:
         names = ", ".join(p.effect for p in spare)

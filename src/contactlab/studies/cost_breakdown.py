@@ -1,4 +1,4 @@
-"""The breakdown: what each effect of a scene costs, and what leaving it out changes in the answer."""
+"""The cost breakdown: what each effect of a scene costs, and what leaving it out changes in the answer."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class CostBreakdown:
 
 @dataclass(frozen=True)
 class BreakdownPlan(Plan):
-    """The runs of a breakdown: the scene as declared first, then a run for each variant; and variants that are refused."""
+    """The runs of a breakdown: the scene as declared, a run for each variant, and the variants that are refused."""
 
     shown: Mapping[str, Variant]
     refused: Sequence[EffectCost]

@@ -204,13 +204,13 @@ def test_a_bill_is_one_table_one_plot_and_a_page(tmp_path: Path) -> None:
     # the stand-in for a run looks at the first contact: without one it fails, and the row stays
     gone = next(cost for cost in table.breakdown.effects if cost.effect == "contact")
     assert (gone.status, "IndexError" in gone.reason) == ("failed", True)
-    rows = list(csv.DictReader((tmp_path / "out" / "breakdown.csv").open()))
+    rows = list(csv.DictReader((tmp_path / "out" / "bill.csv").open()))
     assert [row["effect"] for row in rows] == [cost.effect for cost in table.breakdown.effects]
     kept = json.loads((tmp_path / "out" / "table.json").read_text())
-    assert len(kept["breakdown"]["effects"]) == len(rows)
+    assert len(kept["bill"]["prices"]) == len(rows)
     assert len(kept["rows"]) == len(rows) + 1
     page = (tmp_path / "out" / "report.html").read_text()
     for cost in table.breakdown.effects:
         assert cost.effect in page
     assert page.count("<svg") == 1
-    assert (tmp_path / "out" / "breakdown.png").stat().st_size > 10_000
+    assert (tmp_path / "out" / "bill.png").stat().st_size > 10_000
