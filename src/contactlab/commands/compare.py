@@ -11,7 +11,7 @@ INTERRUPTED = 130
 
 
 def compare(options: argparse.Namespace) -> int:
-    """Run the combinations and print their table; failed rows are results, so the status is 0."""
+    """Run the combinations and print their table; failed rows are results: the status is 0 unless all failed."""
     from contactlab.comparison import compare as run_all
     from contactlab.reports.breakdown_table import print_breakdown
     from contactlab.reports.table import print_table
@@ -44,4 +44,4 @@ def compare(options: argparse.Namespace) -> int:
     (print_table if result.breakdown is None else print_breakdown)(result, shown)
     shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)
     print_how_to_look(folder, registry, shown)
-    return 0
+    return 0 if any(row.complete for row in result.rows) else 1

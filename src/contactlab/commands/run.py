@@ -23,6 +23,7 @@ EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 
 def run(options: argparse.Namespace) -> int:
     """Run the scene, show how it goes, print a short table."""
+    from contactlab.run.crash import told_if_it_crashes
     from contactlab.run.interruption import Interrupted
     from contactlab.run.restart import FILE, RESUMABLE
     from contactlab.run.simulation import simulate
@@ -31,7 +32,8 @@ def run(options: argparse.Namespace) -> int:
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
     with results_folder(options.out, scene.name, options.resume) as folder, shown_progress(scene) as progress:
         try:
-            results = simulate(scene, out=folder, registry=registry, progress=progress, resume=options.resume)
+            with told_if_it_crashes(folder, scene.name):
+                results = simulate(scene, out=folder, registry=registry, progress=progress, resume=options.resume)
         except Interrupted as stop:
             results = stop.results
     # libraries that draw tables are needed now, and not before the first step

@@ -32,7 +32,7 @@ def part_errors(registry: Registry) -> Iterator[None]:
         raise
     except WrongAnswer as error:
         raise PartError(str(error)) from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         place = part_at_fault(error, registry)
         if not place:
             raise

@@ -58,6 +58,8 @@ def sentence(table: Table) -> str:
     rows = table.main
     levels = sorted({row.level for row in rows})
     at = f" at level {levels[0]}" if len(levels) == 1 else ""
+    if not any(row.complete for row in rows):
+        return f"Not one of {len(rows)} runs{at} came to its end: {rows[0].status}, {rows[0].reason}."
     text = f"{len(rows)} runs{at}, {sum(row.finished for row in rows)} finished."
     measured = [row for row in rows if row.finished and row["pressure_error"] >= 0.0]
     if measured:

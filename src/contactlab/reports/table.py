@@ -70,7 +70,15 @@ def render(table: Table, width: int = WIDTH) -> RenderableType:
         drawn = _draw(table, columns[:shown], keys)
         if Console(width=1000).measure(drawn).maximum <= width:
             break
-    return Group(drawn, *_notes(table, [c.title for c in columns[shown:]]))
+    return Group(*_nothing_finished(table), drawn, *_notes(table, [c.title for c in columns[shown:]]))
+
+
+def _nothing_finished(table: Table) -> list[Text]:
+    """The first thing to know where it is so: there is nothing to compare."""
+    if any(row.complete for row in table.rows):
+        return []
+    kinds = ", ".join(f"{row.status}: {row.reason}" for row in {row.reason: row for row in table.rows}.values())
+    return [Text(f"not one of {len(table)} runs came to its end; {kinds}", style="bold red")]
 
 
 def _draw(table: Table, columns: Sequence[Column], keys: Sequence[str]) -> RichTable:

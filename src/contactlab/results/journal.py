@@ -169,7 +169,7 @@ class Journal:
             self._or_stop(name, call, self.recordings[name])
         except SimulationFailure:
             raise
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             del self.recordings[name]
             text = f"the recorder {name} failed in {what} and is left out from here on: {one_line(error)}"
             warnings.warn(text, RuntimeWarning, stacklevel=2)
@@ -193,7 +193,7 @@ class Journal:
         for name, recording in list(self.recordings.items()):
             try:
                 call(recording)
-            except Exception as error:
+            except (Exception, SystemExit) as error:
                 if self.full and isinstance(error, OSError):
                     continue  # that the disk is full is known
                 warnings.warn(f"the recorder {name} failed in {what}: {error}", RuntimeWarning, stacklevel=2)

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from contactlab.api import StepStatus
-from contactlab.errors import ContactlabError, RequestError, SimulationFailure, one_line
+from contactlab.errors import ContactlabError, RequestError, SimulationFailure, WrongAnswer, one_line
 from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault
 from contactlab.results.results import Results
@@ -81,7 +81,12 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
         return failure.status, failure.reason
     except RequestError:
         raise
-    except Exception as failure:
+    except WrongAnswer as failure:
+        return (
+            "failed",
+            f"step {run.model.state.step}: {failure}",
+        )  # it names the part; its line is that of whoever asked
+    except (Exception, SystemExit) as failure:
         place = part_at_fault(failure, registry)
         if not place and not isinstance(failure, OURS):
             raise

@@ -13,7 +13,7 @@ from rich.console import Console
 
 from contactlab.api import RunWarning
 from contactlab.api.drawing.units import Units
-from contactlab.reports.findings import findings, span
+from contactlab.reports.findings import findings, sentence, span
 from contactlab.reports.numbers import percent, significant, uncertain
 from contactlab.reports.run import render_run
 from contactlab.reports.table import WIDTH, print_table, render
@@ -180,3 +180,11 @@ class TestSingleRun:
         }
         lines = shown(render_run(results, scene)).splitlines()
         assert any(all(word in line for word in words) for line in lines)
+
+
+def test_a_comparison_in_which_nothing_finished_says_so_first(table: Table) -> None:
+    lost = replace(table, rows=[replace(row, status="failed", reason="out of room") for row in table.rows])
+    first = shown(render(lost)).splitlines()[0]
+    assert first.startswith(f"not one of {len(lost)} runs came to its end; failed: out of room")
+    assert sentence(lost).startswith("Not one of 4 runs")
+    assert "not one" not in shown(render(table))

@@ -1,0 +1,50 @@
+"""The process beside a run that tells how it died, where it could not do so itself; imports the standard library alone.
+
+Its standard input is a pipe from the run: a byte, and all is well; an end without one, and the run is gone.
+Arguments: the folder of the run, the scene's name, and the file into which `faulthandler` writes.
+"""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from pathlib import Path
+
+KILLED = "the process ended without a word (killed, or left by os._exit)"
+
+
+def main(folder: str, scene: str, trace: str) -> None:
+    """Wait for the end of the run; leave `crash.txt` and `summary.json` if it came too early."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, signal.SIG_IGN)  # typed at the terminal they are meant for the run
+    if sys.stdin.buffer.read(1):
+        return
+    text = Path(trace).read_text(errors="replace")
+    Path(trace).unlink()
+    reason = described(text)
+    print(f"contactlab: {scene}: failed: {reason}", file=sys.stderr)
+    if not Path(folder).is_dir():
+        return
+    if text:
+        Path(folder, "crash.txt").write_text(text)
+    summary = Path(folder, "summary.json")
+    if not summary.exists():
+        told = {"format": 1, "scene": scene, "status": "failed", "reason": reason}
+        summary.write_text(json.dumps(told, indent=1) + "\n")
+
+
+def described(text: str) -> str:
+    """What happened and where, from what `faulthandler` wrote."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    if not lines:
+        return KILLED
+    fault = lines[0].removeprefix("Fatal Python error: ")
+    begin = next((i for i, line in enumerate(lines) if line.startswith("Current thread")), 0)
+    frame = next((line for line in lines[begin:] if line.startswith("File ")), "")
+    place = f" in {frame.removeprefix('File ')}" if frame else ""
+    return f"the interpreter crashed ({fault}){place}; crash.txt has all of its stack"
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
