@@ -84,7 +84,7 @@ class FactoredRows:
 
     @classmethod
     def allocate(cls, rows: int, entries: int) -> FactoredRows:
-        """Zeroed room."""
+        """Arrays of zeros of the given sizes."""
         own, slot = (np.zeros(rows, np.int32) for _ in range(2))
         gap, size, above, below, inverse, left = (np.zeros(rows) for _ in range(6))
         return cls(

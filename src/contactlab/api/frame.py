@@ -192,17 +192,17 @@ class StoredRun(Protocol):
 
     @property
     def events(self) -> Sequence[Event]:
-        """All events."""
+        """All events of the run in the order in which they happened."""
         ...
 
     @property
     def iterations(self) -> Sequence[IterationRow]:
-        """All Newton iterations."""
+        """All Newton iterations of the run, those of rejected steps included."""
         ...
 
     @property
     def step_count(self) -> int:
-        """Steps in `step_blocks`."""
+        """Number of steps whose scalars `step_blocks` gives."""
         ...
 
     def step_blocks(self) -> Iterator[Floats]:

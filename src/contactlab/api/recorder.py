@@ -24,7 +24,7 @@ class Recording(ABC):
 
     @abstractmethod
     def frame(self, frame: Frame) -> None:
-        """Take one stored frame."""
+        """Record a frame that was just stored."""
 
     def steps(self, block: Floats) -> None:  # noqa: B027 - nothing is a fine answer
         """Take the scalars of the steps since the last call (b, len(layout.steps)); the array is reused.
@@ -33,7 +33,7 @@ class Recording(ABC):
         """
 
     def event(self, event: Event) -> None:  # noqa: B027
-        """Take an event."""
+        """Record an event when it happens."""
 
     def iterations(self, rows: Sequence[IterationRow]) -> None:  # noqa: B027
         """Take the Newton iterations of one attempted step; never called in explicit runs."""

@@ -50,7 +50,7 @@ class State:
 
     @property
     def step(self) -> int:
-        """Accepted steps so far."""
+        """Number of accepted steps so far."""
         return int(self.fields["clock"][1])
 
     def snapshot(self) -> Floats:

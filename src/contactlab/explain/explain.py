@@ -133,7 +133,7 @@ def used_parts(scene: Scene, registry: Registry) -> list[UsedPart]:
 
 
 def calls_of(model: Model) -> Iterator[Call]:
-    """Calls across the contract that the model has bound."""
+    """Calls that a step makes into parts, as the model has bound them."""
     per = "step" if model.integrator.explicit else "iteration"
     counts = _body_calls(model) | _contact_calls(model)
     yield from (Call(name, count, per) for name, count in counts.items() if count)

@@ -34,7 +34,7 @@ class Rectangle(MeshSource):
         check_axis("y", self.y, 1, self.cells[1], self.grading[1])
 
     def mesh(self, element: Element, level: int) -> Mesh:
-        """Counts times `level`."""
+        """The mesh, with `level` times as many cells in each direction."""
         along_x = axis(self.x, self.cells[0], self.grading[0], level)
         along_y = axis(self.y, self.cells[1], self.grading[1], level)
         return structured(element, (along_x.cells, along_y.cells), lambda s, t: (along_x(s), along_y(t)))

@@ -28,7 +28,7 @@ class Axis:
 
     @property
     def cells(self) -> int:
-        """Number of cells."""
+        """Number of cells along the graded direction."""
         return len(self.stations) - 1
 
     def __call__(self, s: Floats) -> Floats:

@@ -43,12 +43,12 @@ class PlasticFlow:
         self.row = forces.body.material.history_names.index(PLASTIC)
 
     def look(self) -> None:
-        """Plastic strain of the last accepted step."""
+        """Keep the largest plastic strain of the last accepted step."""
         strain = max(float(block.history[self.row].max()) for block in self.forces.blocks)
         self.worst[0] = max(self.worst[0], strain)
 
     def warning(self) -> RunWarning | None:
-        """An element that does not lock."""
+        """Advise an element that does not lock, once plastic strain is large; None before."""
         strain = float(self.worst[0])
         if strain <= FLOW:
             return None

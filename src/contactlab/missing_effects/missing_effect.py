@@ -37,10 +37,10 @@ class Known:
         self.found, self.worst = warning, np.zeros(0)
 
     def look(self) -> None:
-        """Nothing changes."""
+        """Do nothing: what is missing does not depend on the state."""
 
     def warning(self) -> RunWarning:
-        """The same all the time."""
+        """The warning that was found when the run began."""
         return self.found
 
 

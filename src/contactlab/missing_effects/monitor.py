@@ -29,7 +29,7 @@ class Watch:
         self.looks = [look for looks in LOOKS for look in looks(scene, model)]
 
     def look(self) -> None:
-        """Look at the present state."""
+        """Let every detector look at the present state, and add what it warns of."""
         for look in self.looks:
             look.look()
             warning = look.warning()

@@ -50,7 +50,7 @@ class Overlap:
                     return
 
     def warning(self) -> RunWarning | None:
-        """A contact between the two surfaces."""
+        """Advise a contact between two bodies that overlap; None while none do."""
         node, number, opposite, count = (int(value) for value in self.worst)
         if node < 0:
             return None

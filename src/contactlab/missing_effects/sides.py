@@ -56,7 +56,7 @@ class CoarseSlave:
         self.worst[0] = max(self.worst[0], float(np.median(own / other)))
 
     def warning(self) -> RunWarning | None:
-        """The finer side as slave."""
+        """Advise the other side as slave where that side is finer or softer; None where not."""
         ratio = float(self.worst[0])
         if ratio <= COARSER:
             return None

@@ -38,7 +38,7 @@ class LargeStrain:
             np.maximum(self.worst, _strain_and_rotation(block.gradient), out=self.worst)
 
     def warning(self) -> RunWarning | None:
-        """A law for finite strain."""
+        """Advise a law for finite strain, once strains are large; None before."""
         strain, rotation = (float(value) for value in self.worst)
         if strain <= STRAIN and rotation <= ROTATION:
             return None
@@ -70,12 +70,12 @@ class UnusedYieldStress:
         self.forces, self.key, self.worst = forces, key, np.zeros(1)
 
     def look(self) -> None:
-        """Von Mises stress of the last update."""
+        """Keep the largest von Mises stress of the last accepted step."""
         for block in self.forces.current():
             self.worst[0] = max(self.worst[0], float(_von_mises(block).max()))
 
     def warning(self) -> RunWarning | None:
-        """A law that yields."""
+        """Advise a plastic law where stresses exceed what the material is known to bear; None before."""
         law, stress = self.forces.body.material, float(self.worst[0])
         if stress <= law.elastic_limit():
             return None

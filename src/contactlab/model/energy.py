@@ -24,7 +24,7 @@ class EnergyGain(NamedTuple):
 
 
 def energy_gain(model: Model) -> EnergyGain:
-    """What there is now. Looks at every point of every body once more.
+    """Energy balance of the current state; evaluates all laws once.
 
     Kinetic energy and works belong to the velocity half a step back, and so must what is stored: of a linear
     body 1/2 u_n K u_{n+1}, which is U(u_{n+1}) less half a step's work of its forces (docs/theory/explicit-scheme.md).

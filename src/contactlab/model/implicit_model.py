@@ -54,7 +54,7 @@ class ImplicitModel(Model):
         return matrix
 
     def add_load_stiffness(self, time: float, stiffness: Any, share: float, rate: float) -> None:
-        """Add how loads fall as nodes move; see `contactlab.api.ImplicitEquations`."""
+        """Add minus the derivative of the loads; see `contactlab.api.ImplicitEquations`."""
         if not self.loads:
             return
         if self._load_stiffness is None:

@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Mesh generators, and meshes from files."""
+    """The core's own parts: mesh generators, and meshes from files."""
     return [
         Part("mesh", "rectangle", "contactlab.meshing:Rectangle", "rectangle, graded or in spans"),
         Part("mesh", "arc-block", "contactlab.meshing:ArcBlock", "block whose lower side is a circular arc"),

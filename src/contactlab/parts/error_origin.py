@@ -1,4 +1,4 @@
-"""Whose line an exception comes from: a part's author wants the line of that part, not a traceback through the core."""
+"""Which plugin an exception comes from: its author wants that file and line, not a traceback through the core."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def part_at_fault(error: BaseException, registry: Registry) -> str:
-    """File, line and method of the innermost call that is of a plugin; empty where no plugin had a hand in it."""
+    """File, line and function of the innermost plugin frame, or "" if there is none."""
     packages = {offer.part.target.partition(":")[0].partition(".")[0] for offer in registry.parts()} - {"contactlab"}
     found = ""
     for frame, line in walk_tb(error.__traceback__):
@@ -25,7 +25,7 @@ def part_at_fault(error: BaseException, registry: Registry) -> str:
 
 @contextmanager
 def part_errors(registry: Registry) -> Iterator[None]:
-    """What a part raises, or gives against the contract, becomes a PartError that tells where."""
+    """Turn what a part raises, or gives against the contract, into a PartError with file and line."""
     try:
         yield
     except ContactlabError:

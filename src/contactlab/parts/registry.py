@@ -188,7 +188,7 @@ class Registry:
         return {"use": split_spec(kind, spec, where)[0], **as_data(self.make(kind, spec, where))}
 
     def scenes(self) -> dict[str, Path]:
-        """Bundled scenes of all plugins by name."""
+        """Paths of the scenes that the core and all plugins bring, by name."""
         found: dict[str, Path] = {}
         for plugin in self._plugins:
             offered = self._called(plugin, "contactlab_scenes")
@@ -222,7 +222,7 @@ class Registry:
 
 @cache
 def default_registry() -> Registry:
-    """The installed plugins, loaded once."""
+    """The registry of the installed plugins, loaded once in a process."""
     return Registry()
 
 

@@ -26,7 +26,7 @@ def by_cost(breakdown: CostBreakdown) -> list[EffectCost]:
 
 
 def cells(cost: EffectCost, breakdown: CostBreakdown) -> tuple[str, ...]:
-    """One row as texts."""
+    """The cells of an effect's row as texts."""
     return (
         cost.effect,
         "yes" if cost.declared else "no",
@@ -67,7 +67,7 @@ def print_breakdown(table: Table, console: Console) -> None:
 
 
 def render_breakdown(breakdown: CostBreakdown, title: str) -> RenderableType:
-    """The table, and what needs words below it."""
+    """The table of all effects, with sentences and reasons of failures below it."""
     drawn = RichTable(box=box.SIMPLE_HEAD, title=title, title_justify="left", pad_edge=False)
     for number, head in enumerate(HEADS):
         drawn.add_column(head, justify="left" if number in (0, 1, len(HEADS) - 1) else "right")

@@ -30,7 +30,7 @@ def document(title: str, sections: Iterable[str]) -> str:
 
 
 def section(title: str, content: str) -> str:
-    """A titled section, nothing without content."""
+    """A section with a title; an empty text where it has no content."""
     return f"<section>\n<h2>{escape(title)}</h2>\n{content}\n</section>" if content else ""
 
 
@@ -55,7 +55,7 @@ def plain_table(heads: Iterable[str], rows: Iterable[Iterable[str]], texts: int)
 
 
 def facts_list(facts: dict[str, Any]) -> str:
-    """Names and values."""
+    """A list of names with their values."""
     rows = "".join(f"<dt>{escape(str(name))}</dt><dd>{escape(str(value))}</dd>\n" for name, value in facts.items())
     return f'<dl class="facts">\n{rows}</dl>'
 

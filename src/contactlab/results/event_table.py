@@ -22,11 +22,11 @@ class EventTable:
 
     @property
     def count(self) -> int:
-        """Events stored."""
+        """Number of events that are stored."""
         return len(self.group["step"])
 
     def add(self, event: Event) -> None:
-        """Append one."""
+        """Append one event."""
         count = self.count
         self.growing.reserve(len(event.text.encode()))
         self.cut(count + 1)
@@ -35,7 +35,7 @@ class EventTable:
         self.growing.flush()
 
     def cut(self, count: int) -> None:
-        """Have exactly `count`."""
+        """Drop all events after the first `count`."""
         for name in _KINDS:
             self.group[name].resize(count, 0)
 

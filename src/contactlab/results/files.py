@@ -33,7 +33,7 @@ class HistoryFile:
         self.writer: csv.DictWriter[str] | None = None
 
     def begin(self, rows: Sequence[Mapping[str, float]]) -> None:
-        """Hold these rows and no others."""
+        """Replace the content of the file by these rows."""
         self.file.truncate(0)
         for row in rows:
             self.add(row)
@@ -47,7 +47,7 @@ class HistoryFile:
         self.file.flush()
 
     def close(self) -> None:
-        """Give the folder free."""
+        """Close the files and release the folder for other runs."""
         self.file.close()
 
 
@@ -66,7 +66,7 @@ class IterationFile:
         self.file.flush()
 
     def close(self) -> None:
-        """No more rows."""
+        """Close the file."""
         self.file.close()
 
 
@@ -117,7 +117,7 @@ def write_contacts(folder: Path, contacts: Mapping[str, ContactHistory]) -> None
 
 
 def write_summary(folder: Path, summary: Mapping[str, Any]) -> None:
-    """`summary.json`, whole or not at all."""
+    """Write `summary.json`, whole or not at all."""
     path = folder / "summary.json"
     written = path.with_suffix(".json.new")
     written.write_text(json.dumps(summary, indent=1))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def layout_of(model: Model, scene: Scene, parts: Mapping[str, str], versions: Mapping[str, str]) -> Layout:
-    """What of a run does not change."""
+    """Everything that stays the same during a run: bodies, contacts, parts, versions."""
     pairs = model.contact.pairs if model.contact is not None else ()
     supports = tuple(support.on for support in model.supports)
     return Layout(

@@ -80,13 +80,13 @@ class GridFile:
 
     @property
     def columns(self) -> list[Column]:
-        """Everything that room is made for."""
+        """All datasets that grow by a row for each frame."""
         tables = [column for column, _ in self.offsets]
         return [self.points, *self.point_fields.values(), *self.cell_fields.values(), *tables]
 
     @property
     def room(self) -> int:
-        """Frames that fit."""
+        """Number of frames for which there is room."""
         return self.points.room
 
     def fill_offsets(self, begin: int, end: int) -> None:

@@ -90,11 +90,11 @@ class Column:
 
     @property
     def row_bytes(self) -> int:
-        """Bytes of one row."""
+        """Size of one row in bytes."""
         return int(self.height * np.prod(self.shape, dtype=np.int64) * self.dtype.itemsize)
 
     def resize(self, rows: int) -> None:
-        """Have exactly `rows` rows."""
+        """Change the number of rows to `rows`."""
         self.dataset.id.set_extent((rows * self.height, *self.shape))
         self.room = rows
 
@@ -120,11 +120,11 @@ class Number:
 
     @property
     def value(self) -> int:
-        """The number as last written."""
+        """The number that was written last."""
         return int(self._value)
 
     def write(self, value: int) -> None:
-        """Change it."""
+        """Write another number."""
         self._value[...] = value
         self.attribute.write(self._value)
 

@@ -30,7 +30,7 @@ class IterationTable:
         self.count = self.shown.value
 
     def add(self, rows: Sequence[IterationRow]) -> None:
-        """Append rows."""
+        """Append the rows of new Newton iterations."""
         if not rows:
             return
         if self.count + len(rows) > self.numbers.room:
@@ -40,7 +40,7 @@ class IterationTable:
         self.count += len(rows)
 
     def show(self) -> None:
-        """Let readers see all rows so far."""
+        """Make all rows so far visible to readers of the file."""
         self.shown.write(self.count)
 
     def cut(self, count: int) -> None:

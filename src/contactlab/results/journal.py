@@ -1,4 +1,4 @@
-"""What a run keeps while it goes on, and whom it tells."""
+"""Samples of a run in memory, and dispatch of frames and events to recorders."""
 
 from __future__ import annotations
 
@@ -74,11 +74,11 @@ class Journal:
 
     @property
     def frames(self) -> int:
-        """Frames stored so far."""
+        """Number of frames stored so far."""
         return len(self.rows)
 
     def add(self, sample: Sample) -> None:
-        """Store an instant."""
+        """Store a sample of the present state, and give recorders a frame of it."""
         row = sample.scalars()
         self.rows.append(row)
         self.last = sample
@@ -94,7 +94,7 @@ class Journal:
             self._tell("frame", lambda recording: recording.frame(frame))
 
     def tell(self, level: Level, text: str) -> None:
-        """Note an event at the present step."""
+        """Record an event at the present step."""
         state = self.model.state
         event = Event(state.step, state.time, level, text)
         self.events.append(event)

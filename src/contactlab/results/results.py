@@ -1,4 +1,4 @@
-"""What a run gives back."""
+"""Results of a run: the summary, histories, contact curves and fields at the end."""
 
 from __future__ import annotations
 

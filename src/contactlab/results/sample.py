@@ -31,7 +31,7 @@ class Sample:
     sweeps: float
 
     def scalars(self) -> dict[str, float]:
-        """One row of `history.csv`."""
+        """The scalars of this instant: one row of `history.csv`."""
         row: dict[str, float] = {"step": self.step, "time": self.time}
         for on, value in self.prescribed.items():
             row |= {f"{on}.ux": float(value[0]), f"{on}.uy": float(value[1])}

@@ -1,4 +1,4 @@
-"""The content of `summary.json`."""
+"""Gathers the content of `summary.json`: outcome, cost, reactions, contacts, energy balance."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Clock:
     arrays_mib: float | None = None
 
     def start(self) -> None:
-        """The steps begin now."""
+        """Start the clocks: the steps begin now."""
         self.wall, self.cpu, self.compiled = perf_counter(), process_time(), COMPILATION.seconds
 
     @property
@@ -71,7 +71,7 @@ class Counts:
     sweeps_stored: int = 0
 
     def memory(self) -> dict[str, Floats]:
-        """The counts as an array."""
+        """The counts as an array, for a checkpoint."""
         return {"counts": np.array([self.steps, self.iterations, self.sweeps, self.sweeps_stored], np.float64)}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:

@@ -41,7 +41,7 @@ class VtkHdf(Recorder):
     every_step: ClassVar[bool] = True
 
     def open(self, folder: Path, layout: Layout) -> Recording:
-        """A new file."""
+        """Create the file of a new run."""
         return VtkHdfRecording(GrowingFile(folder / FILE, new=True), layout)
 
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
@@ -78,7 +78,7 @@ class VtkHdfRecording(Recording):
         self.slots = Slots.of(self.own)
 
     def frame(self, frame: Frame) -> None:
-        """Append a frame."""
+        """Append a frame to the file."""
         row = self.grid.count.value
         if self.history is None:
             self.history = Column(self.own, "history", "f8", 1, (len(frame.scalars),))
@@ -95,18 +95,18 @@ class VtkHdfRecording(Recording):
         self.growing.publish()
 
     def steps(self, block: Floats) -> None:
-        """Append scalars of steps."""
+        """Append the scalars of several steps."""
         if self.steps_written + len(block) > self.step_rows.room:
             self.growing.grow([self.step_rows], max(STEP_ROWS, self.steps_written // 8))
         self.step_rows.write(self.steps_written, block, len(block))
         self.steps_written += len(block)
 
     def event(self, event: Event) -> None:
-        """Append an event."""
+        """Append an event to the table of events."""
         self.events.add(event)
 
     def iterations(self, rows: Sequence[IterationRow]) -> None:
-        """Append Newton iterations."""
+        """Append the rows of new Newton iterations."""
         if self.newton is None:
             self.newton = IterationTable(self.growing, self.own)
         self.newton.add(rows)

@@ -68,11 +68,11 @@ class EvenPath:
         self.end = end
 
     def fraction(self, time: float) -> float:
-        """Fraction of the end."""
+        """Fraction of the end time that has passed at a time [s]."""
         return time / self.end
 
     def time(self, fraction: float) -> float:
-        """And back [s]."""
+        """Time [s] at a fraction of the end time."""
         return fraction * self.end
 
     def stop(self, time: float) -> float:

@@ -149,7 +149,7 @@ class Run:
 
     @property
     def energy_error(self) -> float:
-        """Of the last stored frame."""
+        """Relative error of the energy balance at the last stored frame."""
         return self.journal.last.energies["error"] if self.journal.last is not None else 0.0
 
     def summary(self, status: str, reason: str) -> dict[str, Any]:

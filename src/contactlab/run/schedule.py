@@ -109,7 +109,7 @@ class Schedule:
         return ()
 
     def cut(self, step: Step) -> str:
-        """What is done about a step that failed: explicit ones never do."""
+        """React to a failed step. Explicit steps do not fail."""
         raise SimulationFailure("failed", f"step {self.state.step}: {step.reason or step.status.value}")
 
     def stop(self) -> None:

@@ -1,4 +1,4 @@
-"""What the tables of a scene must say together, as far as no mesh is needed to tell."""
+"""Consistency checks of a scene that need no mesh."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def check(scene: Scene) -> None:
-    """Raise SceneError for the first contradiction."""
+    """Raise SceneError for the first tables of the scene that contradict each other."""
     _check_bodies(scene)
     _check_rigid(scene)
     _check_contacts(scene)

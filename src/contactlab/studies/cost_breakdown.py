@@ -112,7 +112,7 @@ def _job(name: str, scene: Scene, label: str) -> Job:
 
 
 def breakdown_of(plan: BreakdownPlan, outcomes: Mapping[str, Outcome]) -> CostBreakdown:
-    """The breakdown of runs that are over."""
+    """The cost breakdown from the outcomes of all its runs."""
     base = outcomes[plan.jobs[0].name]
     effects = [
         _cost(plan.shown[job.name], plan, base, outcomes[job.name], job) for job in plan.jobs if job.name in plan.shown

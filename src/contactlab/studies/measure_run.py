@@ -113,7 +113,7 @@ def sides(contact: Mapping[str, Any]) -> tuple[str, str]:
 
 
 def body_of(surface: str) -> str:
-    """The body of "body.edge_set"."""
+    """Name of the body in "body.edge_set"."""
     return surface.partition(".")[0]
 
 

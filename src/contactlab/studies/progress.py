@@ -47,5 +47,5 @@ class Silence:
 
 
 def no_bars(runs: Sequence[Named]) -> AbstractContextManager[Bars]:
-    """The progress of nobody's runs."""
+    """Bars that show nothing, for callers that want none."""
     return nullcontext(Silence())

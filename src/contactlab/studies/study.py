@@ -48,7 +48,7 @@ class Study:
 
     @property
     def folder(self) -> Path | None:
-        """Where relative paths of the study begin."""
+        """Folder from which relative paths in the study start."""
         return self.path.parent if self.path else None
 
     def as_data(self) -> dict[str, Any]:

@@ -153,7 +153,7 @@ class Table:
 
     @property
     def failed(self) -> list[Row]:
-        """Rows that did not finish."""
+        """Rows of runs that did not finish."""
         return [row for row in self.rows if not row.finished]
 
     def columns(self) -> list[str]:

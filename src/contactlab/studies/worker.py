@@ -44,7 +44,7 @@ def main() -> None:
 
 
 def send(stream: IO[bytes], message: Any) -> None:
-    """One pickled object, its length first."""
+    """Write one pickled object to standard output, its length first."""
     data = pickle.dumps(message)
     stream.write(len(data).to_bytes(8, "little") + data)
     stream.flush()

@@ -62,7 +62,7 @@ def turned(normal: Floats) -> Floats:
 
 
 def operator(weights: Floats, compliance: Floats) -> Floats:
-    """A = G C G^T (k, k)."""
+    """The contact operator A = G C G^T (k, k)."""
     flat = weights.reshape(len(weights), -1)
     return np.asarray((flat * compliance.ravel()) @ flat.T)
 

@@ -19,7 +19,7 @@ class Ramp:
         self._values = np.zeros(1)
 
     def values(self, time: float) -> Floats:
-        """The ramp's value, the time itself."""
+        """Values of the only ramp: the time itself."""
         self._values[0] = time
         return self._values
 
@@ -92,7 +92,7 @@ class Oscillator:
         """Nothing but the state changes."""
 
     def stable_step(self) -> float:
-        """2/w_max."""
+        """Largest stable step 2/w_max [s] of the springs."""
         return float(2.0 / np.sqrt((self.springs / self.mass).max()))
 
     def kinetic_energy(self) -> float:

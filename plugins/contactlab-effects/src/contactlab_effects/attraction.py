@@ -32,7 +32,7 @@ class Attraction(Effect):
             raise ValueError(f"force: got {self.force}, allowed: a finite force [N]")
 
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
-        """The line follows the centres of mass."""
+        """A function that adds the forces along the line between both centres of mass."""
         from contactlab_effects.kernels import attract
 
         for name in self.between:

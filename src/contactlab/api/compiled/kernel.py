@@ -5,8 +5,8 @@ Kernels take contiguous arrays, fill the outputs they are given and allocate not
 `kernel`  for block kernels: division errors give inf/nan as in NumPy (the check would stop
           vectorisation), multiply-add contraction is allowed, reassociation is not, so results do
           not depend on block size; the interpreter lock is released; machine code is cached on disk.
-          One whose name begins with an underscore belongs to other kernels: it has no entry from
-          Python, which is a third of what it would take to compile.
+          One whose name begins with an underscore is called by other kernels alone: it has no
+          Python entry point, which saves a third of the compile time.
 `point`   for functions of one point called inside kernels: always inlined, no entry from Python either.
 `section` for pieces of a long kernel: they cost no compilation of their own.
 """
@@ -87,7 +87,7 @@ COMPILATION = Compilation()
 
 
 class Kernel(CPUDispatcher):
-    """Compiled once for all numbers that callers write out as constants, instead of once for each of them."""
+    """Dispatcher that treats literal arguments as plain numbers: a new literal triggers no compilation."""
 
     def compile(self, sig: Any) -> Any:
         """Called at the first call with arguments of new types."""

@@ -1,4 +1,4 @@
-"""Modules that are imported when they are first needed, at next to no cost in the calls that follow."""
+"""Late imports: a module is imported when it is first needed, at next to no cost in the calls that follow."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["late"]
 
 @cache
 def late(module: str) -> Any:
-    """The module of that name, of kernels say, which a part asks for in every step.
+    """The module of that name, imported at the first call and kept; cheap enough for every step.
 
     An import statement within a function costs as much as passing a kernel ten arrays.
     """

@@ -23,7 +23,7 @@ class Style:
 
     @property
     def rgb(self) -> tuple[int, int, int]:
-        """Red, green and blue, 0 to 255."""
+        """The colour as red, green and blue, 0 to 255 each."""
         return rgb(self.colour)
 
 

@@ -27,17 +27,17 @@ class Units:
 
     @property
     def pressure(self) -> str:
-        """Force per area."""
+        """Unit of a force per area, of pressures for instance."""
         return _PRESSURES.get((self.length, self.force), f"{self.force}/{self.length}²" if self.force else "")
 
     @property
     def line_force(self) -> str:
-        """Force per thickness of the plane body."""
+        """Unit of a force per thickness of the plane body."""
         return f"{self.force}/{self.length}" if self.force else ""
 
     @property
     def line_energy(self) -> str:
-        """Energy per thickness."""
+        """Unit of an energy per thickness of the plane body."""
         energy = _ENERGIES.get((self.length, self.force), f"{self.force} {self.length}")
         return f"{energy}/{self.length}" if self.force else ""
 

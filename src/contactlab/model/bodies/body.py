@@ -215,7 +215,7 @@ class BodyForces:
 
 
 def _share(blocks: list[Block], block_threads: Sequence[int], gradient: bool, stress: bool) -> None:
-    """One array for all blocks of a width and thread where it can be had again.
+    """Let blocks of equal width on one thread share an array whose values can be recomputed.
 
     That is 128 bytes less to move per Q1 cell and step for each of the two.
 

@@ -1,4 +1,4 @@
-"""What elements and laws answer once, looked at before compiled code trusts it."""
+"""Validates element tables and wave speeds before kernels use them."""
 
 from __future__ import annotations
 

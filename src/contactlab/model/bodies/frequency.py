@@ -1,4 +1,4 @@
-"""The frequency at which a load shakes a body, by which quasi-static runs are paced."""
+"""Lowest natural frequency excited by the loading; sets the duration of quasi-static runs."""
 
 from __future__ import annotations
 

@@ -69,7 +69,7 @@ class ContactPlan:
 
     @property
     def slots(self) -> int:
-        """Multipliers of the contact."""
+        """Number of multipliers that the contact can have."""
         return self.rows_per_node * len(self.slave.nodes)
 
     def pair(self, positions: Floats, first_slot: int, immobile: Flags) -> Pair:

@@ -52,7 +52,7 @@ class Course(NamedTuple):
 
     @property
     def moves(self) -> bool:
-        """Whether the value is ever another than zero."""
+        """Whether the value is ever nonzero."""
         return self.to != 0.0
 
 

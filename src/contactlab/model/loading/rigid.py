@@ -35,12 +35,12 @@ class RigidSurface:
 
     @property
     def count(self) -> int:
-        """Number of nodes."""
+        """Number of nodes of the rigid surface."""
         return len(self.points)
 
     @property
     def nodes(self) -> Ints:
-        """Global node numbers."""
+        """Global numbers of the surface's nodes."""
         return np.arange(self.first, self.first + self.count, dtype=np.int32)
 
 

@@ -49,7 +49,7 @@ class Shift(NamedTuple):
     size: int = 1
 
     def bind(self, ramp_time: float) -> Ramp:
-        """The value at a time."""
+        """A function that gives the displacement at a time [s]."""
         return self.course.bind(ramp_time)
 
     @property
@@ -77,11 +77,11 @@ class Rotation(NamedTuple):
 
     @property
     def size(self) -> int:
-        """Two values for each node."""
+        """Number of values: two for each node."""
         return 2 * len(self.offsets)
 
     def bind(self, ramp_time: float) -> Values:
-        """Displacements (2 n,) [mm] at a time."""
+        """A function that gives the displacements (2 n,) [mm] at a time [s]."""
         courses = (self.angle, self.ux, self.uy)
         angle, ux, uy = ((course.to, course.bind(ramp_time)) for course in courses)
         x, y = np.array(self.offsets).T

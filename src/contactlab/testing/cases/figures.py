@@ -22,7 +22,7 @@ class Figure:
 
     @property
     def judged(self) -> bool:
-        """Whether there is a criterion."""
+        """Whether the figure has a criterion to be judged by."""
         return math.isfinite(self.least) or math.isfinite(self.most)
 
     @property
@@ -32,7 +32,7 @@ class Figure:
 
     @property
     def criterion(self) -> str:
-        """The criterion in words."""
+        """The criterion in words: its limits and unit."""
         if not self.judged:
             return "reported"
         if not math.isfinite(self.least):

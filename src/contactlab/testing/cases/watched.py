@@ -42,7 +42,7 @@ class WatchedRun:
         return self.model.contact
 
     def step(self) -> None:
-        """One step."""
+        """Make one step."""
         step = self.advance(self.schedule.dt)
         self.sweeps += step.sweeps
         self.most_sweeps = max(self.most_sweeps, step.sweeps)
@@ -60,7 +60,7 @@ class WatchedRun:
                 look()
 
     def nodes(self, body: str) -> slice:
-        """The nodes of a body."""
+        """Numbers of the nodes of a body."""
         found = next(b for b in self.model.bodies if b.name == body)
         return slice(found.first, found.first + found.count)
 
