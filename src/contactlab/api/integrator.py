@@ -17,7 +17,7 @@ class StepStatus(Enum):
 
     accepted = ""
     not_converged = "the iteration did not converge; a shorter step is tried next"
-    gave_up = "the shortest step failed; try more steps or iterations, or another enforcement"
+    gave_up = "the shortest step failed; try more integrator.steps or integrator.iterations, or another enforcement"
 
 
 class Iteration(NamedTuple):

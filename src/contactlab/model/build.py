@@ -49,6 +49,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     check_supported(scene, bodies, supports, integrator)
     pace = find_pace(scene, bodies, reference, mass, supports, integrator)
     prescribed = supports.bind(pace.ramp)
+    _refuse_impossible(scene, bodies, rigid, reference, prescribed, pace.end or pace.ramp)
     state = State(_shapes(len(reference), bodies, integrator, plans))
     position, increment = reference.copy(), _increment(bodies, len(reference))
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, integrator.explicit)
@@ -103,6 +104,13 @@ def _contact_plans(
 
     plans = plan_contacts(scene, registry, bodies, rigid, integrator)
     return plans, adjusted_bodies(bodies, rigid, plans)
+
+
+def _refuse_impossible(scene: Any, *arguments: Any) -> None:
+    if scene.contacts:
+        from contactlab.model.loading.approach import check_approach
+
+        check_approach(scene, *arguments)
 
 
 def _contact(plans: tuple[Any, ...], *arguments: Any) -> Any:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats, RunWarning, Step
+from contactlab.api import Floats, Integrator, RunWarning, Step
 from contactlab.errors import SimulationFailure
 from contactlab.kernels.watch import deepest, smallest_jacobian, status_changes
 from contactlab.model.bodies.body import BodyForces
@@ -39,8 +39,10 @@ FAR_SIDE = 2.0  # segment lengths beyond which a node is on the far side of a th
 class Guards:
     """Watches one run. `after_step` is called every step, `look` every `EVERY` steps and at every frame."""
 
-    def __init__(self, model: Model) -> None:
+    def __init__(self, model: Model, step: float | None = None) -> None:
+        """`step` [s] is the length that the scene fixes, if it does: only then advice is to change that."""
         self.model, self.work = model, model.state["work"]
+        self.shorter = shorter_steps(model.integrator, step)
         self.loose = self.flickering = 0
         self.since = np.full(2, -1.0)  # steps at which energies became too high
         speeds = np.hypot(*model.state["velocity"].T) if "velocity" in model.state else np.zeros(1)
@@ -124,20 +126,24 @@ class Guards:
                 f"{pair.name} chatters: {changes} of {conditions} contact conditions opened or closed in the last "
                 f"step, more than {FLICKER:.0%} in each of {CHATTER} steps, among them that of "
                 f"{self._slave_node(pair, last - pair.first_slot)}",
-                "try a smaller time.fraction, some damping, or the other side as slave",
+                f"try {self.shorter}, some damping, or the other side as slave",
             )
 
     # --- now and then ---------------------------------------------------------------------------
 
     def look(self) -> None:
         """Raise SimulationFailure("diverged") at the first sign that the numbers mean nothing any more."""
+        self.look_at_positions()
+        step = self.model.state.step
+        if step % EVERY or step % SELDOM == 0:  # at every frame between the looks, and in every fourth look
+            self._energy()
+
+    def look_at_positions(self) -> None:
+        """The part of `look` that one step alone decides: numbers, speeds, cells and surfaces at its end."""
         self._finite()
         self._speed()
         self._folded()
         self._penetration()
-        step = self.model.state.step
-        if step % EVERY or step % SELDOM == 0:  # at every frame between the looks, and in every fourth look
-            self._energy()
 
     def _finite(self) -> None:
         for name in ("velocity", "displacement", "internal_force"):
@@ -149,7 +155,7 @@ class Guards:
                 self._stop(
                     f"{self._node(int(bad[0]))} has the {name.replace('_', ' ')} ({values[bad[0], 0]:g}, "
                     f"{values[bad[0], 1]:g}), the first of {len(bad)} nodes where it is not finite",
-                    "try a smaller time.fraction (or time.step where it is fixed), and look at the material there",
+                    f"try {self.shorter}, and look at the material there",
                 )
 
     def _speed(self) -> None:
@@ -166,7 +172,7 @@ class Guards:
             self._stop(
                 f"{self._node(worst)} moves at {speed[worst]:.3g}, above {limit:.3g} (ten times the fastest that goes "
                 "in, or the speed of sound)",
-                "the step is too long or contact pushes without limit: try a smaller time.fraction",
+                f"the step is too long or contact pushes without limit: try {self.shorter}",
             )
 
     def _folded(self) -> None:
@@ -199,7 +205,7 @@ class Guards:
                     f"{pair.name}: {self._node(int(surface.nodes[place]))} of the {('slave', 'master')[side]} lies "
                     f"{depth:.3g} deep in the other side, {depth / pair.size:.0%} of a segment (allowed "
                     f"{TOO_DEEP:.0%})",
-                    "try the other side as slave, a finer slave, or a smaller time.fraction",
+                    f"try the other side as slave, a finer slave, or {self.shorter}",
                 )
 
     def at_the_end(self) -> None:
@@ -217,14 +223,14 @@ class Guards:
             self._stop(
                 f"the bodies hold {unexplained:.3g} more energy than work was done on them, {self._share(unexplained)} "
                 f"(allowed {UNEXPLAINED:.0%}), since step {self.since[0]:.0f}; {self._fastest_body()}",
-                "the step is too long for what happens: try a smaller time.fraction (or time.step where it is fixed)",
+                f"the step is too long for what happens: try {self.shorter}",
             )
         if not self.eased and self._too_much(1, gained, self.gain, last):
             self._stop(
                 f"the energy {energy:.3g} is {gained:.3g} above that of the start and the work done from outside, "
                 f"{self._share(gained)} (allowed {self.gain:.0%}), since step {self.since[1]:.0f}; "
                 f"{self._fastest_body()}",
-                "contact adds energy: try the other side as slave, another algorithm, or a smaller time.fraction",
+                f"contact adds energy: try the other side as slave, another algorithm, or {self.shorter}",
             )
 
     def _overshoot(self) -> None:
@@ -234,7 +240,7 @@ class Guards:
             self._stop(
                 f"the kinetic energy is {share:.3g} times all that was supplied (allowed {OVERSHOOT:.0f}); "
                 f"{self._fastest_body()}",
-                "the step is above the stable one: try a smaller time.fraction, and look whether the material's wave "
+                f"the step is above the stable one: try {self.shorter}, and look whether the material's wave "
                 "speeds and stiffening are right",
             )
 
@@ -245,7 +251,7 @@ class Guards:
         if not share > limit:
             return False
         if last and share <= AT_THE_END * limit:
-            self.model.warnings.add(_energy_warning(step, share, limit))
+            self.model.warnings.add(_energy_warning(step, share, limit, self.shorter))
         return bool(step - self.since[which] >= LASTING or (last and share > AT_THE_END * limit))
 
     def _share(self, energy: float) -> str:
@@ -259,12 +265,19 @@ class Guards:
         return f"body {name} has {shares[name] / max(float(squares.sum()), 1e-300):.0%} of the kinetic energy"
 
 
-def _energy_warning(step: int, share: float, limit: float) -> RunWarning:
+def _energy_warning(step: int, share: float, limit: float, shorter: str) -> RunWarning:
     return RunWarning(
-        "energy-at-end", share, limit, "time.fraction",
+        "energy-at-end", share, limit, shorter.split()[-1],
         f"at step {step}, the last one, there is {share:.1%} more energy than is accounted for, of the largest so far "
-        f"(allowed {limit:.0%}); run on to see whether it stays, or try a smaller time.fraction",
+        f"(allowed {limit:.0%}); run on to see whether it stays, or try {shorter}",
     )  # fmt: skip
+
+
+def shorter_steps(integrator: Integrator, step: float | None) -> str:
+    """What makes the steps of a run shorter, in words; `step` [s] is the length that its scene fixes, if it does."""
+    if step is not None:
+        return "a smaller time.step"
+    return "a smaller time.fraction" if integrator.explicit else "more integrator.steps"
 
 
 def _eased(pairs: tuple[Pair, ...]) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 
 from contactlab.api import Floats, Step, StepStatus
 from contactlab.errors import SceneError, SimulationFailure
+from contactlab.model.loading.held_bodies import free_motions
 from contactlab.run.load_path import EvenPath, LoadPath
 from contactlab.run.schedule import Schedule
 
@@ -16,6 +17,7 @@ GROW = 2.0  # after a step that converged easily
 EASY = 8  # iterations of a step after which a longer one is tried
 SHORTEST = 2.0**-12  # of the wished step: below it the run is given up
 MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
+SAME = 1e-6  # relative: residuals of two attempts that differ by less are the same
 NEARLY = 1e-9  # of a step: differences below it are round-off
 
 
@@ -41,6 +43,7 @@ class LoadSchedule(Schedule):
                 hint="leave it out: implicit integrators say by `steps` how many they take, and find their length",
             )
         self.part = self.wished
+        self.failed: Step | None = None  # the last attempt, where it failed
         return self._length()
 
     @property
@@ -67,38 +70,57 @@ class LoadSchedule(Schedule):
 
     def _took(self, step: Step, dt: float) -> None:
         """Follow an accepted step: longer again where it was easy."""
+        self.failed = None
         if step.iterations <= EASY:
             self.part = min(self.wished, GROW * self.part)
         self.dt = self._length()
 
     def cut(self, step: Step) -> str:
-        """Shorten a step that failed; what was done, for the record. Raises SimulationFailure below the shortest."""
-        tried = self.dt
-        self.part *= CUT
+        """Shorten a step that failed; what was done, for the record.
+
+        Raises SimulationFailure below the shortest, and where an attempt went as the longer one before it did.
+        """
+        tried, before, time = self.dt, self.failed, self.state.time
+        # of the step that was taken, which a corner of the loading may have made shorter than it might have been
+        self.part = CUT * min(self.part, self.path.fraction(time + tried) - self.path.fraction(time))
+        if before is not None and repeats(before, step):
+            raise self._failure(tried, f"as the longer one before it, iteration by iteration: {step.reason}")
         if self.part < SHORTEST * self.wished:
-            raise SimulationFailure(
-                "not-converged",
-                f"after step {self.state.step}, at time {self.state.time:.6g}: a step of {tried:.3g} failed, "
-                f"1/{CUT * self.wished / self.part:.0f} of the wished one: {step.reason}; {self._advice()}",
-            )
-        self.dt = self._length()
+            raise self._failure(tried, f"1/{CUT * self.wished / self.part:.0f} of the wished one: {step.reason}")
+        self.failed, self.dt = step, self._length()
+        loose = self._loose() if before is None else ""
         return (
-            f"a step of {tried:.6g} from time {self.state.time:.6g} was taken back after {step.iterations} iterations: "
-            f"{step.reason}; {self.dt:.6g} is tried"
+            f"a step of {tried:.6g} from time {time:.6g} was taken back after {step.iterations} iterations: "
+            f"{step.reason}{loose}; {self.dt:.6g} is tried"
         )
+
+    def _failure(self, tried: float, how: str) -> SimulationFailure:
+        at = f"after step {self.state.step}, at time {self.state.time:.6g}"
+        return SimulationFailure(
+            "not-converged", f"{at}: a step of {tried:.3g} failed, {how}{self._loose()}; {self._advice()}"
+        )
+
+    def _loose(self) -> str:
+        """Bodies that nothing but contact holds in statics, in words."""
+        if self.model.integrator.inertia:
+            return ""
+        free = {body.name: free_motions(body, self.model.prescribed) for body in self.model.bodies}
+        told = [f"{name} ({', '.join(motions)})" for name, motions in free.items() if motions]
+        return f"; held by contact and effects alone: {', '.join(told)}" if told else ""
 
     def _advice(self) -> str:
         """What to try after the shortest step failed."""
         if not self.model.integrator.inertia and not self.state.step and self.model.loads:
             return (
-                "nothing was in equilibrium yet, and loads push already: a body that moves freely needs an integrator "
-                "with inertia (implicit-dynamics), a load that is there from the start a ramp"
+                "nothing was in equilibrium yet, and loads push already: hold every body by supports, or let it begin "
+                "in touch with what is to hold it; a body that moves freely needs an integrator with inertia "
+                "(implicit-dynamics), a load that is there from the start a ramp"
             )
         if self.model.contact is not None:
             return (
                 "the shortest step failed, and none helps where forces jump (a node on a vertex of a coarse master) or "
                 "statuses find no rest (very high friction); try another contact algorithm, the other side as slave "
-                "(swap), finer cells, less friction, or more steps"
+                "(swap), finer cells, less friction, or more integrator.steps"
             )
         return StepStatus.gave_up.value
 
@@ -131,3 +153,11 @@ class LoadSchedule(Schedule):
         """Back to where `memory` was taken."""
         super().restore(memory)
         self.part = float(memory["schedule.load"][0])
+
+
+def repeats(before: Step, step: Step) -> bool:
+    """Whether an attempt left the same residuals as the one `before` it, which was longer: length is not the matter."""
+    if len(before.trace) != len(step.trace):
+        return False
+    first, second = (np.array([(one.force, one.contact) for one in attempt.trace]) for attempt in (before, step))
+    return np.allclose(first, second, rtol=SAME, atol=0.0)

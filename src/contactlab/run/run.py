@@ -63,6 +63,16 @@ class Run:
         self.save()
 
     @property
+    def advance(self) -> Callable[[float], Step]:
+        """The function that makes one step; steps that can be taken back are judged by the guards, too."""
+        advance = self.model.integrator.bind(self.model, self.model.state)
+        if self.model.integrator.explicit:
+            return advance
+        from contactlab.run.guarded_step import GuardedStep
+
+        return GuardedStep(advance, self.model, self.guards)
+
+    @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
         """What to call after each accepted step, with the step and its length."""
         return (*self.journal.every_step, *self.schedule.every_step)
@@ -184,7 +194,7 @@ def begin_run(model: Model, scene: Scene, registry: Registry, folder: Path | Non
 
     Raises RequestError where the folder cannot be used or holds something else.
     """
-    run = Run(model, schedule_of(model, scene), Guards(model), Watch(scene, model))
+    run = Run(model, schedule_of(model, scene), Guards(model, scene.time.step), Watch(scene, model))
     recorders = recorders_of(scene, registry) if folder is not None else {}
     used = _with_recorders(scene, recorders)
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))

@@ -96,7 +96,7 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
 
 def _advance(run: Run, progress: Progress | None) -> None:
     model, schedule, guards, counts = run.model, run.schedule, run.guards, run.counts
-    advance, every_step = model.integrator.bind(model, model.state), run.every_step
+    advance, every_step = run.advance, run.every_step
     save_every, save = run.saves
     run.begin()
     while not schedule.done():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, Protocol
 
 import numpy as np
@@ -16,6 +17,8 @@ DEEPEST = 1.0  # segment lengths that a correction may push a surface into the o
 AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may need
 CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once statuses go round in circles
 SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
+FALLING, FALL = 6, 0.9  # residuals in a row, each below that of the one before: then more iterations are made
+MORE = 4  # times the wished iterations, at most
 AWAY = 100.0  # times the size of the model: a correction that large means that nothing holds a body
 TOUCHING = 1e-9  # segment lengths
 FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
@@ -81,8 +84,10 @@ class NewtonIteration:
         self.equations.internal_force(dt)
         given = np.zeros(self.u.size)
         began = 0  # of the iterations since forces were taken over
-        while len(outcome.trace) - began < self.most:
+        while self._goes_on(outcome.trace[began:]):
             self._linearise(dt)
+            if not outcome.trace and self._at_rest(target, outcome):
+                return outcome
             given[self.held] = target - self.u.reshape(-1)[self.held]
             try:
                 left = outcome.residual.largest if outcome.trace else np.inf
@@ -104,10 +109,25 @@ class NewtonIteration:
                 outcome.reason = "forces are no longer finite"
                 return outcome
         outcome.reason = (
-            f"{self.most} iterations left residuals of {residual.force:.1e} (forces) "
+            f"{len(outcome.trace)} iterations left residuals of {residual.force:.1e} (forces) "
             f"and {residual.contact:.1e} (contact)"
         )
         return outcome
+
+    def _at_rest(self, target: Floats, outcome: Outcome) -> bool:
+        """Whether the state is in balance as it is: nothing was moved or loaded, and there is nothing to solve."""
+        if np.any(target != self.u.reshape(-1)[self.held]):
+            return False
+        outcome.residual = self._residual()
+        return outcome.residual.largest <= self.tolerance and not self._augment(outcome)
+
+    def _goes_on(self, trace: list[Iteration]) -> bool:
+        """Whether another iteration is made: up to the wished number, and on while residuals fall all the time."""
+        if len(trace) < self.most:
+            return True
+        left = [max(one.force, one.contact) for one in trace[-FALLING:]]
+        fell = len(left) == FALLING and all(new < FALL * old for old, new in pairwise(left))
+        return fell and len(trace) < MORE * self.most
 
     def _augment(self, outcome: Outcome) -> bool:
         """Whether the enforcement wants to go on from the forces it has found; they are its anchor then."""
@@ -120,8 +140,9 @@ class NewtonIteration:
             return False
         conditions.anchor[:] = conditions.force
         self._balance()
-        last = outcome.trace[-1]
-        outcome.trace[-1] = last._replace(note=f"forces taken over, which had changed by {left:.1e} N")
+        if outcome.trace:
+            note = f"forces taken over, which had changed by {left:.1e} N"
+            outcome.trace[-1] = outcome.trace[-1]._replace(note=note)
         return len(outcome.trace) < AUGMENTATIONS * self.most
 
     # --- one iteration --------------------------------------------------------------------------
@@ -150,8 +171,11 @@ class NewtonIteration:
             if not self._hold():
                 raise
         else:
-            if np.abs(du).max() <= AWAY * self.size or not self._hold():
+            farthest = float(np.abs(du).max())
+            if farthest <= AWAY * self.size or self.size == 0.0:
                 return du, dy
+            if not self._hold():
+                raise SingularSystem(f"it moves nodes by {farthest / self.size:.0e} times the size of the model")
         return self._solved(given, left)
 
     def _solved(self, given: Floats, left: float) -> tuple[Floats, Floats]:

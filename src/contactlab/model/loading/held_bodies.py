@@ -9,7 +9,7 @@ import numpy as np
 from contactlab.api import Floats, Integrator
 from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body
-from contactlab.model.loading.supports import SupportPlan
+from contactlab.model.loading.supports import Prescribed, SupportPlan
 
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
@@ -36,7 +36,7 @@ def check_supported(scene: Scene, bodies: tuple[Body, ...], supports: SupportPla
             raise _adrift(scene, body, free, "the supports leave this body free to move")
 
 
-def free_motions(body: Body, supports: SupportPlan) -> list[str]:
+def free_motions(body: Body, supports: SupportPlan | Prescribed) -> list[str]:
     """Which rigid motions of the body its supports do not prevent, in words."""
     own = supports.dof[(supports.dof >= 2 * body.first) & (supports.dof < 2 * (body.first + body.count))]
     modes = _rigid_modes(body)[own - 2 * body.first]

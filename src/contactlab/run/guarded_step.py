@@ -1,0 +1,43 @@
+"""Steps that iterate are judged at their end: one that a guard objects to is taken back and cut."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from contactlab.api import Step, StepStatus
+from contactlab.errors import SimulationFailure
+from contactlab.run.guards import Guards
+
+MOST = 5  # times in a row that a step is cut for a guard: what 1/32 of it does not cure is no matter of its length
+
+
+class GuardedStep:
+    """Advances a model that can take steps back; the guards' last word is that of the run."""
+
+    def __init__(self, advance: Callable[[float], Step], model: Any, guards: Guards) -> None:
+        self.advance, self.model, self.guards = advance, model, guards
+        self.objections = 0
+
+    def __call__(self, dt: float) -> Step:
+        """One step of length dt [s], accepted only where positions at its end make sense."""
+        model, memory = self.model, self.guards.memory()
+        start = model.state.snapshot()
+        step = self.advance(dt)
+        if step.status is not StepStatus.accepted:
+            return step
+        try:
+            self.guards.look_at_positions()
+        except SimulationFailure as failure:
+            self.objections += 1
+            if self.objections > MOST:
+                raise
+            self.guards.restore(memory)
+            model.state.restore(start)
+            model.begin(0.0)
+            model.internal_force(0.0)
+            # forces of that evaluation may differ from those that were reached by a step, in their last digits
+            model.state.restore(start)
+            return step._replace(status=StepStatus.not_converged, reason=failure.reason)
+        self.objections = 0
+        return step

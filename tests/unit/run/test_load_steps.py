@@ -1,0 +1,148 @@
+"""Steps that iterate: what is not tried again, what is cut, what costs nothing, and what is advised."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.api import Iteration, Step, StepStatus
+from contactlab.errors import SimulationFailure
+from contactlab.model.build import build
+from contactlab.results.results import Results
+from contactlab.run.guarded_step import MOST
+from contactlab.run.guards import Guards
+from contactlab.run.load_steps import LoadSchedule, repeats
+from contactlab.run.run import begin_run
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, load_scene
+
+FAILED = StepStatus.not_converged
+
+
+def disc(**changes: Any) -> Scene:
+    return load_scene("disc-on-block").with_({"integrator": "newton", "level": 1} | changes)
+
+
+def floating() -> Scene:
+    """A disc pushed down by a load, a hundredth of its size above the block: nothing holds it yet."""
+    data = disc().data
+    data["supports"] = data["supports"][:1]
+    data["loads"] = [{"on": "disc.top", "pressure": {"ramp": "linear", "to": 10.0}, "follower": False}]
+    data["bodies"]["disc"]["shift"] = [0.0, 0.01]
+    return Scene.from_data(data)
+
+
+def taken_back(results: Results) -> list[str]:
+    return [event.text for event in results.events if "was taken back" in event.text]
+
+
+def attempt(*residuals: float) -> Step:
+    return Step(FAILED, reason="for a test", trace=tuple(Iteration(r, 0.1 * r, 1, 0, 0, 1.0) for r in residuals))
+
+
+def test_a_body_held_by_contact_alone_is_told_so_at_the_first_failure() -> None:
+    results = simulate(floating())
+    assert results.status == "not-converged"
+    told = taken_back(results)
+    assert "held by contact and effects alone: disc (sliding along x, sliding along y, turning)" in told[0]
+    # the second attempt fails as the first did, in its first iteration, and is the last
+    assert len(told) == 1
+    assert "as the longer one before it" in results.reason
+    assert results.summary["iterations"] == 0
+
+
+def test_attempts_are_compared_by_their_residuals() -> None:
+    assert repeats(attempt(1.0, 0.5), attempt(1.0, 0.5 * (1.0 + 1e-8)))
+    assert not repeats(attempt(1.0, 0.5), attempt(1.0, 0.4))
+    assert not repeats(attempt(1.0, 0.5), attempt(1.0, 0.5, 0.5))
+
+
+def test_a_step_that_a_corner_shortens_is_cut_from_its_own_length() -> None:
+    """A tenth of a wished step before a corner: half of the wished one would be the same length again."""
+    uy = {"ramp": "table", "to": -0.01, "points": [[0.0, 0.0], [0.5, 0.1], [1.0, 1.0]]}
+    scene = disc(**{"time.end": 1.0, "integrator": {"use": "newton", "steps": 1}, "supports.1.uy": uy})
+    schedule = LoadSchedule(build(scene, scene.registry), scene)
+    assert schedule.dt == pytest.approx(0.5)
+    for number, left in enumerate((0.5, 0.4)):
+        schedule.cut(attempt(left))
+        assert schedule.dt == pytest.approx(0.5 ** (number + 2), rel=0.01)
+
+
+@pytest.mark.parametrize("factor", [0.8, 0.95])
+def test_more_iterations_are_made_while_residuals_fall(factor: float) -> None:
+    from contactlab_statics.iteration import FALL, MORE, NewtonIteration
+
+    iteration = NewtonIteration.__new__(NewtonIteration)
+    iteration.most = 10
+    trace = [Iteration(factor**k, 0.0, 0, 0, 0, 1.0) for k in range(10)]
+    assert iteration._goes_on(trace[:9])
+    assert iteration._goes_on(trace) is (factor < FALL)
+    assert not iteration._goes_on([*trace[:-1], trace[-1]._replace(force=1.0)])
+    assert not iteration._goes_on([Iteration(0.8**k, 0.0, 0, 0, 0, 1.0) for k in range(10 * MORE)])
+
+
+def test_nothing_costs_no_iteration() -> None:
+    """What is neither moved nor loaded is in balance as it is; so is a hold."""
+    results = simulate(disc(**{"supports.1.uy": 0.0}))
+    assert results.status == "finished"
+    assert results.summary["iterations"] == 0
+    held = {"ramp": "linear", "to": -0.01, "duration": 0.5}
+    results = simulate(disc(**{"time.end": 1.0, "supports.1.uy": held}))
+    assert max(row.time for row in results.iterations) < 0.5
+    assert results.history["time"][-1] == 1.0
+
+
+def test_a_step_that_a_guard_objects_to_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Steps over 0.03 end in positions that a guard stops the run for; shorter ones do not."""
+    look, begun = Guards.look_at_positions, [0.0]
+
+    def strict(guards: Guards) -> None:
+        look(guards)
+        time = guards.model.state.time
+        if time - begun[0] > 0.03:
+            raise SimulationFailure("diverged", "too far at once")
+        begun[0] = time
+
+    scene = disc(**{"integrator": {"use": "newton", "steps": 10}, "supports.1.uy": {"ramp": "linear", "to": -0.01}})
+    expected = simulate(scene)
+    monkeypatch.setattr(Guards, "look_at_positions", strict)
+    results = simulate(scene)
+    assert results.status == "finished"
+    assert "too far at once" in taken_back(results)[0]
+    assert results.summary["steps"] >= 40
+    # without friction and history the way does not matter
+    reactions = [np.array(run.summary["reactions"]["block.bottom"]) for run in (results, expected)]
+    assert reactions[0] == pytest.approx(reactions[1], rel=1e-6, abs=1e-6 * np.abs(reactions[1]).max())
+
+
+def test_a_guard_that_no_cut_contents_has_the_last_word(monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(guards: Guards) -> None:
+        raise SimulationFailure("diverged", "never content")
+
+    monkeypatch.setattr(Guards, "look_at_positions", never)
+    results = simulate(disc(**{"supports.1.uy.to": -0.01}))
+    assert (results.status, results.reason) == ("diverged", "never content")
+    assert len(taken_back(results)) == MOST
+
+
+@pytest.mark.parametrize(
+    ("changes", "key"),
+    [
+        ({}, "more integrator.steps"),
+        ({"time.step": 0.1}, "a smaller time.step"),
+        ({"integrator": "central-difference"}, "a smaller time.fraction"),
+        ({"integrator": "central-difference", "time.step": 1e-9}, "a smaller time.step"),
+        ({"integrator": "implicit-dynamics", "time.end": 1e-3}, "more integrator.steps"),
+    ],
+)
+def test_advice_names_a_key_of_this_run(changes: dict[str, Any], key: str) -> None:
+    scene = disc(**changes)
+    model = build(scene, scene.registry)
+    run = begin_run(model, scene, scene.registry, None, resume=False)
+    model.state["displacement"][3] = np.nan
+    with pytest.raises(SimulationFailure, match=key) as told:
+        run.guards.look()
+    for other in ("integrator.steps", "time.step", "time.fraction"):
+        assert (other in told.value.reason) is (other in key)
