@@ -160,9 +160,9 @@ class Boastful(NodeOnSegment):
 
 
 WRONG: list[tuple[Check, Any]] = [
-    (contact.some_conditions, Flawed("never finds anything")),
+    (contact.some_conditions, Flawed(flaw="never finds anything")),
     (contact.forces_cancel, Rods("master pushed too little")),
-    (contact.moments_cancel_on_a_flat, Flawed("moment")),
+    (contact.moments_cancel_on_a_flat, Flawed(flaw="moment")),
     (contact.weights_belong_to_the_gap, Rods("gap with an offset")),
     (contact.weights_are_the_derivative, Rods("shares exchanged")),
     (contact.gap_is_positive_when_open, Rods("normal into the slave")),
@@ -173,13 +173,13 @@ WRONG: list[tuple[Check, Any]] = [
     (contact.measures_sum_to_the_cover, Rods("whole segments as measure")),
     (contact.patch_test, Modest()),
     (contact.patch_test, Boastful()),
-    (contact.patch_test_on_quadratic_edges, Flawed("middle nodes left out")),
+    (contact.patch_test_on_quadratic_edges, Flawed(flaw="middle nodes left out")),
     (contact.nothing_when_apart, Rods("reach ignored")),
     (contact.only_facing_surfaces, Rods("back sides touch too")),
     (contact.rigid_motion_leaves_gaps, Rods("normal never turns")),
-    (contact.slip_is_objective, Flawed("one normal for both times")),
-    (contact.pieces_keep_their_bounds, Flawed("capacity for one piece")),
-    (contact.same_answer_twice, Flawed("counts its calls")),
+    (contact.slip_is_objective, Flawed(flaw="one normal for both times")),
+    (contact.pieces_keep_their_bounds, Flawed(flaw="capacity for one piece")),
+    (contact.same_answer_twice, Flawed(flaw="counts its calls")),
 ]
 
 

@@ -75,6 +75,12 @@ CASES = {
     "mortar-p1": {"contacts.0.algorithm": "mortar-p1"},
     "node-on-segment": {"contacts.0.algorithm": "node-on-segment"},
     "q2": {"contacts.0.algorithm": "mortar-p1", "bodies.disc.element": "q2", "bodies.block.element": "q2"},
+    "q2-p0": {"contacts.0.algorithm": "mortar-p0", "bodies.disc.element": "q2", "bodies.block.element": "q2"},
+    "q2-nodes": {
+        "contacts.0.algorithm": {"use": "mortar-p1", "multipliers": "nodes"},
+        "bodies.disc.element": "q2",
+        "bodies.block.element": "q2",
+    },
     "foreign": {"contacts.0.algorithm": "mortar-p1"},
     "vertices": {"contacts.0.algorithm": "mortar-p0"},
 }

@@ -38,7 +38,7 @@ def _disc(changes: str) -> Results:
 
 
 def disc(
-    algorithm: str, *, swap: bool = False, mu: float = 0.0, element: str = "q1", level: int = 2,
+    algorithm: str | dict[str, str], *, swap: bool = False, mu: float = 0.0, element: str = "q1", level: int = 2,
     depth: float = DEEP, steps: int = 10, explicit: bool = False, frames: int = 1,
 ) -> Results:  # fmt: skip
     """A run of disc-on-block; static unless `explicit`. The same run is made once."""

@@ -226,7 +226,7 @@ def saw_tooth(results: Results, column: str = "pressure") -> float:
     pressure has none.
     """
     found = curve(results)
-    p = np.nan_to_num(np.asarray(getattr(found, column), float))
+    p = np.abs(np.nan_to_num(np.asarray(getattr(found, column), float)))
     inner = np.flatnonzero(p > 0.25 * p.max())
     inner = inner[(inner >= 3) & (inner < len(p) - 3)]
     # fourth differences keep what alternates from node to node (16 times) and drop cubics
@@ -237,14 +237,29 @@ def saw_tooth(results: Results, column: str = "pressure") -> float:
 def figure_12() -> Numbers:
     """Q2 with friction 0.05: P0 and P1."""
     runs = {algorithm: disc(algorithm, element="q2", level=1, mu=0.05, steps=40) for algorithm in MORTARS}
+    stuck = {
+        (algorithm, multipliers): disc(
+            {"use": algorithm, "multipliers": multipliers}, swap=True, element="q2", level=1, mu=0.2, steps=40
+        )
+        for algorithm in MORTARS for multipliers in ("nodes", "vertices")
+    }  # fmt: skip
+    nine = {
+        algorithm: disc(algorithm, swap=True, element="q2-lagrange", level=1, mu=0.2, steps=40) for algorithm in MORTARS
+    }
 
     def fill(figure: Figure, axes: Any) -> None:
         for place, (column, y) in enumerate((("pressure", PRESSURE), ("shear", SHEAR))):
             for algorithm in MORTARS:
                 draw(axes[0][place], profile(runs[algorithm], column), COLOURS[algorithm], SHORT[algorithm])
             _label(axes[0][place], "Q2, mu = 0.05", y)
+        last = axes[0][2]
+        for multipliers, colour, label in (
+            ("nodes", GREY, "at all nodes"), ("vertices", COLOURS["mortar-p1"], "at ends of edges")
+        ):  # fmt: skip
+            draw(last, profile(stuck["mortar-p1", multipliers], "shear"), colour, label)
+        _label(last, "Q2, mu = 0.2, P1, block is slave", SHEAR)
 
-    picture("figure-12", 1, 2, fill, (9.0, 3.4))
+    picture("figure-12", 1, 3, fill, (12.6, 3.4))
     numbers = {
         column: percent(difference(*(profile(run, column) for run in runs.values())))
         for column in ("pressure", "shear")
@@ -252,6 +267,12 @@ def figure_12() -> Numbers:
     forces = [reaction(run) for run in runs.values()]
     q1 = reaction(disc("mortar-p0", mu=0.05, steps=40))
     numbers["saw"] = percent(max(saw_tooth(run) for run in runs.values()))
+    for multipliers in ("nodes", "vertices"):
+        found = {algorithm: stuck[algorithm, multipliers] for algorithm in MORTARS}
+        numbers[f"stuck_{multipliers}"] = percent(max(saw_tooth(run, "shear") for run in found.values()))
+        numbers[f"nine_{multipliers}"] = percent(
+            max(difference(profile(run, "shear"), profile(nine[name], "shear")) for name, run in found.items())
+        )
     return numbers | {
         "forces": percent(abs(forces[0] - forces[1]) / forces[0]),
         "q1": percent(abs(forces[0] - q1) / q1),

@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api.arrays import Floats, Ints
+from contactlab.api.arrays import Flags, Floats, Ints
 from contactlab.api.slopes import PieceSlopes
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 
@@ -27,7 +27,7 @@ class Pieces:
 
     A piece couples at most `s` slave nodes, `k` multipliers and `r` master nodes. Multiplier
     j = slot * m + i belongs to slave node i; slot is 0 unless the algorithm declares more rows per
-    node. T may couple multipliers of neighbouring chain nodes only.
+    node. T may couple multipliers of neighbouring carriers of the chain only.
 
     slave       (capacity, s) int32, slave nodes as positions in the slave surface
     multiplier  (capacity, k) int32
@@ -74,6 +74,17 @@ class ContactAlgorithm(ABC):
     passes_patch_test: ClassVar[bool]
     rows_per_node: ClassVar[int] = 1
     memory_size: ClassVar[int] = 0
+
+    def with_friction(self) -> ContactAlgorithm:
+        """What the algorithm is where friction is declared. The default is what it is anyway."""
+        return self
+
+    def carriers(self, slave: Surface) -> Flags:
+        """Which nodes (m,) of the slave carry multipliers. The default is all of them.
+
+        Between two carriers of a chain there may be one node that is none; reports give it the mean of the two.
+        """
+        return np.ones(len(slave.nodes), np.bool_)
 
     @abstractmethod
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:

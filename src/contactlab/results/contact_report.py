@@ -69,7 +69,9 @@ def _report(pair: Pair, state: State, reference: Floats, position: Floats) -> Co
     pair.measure(position)
     y = state["multipliers"][:, pair.first_slot : pair.first_slot + pair.slots]
     normal_force, tangential_force = y[0], (y[1] if pair.friction is not None else np.zeros_like(y[0]))
-    pressure, shear = _per_node(pair, pair.tractions(normal_force)), _per_node(pair, pair.tractions(tangential_force))
+    pressure, shear = (
+        _between(pair, _per_node(pair, pair.tractions(force))) for force in (normal_force, tangential_force)
+    )
     resultant = normal_force @ pair.normals + tangential_force @ _tangents(pair)
     bound = _bound(pair, normal_force)
     largest = max(float(normal_force.max(initial=0.0)), 1e-300)
@@ -83,9 +85,9 @@ def _report(pair: Pair, state: State, reference: Floats, position: Floats) -> Co
         y=pair.at.slave[:, 1].copy(),
         pressure=pressure,
         shear=shear,
-        nodal_pressure=_per_node(pair, _per_length(pair, normal_force)),
-        gap=_node_gap(pair),
-        state=states,
+        nodal_pressure=_between(pair, _per_node(pair, _per_length(pair, normal_force))),
+        gap=_between(pair, _node_gap(pair)),
+        state=_states_between(pair, states),
         chain=along.chain,
     )
     return ContactReport(
@@ -111,6 +113,21 @@ def _slots(pair: Pair, values: Floats) -> Floats:
 def _per_node(pair: Pair, values: Floats) -> Floats:
     """Multipliers of several slots of a node add up."""
     return np.asarray(_slots(pair, values).sum(axis=0))
+
+
+def _between(pair: Pair, values: Floats) -> Floats:
+    """Values (m,) at nodes, with those of nodes that carry no multiplier as means of their neighbours."""
+    inner, following, preceding = pair.between
+    values[inner] = 0.5 * (values[following] + values[preceding])
+    return values
+
+
+def _states_between(pair: Pair, states: Ints) -> Ints:
+    """States (m,): a node without multiplier touches where a neighbour does, and slides where one does."""
+    inner, following, preceding = pair.between
+    whole = states.copy()
+    whole[inner] = np.maximum(states[following], states[preceding])
+    return whole
 
 
 def _per_length(pair: Pair, forces: Floats) -> Floats:

@@ -23,14 +23,35 @@ def trace(nodes, half, xi, i):
 
 
 @point
-def constant_basis(xi, k):
-    """P0: multiplier k = 0, 1 is one on its own half of the segment."""
+def hat(halves, xi, k):
+    """Linear hat of end k of what a multiplier's hat spans: the segment, or the edge whose half the segment is.
+
+    Of an edge, 0 is the end that this half touches; `halves` is 0 for segments, 1 and 2 for the two halves.
+    """
+    if halves == 0:
+        return 1.0 - xi if k == 0 else xi
+    away = 0.5 * xi if halves == 1 else 0.5 * (1.0 - xi)
+    return 1.0 - away if k == 0 else away
+
+
+@point
+def hat_slope(halves, k):
+    """d(hat)/d(xi)."""
+    slope = 1.0 if halves == 0 else (0.5 if halves == 1 else -0.5)
+    return -slope if k == 0 else slope
+
+
+@point
+def constant_basis(halves, xi, k):
+    """P0: multiplier k = 0, 1 is one on its own half of what its hat spans."""
+    if halves != 0:
+        return 1.0 if k == 0 else 0.0
     inside = xi < 0.5 if k == 0 else xi >= 0.5
     return 1.0 if inside else 0.0
 
 
 @section
-def integrate(low, high, eta_low, eta_high, length, slave_half, master_half, linear, p, D, M, T):
+def integrate(low, high, eta_low, eta_high, length, slave_half, master_half, halves, linear, p, D, M, T):
     """Add the part low < xi < high of a slave segment to piece p.
 
     `length` [mm] of the slave segment; eta runs linearly from eta_low to eta_high. The interval must
@@ -46,14 +67,13 @@ def integrate(low, high, eta_low, eta_high, length, slave_half, master_half, lin
         eta = eta_low + t * (eta_high - eta_low)
         weight = _WEIGHTS[g] * (high - low) * length
         for k in range(2):
-            hat = 1.0 - xi if k == 0 else xi
-            psi = weight * (hat if linear else constant_basis(xi, k))
+            psi = weight * (hat(halves, xi, k) if linear else constant_basis(halves, xi, k))
             for i in range(slave_nodes):
                 D[p, i, k] += psi * trace(slave_nodes, slave_half, xi, i)
             for i in range(master_nodes):
                 M[p, i, k] += psi * trace(master_nodes, master_half, eta, i)
-            T[p, 0, k] += psi * (1.0 - xi)
-            T[p, 1, k] += psi * xi
+            T[p, 0, k] += psi * hat(halves, xi, 0)
+            T[p, 1, k] += psi * hat(halves, xi, 1)
 
 
 @section

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, PieceSlopes, Surface, SurfacePositions
+from contactlab.api.arrays import Flags
 from contactlab.api.compiled.bound_arrays import BoundArrays
 
 DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
@@ -33,11 +34,29 @@ class _Bound:
         return of[0] is slave and of[1] is master and of[2] is at and of[3] is near
 
 
+@dataclass(frozen=True)
 class _Mortar(ContactAlgorithm):
-    """What both multiplier spaces share: the overlaps and their integrals."""
+    """What both multiplier spaces share: the overlaps and their integrals.
+
+    multipliers  which nodes of quadratic slave edges carry them: "nodes" all, "vertices" those at ends of edges;
+                 "auto" is all without friction and the ends with it (mortar-operators.md, quadratic edges)
+    """
+
+    multipliers: Literal["auto", "nodes", "vertices"] = "auto"
 
     passes_patch_test: ClassVar[bool] = True
     linear: ClassVar[bool]
+
+    def with_friction(self) -> ContactAlgorithm:
+        """Multipliers at the ends of quadratic edges, unless told otherwise."""
+        return replace(self, multipliers="vertices") if self.multipliers == "auto" else self
+
+    def carriers(self, slave: Surface) -> Flags:
+        """All nodes, or those at the ends of edges."""
+        carries = np.ones(len(slave.nodes), np.bool_)
+        if self.multipliers == "vertices":
+            carries[slave.edges[:, 2:].ravel()] = False
+        return carries
 
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
         """One slave edge, two multipliers, one master edge."""
@@ -61,7 +80,7 @@ class _Mortar(ContactAlgorithm):
         bound = out.bound
         if bound is None or not bound.holds(slave, master, at, near):
             out.bound = bound = _Bound(slave, master, at, near, out)
-        return int(bound.kernel(bound.address, reach, DEPTH, self.linear))
+        return int(bound.kernel(bound.address, reach, DEPTH, self.linear, self.multipliers == "vertices"))
 
     def slopes(
         self,
@@ -87,6 +106,7 @@ class _Mortar(ContactAlgorithm):
             at.master,
             (near.start, near.master),
             self.linear,
+            self.multipliers == "vertices",
             (count, pieces.multiplier, pieces.master, averaged),
             (out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT,
              out.normal_of, out.normal_moved, out.dnormal),

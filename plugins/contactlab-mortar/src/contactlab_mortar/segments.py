@@ -107,12 +107,13 @@ def _begin(edges, edge, nodes, p, values):
 
 
 @kernel
-def mortar_pieces(bound, reach, depth, linear):
+def mortar_pieces(bound, reach, depth, linear, vertices):
     """Fill the pieces; returns their number.
 
     `bound` are the slave's segments, node_segments, edges and segment_edge, the master's segments, edges and
     segment_edge, positions of both, near list (start, master segments), and the arrays of `Pieces`.
     A slave segment farther than `reach` [mm] or deeper than `depth` segments at all its overlaps is left out.
+    `vertices`: multipliers of quadratic slave edges belong to their ends alone.
     """
     (
         segments, node_segments, edges, segment_edge, master_segments, master_edges, master_segment_edge, slave_at,
@@ -120,6 +121,7 @@ def mortar_pieces(bound, reach, depth, linear):
     ) = unpack(bound, ARRAYS)  # fmt: skip
     depth *= inward_normals(slave_at, segments, node_segments, inward)
     straight = edges.shape[1] == 2 and master_edges.shape[1] == 2
+    vertices = vertices and edges.shape[1] == 3
     count = 0
     for s in range(segments.shape[0]):
         if start[s] == start[s + 1]:
@@ -171,7 +173,10 @@ def mortar_pieces(bound, reach, depth, linear):
             if least < -depth or _passes(low, high, least, length, starts, ends):
                 continue
             close = close or least <= reach
-            multipliers[count, 0], multipliers[count, 1] = i, j
+            if vertices:
+                multipliers[count, 0], multipliers[count, 1] = carriers(s, edges, segment_edge)
+            else:
+                multipliers[count, 0], multipliers[count, 1] = i, j
             if straight:
                 slave_nodes[count, 0], slave_nodes[count, 1] = i, j
                 master_nodes[count, 0], master_nodes[count, 1] = first_node, second_node
@@ -179,7 +184,7 @@ def mortar_pieces(bound, reach, depth, linear):
             else:
                 _begin(edges, segment_edge[s, 0], slave_nodes, count, D)
                 _begin(master_edges, master_segment_edge[m, 0], master_nodes, count, M)
-                halves = (segment_edge[s, 1], master_segment_edge[m, 1])
+                halves = (segment_edge[s, 1], master_segment_edge[m, 1], segment_edge[s, 1] + 1 if vertices else 0)
                 _integrate_halves(low, high, eta_low, eta_high, length, halves, linear, count, D, M, T)
             count += 1
         if not close:
@@ -188,16 +193,24 @@ def mortar_pieces(bound, reach, depth, linear):
     return count
 
 
+@point
+def carriers(s, edges, segment_edge):
+    """Ends of the quadratic edge of slave segment s: first the one that this half touches, then the other."""
+    edge, half = segment_edge[s, 0], segment_edge[s, 1]
+    return edges[edge, half], edges[edge, 1 - half]
+
+
 @kernel
 def _integrate_halves(low, high, eta_low, eta_high, length, halves, linear, p, D, M, T):
     """Integrate an overlap, cut where the P0 basis jumps."""
     T[p, 0, 0], T[p, 0, 1], T[p, 1, 0], T[p, 1, 1] = 0.0, 0.0, 0.0, 0.0
     slope = (eta_high - eta_low) / (high - low)
-    for part in range(2):
+    whole = linear or halves[2] != 0
+    for part in range(1 if whole else 2):
         begin, finish = low, high
-        if not linear:
+        if not whole:
             begin, finish = (low, min(high, 0.5)) if part == 0 else (max(low, 0.5), high)
-        if finish <= begin or (linear and part == 1):
+        if finish <= begin:
             continue
         first, last = eta_low + (begin - low) * slope, eta_low + (finish - low) * slope
-        integrate(begin, finish, first, last, length, halves[0], halves[1], linear, p, D, M, T)
+        integrate(begin, finish, first, last, length, halves[0], halves[1], halves[2], linear, p, D, M, T)

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.compiled.kernel import kernel, point, section
-from contactlab_mortar.integrals import _POINTS, _WEIGHTS, constant_basis, trace
-from contactlab_mortar.segments import _begin, overlap
+from contactlab_mortar.integrals import _POINTS, _WEIGHTS, constant_basis, hat, hat_slope, trace
+from contactlab_mortar.segments import _begin, carriers, overlap
 
 
 @point
@@ -66,18 +66,19 @@ def _limit_slope(xi, eta, fixed, a, e, n, m, c, f, da, de, dn, dm, dc, df, out):
 
 
 @section
-def integrate_slopes(found, low, high, length, dlength, slave_half, master_half, linear, at, dD, dM, dT):
+def integrate_slopes(found, low, high, length, dlength, slave_half, master_half, halves, linear, at, dD, dM, dT):
     """Add the derivatives of an overlap's integrals to entry `at`; low, high = derivatives of (xi, eta) at its ends."""
     slave_nodes, master_nodes = dD.shape[1], dM.shape[1]
     points = max(slave_nodes, master_nodes) - (0 if linear else 1)
     start = points * (points - 1) // 2
     slope = (found[3] - found[2]) / (found[1] - found[0])
     dslope = (high[1] - low[1] - slope * (high[0] - low[0])) / (found[1] - found[0])
-    for part in range(1 if linear else 2):
+    whole = linear or halves != 0
+    for part in range(1 if whole else 2):
         begin, end, dbegin, dend = found[0], found[1], low[0], high[0]
-        if not linear and part == 0 and end > 0.5:
+        if not whole and part == 0 and end > 0.5:
             end, dend = 0.5, 0.0
-        if not linear and part == 1 and begin < 0.5:
+        if not whole and part == 1 and begin < 0.5:
             begin, dbegin = 0.5, 0.0
         if end <= begin:
             continue
@@ -90,23 +91,23 @@ def integrate_slopes(found, low, high, length, dlength, slave_half, master_half,
             dweight = _WEIGHTS[g] * ((dend - dbegin) * length + (end - begin) * dlength)
             for k in range(2):
                 if linear:
-                    hat, dhat = (1.0 - xi, -dxi) if k == 0 else (xi, dxi)
+                    basis, dbasis = hat(halves, xi, k), hat_slope(halves, k) * dxi
                 else:
                     # the middle of a part tells on which side of the break it lies
-                    hat, dhat = constant_basis(0.5 * (begin + end), k), 0.0
-                psi, dpsi = weight * hat, dweight * hat + weight * dhat
+                    basis, dbasis = constant_basis(halves, 0.5 * (begin + end), k), 0.0
+                psi, dpsi = weight * basis, dweight * basis + weight * dbasis
                 for i in range(slave_nodes):
                     dD[at, i, k] += dpsi * trace(slave_nodes, slave_half, xi, i)
                     dD[at, i, k] += psi * trace_slope(slave_nodes, slave_half, xi, i) * dxi
                 for i in range(master_nodes):
                     dM[at, i, k] += dpsi * trace(master_nodes, master_half, eta, i)
                     dM[at, i, k] += psi * trace_slope(master_nodes, master_half, eta, i) * deta
-                dT[at, 0, k] += dpsi * (1.0 - xi) - psi * dxi
-                dT[at, 1, k] += dpsi * xi + psi * dxi
+                for i in range(2):
+                    dT[at, i, k] += dpsi * hat(halves, xi, i) + psi * hat_slope(halves, i) * dxi
 
 
 @kernel
-def mortar_slopes(slave, master, slave_at, master_at, near, linear, pieces, out):
+def mortar_slopes(slave, master, slave_at, master_at, near, linear, vertices, pieces, out):
     """Derivatives of all pieces and normals; returns the numbers of entries of both.
 
     slave, master, near as in `mortar_pieces`; pieces = (count, multipliers, master nodes, inward normals)
@@ -124,8 +125,10 @@ def mortar_slopes(slave, master, slave_at, master_at, near, linear, pieces, out)
     n_end = np.empty(2)
     e, f, n, m, low, high = np.empty(2), np.empty(2), np.empty(2), np.empty(2), np.empty(2), np.empty(2)
     shift, p, at = slave_at.shape[0], 0, 0
+    vertices = vertices and edges.shape[1] == 3
     for s in range(segments.shape[0]):
         i, j = segments[s, 0], segments[s, 1]
+        first_carrier, second_carrier = carriers(s, edges, segment_edge) if vertices else (i, j)
         a, b = slave_at[i], slave_at[j]
         e[0], e[1] = b[0] - a[0], b[1] - a[1]
         length = np.sqrt(e[0] * e[0] + e[1] * e[1])
@@ -139,7 +142,7 @@ def mortar_slopes(slave, master, slave_at, master_at, near, linear, pieces, out)
         _edge_sum(i, slave_at, segments, node_segments, edge_i)
         _edge_sum(j, slave_at, segments, node_segments, edge_j)
         for z in range(start[s], start[s + 1]):
-            if p >= total or multipliers[p, 0] != i or multipliers[p, 1] != j:
+            if p >= total or multipliers[p, 0] != first_carrier or multipliers[p, 1] != second_carrier:
                 break
             seg = candidates[z]
             own = master_edges[master_segment_edge[seg, 0]]
@@ -175,13 +178,14 @@ def mortar_slopes(slave, master, slave_at, master_at, near, linear, pieces, out)
                                 moves[4], df, high)  # fmt: skip
                     _begin(edges, segment_edge[s, 0], o_slave, at, dD)
                     _begin(master_edges, master_segment_edge[seg, 0], o_master, at, dM)
-                    o_multiplier[at, 0], o_multiplier[at, 1] = i, j
+                    o_multiplier[at, 0], o_multiplier[at, 1] = first_carrier, second_carrier
                     o_moved[at] = 2 * nodes[v] + direction
                     for k in range(2):
                         dT[at, 0, k], dT[at, 1, k] = 0.0, 0.0
                     dlength = (e[0] * de[0] + e[1] * de[1]) / length
                     integrate_slopes(found, low, high, length, dlength, segment_edge[s, 1],
-                                     master_segment_edge[seg, 1], linear, at, dD, dM, dT)  # fmt: skip
+                                     master_segment_edge[seg, 1], segment_edge[s, 1] + 1 if vertices else 0, linear,
+                                     at, dD, dM, dT)  # fmt: skip
                     at += 1
             p += 1
     return at, _normal_slopes(slave_at, segments, node_segments, normal_of, normal_moved, dnormal)

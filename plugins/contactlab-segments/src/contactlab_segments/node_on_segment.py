@@ -16,9 +16,9 @@ DEPTH = 1.0  # segment lengths: a node deeper than this is on the far side of a 
 class NodeOnSegment(ContactAlgorithm):
     """Slave nodes stay outside the nearest master segment, or the parabola of a quadratic edge.
 
-    D = T = the node's tributary length, M = that length times the segment's shape functions, so
-    multipliers come out as pressures like those of the mortar methods. At a concave corner of the
-    master both segments hold the node.
+    D = T = the length that the node stands for, half of its edges or 1/6, 4/6 and 1/6 of a quadratic one; M = that
+    length times the segment's shape functions. So multipliers come out as pressures like those of the mortar methods.
+    At a concave corner of the master both segments hold the node.
     """
 
     passes_patch_test: ClassVar[bool] = False
@@ -44,8 +44,9 @@ class NodeOnSegment(ContactAlgorithm):
         out: Pieces,
     ) -> int:
         """The nearest segment of every slave node; `memory` keeps its number (plus one)."""
-        from contactlab.api.compiled.chains import nodal_normals, segment_normals, tributary_lengths
+        from contactlab.api.compiled.chains import nodal_normals, segment_normals
         from contactlab_segments.pairing import pair_nodes
+        from contactlab_segments.weights import node_lengths
 
         slave_normal, slave_length = np.empty((len(slave.segments), 2)), np.empty(len(slave.segments))
         segment_normals(at.slave, slave.segments, slave_normal, slave_length)
@@ -54,7 +55,9 @@ class NodeOnSegment(ContactAlgorithm):
         normal, length = np.empty((len(master.segments), 2)), np.empty(len(master.segments))
         segment_normals(at.master, master.segments, normal, length)
         tributary = np.empty(len(slave.nodes))
-        tributary_lengths(at.slave, slave.segments, slave.node_segments, tributary)
+        node_lengths(
+            at.slave, slave.segments, slave.node_segments, slave.edges, slave.segment_edge, slave_length, tributary
+        )
         count: int = pair_nodes(
             at.slave,
             outward,

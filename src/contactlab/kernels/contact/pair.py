@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from contactlab.api.compiled.chains import tributary_lengths
 from contactlab.api.compiled.contact_tables import FactoredTable
-from contactlab.api.compiled.kernel import kernel
+from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.banded_rows import fill_columns
 from contactlab.kernels.contact.coupling import couple, unmerged
@@ -37,6 +37,7 @@ def place(bound, positions, compliance, force, asked):
         _push(compliance, force, at.slave, at.slave_at)
         _push(compliance, force, at.master, at.master_at)
     tributary_lengths(at.slave_at, at.segments, at.node_segments, pair.coupling.full)
+    _give_lengths(pair.coupling)
     return max(largest_move(at.slave_at, at.slave_before), largest_move(at.master_at, at.master_before))
 
 
@@ -46,6 +47,17 @@ def _push(compliance, force, nodes, at):
         n = nodes[i]
         for c in range(2):
             at[i, c] += compliance[n, c] * force[n, c]
+
+
+@section
+def _give_lengths(coupling):
+    """Lengths of nodes that carry no multiplier go to the carriers on either side, by halves."""
+    full = coupling.full
+    for i in range(coupling.absent.size):
+        k = coupling.absent[i]
+        full[coupling.following[k]] += 0.5 * full[k]
+        full[coupling.preceding[k]] += 0.5 * full[k]
+        full[k] = 0.0
 
 
 @kernel

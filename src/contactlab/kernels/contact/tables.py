@@ -29,7 +29,8 @@ class BandedRows(NamedTuple):
 class CouplingTable(NamedTuple):
     """The tridiagonal coupling T of the multipliers and its factors; see `contactlab.kernels.contact.coupling`.
 
-    following, preceding   (k,) multipliers of the next and the previous chain node, -1 at ends
+    following, preceding   (k,) multipliers of the next and the previous carrier of the chain, -1 at ends
+    absent                 those of nodes that carry none: places that stay empty
     fixed                  (k,) those of nodes that cannot move
     full, cover            (k,) [mm] length of each multiplier on full cover, and what of it is covered
     diagonal, lower, upper (k,) [mm] T[k, k], T[k, previous], T[k, next]
@@ -41,6 +42,7 @@ class CouplingTable(NamedTuple):
 
     following: Ints1
     preceding: Ints1
+    absent: Ints1
     fixed: Flags1
     full: Floats1
     cover: Floats1

@@ -14,18 +14,20 @@ from contactlab.kernels.contact.tables import BandedRows, CouplingTable
 class Coupling:
     """The tridiagonal T of k multipliers: merged and dropped where little of them is covered, and factorised.
 
-    `table` holds its arrays, which the kernels of a pair fill from segment contributions. `fixed` (m,) marks slave
-    nodes that cannot move: their multipliers are merged whatever they cover.
+    `table` holds its arrays, which the kernels of a pair fill from segment contributions. `carriers` (m,) marks slave
+    nodes that carry multipliers, `fixed` (m,) those that cannot move: theirs are merged whatever they cover.
     """
 
-    def __init__(self, slave: Surface, rows_per_node: int, fixed: Flags) -> None:
-        following, preceding = _neighbours(slave, rows_per_node)
+    def __init__(self, slave: Surface, rows_per_node: int, carriers: Flags, fixed: Flags) -> None:
+        carried = np.tile(carriers, rows_per_node)
+        following, preceding = _neighbours(slave, rows_per_node, carried)
+        absent = np.flatnonzero(~carried).astype(np.int32)
         k = len(following)
         full, cover, diagonal, lower, upper, pivot = np.zeros((6, k))
         owner, next_, previous, order = np.zeros((4, k), np.int32)
         self.table = CouplingTable(
-            following, preceding, np.tile(fixed, rows_per_node), full, cover, diagonal, lower, upper, pivot, owner,
-            next_, previous, order, np.zeros(1, np.int32),
+            following, preceding, absent, np.tile(fixed, rows_per_node), full, cover, diagonal, lower, upper, pivot,
+            owner, next_, previous, order, np.zeros(1, np.int32),
         )  # fmt: skip
         self.bound = BoundArrays(CouplingTable, *self.table)
         self._scratch = np.zeros(0)
@@ -61,6 +63,11 @@ class Coupling:
         coupling.solve(self.bound.address, found)
         return np.where(self.owner >= 0, found[self.owner], 0.0)
 
+    def between(self, nodes: int) -> tuple[Ints, Ints, Ints]:
+        """Those of the slave's nodes that carry no multiplier, and the carriers that follow and precede each."""
+        inner = self.table.absent[self.table.absent < nodes]
+        return inner, self.table.following[inner], self.table.preceding[inner]
+
     def rows(self, columns: BandedRows, rows: BandedRows) -> BandedRows:
         """Rows of T^-T A^T from columns of A, in `rows` or in wider ones."""
         while True:
@@ -85,12 +92,15 @@ class Coupling:
         return self._scratch
 
 
-def _neighbours(slave: Surface, slots: int) -> tuple[Ints, Ints]:
-    """For every multiplier the ones of the next and of the previous chain node, -1 at ends."""
+def _neighbours(slave: Surface, slots: int, carried: Flags) -> tuple[Ints, Ints]:
+    """For every node and slot the multipliers of the next and of the previous carrier of the chain, -1 at ends."""
     m = len(slave.nodes)
     into, out = slave.node_segments[:, 0], slave.node_segments[:, 1]
     following = np.where(out >= 0, slave.segments[out, 1], -1)
     preceding = np.where(into >= 0, slave.segments[into, 0], -1)
     shift = m * np.arange(slots)[:, None]
-    both = [np.where(side >= 0, side + shift, -1).ravel().astype(np.int32) for side in (following, preceding)]
+    both = []
+    for side in (following, preceding):
+        near = np.where(side >= 0, side + shift, -1).ravel()
+        both.append(np.where((near >= 0) & ~carried[near], near[near], near).astype(np.int32))
     return both[0], both[1]

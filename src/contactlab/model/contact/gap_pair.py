@@ -27,6 +27,7 @@ class GapPair:
     rows_per_node = 1
     factored = False  # conditions come finished
     kept = 0
+    between = (np.zeros(0, np.int32),) * 3  # every slave node may have a condition
 
     def __init__(
         self,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Candidates, ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Pieces, Rows, Surface
+from contactlab.api import Candidates, ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.compiled.contact_tables import PiecesTable
@@ -50,14 +50,15 @@ class SurfacePair:
         fixed: Flags,
     ) -> None:
         self.name = name
-        self.algorithm, self.slave, self.master = algorithm, slave, master
+        self.algorithm = algorithm = algorithm if friction is None else algorithm.with_friction()
+        self.slave, self.master = slave, master
         self.first_slot, self.friction = first_slot, friction
         m, slots = len(slave.nodes), algorithm.rows_per_node
         self.slots = slots * m
         self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
         self.measured = SurfacePositions(self.at.slave.copy(), self.at.master.copy())
         self.size = longest_segment(self.at, slave, master)
-        self.coupling = Coupling(slave, slots, fixed)
+        self.coupling = Coupling(slave, slots, algorithm.carriers(slave), fixed)
         self.linear_trace = slave.edges.shape[1] == 2
         self.near: Near | None = None
         self.unchecked = True
@@ -76,6 +77,11 @@ class SurfacePair:
     def rows_per_node(self) -> int:
         """Multipliers that a slave node can carry."""
         return self.algorithm.rows_per_node
+
+    @property
+    def between(self) -> tuple[Ints, Ints, Ints]:
+        """Slave nodes that carry no multiplier, and the carriers that follow and precede each."""
+        return self.coupling.between(len(self.slave.nodes))
 
     @property
     def cover(self) -> Floats:
