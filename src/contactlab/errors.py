@@ -191,3 +191,7 @@ class SimulationFailure(ContactlabError):
 
     def __str__(self) -> str:
         return f"{self.status}: {self.reason}"
+
+
+class NotFiniteError(SimulationFailure):
+    """The state of a run has something in it that is no number; whose it was is not known yet."""

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contactlab.api import Floats
 from contactlab.kernels.watch import smallest_jacobian
 from contactlab.model.bodies.tangent import Tangent
+from contactlab.model.examination import examine_bodies, examine_effects
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
@@ -31,6 +33,19 @@ class ImplicitModel(Model):
         self._slopes = [
             np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
         ]
+
+    def internal_force(self, dt: float) -> None:
+        """As every model's; a part whose answer is no number is named at once."""
+        super().internal_force(dt)
+        if not np.isfinite(self._internal.sum()):
+            examine_bodies(self)
+
+    def external_force(self, time: float, out: Floats) -> bool:
+        """As every model's; an effect whose answer is no number is named at once."""
+        loaded = super().external_force(time, out)
+        if loaded and not np.isfinite(out.sum()):
+            examine_effects(self, time)
+        return loaded
 
     def begin(self, dt: float) -> None:
         """The state as it is becomes the start of a step of length dt [s]."""

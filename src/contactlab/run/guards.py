@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.api import Floats, Integrator, RunWarning, Step
-from contactlab.errors import SimulationFailure
+from contactlab.errors import NotFiniteError, SimulationFailure
 from contactlab.kernels.watch import deepest, smallest_jacobian, status_changes
 from contactlab.model.bodies.body import BodyForces
 from contactlab.model.energy import energy_gain
@@ -85,6 +85,7 @@ class Guards:
         """Stop at the first step without a number, and when contact was not solved or flickered for many steps."""
         if not math.isfinite(self.work[0]):
             self._finite()
+            raise NotFiniteError("failed", f"step {self.model.state.step}: the work of the stresses is not a number")
         self.loose = self.loose + 1 if step.residual > LOOSE else 0
         if self.loose >= PATIENCE:
             self._not_solved(step.residual)
@@ -141,6 +142,8 @@ class Guards:
     def look_at_positions(self) -> None:
         """The part of `look` that one step alone decides: numbers, speeds, cells and surfaces at its end."""
         self._finite()
+        if self.pairs:
+            self._examine()
         self._speed()
         self._folded()
         self._penetration()
@@ -152,11 +155,19 @@ class Guards:
             values = self.model.state[name]
             bad = np.flatnonzero(~np.isfinite(values).all(axis=1))
             if len(bad):
-                self._stop(
-                    f"{self._node(int(bad[0]))} has the {name.replace('_', ' ')} ({values[bad[0], 0]:g}, "
-                    f"{values[bad[0], 1]:g}), the first of {len(bad)} nodes where it is not finite",
-                    f"try {self.shorter}, and look at the material there",
+                raise NotFiniteError(
+                    "diverged",
+                    f"step {self.model.state.step}: {self._node(int(bad[0]))} has the {name.replace('_', ' ')} "
+                    f"({values[bad[0], 0]:g}, {values[bad[0], 1]:g}), the first of {len(bad)} nodes where it is not "
+                    f"finite; try {self.shorter}, and look at the material there",
                 )
+
+    def _examine(self) -> None:
+        """Raise WrongAnswer for a contact algorithm whose answer is no number: its contact would vanish."""
+        from contactlab.model.examination import examine_pair
+
+        for pair in self.pairs:
+            examine_pair(pair)
 
     def _speed(self) -> None:
         if "velocity" not in self.model.state:

@@ -22,6 +22,7 @@ from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
 from contactlab.results.summary import Clock, Counts, summarise
+from contactlab.run.culprit import KeptState
 from contactlab.run.guards import EVERY, Guards
 from contactlab.run.recorders import open_recordings, recorders_of
 from contactlab.run.restart import changed_versions, check_memory, saved_run, stored_results
@@ -54,12 +55,14 @@ class Run:
     first_step: int = 0
     taken_up: dict[str, Any] = field(default_factory=dict)
     attempt: int = 1
+    kept: KeptState = field(default_factory=KeptState)
     journal: Journal = field(init=False)
 
     def begin(self) -> None:
         """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
         if not self.journal.frames:
             self.store()
+        self.keep()
         self.save()
 
     @property
@@ -104,6 +107,11 @@ class Run:
         """Note warnings that are new as events."""
         for warning in self.model.warnings.untold():
             self.journal.tell("warning", warning.text)
+
+    def keep(self) -> None:
+        """Remember the state as it is: from here on explicit steps can be repeated."""
+        if self.model.integrator.explicit:
+            self.kept.take(self.model)
 
     def save(self) -> None:
         """Save all that a restart needs; a run that is killed later looks as `KILLED` says."""

@@ -9,10 +9,11 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from contactlab.api import StepStatus
-from contactlab.errors import ContactlabError, RequestError, SimulationFailure, WrongAnswer, one_line
+from contactlab.errors import ContactlabError, NotFiniteError, RequestError, SimulationFailure, WrongAnswer, one_line
 from contactlab.model.build import build
-from contactlab.parts.error_origin import part_at_fault
+from contactlab.parts.error_origin import part_at_fault, part_errors
 from contactlab.results.results import Results
+from contactlab.run.culprit import wrong_answer
 from contactlab.run.folders import run_folder
 from contactlab.run.guards import EVERY
 from contactlab.run.interruption import Interrupted, Interruption
@@ -54,7 +55,8 @@ def simulate(
         return over
     began = perf_counter()
     model = build(scene, registry)
-    run = begin_run(model, scene, registry, folder, resume)
+    with part_errors(registry):
+        run = begin_run(model, scene, registry, folder, resume)
     run.clock.build_s = perf_counter() - began
     with Interruption(run.schedule.stop) as interruption:
         status, reason = _guarded(run, registry, interruption, progress)
@@ -77,15 +79,16 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
         run.schedule.follow()
         run.schedule.verdict()
         return "finished", ""
+    except NotFiniteError as failure:
+        found = wrong_answer(run)
+        return ("failed", found) if found else (failure.status, failure.reason)
     except SimulationFailure as failure:
         return failure.status, failure.reason
     except RequestError:
         raise
-    except WrongAnswer as failure:
-        return (
-            "failed",
-            f"step {run.model.state.step}: {failure}",
-        )  # it names the part; its line is that of whoever asked
+    except WrongAnswer as failure:  # it names the part; the line is that of whoever asked
+        seen = f"step {run.model.state.step}: {failure}"
+        return "failed", wrong_answer(run) or seen
     except (Exception, SystemExit) as failure:
         place = part_at_fault(failure, registry)
         if not place and not isinstance(failure, OURS):
@@ -115,6 +118,7 @@ def _advance(run: Run, progress: Progress | None) -> None:
         if counts.steps % EVERY == 0:
             guards.look()
             schedule.follow()
+            run.keep()
         if schedule.frame_due():
             guards.look()
             run.store()

@@ -137,14 +137,21 @@ def matched(words: str, reason: str) -> re.Match[str]:
 
 
 def test_what_is_no_number(seeded: Registry) -> None:
-    """The law fails in the top row of the lower body first, that is in its cells 5 to 9 with nodes 6 to 17."""
+    """The law fails in the top row of the lower body first, that is in its cells 5 to 9, and is named."""
     lower_top = {"on": "lower.top", "uy": {"ramp": "linear", "to": -0.1, "duration": 1e-4}}  # a strain of v/c = 2.9 %
     law = {"use": "brittle", "young": 1000.0, "poisson": 0.25, "density": 1e-6}
-    reason = stopped(scene({"lower": TWO["lower"]}, law, seeded, supports=[HELD, lower_top], time={"end": 1e-4}))
-    found = matched(r"node (\d+) of body lower has the (internal force|velocity) \(", reason)
-    assert 6 <= int(found[1]) <= 17
-    assert "nan" in reason
-    assert "where it is not finite" in reason
+    failing = scene({"lower": TWO["lower"]}, law, seeded, supports=[HELD, lower_top], time={"end": 1e-4})
+    results = simulate(failing, registry=seeded)
+    assert results.status == "failed"
+    words = r"step \d+: Brittle: stress gave a stress that is not finite in cell (\d) of body lower"
+    assert 5 <= int(matched(words, results.reason)[1]) <= 9
+
+
+def test_a_number_that_nobody_gave_is_told_with_its_node() -> None:
+    model = model_of()
+    model.state["velocity"][7] = np.nan
+    with pytest.raises(SimulationFailure, match=r"node 7 of body upper has the velocity \(nan, nan\)"):
+        Guards(model).look()
 
 
 def test_a_cell_that_folds() -> None:

@@ -7,6 +7,7 @@ from time import perf_counter
 import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
+from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.rows import tangential_work
 from contactlab.kernels.contact.warm_start import extrapolate
 from contactlab.model.contact.gap_pair import Pair
@@ -69,6 +70,10 @@ class ContactSystem:
         while True:
             self._assemble(margin, current)
             self.last = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
+            if type(self.last) is not Solve:
+                raise WrongAnswer(
+                    f"{type(self.enforcement).__name__}: solve gave {type(self.last).__name__}, needed: Solve"
+                )
             # a left-out row could have closed only if nodes were moved by a good part of the margin
             if 4.0 * self.last.largest_correction <= margin or margin == np.inf:
                 return

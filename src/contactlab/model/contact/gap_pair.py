@@ -68,9 +68,10 @@ class GapPair:
         edges.take(positions, self.master.nodes, self.at.master)
         tributary_lengths(self.at.slave, self.slave.segments, self.slave.node_segments, self.full)
         first = self.found is None
-        self.found = found = self._conditions(self.at)
-        if first:
+        found = self._conditions(self.at)
+        if first or _doubtful(found):
             refuse_wrong(found, self.slots, len(positions), self.friction is not None, type(self.algorithm).__name__)
+        self.found = found
         self.updated[:] = positions
         self.kept = len(found.gap)
         self.cover[:] = 0.0
@@ -183,6 +184,16 @@ def _per_row(found: GapConditions, weight: Floats, vectors: Floats) -> Floats:
     return np.asarray(np.add.reduceat(np.einsum("zi,zi->z", weight, vectors), found.start[:-1]))
 
 
+def _doubtful(found: Any) -> bool:
+    """Whether conditions of a later step have to be looked at more closely: cheap signs of what is wrong."""
+    if type(found) is not GapConditions:
+        return True
+    k, z = len(found.gap), len(found.node)
+    if not len(found.owner) == len(found.measure) == len(found.start) - 1 == k or len(found.normal_weight) != z:
+        return True
+    return not math.isfinite(found.gap.sum() + found.normal_weight.sum() + found.measure.sum())
+
+
 def refuse_wrong(found: Any, slave_nodes: int, nodes: int, tangent: bool, part: str) -> None:
     """Raise WrongAnswer naming what of the gap conditions of a part is not as the contract says."""
     if not isinstance(found, GapConditions):
@@ -203,6 +214,9 @@ def refuse_wrong(found: Any, slave_nodes: int, nodes: int, tangent: bool, part: 
         f"node: global node numbers 0 to {nodes - 1}": z == 0 or 0 <= found.node.min() <= found.node.max() < nodes,
         f"owner: positions 0 to {slave_nodes - 1} in the slave surface": k == 0
         or 0 <= owner.min() <= owner.max() < slave_nodes,
+        "gap, normal_weight, tangent_weight: finite numbers": all(
+            bool(np.isfinite(values).all()) for values in (found.gap, found.normal_weight, found.tangent_weight)
+        ),
         "owner: each slave node at most once": len(np.unique(owner)) == k,
         "measure: lengths > 0": bool(np.all(np.asarray(found.measure) > 0.0)),
     }

@@ -13,6 +13,7 @@ from contactlab.kernels.contact import rows
 from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.linearisation import PairLinearisation, PairSlopes
 from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.examination import examine_pair
 
 
 class ImplicitContactSystem:
@@ -74,6 +75,7 @@ class ImplicitContactSystem:
         for linear, memory in zip(self.linear, self.memories, strict=True):
             pair = linear.pair
             linear.evaluate(position, self.start, memory)
+            examine_pair(pair)
             own = slice(pair.first_slot, pair.first_slot + pair.slots)
             flexibility = np.zeros(pair.slots)
             rows.flexibilities(pair.rows_address, self.flexibility, flexibility)

@@ -123,7 +123,7 @@ class SurfacePair:
         count = self.algorithm.pieces(
             self.slave, self.master, self.at, self.near.candidates, REACH * self.size, memory, self.pieces
         )
-        if self.unchecked or not 0 <= count <= len(self.pieces.slave):
+        if self.unchecked or type(count) is not int or not 0 <= count <= len(self.pieces.slave):
             self._check(count)
         self.count = count
         self._join()

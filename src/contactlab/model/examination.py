@@ -1,0 +1,165 @@
+"""Who gave something that is no number: every part is given finite numbers, or is not to blame.
+
+`examine_*` look at the arrays that a step left, in the order in which they come about, and raise WrongAnswer with part
+and method. `Examined` is a model that does so at every crossing, for steps that are repeated to find out.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import Floats, GapConditions, Pieces, Solve
+from contactlab.errors import WrongAnswer
+from contactlab.model.bodies.body import Block, BodyForces
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.explicit_system import ContactSystem
+    from contactlab.model.contact.gap_pair import Pair
+    from contactlab.model.model import Model
+
+
+def finite(*arrays: Floats) -> bool:
+    """Whether all numbers are; sums of them tell, without an array of answers."""
+    return all(bool(np.isfinite(array.sum())) or bool(np.isfinite(array).all()) for array in arrays)
+
+
+def _refuse(part: Any, method: str, what: str, place: str = "") -> None:
+    raise WrongAnswer(f"{type(part).__name__}: {method} gave {what} that is not finite{place}, from finite numbers")
+
+
+# --- bodies -----------------------------------------------------------------------------------------
+
+
+def examine_bodies(model: Model) -> None:
+    """Element and material of every body at the last update."""
+    if not finite(model.state["displacement"]):
+        return
+    for forces in model.forces:
+        begin = 0
+        for block in forces.current():
+            _examine_block(forces, block, begin)
+            begin += block.connectivity.shape[1]
+    if not finite(model.state["internal_force"]):
+        force = model.state["internal_force"]
+        body = next(f.body for f in model.forces if not finite(force[f.body.first : f.body.first + f.body.count]))
+        _refuse(body.element, "its forces", "a nodal force", f" in body {body.name}")
+
+
+def _examine_block(forces: BodyForces, block: Block, begin: int) -> None:
+    body = forces.body
+    for part, method, what, values in (
+        (body.element, "its kernels", "a displacement gradient", block.gradient),
+        (body.material, "stress", "a stress", block.stress),
+        (body.material, "stress", "a history", block.new_history),
+    ):
+        if not finite(values):
+            point = int(np.argmax(~np.isfinite(values).all(axis=0)))
+            cell = begin + point % block.connectivity.shape[1]
+            _refuse(part, method, what, f" in cell {cell} of body {body.name}")
+
+
+def examine_effects(model: Model, time: float) -> None:
+    """Effects one by one, in the present state."""
+    if not all(finite(model.state[name]) for name in ("displacement", "velocity") if name in model.state):
+        return
+    for number, effect in enumerate(model.effects):
+        own = np.zeros_like(model.reference)
+        effect(time, own)
+        if not finite(own):
+            raise WrongAnswer(f"effects.{number} gave a force that is not finite, from finite numbers")
+
+
+# --- contact ----------------------------------------------------------------------------------------
+
+
+def examine_contact(contact: Any) -> None:
+    """The algorithm of every pair at its last update, then the enforcement; None where there is no contact."""
+    for pair in contact.pairs if contact is not None else ():
+        examine_pair(pair)
+
+
+def examine_pair(pair: Pair) -> None:
+    """What a contact algorithm gave last."""
+    pieces, found = getattr(pair, "pieces", None), getattr(pair, "found", None)
+    if pieces is not None:
+        _examine_pieces(pair, pieces, pair.count)  # type: ignore[union-attr]
+    elif found is not None:
+        _examine_conditions(pair, found)
+
+
+def _examine_pieces(pair: Pair, pieces: Pieces, count: int) -> None:
+    covered = pieces.T[:count].sum()
+    others = pieces.D[:count].sum() + pieces.M[:count].sum() + pieces.normal.sum()
+    if (covered > 0.0 or not count) and np.isfinite(covered + others):
+        return
+    if not finite(*pair.at):
+        return
+    for name in ("D", "M", "T"):
+        if not finite(getattr(pieces, name)[:count]):
+            _refuse(pair.algorithm, "pieces", f"an entry of {name}", f" in {pair.name}")
+    if not finite(pieces.normal[pieces.multiplier[:count].ravel()]):
+        _refuse(pair.algorithm, "pieces", "a normal", f" in {pair.name}")
+    if count and not covered > 0.0:
+        raise WrongAnswer(
+            f"{type(pair.algorithm).__name__}: pieces gave {count} pieces in {pair.name} whose T sums up to "
+            f"{covered:g}, needed: integrals over the covered length"
+        )
+
+
+def _examine_conditions(pair: Pair, found: GapConditions) -> None:
+    for name in ("gap", "normal_weight", "tangent_weight", "measure"):
+        if not finite(getattr(found, name)) and finite(*pair.at):
+            _refuse(pair.algorithm, "conditions", f"an entry of {name}", f" in {pair.name}")
+
+
+# --- a step with all checks on ----------------------------------------------------------------------
+
+
+class Examined:
+    """A model whose parts are looked at whenever they have answered; everything else is the model's own."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        self.contact = None if model.contact is None else _ExaminedContact(model, model.contact)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._model, name)
+
+    def external_force(self, time: float, out: Floats) -> bool:
+        """The loads one by one."""
+        loaded = self._model.external_force(time, out)
+        if loaded and not finite(out):
+            examine_effects(self._model, time)
+        return loaded
+
+    def internal_force(self, dt: float) -> None:
+        """Bodies, after what the integrator made of the forces on them."""
+        self.refuse_state()
+        self._model.internal_force(dt)
+        examine_bodies(self._model)
+
+    def refuse_state(self) -> None:
+        """Raise WrongAnswer where the integrator made something else of finite forces."""
+        for name in ("displacement", "velocity"):
+            if name in self._model.state and not finite(self._model.state[name]):
+                _refuse(self._model.integrator, "its step", f"a {name}")
+
+
+class _ExaminedContact:
+    def __init__(self, model: Model, contact: ContactSystem) -> None:
+        self._model, self._contact = model, contact
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._contact, name)
+
+    def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
+        """The algorithms, then the enforcement."""
+        if not finite(predicted):
+            _refuse(self._model.integrator, "its step", "a predicted position")
+        done = self._contact.solve(predicted, current, compliance, force)
+        examine_contact(self._contact)
+        if not finite(force, self._contact.multipliers):
+            _refuse(self._contact.enforcement, "solve", "a force")
+        return done
