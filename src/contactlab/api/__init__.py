@@ -36,7 +36,7 @@ from contactlab.api.material import Kinematics, Material
 from contactlab.api.mesh import Mesh, MeshSource
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
 from contactlab.api.recorder import Recorder, Recording
-from contactlab.api.slopes import PieceSlopes
+from contactlab.api.slopes import GapGradients, PieceSlopes
 from contactlab.api.state import WORK, State
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 from contactlab.api.warning import RunWarning, Warnings
@@ -71,6 +71,7 @@ __all__ = [
     "FrictionLaw",
     "GapAlgorithm",
     "GapConditions",
+    "GapGradients",
     "ImplicitContact",
     "ImplicitEnforcement",
     "ImplicitEquations",

@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from contactlab.api.arrays import Flags, Floats, Ints
-from contactlab.api.slopes import PieceSlopes
+from contactlab.api.slopes import GapGradients, PieceSlopes
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 
 
@@ -74,6 +74,7 @@ class ContactAlgorithm(ABC):
     passes_patch_test: ClassVar[bool]
     rows_per_node: ClassVar[int] = 1
     memory_size: ClassVar[int] = 0
+    gradient_nodes: ClassVar[int] = 0
 
     def with_friction(self) -> ContactAlgorithm:
         """What the algorithm is where friction is declared. The default is what it is anyway."""
@@ -149,6 +150,26 @@ class ContactAlgorithm(ABC):
         Asked for by implicit integrators. The default says no, and the core takes differences of
         `pieces`: right, and slower by about fifty calls of it. `out` has room for 2 (s + r + 8) entries
         of each piece, for 20 of each normal and 32 more of the normals for each piece.
+        """
+        return False
+
+    def gradients(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        pieces: Pieces,
+        count: int,
+        owner: Ints,
+        separation: Floats,
+        out: GapGradients,
+    ) -> bool:
+        """Fill `out` with the derivatives of the separations of the first `count` of `pieces`, one entry for each.
+
+        Asked for by explicit integrators whose contact forces are conjugate, in every step, of algorithms that declare
+        `gradient_nodes`. `separation` (multipliers, 2) [mm] counts for the multiplier `owner` (multipliers,) int32 that
+        each one became, for none where that is -1. False, and the core takes `slopes`: the same and slower.
         """
         return False
 

@@ -27,6 +27,7 @@ class Rows:
     measure        (k,) [mm]   length that the condition stands for
     size           (k,) [mm]   length of the slave segments there, to scale gaps
     slot           (k,) int32  where the condition's multiplier lives in the state
+    offset         (k,) [mm]   what the gap has beside weights times positions, for those who record it
     bound          (3, k)      friction bound per row: coefficient, adhesion, cap; (3, 0) without friction
     work           (4, k)      scratch for the enforcement
     """
@@ -41,6 +42,7 @@ class Rows:
     measure: Floats
     size: Floats
     slot: Ints
+    offset: Floats
     bound: Floats
     work: Floats
 
@@ -115,10 +117,18 @@ class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
 class ExplicitEnforcement(Enforcement):
     """For integrators that predict positions and correct them with contact forces in the same step.
 
-    factored  it has `solve_factored`, which is then asked first where all conditions can be given that way
+    factored   it has `solve_factored`, which is then asked first where all conditions can be given that way
+    conjugate  rows are the whole derivatives of the gaps at the start of the step, weights and normals included, and
+               `Rows.gap` is what is left of the motion that may be allowed (docs/theory/contact-energy.md);
+               otherwise rows are weights and normals at the end of the step, and `Rows.gap` is the predicted gap
     """
 
     factored: ClassVar[bool] = False
+
+    @property
+    def conjugate(self) -> bool:
+        """Whether its forces are to be conjugate to the gaps."""
+        return False
 
     def solve_factored(
         self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -51,6 +52,44 @@ class PieceSlopes:
             np.zeros((capacity, s, k)),
             np.zeros((capacity, r, k)),
             np.zeros((capacity, k, k)),
+            np.zeros(normal_capacity, np.int32),
+            np.zeros(normal_capacity, np.int32),
+            np.zeros((normal_capacity, 2)),
+        )
+
+
+@dataclass
+class GapGradients:
+    """Room for the derivatives of the weighted separations D^T x - M^T y - T^T r of the pieces.
+
+    Only what follows from weights that change: positions x, y and separations r that are multiplied with them stay.
+    Nodes are positions in the slave surface, or m + a position in the master surface; -1 for none. `count` and
+    `normal_count` are in use.
+
+    multiplier  (capacity, k) int32, those of the piece
+    node        (capacity, v) int32 nodes that its weights depend on
+    value       (capacity, k, 2, v, 2) [mm]  d(component of the separation times length)/d(coordinate of the node)
+    normal_of, normal_moved, dnormal  as in `PieceSlopes`
+    bound       room for what an algorithm keeps about these arrays; None at first
+    """
+
+    multiplier: Ints
+    node: Ints
+    value: Floats
+    normal_of: Ints
+    normal_moved: Ints
+    dnormal: Floats
+    count: int = 0
+    normal_count: int = 0
+    bound: Any = None
+
+    @classmethod
+    def allocate(cls, capacity: int, multipliers: int, nodes: int, normal_capacity: int) -> GapGradients:
+        """Room for `capacity` pieces of so many multipliers that depend on so many nodes."""
+        return cls(
+            np.zeros((capacity, multipliers), np.int32),
+            np.zeros((capacity, nodes), np.int32),
+            np.zeros((capacity, multipliers, 2, nodes, 2)),
             np.zeros(normal_capacity, np.int32),
             np.zeros(normal_capacity, np.int32),
             np.zeros((normal_capacity, 2)),

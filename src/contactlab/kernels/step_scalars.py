@@ -6,7 +6,7 @@ from contactlab.api.compiled.kernel import kernel, section, summation
 from contactlab.api.compiled.unpack import unpack
 
 MODEL = "d2 d1 d1 l1 l1 l1"
-CONTACT = "d2 d2 d2 i1 i1 i1 d2 i1 d1 d2 i1 d1"
+CONTACT = "d2 d2 d2 i1 i1 i1 d2 i1 d1 d1 d2 i1 d1"
 
 
 @summation
@@ -74,14 +74,14 @@ def contact_scalars(row, bound, column, count, factored):
 
     bound       arrays buffer (BLOCK, columns), position (N, 2), multipliers (1 or 2, conditions),
                 pair_start (first slot of each pair, end of the last), of the rows start, node,
-                normal_weight, slot, measure, bound, of the factored rows slot and left
+                normal_weight, slot, measure, offset, bound, of the factored rows slot and left
     count       rows in use, factored those of the other kind; in a step one of them is zero
 
     Active are conditions with a force, sticking those of them below their friction bound;
     penetration is the deepest gap of the conditions at the end of the step [mm].
     """
     (
-        buffer, position, forces, first, start, node, weight, slot, measure, bounds, factored_slot, left,
+        buffer, position, forces, first, start, node, weight, slot, measure, offset, bounds, factored_slot, left,
     ) = unpack(bound, CONTACT)  # fmt: skip
     out, pairs, friction = buffer[row], first.size - 1, bounds.shape[1] > 0
     for i in range(3 * pairs):
@@ -101,7 +101,7 @@ def contact_scalars(row, bound, column, count, factored):
                 limit = bounds[0, k] * pressed + min(bounds[1, k] * measure[k], bounds[2, k] * pressed)
                 if pulled < limit * (1.0 - 1e-9):
                     out[at + 1] += 1.0
-        across, along = 0.0, 0.0
+        across, along = offset[k], 0.0
         for z in range(start[k], start[k + 1]):
             across += weight[z, 0] * position[node[z], 0]
             along += weight[z, 1] * position[node[z], 1]

@@ -137,7 +137,7 @@ def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
 def _bound_rows(buffer: Floats, model: Model, contact: ContactSystem) -> BoundArrays:
     pairs, r, factored = contact.pairs, contact.rows, contact.factored or FactoredRows.allocate(0, 0)
     starts = np.array([*(pair.first_slot for pair in pairs), pairs[-1].first_slot + pairs[-1].slots], np.int32)
-    of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.bound, factored.slot, factored.left)
+    of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.offset, r.bound, factored.slot, factored.left)
     return BoundArrays(CONTACT, buffer, model.position, contact.multipliers, starts, *of_rows)
 
 

@@ -39,6 +39,7 @@ def rows_from(
         measure=np.ones(k),
         size=np.ones(k),
         slot=np.arange(k, dtype=np.int32) if slots is None else np.asarray(slots, np.int32),
+        offset=np.zeros(k),
         bound=bound,
         work=np.zeros((4, k)),
     )

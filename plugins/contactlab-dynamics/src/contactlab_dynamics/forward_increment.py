@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Literal
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve
 from contactlab.api.compiled.late import late
@@ -15,12 +15,15 @@ DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than
 class ForwardIncrement(ExplicitEnforcement):
     """Multipliers at t_n, gap conditions at t_{n+1}: y >= 0, g >= 0, y g = 0 (docs/theory/forward-increment.md).
 
+    forces     "conjugate": derivatives of the gaps, which make no energy (docs/theory/contact-energy.md); "published":
+               weights and normals at the end of the step
     tolerance  natural residual in segment lengths at which the sweeps stop
     sweeps     most sweeps in a step; a residual left over is reported
     """
 
     factored: ClassVar[bool] = True
 
+    forces: Literal["conjugate", "published"] = "published"
     tolerance: float = 1e-10
     sweeps: int = 200
 
@@ -29,6 +32,11 @@ class ForwardIncrement(ExplicitEnforcement):
             raise ValueError(f"tolerance: got {self.tolerance}, allowed: 0 < tolerance < 1")
         if self.sweeps < 1:
             raise ValueError(f"sweeps: got {self.sweeps}, allowed: at least 1")
+
+    @property
+    def conjugate(self) -> bool:
+        """Whether rows are to be the derivatives of the gaps."""
+        return self.forces == "conjugate"
 
     def solve_factored(
         self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats

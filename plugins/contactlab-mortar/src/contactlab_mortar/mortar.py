@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
-from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, PieceSlopes, Surface, SurfacePositions
+from contactlab.api import (
+    Candidates,
+    ContactAlgorithm,
+    Floats,
+    GapGradients,
+    Ints,
+    Pieces,
+    PieceSlopes,
+    Surface,
+    SurfacePositions,
+)
 from contactlab.api.arrays import Flags
 from contactlab.api.compiled.bound_arrays import BoundArrays
 
@@ -34,6 +44,26 @@ class _Bound:
         return of[0] is slave and of[1] is master and of[2] is at and of[3] is near
 
 
+class _BoundGradients:
+    """The arrays that gradients are made from and written to, bound for the kernel."""
+
+    def __init__(self, *of: Any) -> None:
+        from contactlab_mortar.gradients import ARRAYS, mortar_gradients
+
+        slave, master, at, near, pieces, owner, separation, out = of
+        self.of, self.kernel = of, mortar_gradients
+        self.arrays = BoundArrays(
+            ARRAYS, slave.segments, slave.node_segments, slave.edges, slave.segment_edge, master.segments, master.edges,
+            master.segment_edge, at.slave, at.master, near.start, near.master, pieces.multiplier, pieces.master,
+            pieces.normal, owner, separation, out.multiplier, out.node, out.value, out.normal_of,
+            out.normal_moved, out.dnormal,
+        )  # fmt: skip
+
+    def holds(self, *of: Any) -> bool:
+        """Whether these are the very objects whose arrays are bound."""
+        return all(mine is other for mine, other in zip(self.of, of, strict=True))
+
+
 @dataclass(frozen=True)
 class _Mortar(ContactAlgorithm):
     """What both multiplier spaces share: the overlaps and their integrals.
@@ -45,6 +75,7 @@ class _Mortar(ContactAlgorithm):
     multipliers: Literal["auto", "nodes", "vertices"] = "auto"
 
     passes_patch_test: ClassVar[bool] = True
+    gradient_nodes: ClassVar[int] = 6
     linear: ClassVar[bool]
 
     def with_friction(self) -> ContactAlgorithm:
@@ -81,6 +112,31 @@ class _Mortar(ContactAlgorithm):
         if bound is None or not bound.holds(slave, master, at, near):
             out.bound = bound = _Bound(slave, master, at, near, out)
         return int(bound.kernel(bound.address, reach, DEPTH, self.linear, self.multipliers == "vertices"))
+
+    def gradients(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        pieces: Pieces,
+        count: int,
+        owner: Ints,
+        separation: Floats,
+        out: GapGradients,
+    ) -> bool:
+        """Six nodes of each piece: of its slave segment, of those beside it, and of its master segment.
+
+        Not for multipliers at the ends of quadratic edges.
+        """
+        if self.multipliers == "vertices":
+            return False
+        of = (slave, master, at, near, pieces, owner, separation, out)
+        bound = out.bound
+        if bound is None or not bound.holds(*of):
+            out.bound = bound = _BoundGradients(*of)
+        out.count, out.normal_count = count, int(bound.kernel(bound.arrays.address, count, self.linear))
+        return out.normal_count >= 0
 
     def slopes(
         self,

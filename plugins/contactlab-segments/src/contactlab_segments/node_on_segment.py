@@ -7,8 +7,18 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, Surface, SurfacePositions
+from contactlab.api import (
+    Candidates,
+    ContactAlgorithm,
+    Floats,
+    GapGradients,
+    Ints,
+    Pieces,
+    Surface,
+    SurfacePositions,
+)
 
+ROUND = 1e-9  # sine of an angle that is round-off
 DEPTH = 1.0  # segment lengths: a node deeper than this is on the far side of a thin body
 
 
@@ -24,6 +34,7 @@ class NodeOnSegment(ContactAlgorithm):
     passes_patch_test: ClassVar[bool] = False
     rows_per_node: ClassVar[int] = 2
     memory_size: ClassVar[int] = 1
+    gradient_nodes: ClassVar[int] = 1
 
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
         """One slave node, one multiplier, one master edge."""
@@ -75,6 +86,43 @@ class NodeOnSegment(ContactAlgorithm):
         )
         return count
 
+    def gradients(
+        self,
+        slave: Surface,
+        master: Surface,
+        at: SurfacePositions,
+        near: Candidates,
+        pieces: Pieces,
+        count: int,
+        owner: Ints,
+        separation: Floats,
+        out: GapGradients,
+    ) -> bool:
+        """Normals of segments turn with them; weights that change move the foot along the master, across the normal."""
+        out.count = out.normal_count = 0
+        along, share = _tangents(pieces, count, at)
+        length = np.hypot(along[:, 0], along[:, 1])
+        multiplier = pieces.multiplier[:count, 0]
+        normal, apart = pieces.normal[multiplier], separation[multiplier]
+        of_segment = np.abs((normal * along).sum(axis=1)) <= ROUND * length
+        beside = np.abs(normal[:, 0] * apart[:, 1] - normal[:, 1] * apart[:, 0])
+        # a vertex holds along the line to the node, which changes no gap as it turns; between two segments' it may
+        if np.any(beside[~of_segment] > ROUND * length.max(initial=0.0)):
+            return False
+        usable = np.flatnonzero(of_segment)
+        tangent, share = along[usable] / length[usable, None], share[usable] / length[usable, None]
+        end = len(usable) * 2 * share.shape[1]
+        if end > len(out.normal_of):
+            return False
+        # n = (t_y, -t_x) turns along t, by t x d(edge)/|edge|
+        turn = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)[:, None, :] * share[:, :, None]
+        moved = 2 * (len(slave.nodes) + pieces.master[:count][usable])[:, :, None] + np.arange(2)
+        out.normal_of[:end] = np.repeat(multiplier[usable], end // max(len(usable), 1))
+        out.normal_moved[:end] = moved.ravel()
+        out.dnormal[:end] = (turn[..., None] * tangent[:, None, None, :]).reshape(-1, 2)
+        out.normal_count = end
+        return True
+
     def normals(
         self,
         slave: Surface,
@@ -88,15 +136,22 @@ class NodeOnSegment(ContactAlgorithm):
         out: Floats,
     ) -> None:
         """Normals of the same master segments at `at`."""
-        edge = at.master[pieces.master[:count]]
-        along = edge[:, 1] - edge[:, 0]
-        if edge.shape[1] == 3:
-            # at parameter s the tangent is (b - a)/2 + s (a + b - 2 m); s from the weights of start and end
-            weight = pieces.M[:count, :, 0] / pieces.T[:count, 0]
-            s = weight[:, 1] - weight[:, 0]
-            along = along + 2.0 * s[:, None] * (edge[:, 0] + edge[:, 1] - 2.0 * edge[:, 2])
+        along, _ = _tangents(pieces, count, at)
         length = np.hypot(along[:, 0], along[:, 1])
         usable = length > 0.0
         normal = np.stack([along[:, 1], -along[:, 0]], axis=1)[usable] / length[usable, None]
         out[:] = pieces.normal
         out[pieces.multiplier[:count, 0][usable]] = normal
+
+
+def _tangents(pieces: Pieces, count: int, at: SurfacePositions) -> tuple[Floats, Floats]:
+    """Along the master (count, 2) at the feet, zero at vertices, and the share (count, r) of its nodes in that."""
+    edge = at.master[pieces.master[:count]]
+    share = np.zeros(edge.shape[:2])
+    share[:, 0], share[:, 1] = -1.0, 1.0
+    if edge.shape[1] == 3:
+        # at parameter s the tangent is (b - a)/2 + s (a + b - 2 m); s from the weights of start and end
+        weight = pieces.M[:count, :, 0] / pieces.T[:count, 0]
+        s = 2.0 * (weight[:, 1] - weight[:, 0])
+        share += np.stack([s, s, -2.0 * s], axis=1)
+    return np.einsum("pr,prd->pd", share, edge), share

@@ -25,6 +25,7 @@ __all__ = [
     "Floats1",
     "Floats2",
     "Floats3",
+    "Floats5",
     "Ints1",
     "Ints2",
     "layout_of",
@@ -36,6 +37,7 @@ DTYPES = {"d": np.float64, "i": np.int32, "l": np.int64, "b": np.bool_}
 Floats1 = Annotated[NDArray[np.float64], "d1"]
 Floats2 = Annotated[NDArray[np.float64], "d2"]
 Floats3 = Annotated[NDArray[np.float64], "d3"]
+Floats5 = Annotated[NDArray[np.float64], "d5"]
 Ints1 = Annotated[NDArray[np.int32], "i1"]
 Ints2 = Annotated[NDArray[np.int32], "i2"]
 Flags1 = Annotated[NDArray[np.bool_], "b1"]

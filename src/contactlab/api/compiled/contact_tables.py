@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contactlab.api.compiled.bound_arrays import Floats1, Floats2, Floats3, Ints1, Ints2
+from contactlab.api.compiled.bound_arrays import Floats1, Floats2, Floats3, Floats5, Ints1, Ints2
 
-__all__ = ["FactoredTable", "PiecesTable", "RowsTable", "SurfaceTable"]
+__all__ = ["FactoredTable", "GradientsTable", "PiecesTable", "RowsTable", "SurfaceTable"]
 
 
 class SurfaceTable(NamedTuple):
@@ -33,6 +33,17 @@ class PiecesTable(NamedTuple):
     normal: Floats2
 
 
+class GradientsTable(NamedTuple):
+    """The arrays of `GapGradients`."""
+
+    multiplier: Ints2
+    node: Ints2
+    value: Floats5
+    normal_of: Ints1
+    normal_moved: Ints1
+    dnormal: Floats2
+
+
 class RowsTable(NamedTuple):
     """The arrays of `Rows`."""
 
@@ -45,6 +56,7 @@ class RowsTable(NamedTuple):
     measure: Floats1
     size: Floats1
     slot: Ints1
+    offset: Floats1
     bound: Floats2
     work: Floats2
 

@@ -126,6 +126,7 @@ def allocate_rows(rows: int, entries_per_row: int, friction: bool) -> Rows:
         np.zeros(rows),
         np.zeros(rows),
         np.zeros(rows, np.int32),
+        np.zeros(rows),
         np.zeros((3, slip)),
         np.zeros((4, rows)),
     )

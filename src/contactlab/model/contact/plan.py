@@ -211,11 +211,19 @@ def build_contact(
         pairs.append(pair)
         first += plan.slots
     if explicit:
-        return ContactSystem(tuple(pairs), enforcement, state)
+        return _explicit_system(tuple(pairs), enforcement, state)
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
 
     linearised: Any = tuple(pairs)  # the build refuses algorithms and enforcements that do not iterate with others
     return ImplicitContactSystem(linearised, enforcement, state, time)
+
+
+def _explicit_system(pairs: tuple[Pair, ...], enforcement: ExplicitEnforcement, state: State) -> ContactSystem:
+    if not enforcement.conjugate:
+        return ContactSystem(pairs, enforcement, state)
+    from contactlab.model.contact.conjugate_system import ConjugateContactSystem
+
+    return ConjugateContactSystem(pairs, enforcement, state)
 
 
 def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:

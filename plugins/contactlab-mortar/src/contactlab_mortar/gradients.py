@@ -1,0 +1,215 @@
+"""How the separations of the multipliers change with their weights: `segments` and `integrals` in reverse.
+
+The weighted separation of multiplier j is the integral of psi_j rho over its overlaps, rho being the separation of
+two points that see each other, less what the separations at the nodes interpolate. At fixed xi only the master's point
+moves: eta is linear between the ends of an overlap, and so is its change. So a piece depends on its six nodes by three
+numbers alone: how far either end is off, (y - x) x n, and the length of its slave segment.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api.compiled.chains import nodal_normals, segment_normals
+from contactlab.api.compiled.kernel import kernel, section
+from contactlab.api.compiled.unpack import unpack
+from contactlab_mortar.integrals import _POINTS, _WEIGHTS, constant_basis, trace
+from contactlab_mortar.segments import overlap
+from contactlab_mortar.slopes import _edge_sum, _normal_slopes, trace_slope
+
+ARRAYS = "i2 i2 i2 i2 i2 i2 i2 d2 d2 i1 i1 i2 i2 d2 i1 d2 i2 i2 d5 i1 i1 d2"
+"""Slave segments, node_segments, edges, segment_edge; master segments, edges, segment_edge; positions of both; near
+list; of the pieces multiplier, master, normal; owner, separation; the arrays of `GapGradients`."""
+
+
+@section
+def _end(xi, eta, a, e, n, m, c, f, first, last, functional):
+    """d[(y - x) x n] at fixed xi and eta by the six nodes (6, 2), those of the normals included.
+
+    first, last = sums of the edges that meet at either end of the slave segment
+    """
+    qx, qy = n[0] + xi * m[0], n[1] + xi * m[1]
+    rx, ry = c[0] + eta * f[0] - a[0] - xi * e[0], c[1] + eta * f[1] - a[1] - xi * e[1]
+    for v in range(6):
+        weight = 0.0
+        if v == 1:
+            weight = xi - 1.0
+        elif v == 2:
+            weight = -xi
+        elif v == 4:
+            weight = 1.0 - eta
+        elif v == 5:
+            weight = eta
+        functional[v, 0], functional[v, 1] = weight * qy, -weight * qx
+    # a normal turns by t x d(edge)/|edge|, t the unit vector of the edges that meet there
+    for side in range(2):
+        edge, share = (first, 1.0 - xi) if side == 0 else (last, xi)
+        size = edge[0] * edge[0] + edge[1] * edge[1]
+        turn = share * (rx * edge[1] - ry * edge[0]) / (size * np.sqrt(size))
+        x, y = -turn * edge[1], turn * edge[0]
+        low, high = (0, 2) if side == 0 else (1, 3)
+        functional[low, 0] -= x
+        functional[low, 1] -= y
+        functional[high, 0] += x
+        functional[high, 1] += y
+
+
+@section
+def _own_nodes(functional, before, after):
+    """What belongs to a neighbour that is not there belongs to the end of the chain itself."""
+    for c in range(2):
+        if before < 0:
+            functional[1, c] += functional[0, c]
+            functional[0, c] = 0.0
+        if after < 0:
+            functional[2, c] += functional[3, c]
+            functional[3, c] = 0.0
+
+
+@section
+def _rho(xi, eta, x, y, r, slave_half, master_half, out):
+    """Separation of the traces at xi and eta less the interpolated ones r (2, 2), into out (2,)."""
+    for d in range(2):
+        total = -(1.0 - xi) * r[0, d] - xi * r[1, d]
+        for i in range(x.shape[0]):
+            total += trace(x.shape[0], slave_half, xi, i) * x[i, d]
+        for i in range(y.shape[0]):
+            total -= trace(y.shape[0], master_half, eta, i) * y[i, d]
+        out[d] = total
+
+
+@section
+def _weighted(found, x, y, r, slave_half, master_half, linear, out, rho):
+    """Integrals over xi into out (3, 2, 2): psi_j rho, and psi_j dy/d(eta) times either linear weight of its ends."""
+    points = max(x.shape[0], y.shape[0]) - (0 if linear else 1)
+    start = points * (points - 1) // 2
+    for z in range(3):
+        for j in range(2):
+            out[z, j, 0], out[z, j, 1] = 0.0, 0.0
+    width = found[1] - found[0]
+    for part in range(1 if linear else 2):
+        begin, end = found[0], found[1]
+        if not linear and part == 0:
+            end = min(end, 0.5)
+        if not linear and part == 1:
+            begin = max(begin, 0.5)
+        if end <= begin:
+            continue
+        for g in range(start, start + points):
+            xi = begin + _POINTS[g] * (end - begin)
+            share = (xi - found[0]) / width
+            eta = found[2] + share * (found[3] - found[2])
+            weight = _WEIGHTS[g] * (end - begin)
+            _rho(xi, eta, x, y, r, slave_half, master_half, rho)
+            for j in range(2):
+                psi = (1.0 - xi if j == 0 else xi) if linear else constant_basis(0.5 * (begin + end), j)
+                psi *= weight
+                if psi == 0.0:
+                    continue
+                for d in range(2):
+                    along = 0.0
+                    for i in range(y.shape[0]):
+                        along += trace_slope(y.shape[0], master_half, eta, i) * y[i, d]
+                    out[0, j, d] += psi * rho[d]
+                    out[1, j, d] += psi * (1.0 - share) * along
+                    out[2, j, d] += psi * share * along
+
+
+@kernel
+def mortar_gradients(bound, count, linear):
+    """Fill the gradients of the first `count` pieces and of the averaged normals; returns the number of the latter.
+
+    `bound` are the arrays of `ARRAYS`. -1 where the normals are not the averaged ones.
+    """
+    (
+        segments, node_segments, edges, segment_edge, master_segments, master_edges, master_segment_edge, slave_at,
+        master_at, start, candidates, p_multiplier, p_master, p_normal, owner, separation, multiplier, node,
+        value, normal_of, normal_moved, dnormal,
+    ) = unpack(bound, ARRAYS)  # fmt: skip
+    inward = np.empty((slave_at.shape[0], 2))
+    flat, length = np.empty((segments.shape[0], 2)), np.empty(segments.shape[0])
+    segment_normals(slave_at, segments, flat, length)
+    nodal_normals(node_segments, flat, length, inward)
+    for k in range(p_normal.shape[0]):
+        if p_normal[k, 0] != -inward[k, 0] or p_normal[k, 1] != -inward[k, 1]:
+            return -1
+    found, out, rho = np.empty(6), np.empty((3, 2, 2)), np.empty(2)
+    ends, grown = np.zeros((2, 6, 2)), np.zeros((6, 2))
+    edge_i, edge_j, e, f, n, m = np.empty(2), np.empty(2), np.empty(2), np.empty(2), np.empty(2), np.empty(2)
+    x, y, r = np.empty((edges.shape[1], 2)), np.empty((master_edges.shape[1], 2)), np.empty((2, 2))
+    last = np.empty(2)
+    p, shift = 0, slave_at.shape[0]
+    for s in range(segments.shape[0]):
+        if p >= count:
+            break
+        i, j = segments[s, 0], segments[s, 1]
+        if p_multiplier[p, 0] != i or p_multiplier[p, 1] != j:
+            continue
+        a, b = slave_at[i], slave_at[j]
+        for d in range(2):
+            e[d], n[d], last[d] = b[d] - a[d], inward[i, d], inward[j, d]
+            m[d] = last[d] - n[d]
+            r[0, d] = separation[owner[i], d] if owner[i] >= 0 else 0.0
+            r[1, d] = separation[owner[j], d] if owner[j] >= 0 else 0.0
+            for t in range(edges.shape[1]):
+                x[t, d] = slave_at[edges[segment_edge[s, 0], t], d]
+        size = length[s]
+        for d in range(2):
+            grown[1, d], grown[2, d] = -e[d] / size, e[d] / size
+        before, after = node_segments[i, 0], node_segments[j, 1]
+        _edge_sum(i, slave_at, segments, node_segments, edge_i)
+        _edge_sum(j, slave_at, segments, node_segments, edge_j)
+        for z in range(start[s], start[s + 1]):
+            if p >= count or p_multiplier[p, 0] != i or p_multiplier[p, 1] != j:
+                break
+            seg = candidates[z]
+            own = master_edges[master_segment_edge[seg, 0]]
+            if own[0] != p_master[p, 0] or own[1] != p_master[p, 1]:
+                continue
+            c, d_ = master_at[master_segments[seg, 0]], master_at[master_segments[seg, 1]]
+            if not overlap(a, b, n, last, c, d_, found):
+                continue
+            for d in range(2):
+                f[d] = d_[d] - c[d]
+                for t in range(master_edges.shape[1]):
+                    y[t, d] = master_at[own[t], d]
+            slope = (found[3] - found[2]) / (found[1] - found[0])
+            slave_half, master_half = segment_edge[s, 1], master_segment_edge[seg, 1]
+            _weighted(found, x, y, r, slave_half, master_half, linear, out, rho)
+            multiplier[p, 0], multiplier[p, 1] = i, j
+            node[p, 0] = segments[before, 0] if before >= 0 else -1
+            node[p, 1], node[p, 2] = i, j
+            node[p, 3] = segments[after, 1] if after >= 0 else -1
+            node[p, 4], node[p, 5] = shift + master_segments[seg, 0], shift + master_segments[seg, 1]
+            for k in range(2):
+                for d in range(2):
+                    for v in range(6):
+                        amount = out[0, k, d]
+                        value[p, k, d, v, 0], value[p, k, d, v, 1] = amount * grown[v, 0], amount * grown[v, 1]
+            for end in range(2):
+                xi, eta = found[end], found[2 + end]
+                functional = ends[end]
+                _end(xi, eta, a, e, n, m, c, f, edge_i, edge_j, functional)
+                _own_nodes(functional, before, after)
+                qx, qy = n[0] + xi * m[0], n[1] + xi * m[1]
+                if xi == float(end):
+                    off, limit = -1.0 / (f[0] * qy - f[1] * qx), 0.0
+                else:
+                    rx = c[0] + eta * f[0] - a[0] - xi * e[0]
+                    ry = c[1] + eta * f[1] - a[1] - xi * e[1]
+                    limit = -1.0 / (-e[0] * qy + e[1] * qx + rx * m[1] - ry * m[0])
+                    off = -slope * limit
+                _rho(xi, eta, x, y, r, slave_half, master_half, rho)
+                for k in range(2):
+                    if linear:
+                        psi = 1.0 - xi if k == 0 else xi
+                    else:  # the part of the basis that the overlap ends in
+                        psi = 1.0 if (k == 0) == (xi < 0.5 or (xi == 0.5 and end == 1)) else 0.0
+                    psi *= limit if end == 1 else -limit
+                    for d in range(2):
+                        amount = size * (psi * rho[d] - off * out[1 + end, k, d])
+                        for v in range(6):
+                            value[p, k, d, v, 0] += amount * functional[v, 0]
+                            value[p, k, d, v, 1] += amount * functional[v, 1]
+            p += 1
+    return _normal_slopes(slave_at, segments, node_segments, normal_of, normal_moved, dnormal)

@@ -1,0 +1,76 @@
+"""All contact pairs of a model, with forces conjugate to the gaps they close (docs/theory/contact-energy.md)."""
+
+from __future__ import annotations
+
+from time import perf_counter
+
+import numpy as np
+
+from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve, State
+from contactlab.kernels.contact.gap_gradients import allow_motion
+from contactlab.kernels.contact.warm_start import extrapolate
+from contactlab.model.contact.explicit_system import ContactSystem
+from contactlab.model.contact.gap_pair import GapPair, Pair
+from contactlab.model.contact.gradients import PairGradients
+from contactlab.model.contact.initial_gap import EasedGaps
+from contactlab.model.contact.operator_pair import SurfacePair
+
+
+class ConjugateContactSystem(ContactSystem):
+    """As `ContactSystem`, with rows that are the derivatives of the gaps where the step starts."""
+
+    def __init__(self, pairs: tuple[Pair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
+        super().__init__(pairs, enforcement, state)
+        self.factored = None
+        self.gradients = [PairGradients(pair) if isinstance(pair, SurfacePair) else None for pair in pairs]
+        # an overlap of the start that is pushed out puts energy in on purpose
+        self.strict = [not isinstance(pair, EasedGaps) for pair in pairs]
+        self.velocity, self.last_dt = state["velocity"], state["last_dt"]
+
+    def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
+        """Rows at `current`, gaps at its end, forces from the enforcement; see `contactlab.api.ContactEquations`."""
+        began = perf_counter()
+        extrapolate(self.multipliers[0], self.before)
+        for pair, memory in zip(self.pairs, self.memories, strict=True):
+            pair.update(current, memory)
+            if isinstance(pair, GapPair):
+                pair.measure(current)
+            else:
+                pair.settle()
+        margin, warm = self.margin, self.multipliers.copy()
+        while True:
+            self._assemble_from(margin, current, predicted)
+            self.last = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
+            # a left-out row could have closed only if nodes were moved by a good part of the margin
+            if 4.0 * self.last.largest_correction <= margin or margin == np.inf:
+                break
+            margin = np.inf
+            self.multipliers[:] = warm
+        self.seconds += perf_counter() - began
+        return self.last
+
+    def _assemble_from(self, margin: float, current: Floats, predicted: Floats) -> None:
+        while True:
+            rows = self.rows
+            rows.count = entries = 0
+            for pair, gradients, memory, strict in zip(
+                self.pairs, self.gradients, self.memories, self.strict, strict=True
+            ):
+                first = rows.count
+                if isinstance(pair, GapPair):
+                    entries = pair.append_rows(rows, entries, margin, self.multipliers, current)
+                else:
+                    assert gradients is not None
+                    entries = gradients.append_rows(rows, entries, margin, self.multipliers, memory)
+                if entries < 0:
+                    break
+                self._advance(rows, first, current, predicted, strict)
+            if entries >= 0:
+                return
+            self._grow()
+
+    def _advance(self, rows: Rows, first: int, current: Floats, predicted: Floats, strict: bool) -> None:
+        """What the rows from `first` on have to hold at the end of the step."""
+        allow_motion(
+            first, rows.count, rows.packed.address, current, predicted, self.velocity, float(self.last_dt[0]), strict
+        )

@@ -1,0 +1,131 @@
+"""Contact forces that are conjugate to the gaps: their directions, and that they make no energy."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from contactlab_mortar.mortar import MortarP0, MortarP1
+from contactlab_segments.node_on_segment import NodeOnSegment
+
+import contactlab
+from contactlab.api import ContactAlgorithm, Floats
+from contactlab.model.build import build
+from contactlab.model.contact.explicit_system import allocate_rows
+from contactlab.model.contact.gradients import PairGradients
+from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.testing.surfaces import Chains, curved, flat, pair_of
+
+P0, P1, NODES = MortarP0(), MortarP1(), NodeOnSegment()
+CONJUGATE = {"use": "forward-increment", "forces": "conjugate"}
+PUBLISHED = {"use": "forward-increment", "forces": "published"}
+
+
+def rough(at: Chains) -> Chains:
+    """The same surfaces with every node off by some hundredths of a segment: no symmetry, no plane left."""
+    shake = np.random.default_rng(7).normal(scale=0.01, size=at.nodes.shape)
+    return Chains(at.nodes + shake, at.slave, at.master)
+
+
+SURFACES = {
+    "curved": rough(curved()),
+    "partly covered": rough(flat(full=False)),
+    "quadratic": rough(flat(order=2)),
+    "quadratic, partly covered": rough(flat(full=False, order=2)),
+}
+EVERY = [
+    pytest.param(algorithm, at, id=f"{name}, {kind}")
+    for name, at in SURFACES.items()
+    for kind, algorithm in (("P0", P0), ("P1", P1), ("nodes", NODES))
+    if not (kind == "nodes" and "quadratic" in name)
+]
+
+
+def derivatives(pair: SurfacePair, memory: Floats, nodes: int, own: bool = True) -> tuple[Floats, Floats]:
+    """Rows (k, 2 N) of gaps and of slips; without `own` by the algorithm's slopes."""
+    gradients = PairGradients(pair)
+    if not own:
+        gradients._gradients = gradients._from_slopes  # type: ignore[method-assign]
+    rows = allocate_rows(pair.slots, 4 * nodes, friction=True)
+    assert gradients.append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), memory) > 0
+    row = np.repeat(np.arange(rows.count), np.diff(rows.start[: rows.count + 1]))
+    found = []
+    for weight in (rows.normal_weight, rows.tangent_weight):
+        dense = np.zeros((rows.count, nodes, 2))
+        np.add.at(dense, (row, rows.node[: len(row)]), weight[: len(row)])
+        found.append(dense.reshape(rows.count, -1))
+    return found[0], found[1]
+
+
+def gaps(pair: SurfacePair, memory: Floats, nodes: Floats) -> Floats:
+    pair.update(nodes, memory)
+    return np.asarray(pair.gaps[pair.coupling.order, 0].copy())
+
+
+@pytest.mark.parametrize(("algorithm", "at"), EVERY)
+def test_rows_are_derivatives_of_gaps(algorithm: ContactAlgorithm, at: Chains) -> None:
+    pair, memory = pair_of(algorithm, at, friction=True)
+    row, _ = derivatives(pair, memory, len(at.nodes))
+    move, h = np.random.default_rng(3).normal(scale=0.01, size=at.nodes.shape), 1e-4
+    change = (gaps(pair, memory, at.nodes + h * move) - gaps(pair, memory, at.nodes - h * move)) / (2.0 * h)
+    # central differences err by h^2 times a third derivative, and by round-off over h
+    assert np.allclose(row @ move.ravel(), change, rtol=0.0, atol=1e-9 * np.abs(change).max() + 1e-10)
+
+
+@pytest.mark.parametrize(("algorithm", "at"), EVERY)
+def test_forces_have_no_resultant_and_no_moment(algorithm: ContactAlgorithm, at: Chains) -> None:
+    pair, memory = pair_of(algorithm, at, friction=True)
+    # nodes beside vertices fall back on differences over 1e-5 of a segment
+    exact = 1e-10 if algorithm is NODES else 1e-12
+    for rows in derivatives(pair, memory, len(at.nodes)):
+        force = rows.reshape(len(rows), -1, 2)
+        assert np.abs(force.sum(axis=1)).max() < exact
+        moment = (at.nodes[:, 0] * force[..., 1] - at.nodes[:, 1] * force[..., 0]).sum(axis=1)
+        assert np.abs(moment).max() < exact
+
+
+@pytest.mark.parametrize("algorithm", [P0, P1], ids=["P0", "P1"])
+@pytest.mark.parametrize("at", SURFACES.values(), ids=SURFACES.keys())
+def test_gradients_of_pieces_are_their_slopes(algorithm: ContactAlgorithm, at: Chains) -> None:
+    pair, memory = pair_of(algorithm, at, friction=True)
+    own, general = derivatives(pair, memory, len(at.nodes)), derivatives(pair, memory, len(at.nodes), own=False)
+    for mine, other in zip(own, general, strict=True):
+        assert np.allclose(mine, other, rtol=0.0, atol=1e-12)
+
+
+def run(changes: dict[str, Any], name: str = "disc-on-block", forces: dict[str, str] = CONJUGATE) -> Any:
+    scene = contactlab.load_scene(name).with_({"contacts.0.enforcement": forces, **changes})
+    return contactlab.simulate(scene)
+
+
+def test_disc_on_a_finer_block_carries_its_load() -> None:
+    # the master's segments are 2.75 times shorter than the slave's; statics with the same forces: 3899.28 N
+    results = run({"bodies.block.mesh.cells": [72, 12]})
+    assert results.status == "finished"
+    contact = results.history["energy.contact"]
+    stored = results.summary["balance"]["stored"]
+    assert contact.max() < 1e-9 * stored
+    assert np.diff(contact).max() < 1e-9 * stored
+    # the rest is what a run that ends as settled may still swing
+    assert abs(results.summary["reactions"]["block.bottom"][1] / 3899.28 - 1.0) < 2e-4
+
+
+def test_published_forces_make_energy_there() -> None:
+    results = run({"bodies.block.mesh.cells": [72, 12]}, forces=PUBLISHED)
+    assert results.history["energy.contact"][-1] > 0.1 * results.summary["balance"]["stored"]
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "node-on-segment"])
+@pytest.mark.parametrize("name", ["dropped-block", "vertex-to-vertex", "bouncing-bar", "spinning-pair"])
+def test_no_step_gives_energy(name: str, algorithm: str) -> None:
+    scene = contactlab.load_scene(name).with_({"contacts.0.enforcement": CONJUGATE, "contacts.0.algorithm": algorithm})
+    model = build(scene, scene.registry)
+    advance, dt = model.integrator.bind(model, model.state), 0.9 * model.stable_step()
+    largest = model.kinetic_energy()
+    for _ in range(3000):
+        before = model.state["work"][3]
+        advance(dt)
+        largest = max(largest, model.kinetic_energy())
+        # what the contact solve leaves of a gap, 1e-10 segments, times its force
+        assert model.state["work"][3] - before < 1e-9 * max(largest, 1e-12)
