@@ -62,10 +62,13 @@ def _default(field: dataclasses.Field[Any]) -> str:
     return f"`{show(default)}`"
 
 
+NOT_IN_SCENES = ("watch", "case")
+
+
 def part_table(registry: Registry) -> str:
-    """One row per part of this repository: its fields, those with a default with it."""
+    """One row per part of this repository that a scene can name: its fields, those with a default with it."""
     rows = ["| kind | name | fields | from |", "|---|---|---|---|"]
-    for offer in registry.parts():
+    for offer in (offer for offer in registry.parts() if offer.part.kind not in NOT_IN_SCENES):
         fields = keys_of(registry.part_class(offer.part.kind, offer.part.name))
         written = ", ".join(_field(field) for field in fields.values()) or "none"
         rows.append(f"| {offer.part.kind} | `{offer.part.name}` | {written} | {offer.origin.distribution} |")

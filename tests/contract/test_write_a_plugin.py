@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import importlib
 import importlib.util
 import io
 import json
@@ -18,6 +19,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+
+from contactlab.api import Setup
+from contactlab.cases.run_case import evaluated, run_case
+from contactlab.cases.verdict import judge
 
 PAGE = (Path(__file__).parents[2] / "docs" / "write-a-plugin.md").read_text()
 FILES = dict(re.findall(r"^File `([^`]+)`:\n\n```\w+\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL))
@@ -75,7 +80,8 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Place:
 
 def test_the_page_has_its_files() -> None:
     assert {name.rpartition("/")[2] for name in FILES} == {
-        "my_friction.py", "pyproject.toml", "plugin.py", "contact.py", "material.py", "element.py", "test_parts.py",
+        "my_friction.py", "pyproject.toml", "plugin.py", "contact.py", "material.py", "element.py", "cylinder.py",
+        "test_parts.py",
     }  # fmt: skip
 
 
@@ -95,11 +101,29 @@ def test_the_algorithm_is_short_and_plain() -> None:
     }  # fmt: skip
 
 
+def test_the_case_is_short_and_right(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Under 40 lines, and met by a mortar at the error it allows; an outside case needs nothing but the contract."""
+    source = FILES["src/gauss_contact/cylinder.py"]
+    assert len([line for line in source.splitlines() if line.strip()]) < 40
+    assert set(re.findall(r"^(?:from|import) ([\w.]+)", source, re.MULTILINE)) == {
+        "dataclasses", "numpy", "contactlab.api", "contactlab.api.case",
+    }  # fmt: skip
+    (tmp_path / "page_cylinder.py").write_text(source)
+    monkeypatch.syspath_prepend(tmp_path)
+    case, setup = (
+        importlib.import_module("page_cylinder").Cylinder(),
+        Setup("mortar-p1", element="q1", integrator="newton"),
+    )
+    _, done = run_case(case, setup)
+    finding = judge(case, setup, done, evaluated(case, setup, done))
+    assert finding.verdict == "met", finding.reason
+
+
 def test_parts_are_listed_with_their_distribution(place: Place) -> None:
     (listed,) = [place.of_page("contactlab parts --with")]
     rows = [line for line in listed.splitlines() if "gauss-contact 0.1.0" in line]
-    assert [next(name for name in ("gauss-mortar", "rubber", "q1-nodal") if name in row) for row in rows]
-    assert len(rows) == 3
+    assert [next(name for name in ("gauss-mortar", "rubber", "q1-nodal", "cylinder") if name in row) for row in rows]
+    assert len(rows) == 4
     assert any("slip-limit" in line and "my_friction" in line for line in listed.splitlines())
     assert "left out" not in listed
 

@@ -5,6 +5,7 @@ Imports NumPy alone. Compiled kernels use `contactlab.api.compiled.kernel`, entr
 """
 
 from contactlab.api.arrays import BLOCK_CELLS, XX, XY, YY, ZZ, Floats, Ints
+from contactlab.api.case import Answer, Case, Changes, Job, Measure, Setup, Spec
 from contactlab.api.contact import ContactAlgorithm, GapAlgorithm, GapConditions, Pieces
 from contactlab.api.effect import Effect, EffectView
 from contactlab.api.element import BlockKernels, Element, Quadrature, Shape
@@ -35,11 +36,13 @@ from contactlab.api.integrator import (
 from contactlab.api.material import Kinematics, Material
 from contactlab.api.mesh import Mesh, MeshSource
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
+from contactlab.api.record import Record
 from contactlab.api.recorder import Recorder, Recording
 from contactlab.api.slopes import GapGradients, PieceSlopes
 from contactlab.api.state import WORK, State
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 from contactlab.api.warning import RunWarning, Warnings
+from contactlab.api.watch import Memory, StepView, Watch
 
 __all__ = [
     "BLOCK_CELLS",
@@ -50,8 +53,11 @@ __all__ = [
     "XY",
     "YY",
     "ZZ",
+    "Answer",
     "BlockKernels",
     "Candidates",
+    "Case",
+    "Changes",
     "Conditions",
     "ContactAlgorithm",
     "ContactCurve",
@@ -79,10 +85,13 @@ __all__ = [
     "Ints",
     "Iteration",
     "IterationRow",
+    "Job",
     "Kind",
     "Kinematics",
     "Layout",
     "Material",
+    "Measure",
+    "Memory",
     "Mesh",
     "MeshSource",
     "Part",
@@ -90,18 +99,23 @@ __all__ = [
     "Pieces",
     "PrescribedMotion",
     "Quadrature",
+    "Record",
     "Recorder",
     "Recording",
     "Response",
     "Rows",
     "RunWarning",
+    "Setup",
     "Shape",
     "Solve",
+    "Spec",
     "State",
     "Step",
     "StepStatus",
+    "StepView",
     "StoredRun",
     "Surface",
     "SurfacePositions",
     "Warnings",
+    "Watch",
 ]

@@ -15,6 +15,8 @@ Kind = Literal[
     "integrator",
     "effect",
     "recorder",
+    "watch",
+    "case",
 ]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import inspect
 
+from contactlab.api.case import Case
 from contactlab.api.contact import ContactAlgorithm, GapAlgorithm
 from contactlab.api.effect import Effect
 from contactlab.api.element import Element
@@ -14,6 +15,7 @@ from contactlab.api.integrator import Integrator
 from contactlab.api.material import Material
 from contactlab.api.mesh import MeshSource
 from contactlab.api.recorder import Recorder
+from contactlab.api.watch import Watch
 from contactlab.parts.declared_values import wrong_values
 
 BASES: dict[str, tuple[type, ...]] = {
@@ -26,6 +28,8 @@ BASES: dict[str, tuple[type, ...]] = {
     "integrator": (Integrator,),
     "effect": (Effect,),
     "recorder": (Recorder,),
+    "watch": (Watch,),
+    "case": (Case,),
 }
 """The classes of `contactlab.api` that a part of each kind derives from."""
 

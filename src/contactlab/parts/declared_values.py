@@ -59,18 +59,27 @@ def _wanted(name: str, hint: Any, value: Any) -> str:
     if origin is tuple:
         return _wanted_in_tuple(get_args(hint)[0], value)
     if isinstance(origin, type) and issubclass(origin, Mapping):
-        fits = isinstance(value, Mapping) and all(isinstance(text, str) for pair in value.items() for text in pair)
-        return "" if fits else "a table of texts by text"
+        return _wanted_in_table(get_args(hint)[1], value)
     if origin is np.ndarray:
         fits = isinstance(value, np.ndarray) and value.dtype == np.float64 and bool(np.isfinite(value).all())
         return "" if fits else "a NumPy array of finite float64"
     return ""
 
 
+def _wanted_in_table(entry: Any, value: Any) -> str:
+    named = isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
+    if entry is str:
+        return "" if named and all(isinstance(text, str) for text in value.values()) else "a table of texts by text"
+    fits = named and all(isinstance(values, tuple) for values in value.values())
+    return "" if fits else "a table of tuples by text"
+
+
 def _wanted_in_tuple(entry: Any, value: Any) -> str:
     if entry is str:
         fits = isinstance(value, tuple) and all(isinstance(text, str) for text in value)
         return "" if fits else "a tuple of texts"
+    if get_origin(entry) is not tuple:
+        return "" if isinstance(value, tuple) and value else "a tuple with something in it"
     fits = isinstance(value, tuple) and all(isinstance(row, tuple) and all(map(_whole, row)) for row in value)
     return "" if fits else "a tuple of tuples of whole numbers"
 

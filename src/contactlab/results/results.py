@@ -46,6 +46,7 @@ class Results:
     iterations    every Newton iteration of implicit runs, those of steps taken back included
     frames        every stored frame with its fields, read from `results.vtkhdf` when asked for; empty without files
     folder        where the files are, None if none were written
+    watched       what each watch found, by its name; of the run just made, not read back from files
     closed        False where the files are those of a run that was killed, or still goes on
 
     The end is the last state that was saved: of a run without files, or one that finished, its last step.
@@ -65,6 +66,7 @@ class Results:
     folder: Path | None = None
     step_source: Sequence[Floats] = ()
     closed: bool = True
+    watched: dict[str, dict[str, Floats]] = field(default_factory=dict)
 
     @property
     def status(self) -> str:
@@ -117,7 +119,7 @@ class Results:
 
 
 def _content(results: Results) -> dict[str, Any]:
-    skipped = ("layout", "frames", "folder", "step_source", "closed")
+    skipped = ("layout", "frames", "folder", "step_source", "closed", "watched")
     own = {name: value for name, value in vars(results).items() if name not in skipped}
     return own | {"scene": results.layout.scene, "nodes": results.nodes, "cells": results.cells, "steps": results.steps}
 

@@ -8,6 +8,7 @@ from typing import Any
 from contactlab.api import Step, StepStatus
 from contactlab.errors import SimulationFailure
 from contactlab.run.guards import Guards
+from contactlab.run.watches import NoGuards
 
 MOST = 5  # times in a row that a step is cut for a guard: what 1/32 of it does not cure is no matter of its length
 
@@ -15,7 +16,7 @@ MOST = 5  # times in a row that a step is cut for a guard: what 1/32 of it does 
 class GuardedStep:
     """Advances a model that can take steps back; the guards' last word is that of the run."""
 
-    def __init__(self, advance: Callable[[float], Step], model: Any, guards: Guards) -> None:
+    def __init__(self, advance: Callable[[float], Step], model: Any, guards: Guards | NoGuards) -> None:
         self.advance, self.model, self.guards = advance, model, guards
         self.objections = 0
 

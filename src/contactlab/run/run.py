@@ -27,6 +27,7 @@ from contactlab.run.guards import EVERY, Guards
 from contactlab.run.recorders import open_recordings, recorders_of
 from contactlab.run.restart import changed_versions, check_memory, saved_run, stored_results
 from contactlab.run.schedule import Schedule
+from contactlab.run.watches import NoGuards, Watching, WorkLimit
 
 if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
@@ -46,8 +47,10 @@ class Run:
 
     model: Model
     schedule: Schedule
-    guards: Guards
+    guards: Guards | NoGuards
     watch: Watch
+    watching: Watching | None = None
+    work_limit: WorkLimit | None = None
     counts: Counts = field(default_factory=Counts)
     clock: Clock = field(default_factory=Clock)
     resumed_at: list[int] = field(default_factory=list)
@@ -78,7 +81,9 @@ class Run:
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
         """What to call after each accepted step, with the step and its length."""
-        return (*self.journal.every_step, *self.schedule.every_step)
+        more = self.watching.every_step if self.watching is not None else ()
+        limit = (self.work_limit,) if self.work_limit is not None else ()
+        return (*self.journal.every_step, *self.schedule.every_step, *more, *limit)
 
     def iterated(self, step: Step) -> None:
         """Keep the iterations of an attempted step of an implicit run."""
@@ -91,6 +96,8 @@ class Run:
     def taken_back(self, step: Step) -> None:
         """Go on with a shorter step. Raises SimulationFailure where there is none."""
         self.counts.iterations += step.iterations
+        if self.work_limit is not None:
+            self.work_limit.look()
         self.journal.tell("warning", self.schedule.cut(step))
 
     def store(self) -> None:
@@ -151,7 +158,8 @@ class Run:
 
     @property
     def _followers(self) -> tuple[Any, ...]:
-        return self.schedule, self.guards, self.counts, self.watch
+        more = (self.watching,) if self.watching is not None else ()
+        return self.schedule, self.guards, self.counts, self.watch, *more
 
     def restore(self, checkpoint: Checkpoint, folder: Path) -> None:
         """Back to a checkpoint. Raises RequestError where it is not one of this model."""
@@ -197,12 +205,19 @@ class Run:
         return stored_results(folder, results) if complete and folder is not None else results
 
 
-def begin_run(model: Model, scene: Scene, registry: Registry, folder: Path | None, resume: bool) -> Run:
+def begin_run(
+    model: Model,
+    scene: Scene,
+    registry: Registry,
+    folder: Path | None,
+    resume: bool,
+    watching: Watching | None = None,
+) -> Run:
     """A run of `model`, whose recorders write to `folder`; with `resume` the one that is saved there.
 
     Raises RequestError where the folder cannot be used or holds something else.
     """
-    run = Run(model, schedule_of(model, scene), Guards(model, scene.time.step), Watch(scene, model))
+    run = Run(model, schedule_of(model, scene), Guards(model, scene.time.step), Watch(scene, model), watching)
     recorders = recorders_of(scene, registry) if folder is not None else {}
     used = _with_recorders(scene, recorders)
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from contactlab.api import StepStatus
+from contactlab.api import StepStatus, Watch
 from contactlab.errors import ContactlabError, NotFiniteError, RequestError, SimulationFailure, WrongAnswer, one_line
 from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault, part_errors
@@ -19,6 +20,7 @@ from contactlab.run.guards import EVERY
 from contactlab.run.interruption import Interrupted, Interruption
 from contactlab.run.restart import finished_results
 from contactlab.run.run import Run, begin_run
+from contactlab.run.watches import NoGuards, Watching, WorkLimit
 
 if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
 
 OURS = (ArithmeticError, LookupError, ValueError, TypeError, AttributeError, ContactlabError)
 """What a wrong array ends in; anything else that no part raised is a mistake of the core and is shown as one."""
+
+NOTHING_WATCHED: Mapping[str, Watch] = {}
 
 Progress = Callable[[float, int, float, float], None]
 """Called with fraction done, step, time [s] and energy error."""
@@ -37,11 +41,16 @@ def simulate(
     registry: Registry | None = None,
     progress: Progress | None = None,
     resume: bool = False,
+    watch: Mapping[str, Watch] = NOTHING_WATCHED,
+    work: float = math.inf,
+    guards: bool = True,
 ) -> Results:
     """Run a scene (a `Scene`, a bundled name or a TOML file) and return its results.
 
     `out` is the folder for files, none are written without it. With `resume` an interrupted run in `out`
     goes on where it was saved, one that is over is read back, and an empty folder is begun.
+    `watch` are watches by name, whose findings are `Results.watched`. `work` is the number of steps and iterations
+    after which the run ends as "timed-out". Without `guards` nothing stops a run whose numbers go wild.
     A run that fails is a result too: see `Results.status` and `Results.reason`. Raises RequestError
     (scene, part or folder wrong) before the first step, and Interrupted, which carries the results,
     after Ctrl-C or SIGTERM.
@@ -51,16 +60,22 @@ def simulate(
     scene = load_scene(scene) if isinstance(scene, str | Path) else scene
     registry = registry or scene.registry
     folder = run_folder(out, resume)
-    if resume and folder is not None and (over := finished_results(folder, scene)) is not None:
+    if resume and not watch and folder is not None and (over := finished_results(folder, scene)) is not None:
         return over
     began = perf_counter()
     model = build(scene, registry)
     with part_errors(registry):
-        run = begin_run(model, scene, registry, folder, resume)
+        watching = Watching(model, watch) if watch else None
+        run = begin_run(model, scene, registry, folder, resume, watching)
+    if work < math.inf:
+        run.work_limit = WorkLimit(run.counts, work)
+    if not guards:
+        run.guards = NoGuards()
     run.clock.build_s = perf_counter() - began
     with Interruption(run.schedule.stop) as interruption:
         status, reason = _guarded(run, registry, interruption, progress)
     results = run.finish(status, reason)
+    results.watched = watching.found() if watching is not None else {}
     for broken in registry.run_finished(results.summary, results.folder):
         warnings.warn(f"{broken.origin}: {broken.reason}", RuntimeWarning, stacklevel=2)
     if status == "interrupted":

@@ -33,6 +33,8 @@ USUAL: dict[str, Any] = {
     "on": "upper",
     "stiffness": (100.0, 200.0),
     "rate": 1000.0,
+    "quantities": ("time", "energy", "force.upper.x"),
+    "body": "upper",
 }
 """Values for fields without a default, in mm N s t."""
 

@@ -1,0 +1,1 @@
+"""Cases with known answers for contact algorithms, one file each."""

@@ -1,0 +1,96 @@
+"""What the dynamic cases share: rates along a series, changes of momenta, and scenes of plain bars and blocks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Floats, Memory, StepView, Watch
+
+WORK = 60_000
+"""Steps and iterations after which a dynamic case is given up: several times what any of them needs."""
+
+
+def strip(x: tuple[float, float], y: tuple[float, float], cells: list[int], **more: Any) -> dict[str, Any]:
+    """A rectangle of the material m."""
+    return {"material": "m", "mesh": {"use": "rectangle", "x": list(x), "y": list(y), "cells": cells}, **more}
+
+
+def largest(values: Floats) -> float:
+    """Largest magnitude."""
+    return float(np.abs(values).max())
+
+
+def rise(energy: Floats) -> float:
+    """Largest rise from one step to the next."""
+    return float(np.diff(energy).max())
+
+
+def momentum_change(found: Mapping[str, Floats], scale: float) -> float:
+    """Largest change of the linear momentum since the first row, over `scale`."""
+    return max(largest(found[f"momentum.{axis}"] - found[f"momentum.{axis}"][0]) for axis in "xy") / scale
+
+
+@dataclass(frozen=True)
+class ContactChanges(Watch):
+    """How many conditions opened or closed in every step, with the largest pull, the push, and energies."""
+
+    most: int = 40000
+
+    def begin(self, view: StepView) -> Memory:
+        """Nothing is closed."""
+        return {"count": np.zeros(1), "rows": np.zeros((self.most, 5)), "closed": np.zeros(len(view.normal_forces()))}
+
+    def step(self, view: StepView, memory: Memory) -> None:
+        """One row."""
+        y, work = view.normal_forces(), view.field("work")
+        closed = (y > 0.0).astype(float)
+        changes = float(np.count_nonzero(closed != memory["closed"]))
+        count = int(memory["count"][0])
+        memory["rows"][count] = changes, y.sum(), -y.min(), work[3], work[0]
+        memory["closed"][:], memory["count"][0] = closed, count + 1
+
+    def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
+        """Columns by name."""
+        rows = memory["rows"][: int(memory["count"][0])].T
+        return dict(zip(("changes", "push", "pull", "work.contact", "work.internal"), rows, strict=True))
+
+
+@dataclass(frozen=True)
+class Slips(Watch):
+    """Largest slip [mm] that any condition adds up to from `begin_time` on."""
+
+    begin_time: float = 0.0
+
+    def begin(self, view: StepView) -> Memory:
+        """No slip."""
+        return {"total": np.zeros(len(view.normal_forces())), "largest": np.zeros(1)}
+
+    def step(self, view: StepView, memory: Memory) -> None:
+        """Add the slips of a step."""
+        if view.time > self.begin_time + 0.5 * view.dt:
+            memory["total"] += view.slips()
+            memory["largest"][0] = max(memory["largest"][0], largest(memory["total"]))
+
+
+@dataclass(frozen=True)
+class Overlap(Watch):
+    """Largest area [mm2] between two surfaces, one over the other, over |x| < reach [mm]."""
+
+    reach: float = 2.0
+    points: int = 2001
+
+    def begin(self, view: StepView) -> Memory:
+        """None."""
+        return {"largest": np.zeros(1)}
+
+    def step(self, view: StepView, memory: Memory) -> None:
+        """Where the lower one stands above the upper one."""
+        x = np.linspace(-self.reach, self.reach, self.points)
+        sides = sorted((view.position[nodes] for nodes in (view.slave(), view.master())), key=lambda p: p[:, 1].mean())
+        lower, upper = (np.interp(x, *side[np.argsort(side[:, 0])].T) for side in sides)
+        area = float(np.maximum(lower - upper, 0.0).sum() * (x[1] - x[0]))
+        memory["largest"][0] = max(memory["largest"][0], area)

@@ -1,0 +1,47 @@
+"""The cases on offer, and the watches that they use."""
+
+from __future__ import annotations
+
+from contactlab.api.plugin import Part, hookimpl
+
+PACKAGE = "contactlab_cases"
+
+WATCHES = (
+    ("series", "series:Series", "quantities of every step as a table"),
+    ("leapfrog-energy", "series:LeapfrogEnergy", "the energy that leapfrog keeps, and the force along a bar"),
+    ("contact-changes", "dynamics:ContactChanges", "conditions that open or close in every step"),
+    ("slips", "dynamics:Slips", "largest slip that a condition adds up to"),
+    ("overlap-area", "dynamics:Overlap", "largest area between two surfaces"),
+)
+CASES = (
+    ("patch", "patch:Patch", "patch test", "Taylor & Papadopoulos 1991"),
+    ("hertz", "hertz:Hertz", "cylinder on a block, like materials", "Johnson 1985"),
+    ("nafems-cgs1", "cgs1:Cgs1", "steel cylinder on aluminium", "NAFEMS R0081"),
+    ("stiffness-contrast", "stiffness_contrast:StiffnessContrast", "stiff cylinder on a soft block", "Johnson 1985"),
+    ("mesh-ratio", "mesh_ratio:MeshRatio", "meshes 1:10", "Johnson 1985"),
+    ("incompressible", "incompressible:Incompressible", "cylinder on a nearly incompressible block", "Johnson 1985"),
+    ("rigid-punch", "rigid_punch:RigidPunch", "rigid flat punch", "Johnson 1985"),
+    ("elastic-punch", "elastic_punch:ElasticPunch", "exponent at the corners of a square punch", "Dundurs & Lee 1972"),
+    ("mindlin", "mindlin:Mindlin", "partial slip and its reversal", "Mindlin 1949"),
+    ("rough-plate", "rough_plate:RoughPlate", "plate on a rough plane", "Code_Aster SSNV128"),
+    ("pulled-block", "pulled_block:PulledBlock", "block that only friction holds", ""),
+    ("tresca-block", "tresca_block:TrescaBlock", "block with Tresca friction", "Baillet & Sassi 2005"),
+    ("ironing", "ironing:Ironing", "shallow ironing", "Fischer & Wriggers 2006"),
+    ("bouncing-bar", "bouncing_bar:BouncingBar", "bouncing bar", "Doyen, Ern & Piperno 2011"),
+    ("two-bars", "two_bars:TwoBars", "two bars that exchange their momentum", "de Saint-Venant 1867"),
+    ("block-on-incline", "block_on_incline:BlockOnIncline", "block on an incline", "Coulomb"),
+    ("corner-slide", "corner_slide:CornerSlide", "slide over a corner", ""),
+    ("vertex-to-vertex", "vertex_to_vertex:VertexToVertex", "two squares, corner on corner", "Wriggers 2006"),
+    ("initial-overlap", "initial_overlap:InitialOverlap", "initial overlap and gap", ""),
+    ("stack", "stack:Stack", "blocks upon each other at rest", ""),
+    ("dropped-block", "dropped_block:DroppedBlock", "a block bounces until it rests", ""),
+    ("pressed-block", "dropped_block:PressedBlock", "a block pressed again and again", ""),
+    ("spinning-pair", "spinning_pair:SpinningPair", "two blocks that turn freely", ""),
+)
+
+
+@hookimpl
+def contactlab_parts() -> list[Part]:
+    """One file per case."""
+    watches = [Part("watch", name, f"{PACKAGE}.{target}", says) for name, target, says in WATCHES]
+    return watches + [Part("case", name, f"{PACKAGE}.{target}", says, ref) for name, target, says, ref in CASES]

@@ -1,0 +1,74 @@
+"""A rigid flat punch on a block."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contactlab.api import Case, Floats, Job, Measure, Record, Setup
+from contactlab.api.case import at_most, error, reported
+from contactlab_cases.circles import only
+from contactlab_cases.statics import force_of, iterations, l2_error, ordered, static_job
+
+
+@dataclass(frozen=True)
+class RigidPunch(Case):
+    """A punch of half width 1 on a block 20 x 20, which is the slave; `cells` across the punch."""
+
+    cells: int = 40
+
+    title: ClassVar[str] = "rigid flat punch"
+    source: ClassVar[str] = "Johnson 1985, Contact Mechanics, 2.8"
+    family: ClassVar[str] = "complete contact"
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"cells": (40, 60, 80)}
+    integrators: ClassVar[tuple[str, ...]] = ("newton",)
+    proves: ClassVar[frozenset[str]] = frozenset({"singular pressure"})
+    elements: ClassVar[tuple[str, ...]] = ("q1", "q2", "q1-fbar")
+    swaps: ClassVar[bool] = False
+
+    def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
+        """One run."""
+        cells = self.cells * setup.level
+        mesh = {
+            "use": "rectangle", "x": [-10.0, -1.5, 1.5, 10.0], "y": [-20.0, 0.0],
+            "cells": [[16, 3 * cells // 2, 16], cells], "grading": [[0.05, 1.0, 20.0], 0.2 / cells],
+        }  # fmt: skip
+        line = [[-1.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
+        return (
+            static_job(
+                "pressed", setup, {"m": {"young": 1000.0, "poisson": 0.3}},
+                {"block": {"material": "m", "mesh": mesh}}, {"slave": "block.top", "master": "punch"},
+                rigid={"punch": {"line": line, "uy": {"ramp": "linear", "to": -1e-4}}},
+                supports=[{"on": "block.bottom", "ux": 0.0, "uy": 0.0}],
+            ),
+        )  # fmt: skip
+
+    def measures(self, setup: Setup) -> Sequence[Measure]:
+        """A single nodal force makes the multipliers beside it negative by 24 (P0) and 46 % (P1) of its own."""
+        size = 40.0 / self.cells / setup.level
+        most = 0.24 if setup.algorithm == "mortar-p0" else 0.46
+        return (
+            error("L2 of the pressure over 0.9 a", 0.03 * size, "the root at the edge leaves its mark a cell inside"),
+            error("pressure in the middle", 0.02 * size, "a block of ten half-widths is no half-plane"),
+            at_most("undershoot over the largest pressure", most, "what a single nodal force makes beside itself"),
+            reported("iterations"),
+        )
+
+    def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
+        """Against p = P/(pi (a^2 - x^2)^(1/2)) of the measured force."""
+        record = only(done)
+        curve, force = record.curve(), force_of(record)
+        x, p = ordered(curve.x, curve.pressure)
+
+        def exact(at: Floats) -> Floats:
+            return np.asarray(force / (np.pi * np.sqrt(np.maximum(1e-9, 1.0 - at**2))))
+
+        return {
+            "L2 of the pressure over 0.9 a": l2_error(x, p, exact, 0.9),
+            "pressure in the middle": float(np.interp(0.0, x, p)) / float(exact(np.zeros(1))[0]) - 1.0,
+            "undershoot over the largest pressure": max(0.0, float(-p.min() / p.max())),
+            "iterations": iterations(record),
+        }

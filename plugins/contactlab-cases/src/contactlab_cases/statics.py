@@ -1,0 +1,69 @@
+"""What the static cases share: scenes, meshes, curves by increasing x, and errors of pressures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import ContactCurve, Floats, Job, Record, Setup
+
+WORK = 3000
+"""Steps and iterations after which a static case is given up: ten times what any of them needs."""
+
+
+def static_job(
+    name: str, setup: Setup, materials: Mapping[str, Mapping[str, float]], bodies: Mapping[str, Any],
+    contact: Mapping[str, Any], steps: int = 1, frames: int = 1, fields: bool = False, **more: Any,
+) -> Job:  # fmt: skip
+    """A static run. Materials are linear elastic; bodies without an element of their own take that of the setup."""
+    law = {"use": "linear-elastic", "density": 1.0}
+    scene = {
+        "name": name,
+        "integrator": {"use": "newton", "steps": steps},
+        "materials": {key: law | dict(values) for key, values in materials.items()},
+        "bodies": {key: {"element": setup.element} | dict(body) for key, body in bodies.items()},
+        "contacts": [{"algorithm": setup.algorithm, "swap": setup.swap} | dict(contact)],
+    }
+    return Job(name, scene | more, work=WORK, frames=frames, fields=fields)
+
+
+def plane_strain(young: float, poisson: float = 0.3) -> float:
+    """E/(1 - nu^2) [MPa]."""
+    return young / (1.0 - poisson**2)
+
+
+def graded_count(length: float, first: float, growth: float) -> int:
+    """Cells of growing size from `first` on that fill a length."""
+    return max(2, round(math.log(1.0 + length / first * (growth - 1.0)) / math.log(growth)))
+
+
+def ordered(x: Floats, *values: Any) -> tuple[Floats, ...]:
+    """By increasing x."""
+    order = np.argsort(x)
+    return x[order], *(np.asarray(v)[order] for v in values)
+
+
+def l2_error(x: Floats, values: Floats, exact: Callable[[Floats], Floats], reach: float) -> float:
+    """Relative L2 difference over |x| < reach between the linear interpolant of nodal values and a function."""
+    at, order = np.linspace(-reach, reach, 4001), np.argsort(x)
+    found, wanted = np.interp(at, x[order], values[order]), exact(at)
+    return float(np.sqrt(((found - wanted) ** 2).sum() / (wanted**2).sum()))
+
+
+def force_of(record: Record, support: str = "block.bottom") -> float:
+    """What the block is pressed with [N/mm]."""
+    return float(record.reaction(support)[1])
+
+
+def iterations(record: Record) -> float:
+    """Newton iterations of the run."""
+    return float(record.summary["iterations"])
+
+
+def cell_size(curve: ContactCurve, reach: float) -> float:
+    """Mean length of the slave's segments over |x| < reach."""
+    x = np.sort(curve.x[np.abs(curve.x) < reach])
+    return float(np.diff(x).mean())

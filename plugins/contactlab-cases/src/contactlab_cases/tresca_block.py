@@ -1,0 +1,69 @@
+"""The paper's second test: a block on a rigid plane with Tresca friction, against an independent code."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contactlab.api import Answer, Case, Job, Measure, Record, Setup
+from contactlab.api.case import Measure as Number
+from contactlab.api.case import error, reported
+from contactlab_cases.circles import only
+from contactlab_cases.statics import WORK, iterations
+
+ENDS = {"everywhere": (0.717, 0.717, 2.25e-3), "closed": (0.715, 0.727, 4.9e-4)}
+"""Where contact ends in the other code, least and largest [mm], and how far the free corner lifts [mm]."""
+
+
+@dataclass(frozen=True)
+class TrescaBlock(Case):
+    """`where` the friction bound of 200 MPa acts: everywhere, or only where surfaces are closed."""
+
+    where: str = "everywhere"
+
+    title: ClassVar[str] = "block with Tresca friction (test 2 of the paper)"
+    source: ClassVar[str] = "Baillet & Sassi 2005, test 2; an independent active-set code"
+    family: ClassVar[str] = "friction"
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"where": tuple(ENDS)}
+    demands: ClassVar[frozenset[str]] = frozenset({"friction"})
+    integrators: ClassVar[tuple[str, ...]] = ("newton",)
+    proves: ClassVar[frozenset[str]] = frozenset({"friction", "partial contact"})
+    elements: ClassVar[tuple[str, ...]] = ("q1", "q1-fbar")
+    swaps: ClassVar[bool] = False
+
+    def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
+        """The bundled scene."""
+        changes = {
+            **setup.changes("block"), "contacts.0.swap": False, "contacts.0.friction.where": self.where,
+            "level": 4 * setup.level,
+        }  # fmt: skip
+        return (Job("pressed", "tresca-block", changes, work=WORK),)
+
+    def measures(self, setup: Setup) -> Sequence[Measure]:
+        """Allowed is one segment beside the published place."""
+        h, (least, most, lift) = 1.3 / (104 * setup.level), ENDS[self.where]
+        answer = Answer(0.5 * (least + most), "other-code", (most - least) / least, "independent active-set code")
+        return (
+            Number(
+                "last closed node", "mm", "error", least - h, most + h, "one segment beside the other code's",
+                answer=answer,
+            ),
+            error("lift of the free corner", 0.04 / setup.level, "falls with the segment length", answer=Answer(lift)),
+            reported("iterations"),
+            reported("steps taken back"),
+        )  # fmt: skip
+
+    def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
+        """Along the undeformed sole."""
+        record = only(done)
+        curve = record.curve()
+        start = np.linspace(0.0, 1.3, len(curve.x))
+        return {
+            "last closed node": float(start[np.asarray(curve.nodal_pressure) > 0.0].max()),
+            "lift of the free corner": float(np.nanmax(curve.gap)) / ENDS[self.where][2] - 1.0,
+            "iterations": iterations(record),
+            "steps taken back": float(sum("taken back" in text for text in record.events)),
+        }

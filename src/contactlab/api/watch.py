@@ -1,0 +1,102 @@
+"""Watches: they look at every step of a run, read-only, and remember in arrays that a restart keeps."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from typing import Protocol
+
+from contactlab.api.arrays import Floats, Ints
+
+Memory = dict[str, Floats]
+"""Arrays by name, of shapes that stay the same all through the run."""
+
+
+class StepView(Protocol):
+    """The state after an accepted step; arrays cannot be written to.
+
+    time, dt        [s] reached, and the length of the step
+    step            accepted steps so far
+    sweeps, iterations  of the contact solve and of Newton's method in this step
+    reference, position  (N, 2) [mm] of all nodes
+    mass            (N,) lumped [t]; zeros in statics
+    bodies          their names
+    contacts        number of contact pairs
+    """
+
+    time: float
+    dt: float
+    step: int
+    sweeps: int
+    iterations: int
+    reference: Floats
+    position: Floats
+    mass: Floats
+    bodies: tuple[str, ...]
+    contacts: int
+
+    def field(self, name: str) -> Floats:
+        """A field of the state: "displacement", "velocity", "internal_force", "contact_force", "work" ..."""
+        ...
+
+    def nodes(self, body: str) -> slice:
+        """The nodes of a body. Raises KeyError where there is no such body."""
+        ...
+
+    def slave(self, contact: int = 0) -> Ints:
+        """Global numbers of the slave nodes, in chain order."""
+        ...
+
+    def master(self, contact: int = 0) -> Ints:
+        """Global numbers of the master nodes, in chain order."""
+        ...
+
+    def segment(self, contact: int = 0) -> float:
+        """Length of the slave's segments [mm]: the median."""
+        ...
+
+    def normal_forces(self, contact: int = 0) -> Floats:
+        """Nodal contact forces y_n [N], one per multiplier."""
+        ...
+
+    def slips(self, contact: int = 0) -> Floats:
+        """Tangential motion [mm] in this step, one per multiplier; zeros where nothing is in reach.
+
+        Known to explicit runs with friction. Raises LookupError in others.
+        """
+        ...
+
+    def external_force(self) -> Floats:
+        """Nodal forces (N, 2) [N] of loads and effects at `time`."""
+        ...
+
+    def kinetic_energy(self) -> float:
+        """1/2 v M v [mJ]."""
+        ...
+
+    def stored_energy(self) -> float:
+        """Strain energy [mJ] of the laws that have one; nan if any law has none."""
+        ...
+
+
+class Watch(ABC):
+    """Looks at every accepted step. Subclasses are frozen dataclasses; their fields are their keys.
+
+    1. `begin` gives the memory before the first step: arrays whose shapes never change.
+    2. `step` is called after each accepted step and writes to that memory in place, and to nothing else.
+    3. What is in the memory when the run ends is found in `Record.watched`.
+
+    A watched run is never a measure of cost.
+    """
+
+    @abstractmethod
+    def begin(self, view: StepView) -> Memory:
+        """The memory before the first step; `view` is that of the initial state."""
+
+    @abstractmethod
+    def step(self, view: StepView, memory: Memory) -> None:
+        """Look at one accepted step."""
+
+    def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
+        """What of the memory goes into the record: all of it by default."""
+        return memory

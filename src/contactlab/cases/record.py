@@ -1,0 +1,115 @@
+"""From results to the record that a case evaluates, and records as bytes."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import ContactCurve, Job, Record
+from contactlab.results.results import Results
+
+
+def record_of(results: Results, job: Job) -> Record:
+    """What of a run's results is kept; the fields where the job wants them."""
+    names = [contact.name for contact in results.layout.contacts]
+    fields: dict[str, Any] = {}
+    if job.fields:
+        fields = {
+            "nodes": results.nodes, "displacement": results.displacement, "velocity": results.velocity,
+            "stress": results.stress, "cells": results.cells,
+        }  # fmt: skip
+    return Record(
+        status=results.status,
+        reason=results.reason,
+        summary={**results.summary, "guards": job.guards},
+        history=results.history,
+        times={name: np.array(results.contact[name].times) for name in names},
+        curves={name: list(results.contact[name].curves) for name in names},
+        watched=results.watched,
+        events=[event.text for event in results.events],
+        **fields,
+    )
+
+
+def refused(reason: str) -> Record:
+    """The record of a run that could not begin."""
+    return Record("refused", reason, {"status": "refused", "reason": reason})
+
+
+# --- as bytes: arrays in an npz archive, the rest as JSON in it; no code comes out of either ---------
+
+_ARRAYS = ("history", "times", "stress", "cells")
+_FIELDS = ("nodes", "displacement", "velocity")
+
+
+def to_bytes(record: Record) -> bytes:
+    """A record as bytes that `from_bytes` reads."""
+    text = json.dumps(
+        {
+            "status": record.status, "reason": record.reason, "summary": _plain(record.summary),
+            "events": list(record.events), "curves": {name: len(c) for name, c in record.curves.items()},
+        }
+    )  # fmt: skip
+    arrays = {"record": np.frombuffer(text.encode(), np.uint8), **dict(_flat(record))}
+    file = io.BytesIO()
+    np.savez_compressed(file, **arrays)
+    return file.getvalue()
+
+
+def _flat(record: Record) -> Iterator[tuple[str, Any]]:
+    for group in _ARRAYS:
+        for name, values in getattr(record, group).items():
+            yield f"{group}/{name}", values
+    for name in _FIELDS:
+        yield f"field/{name}", getattr(record, name)
+    for name, curves in record.curves.items():
+        for number, curve in enumerate(curves):
+            yield f"curves/{name}/{number}", np.array([getattr(curve, column) for column in ContactCurve.COLUMNS])
+    for watch, found in record.watched.items():
+        for name, values in found.items():
+            yield f"watched/{watch}/{name}", values
+
+
+def from_bytes(data: bytes) -> Record:
+    """The record that `to_bytes` wrote. Raises ValueError where it is none."""
+    with np.load(io.BytesIO(data), allow_pickle=False) as file:
+        arrays = {name: file[name] for name in file.files}
+    head = json.loads(arrays.pop("record").tobytes())
+    groups: dict[str, dict[str, Any]] = {name: {} for name in (*_ARRAYS, "field", "curves", "watched")}
+    for name, values in arrays.items():
+        group, _, rest = name.partition("/")
+        groups[group][rest] = values
+    fields: dict[str, Any] = {**groups["field"], **{name: groups[name] for name in _ARRAYS}}
+    watched: dict[str, dict[str, Any]] = {}
+    for name, values in groups["watched"].items():
+        watch, _, key = name.partition("/")
+        watched.setdefault(watch, {})[key] = values
+    return Record(
+        status=head["status"], reason=head["reason"], summary=head["summary"], events=head["events"],
+        curves={
+            name: [_curve(groups["curves"][f"{name}/{k}"]) for k in range(count)]
+            for name, count in head["curves"].items()
+        },
+        watched=watched,
+        **fields,
+    )  # fmt: skip
+
+
+def _curve(values: Any) -> ContactCurve:
+    columns = dict(zip(ContactCurve.COLUMNS, values, strict=True))
+    return ContactCurve(**columns | {name: columns[name].astype(np.int32) for name in ("state", "chain")})
+
+
+def _plain(value: Any) -> Any:
+    """Tables and lists of plain numbers, as JSON has them."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | np.ndarray):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        return _plain(value.item())
+    return value

@@ -1,0 +1,119 @@
+"""What one cell of the matrix is: met, missed, failed, silent ... and every number with its own verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from contactlab.api import Case, Measure, Record, Setup
+from contactlab.cases.invariants import invariants_of
+
+Verdict = Literal["met", "missed", "failed", "silent", "not-judged", "ill-posed", "not-applicable"]
+
+WORST: Final[tuple[Verdict, ...]] = (
+    "silent", "failed", "missed", "not-judged", "ill-posed", "met", "not-applicable"
+)  # fmt: skip
+"""The worst first."""
+
+SILENT_FROM = 3.0
+"""Times the error that a case allows: a finished run that is off by more, without a word, is silent."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """One measure: its value and verdict; `why` is the reason of the tolerance, or of the verdict."""
+
+    measure: Measure
+    value: float
+    verdict: Verdict
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What came of one cell: the worst of its measures, and the status of its runs."""
+
+    verdict: Verdict
+    status: str
+    reason: str
+    judged: tuple[Judged, ...]
+
+
+def judge(case: Case, setup: Setup, done: Mapping[str, Record], values: Mapping[str, float]) -> Finding:
+    """The verdict of a case on what its runs left."""
+    status, reason = _end(done)
+    codes = frozenset(code for record in done.values() for code in record.warnings)
+    guarded = all(record.summary.get("guards", True) for record in done.values())
+    judged = [
+        Judged(measure, value, verdict_of(measure, value, status, codes, guarded))
+        for measure in case.measures(setup)
+        for value in (values.get(measure.name, math.nan),)
+    ]
+    if status == "finished":
+        judged += [
+            Judged(measure, value, verdict_of(measure, value, status, codes, guarded))
+            for measure, value in invariants_of(done)
+        ]
+    impossible = case.ill_posed(setup)
+    if impossible and status in ("not-converged", "refused"):
+        return Finding("ill-posed", status, f"{impossible}; the run says so: {reason}", tuple(judged))
+    own: list[Verdict] = [j.verdict for j in judged]
+    if status != "finished":
+        own.append("not-judged" if status == "timed-out" else "failed")
+    return Finding(worst(own), status, reason or _told(judged), tuple(judged))
+
+
+def verdict_of(
+    measure: Measure, value: float, status: str, codes: frozenset[str] = frozenset(), guarded: bool = True
+) -> Verdict:
+    """Of one number. A run that did not come to its end is not asked for numbers that it does not have."""
+    if status != "finished" and math.isnan(value):
+        return "not-judged" if status == "timed-out" else "failed"
+    if measure.met(value):
+        return "met"
+    warned = bool(codes & set(measure.codes))
+    silent = measure.role == "invariant" or (measure.role == "error" and _far_off(measure, value))
+    if silent and status == "finished" and guarded and not warned:
+        return "silent"
+    return "missed"
+
+
+def _far_off(measure: Measure, value: float) -> bool:
+    return not SILENT_FROM * measure.least <= value <= SILENT_FROM * measure.most
+
+
+def worst(verdicts: Sequence[Verdict]) -> Verdict:
+    """The worst of several; met where there is none."""
+    return min(verdicts, key=WORST.index, default="met")
+
+
+def _end(done: Mapping[str, Record]) -> tuple[str, str]:
+    """How the runs ended: as the first that did not finish."""
+    for name, record in done.items():
+        if not record.finished:
+            told = f"{name}: " if len(done) > 1 else ""
+            return record.status, told + record.reason
+    return "finished", ""
+
+
+def _told(judged: Sequence[Judged]) -> str:
+    """The worst number that is not met, in words."""
+    bad = [j for j in judged if j.verdict not in ("met", "not-applicable")]
+    if not bad:
+        return ""
+    first = min(bad, key=lambda j: WORST.index(j.verdict))
+    return f"{first.measure.name} is {first.value:.4g}, allowed {allowed(first.measure)}"
+
+
+def allowed(measure: Measure) -> str:
+    """The allowed values in words."""
+    if measure.role == "reported":
+        return "anything"
+    if measure.least == -measure.most:
+        return f"up to {measure.most:.4g} either way"
+    if not math.isfinite(measure.least):
+        return f"<= {measure.most:.4g}"
+    return (
+        f">= {measure.least:.4g}" if not math.isfinite(measure.most) else f"{measure.least:.5g} to {measure.most:.5g}"
+    )

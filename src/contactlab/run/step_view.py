@@ -1,0 +1,109 @@
+"""What a watch sees of a run: the state after a step, read-only."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactlab.api import Floats, Ints, Step
+from contactlab.model.model import Model
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.gap_pair import Pair
+
+
+class ModelView:
+    """A model looked at between two steps. Implements `contactlab.api.StepView`."""
+
+    def __init__(self, model: Model) -> None:
+        self._model, self._state = model, model.state
+        self.time, self.dt, self.step, self.sweeps, self.iterations = 0.0, 0.0, 0, 0, 0
+        self.reference, self.position, self.mass = (_sealed(a) for a in (model.reference, model.position, model.mass))
+        self._fields = {name: _sealed(values) for name, values in self._state.fields.items()}
+        self._nodes = {body.name: slice(body.first, body.first + body.count) for body in model.bodies}
+        self.bodies = tuple(self._nodes)
+        self._pairs: tuple[Pair, ...] = tuple(model.contact.pairs) if model.contact is not None else ()
+        self.contacts = len(self._pairs)
+        self._lengths = [_median_segment(pair, model.reference) for pair in self._pairs]
+        self._load, self._held = np.zeros_like(model.reference), model.prescribed.dof
+        self.time = model.state.time
+
+    def took(self, step: Step, dt: float) -> None:
+        """Follow an accepted step."""
+        self.time, self.dt, self.step = self._state.time, dt, self._state.step
+        self.sweeps, self.iterations = step.sweeps, step.iterations
+
+    def field(self, name: str) -> Floats:
+        """A field of the state."""
+        return self._fields[name]
+
+    def nodes(self, body: str) -> slice:
+        """The nodes of a body."""
+        return self._nodes[body]
+
+    def slave(self, contact: int = 0) -> Ints:
+        """Global numbers of the slave nodes."""
+        return self._pairs[contact].slave.nodes
+
+    def master(self, contact: int = 0) -> Ints:
+        """Global numbers of the master nodes."""
+        return self._pairs[contact].master.nodes
+
+    def segment(self, contact: int = 0) -> float:
+        """Length of the slave's segments."""
+        return self._lengths[contact]
+
+    def normal_forces(self, contact: int = 0) -> Floats:
+        """Nodal contact forces."""
+        return self._fields["multipliers"][0, self._slots(contact)]
+
+    def _slots(self, contact: int) -> slice:
+        pair = self._pairs[contact]
+        return slice(pair.first_slot, pair.first_slot + pair.slots)
+
+    def slips(self, contact: int = 0) -> Floats:
+        """Tangential motion in this step: what the rows predicted, and what the forces changed of it."""
+        rows = getattr(self._model.contact, "rows", None)
+        if rows is None or not len(rows.slip):
+            raise LookupError("slips are known to explicit runs with friction alone")
+        out = np.zeros(self._fields["multipliers"].shape[1])
+        compliance, force = self._compliance(), self._fields["contact_force"]
+        for k in range(rows.count):
+            entries = slice(rows.start[k], rows.start[k + 1])
+            node = rows.node[entries]
+            pushed = (rows.tangent_weight[entries] * compliance[node] * force[node]).sum()
+            out[rows.slot[k]] += rows.slip[k] + float(pushed)
+        return out[self._slots(contact)]
+
+    def _compliance(self) -> Floats:
+        """Displacement (N, 2) [mm/N] per contact force within a step; 0 where held."""
+        out = np.repeat(np.divide(self.dt**2, self.mass, out=np.zeros_like(self.mass), where=self.mass > 0.0), 2)
+        out[self._held] = 0.0
+        return out.reshape(-1, 2)
+
+    def external_force(self) -> Floats:
+        """Nodal forces of loads and effects."""
+        self._load[:] = 0.0
+        self._model.external_force(self._state.time, self._load)
+        return self._load
+
+    def kinetic_energy(self) -> float:
+        """1/2 v M v."""
+        return self._model.kinetic_energy()
+
+    def stored_energy(self) -> float:
+        """Strain energy."""
+        return float(sum(forces.stored_energy() for forces in self._model.forces))
+
+
+def _sealed(values: Floats) -> Floats:
+    """A view that cannot be written to."""
+    view = values.view()
+    view.flags.writeable = False
+    return view
+
+
+def _median_segment(pair: Pair, reference: Floats) -> float:
+    a, b = reference[pair.slave.nodes][pair.slave.segments.T]
+    return float(np.median(np.hypot(*(b - a).T)))

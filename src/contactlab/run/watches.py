@@ -1,0 +1,97 @@
+"""The watches of one run, the limit of its work, and what stands in for guards where there are none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from contactlab.api import Floats, Memory, Step, Watch
+from contactlab.errors import RequestError, SimulationFailure
+from contactlab.model.model import Model
+from contactlab.results.summary import Counts
+from contactlab.run.step_view import ModelView
+
+
+class Watching:
+    """All watches of a run with their memory, which is part of the run's checkpoint."""
+
+    def __init__(self, model: Model, watches: Mapping[str, Watch]) -> None:
+        self.watches, self.view = dict(watches), ModelView(model)
+        self.memories: dict[str, Memory] = {}
+        for name, watch in self.watches.items():
+            try:
+                found = watch.begin(self.view)
+            except LookupError as error:
+                reason = f"the watch {name} asks for something that the scene does not have: {error}"
+                raise RequestError(reason, where="watch") from error
+            self.memories[name] = {key: np.array(values, np.float64) for key, values in found.items()}
+
+    @property
+    def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
+        """What to call after each accepted step."""
+        return (self._look,)
+
+    def _look(self, step: Step, dt: float) -> None:
+        self.view.took(step, dt)
+        for name, watch in self.watches.items():
+            watch.step(self.view, self.memories[name])
+
+    def memory(self) -> dict[str, Floats]:
+        """Everything that changes while the run goes on."""
+        return {f"watch.{name}.{key}": a for name, own in self.memories.items() for key, a in own.items()}
+
+    def restore(self, memory: Mapping[str, Floats]) -> None:
+        """Back to where `memory` was taken."""
+        for name, values in self.memory().items():
+            values[...] = memory[name]
+
+    def found(self) -> dict[str, dict[str, Floats]]:
+        """What the watches have to say, by their names."""
+        return {
+            name: {key: np.array(values) for key, values in watch.end(self.memories[name]).items()}
+            for name, watch in self.watches.items()
+        }
+
+
+class WorkLimit:
+    """Ends a run after so many steps and iterations: counted, so that it ends there on any machine."""
+
+    def __init__(self, counts: Counts, most: float) -> None:
+        self.counts, self.most = counts, most
+
+    def __call__(self, step: Step, dt: float) -> None:
+        """Look at the counts after a step."""
+        self.look()
+
+    def look(self) -> None:
+        """Raise SimulationFailure("timed-out") where there were too many."""
+        if self.counts.steps + self.counts.iterations > self.most:
+            raise SimulationFailure(
+                "timed-out",
+                f"stopped after {self.counts.steps} steps with {self.counts.iterations} iterations, of which "
+                f"{self.most:.0f} are allowed in all",
+            )
+
+
+class NoGuards:
+    """In place of guards, for a run that means to do what they stop."""
+
+    def after_step(self, step: Step) -> None:
+        """Let it pass."""
+
+    def look(self) -> None:
+        """Let it pass."""
+
+    def look_at_positions(self) -> None:
+        """Let it pass."""
+
+    def at_the_end(self) -> None:
+        """Let it pass."""
+
+    def memory(self) -> dict[str, Floats]:
+        """Nothing is remembered."""
+        return {}
+
+    def restore(self, memory: Mapping[str, Floats]) -> None:
+        """There is nothing to bring back."""

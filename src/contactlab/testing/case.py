@@ -1,0 +1,92 @@
+"""What every case must do: be data, plan scenes that can be built, and say what it measures and why."""
+
+from __future__ import annotations
+
+import json
+import math
+import pickle
+from collections.abc import Iterator
+from dataclasses import fields
+
+from contactlab.api import Case, Job, Record, Setup
+from contactlab.cases.run_case import MOST_JOBS, evaluated, scene_of, watches_of
+from contactlab.parts.registry import default_registry
+from contactlab.scene.fields import as_data
+from contactlab.testing.assertions import Check, require
+
+
+def setups(case: Case) -> Iterator[Setup]:
+    """Every integrator and element of the case, with an installed contact algorithm; either slave where it applies."""
+    algorithm = default_registry().names("contact")[0]
+    for integrator in case.integrators:
+        for element in case.elements:
+            for swap in (False, True):
+                setup = Setup(algorithm, swap, element, integrator)
+                if not case.applies(setup):
+                    yield setup
+
+
+def failed(job: Job) -> Record:
+    """The record of a run that went nowhere."""
+    return Record("diverged", "step 1: it was made to", {"status": "diverged", "guards": job.guards})
+
+
+def is_data(case: Case) -> None:
+    """A case pickles, compares, and its fields can be written down as JSON."""
+    require(pickle.loads(pickle.dumps(case)) == case, "it is not equal to what its pickle brings back")
+    json.dumps(as_data(case))
+    hash(case)
+
+
+def says_what_it_asks(case: Case) -> None:
+    """Title, source and family are told; axes and margin name fields, and the defaults are among their values."""
+    names = {field.name for field in fields(case)}  # type: ignore[arg-type]
+    require(all((case.title, case.source, case.family)), "title, source or family is empty")
+    for name, values in case.axes.items():
+        require(name in names, f"axes names {name}, which is no field of it ({', '.join(sorted(names))})")
+        require(len(values) == len(set(values)) > 1, f"the axis {name} has {values}: at least two values, each once")
+    require(case.margin is None or case.margin[0] in names, f"margin names {case.margin}, which is no field")
+    require(len(case.integrators) > 0 and len(case.elements) > 0, "it names no integrator or no element")
+
+
+def measures_with_reasons(case: Case) -> None:
+    """Every number has a name of its own, and what is judged has a reason for its tolerance."""
+    judged = [measure for setup in setups(case) for measure in case.measures(setup) if measure.role != "reported"]
+    require(len(judged) > 0, "nothing is judged, whatever the setup")
+    for setup in setups(case):
+        measures = case.measures(setup)
+        names = [measure.name for measure in measures]
+        require(len(names) == len(set(names)), f"a name stands twice among {', '.join(names)}")
+        for measure in measures:
+            is_judged = measure.role != "reported"
+            bounded = math.isfinite(measure.least) or math.isfinite(measure.most)
+            require(is_judged == bounded, f"{measure.name} is {measure.role} with bounds {measure.least, measure.most}")
+            require(bool(measure.why) or not is_judged, f"the tolerance of {measure.name} has no reason (why)")
+
+
+def plans_scenes(case: Case) -> None:
+    """Every job of every setup is a scene that can be read, with watches that are installed and names of its own."""
+    registry = default_registry()
+    for setup in setups(case):
+        jobs = case.plan(setup, {})
+        require(len(jobs) > 0, "it plans no run at all")
+        require(len({job.name for job in jobs}) == len(jobs), "two jobs have the same name")
+        for job in jobs:
+            scene_of(job, registry)
+            watches_of(job, registry)
+
+
+def outlives_failures(case: Case) -> None:
+    """Where every run fails, planning comes to an end, and evaluation leaves numbers out."""
+    for setup in setups(case):
+        done: dict[str, Record] = {}
+        while fresh := [job for job in case.plan(setup, done) if job.name not in done]:
+            done |= {job.name: failed(job) for job in fresh}
+            require(len(done) <= MOST_JOBS, f"it plans more than {MOST_JOBS} runs")
+        values = evaluated(case, setup, done)
+        wanted = {measure.name for measure in case.measures(setup)}
+        require(set(values) <= wanted, f"it finds what is no measure of it: {', '.join(set(values) - wanted)}")
+
+
+CHECKS: tuple[Check, ...] = (is_data, says_what_it_asks, measures_with_reasons, plans_scenes, outlives_failures)
+"""All checks of cases."""

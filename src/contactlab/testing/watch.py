@@ -1,0 +1,67 @@
+"""What every watch must do: see and not touch, and keep its memory where a restart finds it."""
+
+from __future__ import annotations
+
+import pickle
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Step, StepStatus, Watch
+from contactlab.model.build import build
+from contactlab.run.simulation import simulate
+from contactlab.run.watches import Watching
+from contactlab.scene.scene import Scene, load_scene
+from contactlab.testing.assertions import Check, require
+
+STEPS, DT = 60, 1e-6
+
+
+def small_scene() -> Scene:
+    """Two blocks that turn together and hold each other by friction, for a few steps: upper and lower."""
+    return load_scene("spinning-pair").with_({"time.step": DT, "time.end": STEPS * DT, "record.frames": 1})
+
+
+def looks_only(watch: Watch) -> None:
+    """A watched run is the same to the last bit as one that is not."""
+    watched, plain = (simulate(small_scene(), watch=watches) for watches in ({"watch": watch}, {}))
+    require(np.array_equal(watched.displacement, plain.displacement), "displacements differ when it looks")
+    require(np.array_equal(watched.velocity, plain.velocity), "velocities differ when it looks")
+
+
+def finds_arrays(watch: Watch) -> None:
+    """What it found is arrays by name, the same in a second run."""
+    first, second = (simulate(small_scene(), watch={"watch": watch}).watched["watch"] for _ in range(2))
+    require(len(first) > 0, "it found nothing at all")
+    for name, values in first.items():
+        require(np.array_equal(values, second[name], equal_nan=True), f"{name} differs between two equal runs")
+
+
+def remembers(watch: Watch) -> None:
+    """Its memory is all it has: put back into a new run half-way, it finds the same in the end."""
+    whole, parts = _stepped(watch, None), _stepped(watch, STEPS // 2)
+    for name, values in whole.items():
+        require(np.array_equal(values, parts[name], equal_nan=True), f"{name} differs after a restart")
+
+
+def _stepped(watch: Watch, restart_at: int | None) -> dict[str, Any]:
+    """What it found after some steps; at one of them its memory moves to another copy of it."""
+    scene = small_scene()
+    model = build(scene, scene.registry)
+    advance, watching = model.integrator.bind(model, model.state), Watching(model, {"watch": watch})
+    for number in range(STEPS):
+        if number == restart_at:
+            saved = {name: values.copy() for name, values in watching.memory().items()}
+            watching = Watching(model, {"watch": pickle.loads(pickle.dumps(watch))})
+            shapes = {name: values.shape for name, values in watching.memory().items()}
+            require(shapes == {n: v.shape for n, v in saved.items()}, "shapes of its memory change while it runs")
+            watching.restore(saved)
+        step: Step = advance(DT)
+        require(step.status is StepStatus.accepted, "the step was not accepted")
+        for look in watching.every_step:
+            look(step, DT)
+    return watching.found()["watch"]
+
+
+CHECKS: tuple[Check, ...] = (looks_only, finds_arrays, remembers)
+"""All checks of watches."""

@@ -1,0 +1,131 @@
+"""What a cell is: every verdict from a record made for it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+
+from contactlab.api import Case, Job, Measure, Record, Setup
+from contactlab.api.case import at_most, error, invariant, reported
+from contactlab.cases.verdict import judge, verdict_of, worst
+
+GOOD = Record("finished", "", {"status": "finished", "guards": True, "balance": {}, "contacts": {}})
+SETUP = Setup("any", integrator="any")
+
+
+@dataclass(frozen=True)
+class Question(Case):
+    measure: Measure
+    unanswerable: str = ""
+
+    title: ClassVar[str] = "t"
+    source: ClassVar[str] = "s"
+    family: ClassVar[str] = "f"
+    integrators: ClassVar[tuple[str, ...]] = ("any",)
+    elements: ClassVar[tuple[str, ...]] = ("any",)
+
+    def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
+        return ()
+
+    def measures(self, setup: Setup) -> Sequence[Measure]:
+        return (self.measure,)
+
+    def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
+        return {}
+
+    def ill_posed(self, setup: Setup) -> str:
+        return self.unanswerable
+
+
+ERROR = error("e", 0.1, "w", codes=("locking",))
+
+
+@pytest.mark.parametrize(
+    ("measure", "value", "verdict"),
+    [
+        (ERROR, 0.1, "met"),
+        (ERROR, -0.29, "missed"),
+        (ERROR, -0.31, "silent"),
+        (ERROR, math.nan, "silent"),
+        (at_most("c", 1.0, "w"), 1e9, "missed"),
+        (at_most("c", 1.0, "w"), math.nan, "missed"),
+        (invariant("i", 1e-9, "w"), 2e-9, "silent"),
+        (invariant("i", 1e-9, "w"), 1e-9, "met"),
+        (reported("r"), math.nan, "met"),
+    ],
+)
+def test_a_finished_run(measure: Measure, value: float, verdict: str) -> None:
+    assert verdict_of(measure, value, "finished") == verdict
+
+
+def test_a_warning_that_names_the_miss_breaks_the_silence() -> None:
+    assert verdict_of(ERROR, 1.0, "finished", frozenset({"locking"})) == "missed"
+    assert verdict_of(ERROR, 1.0, "finished", frozenset({"other"})) == "silent"
+
+
+def test_an_unguarded_run_is_never_silent() -> None:
+    assert verdict_of(ERROR, 1.0, "finished", guarded=False) == "missed"
+
+
+@pytest.mark.parametrize(
+    ("status", "verdict"), [("diverged", "failed"), ("refused", "failed"), ("timed-out", "not-judged")]
+)
+def test_a_run_that_did_not_finish(status: str, verdict: str) -> None:
+    found = judge(Question(ERROR), SETUP, {"run": replace(GOOD, status=status, reason="why")}, {})
+    assert (found.verdict, found.reason) == (verdict, "why")
+
+
+def test_saying_so_is_right_where_there_is_no_answer() -> None:
+    stopped = {"run": replace(GOOD, status="not-converged", reason="circles")}
+    assert judge(Question(ERROR, "several solutions"), SETUP, stopped, {}).verdict == "ill-posed"
+    assert judge(Question(ERROR), SETUP, stopped, {}).verdict == "failed"
+
+
+def test_the_worst_measure_is_the_cell() -> None:
+    assert worst(["met", "missed", "silent", "failed"]) == "silent"
+    assert worst(["met", "not-judged"]) == "not-judged"
+    found = judge(Question(ERROR), SETUP, {"run": GOOD}, {"e": 0.2})
+    assert found.verdict == "missed"
+    assert "e is 0.2" in found.reason
+
+
+def broken(**summary: Any) -> Record:
+    return replace(GOOD, summary={**GOOD.summary, **summary})
+
+
+CONTACT = {"cone_violation": 0.0, "max_penetration": 0.0, "resultant": [0.0, -1.0], "pressure_integral": [0.0, -1.0]}
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        broken(balance={"internal": math.nan}),
+        broken(balance={"ledger_error": 1e-3}),
+        broken(balance={"kinetic": 0.0}, reaction_mismatch=1e-3),
+        broken(contacts={"contacts.0": CONTACT | {"cone_violation": 0.1}}),
+    ],
+)
+def test_invariants_are_looked_at_in_every_cell(record: Record) -> None:
+    """Whatever the case asks: energy, equilibrium, the sign of forces, numbers that are none."""
+    found = judge(Question(at_most("c", 1.0, "w")), SETUP, {"good": GOOD, "bad": record}, {"c": 0.0})
+    assert found.verdict == "silent", found
+    assert judge(Question(at_most("c", 1.0, "w")), SETUP, {"good": GOOD}, {"c": 0.0}).verdict == "met"
+
+
+def test_a_pressure_that_does_not_carry_its_resultant_is_found() -> None:
+    from contactlab.api import ContactCurve
+
+    x, one = np.linspace(0.0, 1.0, 6), np.ones(6)
+    state, chain = np.full(6, 2, np.int32), np.zeros(6, np.int32)
+    curve = ContactCurve(x, x, 0.0 * x, one, 0.0 * x, one, 0.0 * x, state, chain)
+    lost = replace(
+        broken(contacts={"contacts.0": CONTACT | {"pressure_integral": [0.0, -0.9]}}), curves={"contacts.0": [curve]}
+    )
+    found = judge(Question(at_most("c", 1.0, "w")), SETUP, {"run": lost}, {"c": 0.0})
+    assert found.verdict == "silent"
+    assert "integral of the pressure" in found.reason
