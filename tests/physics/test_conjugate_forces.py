@@ -85,7 +85,10 @@ def test_forces_have_no_resultant_and_no_moment(algorithm: ContactAlgorithm, at:
         assert np.abs(moment).max() < exact
 
 
-@pytest.mark.parametrize("algorithm", [P0, P1], ids=["P0", "P1"])
+ENDS = [MortarP0(multipliers="vertices"), MortarP1(multipliers="vertices")]
+
+
+@pytest.mark.parametrize("algorithm", [P0, P1, *ENDS], ids=["P0", "P1", "P0 at ends of edges", "P1 at ends of edges"])
 @pytest.mark.parametrize("at", SURFACES.values(), ids=SURFACES.keys())
 def test_gradients_of_pieces_are_their_slopes(algorithm: ContactAlgorithm, at: Chains) -> None:
     pair, memory = pair_of(algorithm, at, friction=True)

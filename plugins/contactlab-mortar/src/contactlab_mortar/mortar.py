@@ -125,17 +125,15 @@ class _Mortar(ContactAlgorithm):
         separation: Floats,
         out: GapGradients,
     ) -> bool:
-        """Six nodes of each piece: of its slave segment, of those beside it, and of its master segment.
-
-        Not for multipliers at the ends of quadratic edges.
-        """
-        if self.multipliers == "vertices":
-            return False
+        """Six nodes of each piece: of its slave segment, of those beside it, and of its master segment."""
         of = (slave, master, at, near, pieces, owner, separation, out)
         bound = out.bound
         if bound is None or not bound.holds(*of):
             out.bound = bound = _BoundGradients(*of)
-        out.count, out.normal_count = count, int(bound.kernel(bound.arrays.address, count, self.linear))
+        out.count, out.normal_count = (
+            count,
+            int(bound.kernel(bound.arrays.address, count, self.linear, self.multipliers == "vertices")),
+        )
         return out.normal_count >= 0
 
     def slopes(
