@@ -97,7 +97,7 @@ def model_of(element: str, law: str, cells: int) -> Model:
 
 def stepper(model: Model) -> Step:
     """One explicit step of a small strain increment, through the integrator; the first strain is made here."""
-    advance = model.integrator.bind(model, model.state)
+    advance = model.bound_integrator().step
     advance(STRAIN)
     return lambda: advance(INCREMENT)
 
@@ -178,7 +178,7 @@ def check_forces(element: str, law: str) -> None:
     for model in (plain, fused):
         x, y = model.reference.T
         model.state["velocity"][:] += 0.1 * np.stack([x * y, x**2 + y], axis=1)
-        advance = model.integrator.bind(model, model.state)
+        advance = model.bound_integrator().step
         for dt in (STRAIN, 0.1 * STRAIN):
             advance(dt)
     expected, found = plain.state["internal_force"], fused.state["internal_force"]

@@ -67,7 +67,7 @@ def sampling(level: int) -> float:
     scene = load_scene("disc-on-block").with_({"level": level})
     model = build(scene, default_registry())
     dt = 0.9 * model.stable_step()
-    advance = model.integrator.bind(model, model.state)
+    advance = model.bound_integrator().step
     for _ in range(50):  # so that there are rows
         step: Step = advance(dt)
     columns = len(step_columns([s.on for s in model.supports], [pair.name for pair in model.contact.pairs]))

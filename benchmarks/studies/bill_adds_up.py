@@ -99,7 +99,7 @@ class Slices:
     def __init__(self, scene: Scene, folder: Path) -> None:
         model = build(scene, scene.registry)
         self.run = begin_run(model, scene, scene.registry, folder, resume=False)
-        self.advance = model.integrator.bind(model, model.state)  # type: ignore[arg-type]
+        self.advance = model.bound_integrator().step
         self.run.begin()
         self.samples = self.run.every_step
 

@@ -57,7 +57,7 @@ from pathlib import Path
 with tempfile.TemporaryDirectory() as folder:
     model = build(scene, scene.registry)
     run = begin_run(model, scene, scene.registry, Path(folder), resume=False)
-    advance = model.integrator.bind(model, model.state)
+    advance = model.bound_integrator().step
     run.begin()
     for _ in range(3):
         step = advance(run.schedule.dt)

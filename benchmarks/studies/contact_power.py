@@ -81,7 +81,7 @@ def measured(name: str, changes: dict[str, Any]) -> tuple[Floats, Floats]:
     power = ContactPower(model.contact)
     model.contact.solve = power  # type: ignore[method-assign]
     run = begin_run(model, scene, scene.registry, None, False)
-    advance, schedule = model.integrator.bind(model, model.state), run.schedule
+    advance, schedule = model.bound_integrator().step, run.schedule
     run.begin()
     while not schedule.done():
         step = advance(schedule.dt)

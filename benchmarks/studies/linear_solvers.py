@@ -45,7 +45,7 @@ def system(level: int, wanted: int = 4) -> System:
     # every iteration is to have factors of its own
     reuse.Factor, reuse.preconditioned = Keeping, lambda *_: None
     try:
-        model.integrator.bind(model, model.state)(0.1)
+        model.bound_integrator().step(0.1)
     finally:
         reuse.Factor, reuse.preconditioned = original
     return kept[min(wanted, len(kept)) - 1]

@@ -281,7 +281,7 @@ def test_a_repeated_state_is_the_same_to_the_last_bit() -> None:
     from contactlab.run.culprit import KeptState
 
     model = build(load_scene("disc-on-block").with_(SMALL), default_registry())
-    advance = model.integrator.bind(model, model.state)
+    advance = model.bound_integrator().step
     kept, dt = KeptState(), 0.9 * model.stable_step()
 
     def forty() -> bytes:

@@ -193,7 +193,7 @@ def test_forces_on_both_bodies_cancel_in_every_step(algorithm: str, swap: bool) 
     """While the surfaces curve, slide and partly cover each other: linear momentum is exact."""
     scene = load_scene("disc-on-block").with_(keys(DEEP, 1, algorithm, swap) | {"time.ramp": 2e-6})
     model = build(scene, scene.registry)
-    advance, force = model.integrator.bind(model, model.state), model.state["contact_force"]
+    advance, force = model.bound_integrator().step, model.state["contact_force"]
     dt, disc = 0.9 * model.stable_step(), model.bodies[0]
     pressed = 0
     for _ in range(400):

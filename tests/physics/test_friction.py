@@ -86,7 +86,7 @@ def test_friction_takes_exactly_the_momentum_the_block_loses(algorithm: str) -> 
     """Momentum along the base changes by the contact impulse alone; the cone is kept; dissipation never falls."""
     mu, speed, pressure, dt = 0.2, 1.0, 1.0, 1e-6
     model = build(sliding_block(mu, speed, pressure, algorithm), default_registry())
-    step = model.integrator.bind(model, model.state)
+    step = model.bound_integrator().step
     own = slice(model.bodies[0].first, model.bodies[0].first + model.bodies[0].count)
     momentum = model.mass[own].sum() * speed
     impulse, dissipated = 0.0, 0.0
@@ -148,7 +148,7 @@ def test_tresca_bounds_the_shear_where_it_says(where: str) -> None:
     lifted = scene.with_({"bodies.block.shift": [0.0, 0.02], "supports.1.uy": {"ramp": "constant", "to": 0.0}})
     for case, rubs in ((scene, True), (lifted, where == "everywhere")):
         model = build(case, default_registry())
-        step = model.integrator.bind(model, model.state)
+        step = model.bound_integrator().step
         for _ in range(20):
             step(1e-6)
         contact = model.contact

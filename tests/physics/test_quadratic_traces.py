@@ -131,7 +131,7 @@ def test_forces_cancel_on_partial_cover(algorithm: str, multipliers: str) -> Non
     scene = pressed_blocks({"use": algorithm, "multipliers": multipliers}, [0.13, 1.31], (3, 4))
     scene = scene.with_({"bodies.upper.velocity": [0.0, -1e5]})
     model = build(scene, default_registry())
-    step = model.integrator.bind(model, model.state)
+    step = model.bound_integrator().step
     step(1e-9)
     force, x = model.state["contact_force"], model.position
     upper = np.arange(len(x)) < model.bodies[0].count

@@ -38,7 +38,7 @@ def pressed(algorithm: str, integrator: dict[str, Any], law: dict[str, Any]) -> 
 def undisturbed(scene: Scene, dt: float, steps: int) -> list[Floats]:
     """The state after every step."""
     model = build(scene, scene.registry)
-    advance, states = model.integrator.bind(model, model.state), []
+    advance, states = model.bound_integrator().step, []
     for _ in range(steps):
         assert advance(dt).status is StepStatus.accepted
         states.append(model.state.snapshot())
@@ -54,7 +54,7 @@ def test_steps_that_fail(algorithm: str, use: str) -> None:
     dt = 4e-6 / STEPS
     expected = undisturbed(scene, dt, STEPS)
     model, draw = build(scene, scene.registry), np.random.default_rng(hash_of(algorithm))
-    advance = model.integrator.bind(model, model.state)
+    advance = model.bound_integrator().step
     moments, failed = draw.integers(0, STEPS, 4), 0
     for number, wanted in enumerate(expected):
         for moment in moments[moments == number]:
@@ -85,7 +85,7 @@ def test_explicit_steps_taken_back(algorithm: str) -> None:
     model = build(scene, scene.registry)
     dt, steps = 0.4 * model.stable_step(), 300
     expected = undisturbed(scene, dt, steps)
-    advance, draw = model.integrator.bind(model, model.state), np.random.default_rng(1)
+    advance, draw = model.bound_integrator().step, np.random.default_rng(1)
     moments = set(draw.integers(0, steps, 20).tolist())
     for number, wanted in enumerate(expected):
         if number in moments:

@@ -236,7 +236,7 @@ def test_explain_says_what_load_steps_follow(maxwell: Registry) -> None:
 def stepped(scene: Scene, end: float, steps: int) -> Model:
     """The model after equal steps up to a time [s]."""
     model = build(scene, scene.registry)
-    advance = model.integrator.bind(model, model.state)
+    advance = model.bound_integrator().step
     for _ in range(steps):
         assert advance(end / steps).status is StepStatus.accepted
     return model

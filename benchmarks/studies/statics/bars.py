@@ -52,7 +52,7 @@ def scene(bodies: dict[str, Any], material: dict[str, Any], **more: Any) -> Scen
 def run(scene: Scene, steps: int, dt: float, axis: int = 0, weight: float = 0.0) -> Record:
     """`weight` is the acceleration of gravity against the axis, whose potential counts as energy."""
     model = build(scene, default_registry())
-    advance, state = model.integrator.bind(model, model.state), model.state
+    advance, state = model.bound_integrator().step, model.state
     bodies = [slice(b.first, b.first + b.count) for b in model.bodies]
     tip = model.contact.pairs[0].slave.nodes[0] if model.contact is not None else -1
     rows = []

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 from contactlab.api.arrays import Floats, Ints
-from contactlab.api.enforcement import Conditions, Enforcement, ImplicitEnforcement, Solve
+from contactlab.api.enforcement import Conditions, Enforcement, ExplicitEnforcement, ImplicitEnforcement, Solve
 from contactlab.api.state import State
 
 
@@ -40,11 +40,19 @@ class Iteration(NamedTuple):
 
 
 class Step(NamedTuple):
-    """An attempted step: its status, Newton iterations, contact sweeps and contact residual.
+    """What an attempted step did.
 
-    reason says why a step was not accepted; trace tells every iteration of an implicit one.
+    work        (7,) energy ledger at its end, see `contactlab.api.WORK` [mJ]
+    reaction    (N, 2) [N] forces of the supports on prescribed degrees of freedom, 0 elsewhere
+    status      whether it is accepted; one that is not says why in `reason` and needs no other field
+    iterations  of Newton's method; trace tells every one of them
+    sweeps      of the contact solve; residual is what it left
+
+    `work` and `reaction` are new arrays, or the state's own fields of these names brought up to date in place.
     """
 
+    work: Floats | None = None
+    reaction: Floats | None = None
     status: StepStatus = StepStatus.accepted
     iterations: int = 0
     sweeps: int = 0
@@ -89,11 +97,11 @@ class ContactEquations(Protocol):
 
 
 class Equations(Protocol):
-    """All that an integrator may see of a model. What a scene does not declare is None or empty.
+    """What every integrator may see of a model. What a scene does not declare is None or empty.
 
     reference  (N, 2) undeformed positions [mm]
     position   (N, 2) reference + displacement, kept current by `internal_force` [mm]
-    mass       (N,) lumped [t]; 0 for nodes of rigid surfaces
+    mass       (N,) lumped [t]; 0 for nodes of rigid surfaces; (0,) without inertia
     damping    mass-proportional [1/s]
     """
 
@@ -106,15 +114,19 @@ class Equations(Protocol):
     def prescribed(self) -> PrescribedMotion:
         """Degrees of freedom whose displacement is given."""
 
-    @property
-    def contact(self) -> ContactEquations | None:
-        """All contact pairs together."""
-
     def internal_force(self, dt: float) -> None:
         """Stresses and history at the state's displacement, reached by a step `dt`; fills `internal_force`."""
 
     def external_force(self, time: float, out: Floats) -> bool:
         """Fill `out` (N, 2) with all loads [N]; False if the scene has none (`out` is then untouched)."""
+
+
+class ExplicitEquations(Equations, Protocol):
+    """What explicit integrators see beside `Equations`."""
+
+    @property
+    def contact(self) -> ContactEquations | None:
+        """All contact pairs together."""
 
     def stable_step(self) -> float:
         """Largest explicit step [s] at the state's geometry, without safety factor."""
@@ -162,7 +174,7 @@ class ImplicitEquations(Equations, Protocol):
     """
 
     @property
-    def contact(self) -> ImplicitContact | None:  # type: ignore[override]
+    def contact(self) -> ImplicitContact | None:
         """All contact pairs together."""
 
     def begin(self, dt: float) -> None:
@@ -188,13 +200,35 @@ class ImplicitEquations(Equations, Protocol):
 
 
 class Integrator(ABC):
-    """Subclasses are frozen dataclasses; their fields are the TOML keys.
+    """What explicit and implicit integrators have in common. Parts derive from one of the two classes below.
 
-    needs                the enforcement class it works with
+    Subclasses are frozen dataclasses; their fields are the TOML keys. Clock, reactions and energy ledger are the
+    core's: a step reads them, and its `Step` says what becomes of them. An author's duties, each held by checks of
+    `contactlab.testing.integrator` (those that do not concern a kind are not applicable to it):
+
+     1. It says what it is by the class attributes below.
+     2. `bind` gives a function that moves `displacement` and `velocity` of the state by one step, in place, and with
+        the promised order: from the first step on, under damping, and where the length of steps changes.
+     3. A step ends with `internal_force(dt)` at the new displacement, so that positions, stresses and `internal_force`
+        belong to its end.
+     4. Prescribed degrees of freedom are at its end where `prescribed` says, to round-off, and no force moves them.
+     5. Loads are those of `external_force` at times within the step.
+     6. Contact forces come from `contact`, where that is not None, in the same step as the motion that they stop, act
+        on velocities as on displacements, and are left in `contact_force`.
+     7. `Step.work` is the ledger with the work of every force in the step, so that it closes with the kinetic energy.
+     8. `Step.reaction` holds the forces of the supports, whatever else acts on them.
+     9. The clock is read (`state.time`, `state.step`) and never written.
+    10. What a step must know of those before it stands in the state: `memory` names what it needs beside the fields
+        that every run has. Bound anew to a restored state, it goes on with the same bits.
+    11. A step that is not accepted says why, and leaves the state as it was, to the last bit.
+    12. Energy never grows, and is only lost where the class says that it `dissipates`.
+    13. All else is read-only: reference, mass, what is prescribed, and the loads' and contact's own arrays.
+
+    needs                the enforcement class it works with, set by its kind
     default_enforcement  used by contacts that name none, so that integrators can be swept alone
-    order                promised and checked on an oscillator
-    inertia              False: no mass is assembled
-    explicit             True: the step is bounded by the stable step
+    order                of its error by the length of steps, promised and checked on an oscillator
+    inertia              False for statics: no mass is assembled
+    dissipates           True for a scheme that takes energy by itself
     without              effects of this integrator ("inertia"), each with the integrator that leaves it out
     """
 
@@ -202,22 +236,46 @@ class Integrator(ABC):
     default_enforcement: ClassVar[str]
     order: ClassVar[int]
     inertia: ClassVar[bool]
-    explicit: ClassVar[bool]
+    dissipates: ClassVar[bool] = False
     without: ClassVar[Mapping[str, str]] = {}
-
-    def wished_steps(self) -> int:
-        """Equal steps that an implicit integrator first tries for the whole loading."""
-        return 20
 
     def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
         """Shapes of further state fields that the integrator needs, by name."""
         return {}
 
+
+class ExplicitIntegrator(Integrator):
+    """Steps that follow from the state before them, bounded by the stable step; see `Integrator` for the duties.
+
+    velocity_lag  part of a step by which `velocity` is behind `time`: 0.5 for leapfrogs, 0 for schemes whose
+                  velocities are those of the end of the step
+    """
+
+    needs: ClassVar[type[Enforcement]] = ExplicitEnforcement
+    inertia: ClassVar[bool] = True
+    velocity_lag: ClassVar[float] = 0.5
+
     @abstractmethod
-    def bind(self, equations: Equations, state: State) -> Callable[[float], Step]:
+    def bind(self, equations: ExplicitEquations, state: State) -> Callable[[float], Step]:
         """A function that advances `state` in place by one step of the given length [s].
 
-        A step that is not accepted leaves the state exactly as it was.
+        Called once per run; all arrays of `state` stay where they are for the whole run.
+        The state is as built (t = 0, initial velocities) or restored from a snapshot.
+        """
+
+
+class ImplicitIntegrator(Integrator):
+    """Steps that solve for the state at their end; see `Integrator` for the duties. Velocities are those of `time`."""
+
+    needs: ClassVar[type[Enforcement]] = ImplicitEnforcement
+
+    def wished_steps(self) -> int:
+        """Equal steps that are first tried for the whole loading."""
+        return 20
+
+    @abstractmethod
+    def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
+        """A function that advances `state` in place by one step of the given length [s].
 
         Called once per run; all arrays of `state` stay where they are for the whole run.
         The state is as built (t = 0, initial velocities) or restored from a snapshot.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
@@ -20,8 +21,22 @@ Kind = Literal[
 ]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 
-CONTRACT_VERSION: Final = 1
+CONTRACT_VERSION: Final = 2
 """Version of `contactlab.api`. A part made for another version is refused when it is loaded."""
+
+NEW_IN_2: Final[Mapping[str, str]] = {
+    "integrator": "derive from ExplicitIntegrator or ImplicitIntegrator and drop the attributes needs, explicit and, of "
+    "explicit ones, inertia; give work and reaction in every accepted Step; leave the clock, and the fields reaction and "
+    "last_dt of your memory, to the core",
+}
+"""What parts of version 1 must change, by kind."""
+
+
+def what_to_change(kind: str, version: int) -> str:
+    """What makes a part of a kind that was written for `version` of the contract one of this version."""
+    if version != 1:
+        return f"install a release of contactlab with version {version} of the contract, or a newer one of the part"
+    return NEW_IN_2.get(kind, "nothing but api=2, if its tests pass")
 
 
 @dataclass(frozen=True)

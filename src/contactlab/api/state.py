@@ -14,10 +14,11 @@ class State:
 
     The core gives every run these fields (N nodes, k multiplier slots of all contacts):
 
-    clock           (2,)    time [s] and number of steps taken
+    clock           (3,)    time [s], number of steps taken, and length of the last one [s]; kept by the core
     displacement    (N, 2)  u at `time` [mm]
-    velocity        (N, 2)  v half a step earlier (explicit) or at `time` (implicit) [mm/s]
+    velocity        (N, 2)  v at `time`, or earlier by an explicit integrator's `velocity_lag` [mm/s]; none in statics
     internal_force  (N, 2)  of the stresses at `time` [N]
+    reaction        (N, 2)  forces of supports on prescribed degrees of freedom in the last step [N]
     work            (7,)    energy ledger, see `WORK` [mJ]
     multipliers     (1 or 2, k)  nodal contact forces y, normal and (with friction) tangential [N]
     multipliers_before (k,)  normal multipliers one step earlier [N]
@@ -52,6 +53,11 @@ class State:
     def step(self) -> int:
         """Number of accepted steps so far."""
         return int(self.fields["clock"][1])
+
+    @property
+    def last_dt(self) -> float:
+        """Length of the last accepted step [s]; 0 before the first."""
+        return float(self.fields["clock"][2])
 
     def snapshot(self) -> Floats:
         """A copy of the whole state."""

@@ -79,7 +79,7 @@ def explain(scene: Scene, registry: Registry, rehearsed: Rehearsal | None = None
     model = build(scene, registry)
     schedule = _schedule(model, scene)
     steps = schedule.estimated_steps()
-    bound = model.integrator.bind(model, model.state)
+    bound = model.bound_integrator().advance
     arrays = held_arrays(model, integrator=bound)
     seconds = _seconds(rehearsed, steps)
     if rehearsed is not None:
@@ -90,7 +90,7 @@ def explain(scene: Scene, registry: Registry, rehearsed: Rehearsal | None = None
         cells=sum(len(body.cells) for body in model.bodies),
         quadrature_points=sum(len(body.cells) * body.points for body in model.bodies),
         contact_multipliers=model.state["multipliers"].shape[1] if "multipliers" in model.state else 0,
-        stable_step=model.stable_step() if model.integrator.explicit else math.nan,
+        stable_step=model.stable_step() if model.explicit else math.nan,
         step=schedule.dt,
         steps_follow=schedule.follows,
         estimated_steps=steps,
@@ -134,7 +134,7 @@ def used_parts(scene: Scene, registry: Registry) -> list[UsedPart]:
 
 def calls_of(model: Model) -> Iterator[Call]:
     """Calls that a step makes into parts, as the model has bound them."""
-    per = "step" if model.integrator.explicit else "iteration"
+    per = "step" if model.explicit else "iteration"
     counts = _body_calls(model) | _contact_calls(model)
     yield from (Call(name, count, per) for name, count in counts.items() if count)
     if model.loads:

@@ -11,9 +11,10 @@ import pickle
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module
+from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter, thread_time
@@ -23,7 +24,6 @@ from contactlab.errors import SimulationFailure
 
 if TYPE_CHECKING:
     from contactlab.model.held_arrays import HeldArray
-    from contactlab.run.run import Run
     from contactlab.scene.scene import Scene
 
 STEPS = 40  # after the first one; enough to tell what a step costs
@@ -100,6 +100,7 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
     from contactlab.model.build import build
     from contactlab.model.held_arrays import held_arrays
     from contactlab.run.run import begin_run
+    from contactlab.run.steps import steps
 
     import_module("contactlab.run.simulation")  # as a run does
     loaded = perf_counter()
@@ -107,19 +108,21 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
         model = build(scene, scene.registry)
         run = begin_run(model, scene, scene.registry, Path(folder), resume=False)
         built = perf_counter()
-        advance = model.integrator.bind(model, model.state)
+        integrator = model.bound_integrator()
+        made_steps = steps(run, integrator)
         before, cpu = Counter(kernels.calls), thread_time() - COMPILATION.seconds
-        _steps(run, advance, 1)
+        run.begin()
+        _made(made_steps, 1)
         first, cost = perf_counter(), thread_time() - COMPILATION.seconds - cpu
         after, cpu = Counter(kernels.calls), thread_time()
-        made = _steps(run, advance, STEPS)
+        made = _made(made_steps, STEPS)
         if made:
             before, cost = after, (thread_time() - cpu) / made
         rows = kernels.rows(before, max(1, made))
         run.guards.look()
         run.schedule.follow()
         run.store()
-        arrays = held_arrays(model, integrator=advance, run=run)
+        arrays = held_arrays(model, integrator=integrator.advance, run=run)
         run.finish("interrupted", "rehearsed")
     return Rehearsal(
         kernels=[*rows, *(row for row in kernels.rows({}, 1) if row.kernel not in {r.kernel for r in rows})],
@@ -133,23 +136,14 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
     )
 
 
-def _steps(run: Run, advance: Callable[[float], Any], most: int) -> int:
-    """Accepted steps, as the loop of a run makes them; how many."""
-    from contactlab.api import StepStatus
-
-    made, until = 0, perf_counter() + PATIENCE
-    if not run.journal.frames:
-        run.begin()
-    while made < most and not run.schedule.done() and (perf_counter() < until or not made):
-        step = advance(run.schedule.dt)
-        if step.status is not StepStatus.accepted:
-            run.taken_back(step)
-            continue
-        made += 1
-        run.guards.after_step(step)
-        for sample in run.every_step:
-            sample(step, run.schedule.dt)
-    return made
+def _made(made: Iterator[Any], most: int) -> int:
+    """Make steps for a while, at least one where there are any; how many."""
+    count, until = 0, perf_counter() + PATIENCE
+    for _ in islice(made, most):
+        count += 1
+        if perf_counter() > until:
+            break
+    return count
 
 
 def imported_modules() -> list[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import WORK, Element, Floats, Integrator, Material, Mesh, MeshSource, State
+from contactlab.api import WORK, Element, ExplicitIntegrator, Floats, Integrator, Material, Mesh, MeshSource, State
 from contactlab.errors import SceneError
 from contactlab.meshing.mesh import inverted_cells, moved, nodal_measure
 from contactlab.model.bodies.body import Body, BodyForces, positions_of
@@ -40,6 +40,7 @@ def build(scene: Scene, registry: Registry) -> Model:
 
 def _built(scene: Scene, registry: Registry) -> Model:
     integrator = registry.make("integrator", scene.integrator, scene.where("integrator"))
+    model_class = _model_class(integrator)
     bodies = build_bodies(scene, registry)
     rigid = _rigid_surfaces(scene, bodies)
     plans, bodies = _contact_plans(scene, registry, bodies, rigid, integrator)
@@ -52,11 +53,11 @@ def _built(scene: Scene, registry: Registry) -> Model:
     _refuse_impossible(scene, bodies, rigid, reference, prescribed, pace.end or pace.ramp)
     state = State(_shapes(len(reference), bodies, integrator, plans))
     position, increment = reference.copy(), _increment(bodies, len(reference))
-    forces = _bind_all(scene.threads, bodies, reference, position, increment, state, integrator.explicit)
+    forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
     _initial_velocity(scene, bodies, reference, mass, state)
     contact = _contact(plans, bodies, reference, prescribed.dof, state, pace.ramp)
     effects = _effects(scene, registry, bodies, rigid, reference, state)
-    model = _model_class(integrator)(
+    model = model_class(
         reference=reference,
         position=position,
         mass=mass,
@@ -75,7 +76,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         increment=increment,
     )
     model.internal_force(0.0)
-    if integrator.explicit and any(plan.start.overlap == "ramp" for plan in plans):
+    if model.explicit and any(plan.start.overlap == "ramp" for plan in plans):
         from contactlab.model.contact.initial_gap import check_ramp_steps
 
         check_ramp_steps(plans, pace.ramp, scene.time.step or scene.time.fraction * model.stable_step())
@@ -208,10 +209,10 @@ def masses_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floa
 def _shapes(
     nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: tuple[ContactPlan, ...]
 ) -> Mapping[str, tuple[int, ...]]:
-    shapes: dict[str, tuple[int, ...]] = {"clock": (2,), "displacement": (nodes, 2)}
+    shapes: dict[str, tuple[int, ...]] = {"clock": (3,), "displacement": (nodes, 2)}
     if integrator.inertia:
         shapes["velocity"] = (nodes, 2)
-    shapes |= {"internal_force": (nodes, 2), "work": (len(WORK),)}
+    shapes |= {"internal_force": (nodes, 2), "reaction": (nodes, 2), "work": (len(WORK),)}
     if plans:
         from contactlab.model.contact.plan import contact_shapes
 
@@ -225,8 +226,10 @@ def _increment(bodies: tuple[Body, ...], nodes: int) -> Floats | None:
 
 
 def _model_class(integrator: Integrator) -> type[Model]:
-    if integrator.explicit:
-        return Model
+    if isinstance(integrator, ExplicitIntegrator):
+        from contactlab.model.explicit_model import ExplicitModel
+
+        return ExplicitModel
     from contactlab.model.implicit_model import ImplicitModel
 
     return ImplicitModel

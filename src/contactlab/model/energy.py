@@ -26,8 +26,9 @@ class EnergyGain(NamedTuple):
 def energy_gain(model: Model) -> EnergyGain:
     """Energy balance of the current state; evaluates all laws once.
 
-    Kinetic energy and works belong to the velocity half a step back, and so must what is stored: of a linear
-    body 1/2 u_n K u_{n+1}, which is U(u_{n+1}) less half a step's work of its forces (docs/theory/explicit-scheme.md).
+    In a leapfrog kinetic energy and works belong to the velocity half a step back, and so must what is stored: of a
+    linear body 1/2 u_n K u_{n+1}, which is U(u_{n+1}) less half a step's work of its forces
+    (docs/theory/explicit-scheme.md).
     The work of the stresses is exactly that then, for any stable step.
     """
     state, work = model.state, float(model.state["work"][0])
@@ -36,8 +37,7 @@ def energy_gain(model: Model) -> EnergyGain:
     if np.isnan(stored):
         stored = work
     else:
-        if model.integrator.explicit and "last_dt" in state:
-            stored -= 0.5 * float(state["last_dt"][0]) * float(np.vdot(state["velocity"], state["internal_force"]))
+        stored -= model.lagging_work()
         unexplained = stored + sum(forces.dissipated_energy() for forces in model.forces) - work
     energy = model.kinetic_energy() + stored
     return EnergyGain(energy, energy - model.initial_energy - float(state["work"][1]), unexplained)

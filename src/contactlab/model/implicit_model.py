@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Floats
+from contactlab.api import Floats, ImplicitIntegrator
 from contactlab.kernels.watch import smallest_jacobian
 from contactlab.model.bodies.tangent import Tangent
+from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.model.examination import examine_bodies, examine_effects
 from contactlab.model.model import Model
 
@@ -23,7 +24,10 @@ if TYPE_CHECKING:
 class ImplicitModel(Model):
     """Implements `contactlab.api.ImplicitEquations`."""
 
-    contact: ImplicitContactSystem | None  # type: ignore[assignment]
+    contact: ImplicitContactSystem | None
+    integrator: ImplicitIntegrator
+
+    explicit: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -58,6 +62,15 @@ class ImplicitModel(Model):
     def _follow(self, dt: float) -> None:
         if self.increment is not None and self._start is not None:
             np.subtract(self._displacement, self._start, out=self.increment)
+
+    def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
+        """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""
+        advance = self.integrator.bind(self if seen is None else seen, self.state)
+        return BoundIntegrator(type(self.integrator).__name__, advance, self.state)
+
+    def lagging_work(self) -> float:
+        """None: velocities and positions are those of one time."""
+        return 0.0
 
     def stiffness(self, dt: float) -> Any:
         """Assembled stiffness at the last `internal_force`; see `contactlab.api.ImplicitEquations`."""

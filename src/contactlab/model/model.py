@@ -1,27 +1,30 @@
-"""A model: everything a run needs, bound once. Implements `contactlab.api.Equations`."""
+"""A model: everything a run needs, bound once."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from contactlab.api import Floats, Integrator, State, Warnings
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.bodies.stable_step import StableStep
+from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.model.loading.supports import Prescribed, SupportedSet
 from contactlab.model.pace import Pace
 
 if TYPE_CHECKING:
     from contactlab.model.contact.explicit_system import ContactSystem
+    from contactlab.model.contact.implicit_system import ImplicitContactSystem
 
 
 @dataclass
-class Model:
-    """What `build` makes of a scene.
+class Model(ABC):
+    """What `build` makes of a scene: an `ExplicitModel` or an `ImplicitModel`. Implements `contactlab.api.Equations`.
 
     Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator and
     the supports by name. `updates` are the bound block calls of all bodies, `loads` those of loads and effects,
@@ -34,7 +37,7 @@ class Model:
     position: Floats
     mass: Floats
     prescribed: Prescribed
-    contact: ContactSystem | None
+    contact: ContactSystem | ImplicitContactSystem | None
     damping: float
     state: State
     integrator: Integrator
@@ -47,6 +50,8 @@ class Model:
     increment: Floats | None
     pace: Pace
     warnings: Warnings = field(default_factory=Warnings)
+
+    explicit: ClassVar[bool]
 
     def __post_init__(self) -> None:
         self._internal = self.state["internal_force"]
@@ -67,9 +72,17 @@ class Model:
             update(dt)
         self.seconds += perf_counter() - began
 
+    @abstractmethod
     def _follow(self, dt: float) -> None:
         """Displacement increments that led here, for laws in rate form."""
-        np.multiply(self._velocity, dt, out=self.increment)
+
+    @abstractmethod
+    def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
+        """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""
+
+    @abstractmethod
+    def lagging_work(self) -> float:
+        """Work of the stresses [mJ] between the time of the velocities and that of the positions."""
 
     def external_force(self, time: float, out: Floats) -> bool:
         """Fill `out` with all loads; False where the scene has none."""

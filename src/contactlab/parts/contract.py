@@ -11,9 +11,10 @@ from contactlab.api.effect import Effect
 from contactlab.api.element import Element
 from contactlab.api.enforcement import Enforcement, ExplicitEnforcement, ImplicitEnforcement
 from contactlab.api.friction import FrictionLaw
-from contactlab.api.integrator import Integrator
+from contactlab.api.integrator import ExplicitIntegrator, ImplicitIntegrator, Integrator
 from contactlab.api.material import Material
 from contactlab.api.mesh import MeshSource
+from contactlab.api.part import NEW_IN_2
 from contactlab.api.recorder import Recorder
 from contactlab.api.watch import Watch
 from contactlab.parts.declared_values import wrong_values
@@ -25,7 +26,7 @@ BASES: dict[str, tuple[type, ...]] = {
     "contact": (ContactAlgorithm, GapAlgorithm),
     "friction": (FrictionLaw,),
     "enforcement": (ExplicitEnforcement, ImplicitEnforcement),
-    "integrator": (Integrator,),
+    "integrator": (ExplicitIntegrator, ImplicitIntegrator),
     "effect": (Effect,),
     "recorder": (Recorder,),
     "watch": (Watch,),
@@ -41,8 +42,9 @@ def faults(kind: str, target: object) -> list[str]:
     if not isinstance(target, type):
         return [f"it is no class but {type(target).__name__}; allowed: a subclass of {allowed}"]
     if not issubclass(target, bases):
-        return [f"it does not derive from {allowed}"]
-    if target in (*bases, Enforcement):
+        older = issubclass(target, Integrator)  # which parts of version 1 derived from
+        return [f"it does not derive from {allowed}{'; to change: ' + NEW_IN_2['integrator'] if older else ''}"]
+    if target in (*bases, Enforcement, Integrator):
         return ["it is the abstract class of the contract itself"]
     return [
         *_missing_methods(target), *_missing_attributes(target), *wrong_values(target), *_other_arguments(target),

@@ -11,7 +11,7 @@ from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
 
-from contactlab.api.part import CONTRACT_VERSION, KINDS, Part
+from contactlab.api.part import CONTRACT_VERSION, KINDS, Part, what_to_change
 from contactlab.errors import NOTHING, PartError, RequestError, SceneError, Where, below, did_you_mean, one_line, show
 from contactlab.parts import contract
 from contactlab.parts import loading as plugins
@@ -250,7 +250,10 @@ def _fault_of(part: Any) -> str:
     if not isinstance(part, Part):
         return f"contactlab_parts lists {type(part).__name__}; allowed: Part"
     if part.api != CONTRACT_VERSION:
-        return f"it was written for version {part.api} of the contract; this is version {CONTRACT_VERSION}"
+        return (
+            f"it was written for version {part.api} of the contract, this is version {CONTRACT_VERSION}; to change: "
+            f"{what_to_change(str(part.kind), part.api)}"
+        )
     if part.kind not in KINDS:
         hint = did_you_mean(str(part.kind), KINDS)
         return f'there is no kind "{part.kind}"; allowed: {", ".join(KINDS)}' + (f"; {hint}" if hint else "")

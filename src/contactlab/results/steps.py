@@ -15,6 +15,7 @@ from contactlab.model.model import Model
 
 if TYPE_CHECKING:
     from contactlab.model.contact.explicit_system import ContactSystem
+    from contactlab.model.contact.implicit_system import ImplicitContactSystem
     from contactlab.model.contact.operator_pair import SurfacePair
 
 BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step
@@ -134,7 +135,7 @@ def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
     return BoundArrays(MODEL, buffer, model.state.buffer, model.mass, _places(model), starts, dofs)
 
 
-def _bound_rows(buffer: Floats, model: Model, contact: ContactSystem) -> BoundArrays:
+def _bound_rows(buffer: Floats, model: Model, contact: ContactSystem | ImplicitContactSystem) -> BoundArrays:
     pairs, r, factored = contact.pairs, contact.rows, contact.factored or FactoredRows.allocate(0, 0)
     starts = np.array([*(pair.first_slot for pair in pairs), pairs[-1].first_slot + pairs[-1].slots], np.int32)
     of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.offset, r.bound, factored.slot, factored.left)
@@ -153,6 +154,6 @@ def _places(model: Model) -> np.ndarray:
 
 def _support_dofs(model: Model) -> tuple[np.ndarray, np.ndarray]:
     """Where each support begins, and the degrees of freedom of all of them one after another."""
-    dofs = [support.dof for support in model.supports] if "reaction" in model.state else []
+    dofs = [support.dof for support in model.supports]
     starts = np.cumsum([0, *(len(part) for part in dofs)]).astype(np.int64)
     return starts, np.concatenate([np.zeros(0, np.int64), *dofs]).astype(np.int64)

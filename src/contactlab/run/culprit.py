@@ -55,7 +55,7 @@ def wrong_answer(run: Run) -> str:
     model = run.model
     run.kept.bring_back(model)
     step = model.state.step
-    advance = model.integrator.bind(Examined(model), model.state)
+    advance = model.bound_integrator(Examined(model)).step
     for number in range(step + 1, step + MOST + 1):
         try:
             advance(run.schedule.dt)

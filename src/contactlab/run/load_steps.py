@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import cast
 
 import numpy as np
 
-from contactlab.api import Floats, Step, StepStatus
+from contactlab.api import Floats, ImplicitIntegrator, Step, StepStatus
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.loading.held_bodies import free_motions
 from contactlab.run.load_path import EvenPath, LoadPath
@@ -33,7 +34,11 @@ class LoadSchedule(Schedule):
         total = self.pace.end or self.pace.ramp
         statics = not self.model.integrator.inertia and self.fixed is None
         self.path = LoadPath(self.model, self.scene, total) if statics else EvenPath(total)
-        self.wished = 1.0 / self.model.integrator.wished_steps() if self.fixed is None else float(self.fixed) / total
+        self.wished = (
+            1.0 / cast(ImplicitIntegrator, self.model.integrator).wished_steps()
+            if self.fixed is None
+            else float(self.fixed) / total
+        )
         if self.wished * MOST < 1.0:
             raise SceneError(
                 f"steps this short would be {1.0 / self.wished:.0f}",

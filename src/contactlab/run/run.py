@@ -30,6 +30,7 @@ from contactlab.run.schedule import Schedule
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
 
 if TYPE_CHECKING:
+    from contactlab.model.bound_integrator import BoundIntegrator
     from contactlab.parts.registry import Registry
     from contactlab.results.checkpoint_slots import Checkpoint
     from contactlab.scene.scene import Scene
@@ -68,15 +69,13 @@ class Run:
         self.keep()
         self.save()
 
-    @property
-    def advance(self) -> Callable[[float], Step]:
+    def guarded(self, integrator: BoundIntegrator) -> Callable[[float], Step]:
         """The function that makes one step; steps that can be taken back are judged by the guards, too."""
-        advance = self.model.integrator.bind(self.model, self.model.state)
-        if self.model.integrator.explicit:
-            return advance
+        if self.model.explicit:
+            return integrator.step
         from contactlab.run.guarded_step import GuardedStep
 
-        return GuardedStep(advance, self.model, self.guards)
+        return GuardedStep(integrator.step, self.model, self.guards)
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
@@ -138,10 +137,9 @@ class Run:
     @property
     def saves(self) -> tuple[int, Callable[[], None]]:
         """After how many steps to do what for a restart: each load step is saved, and others by time."""
-        integrator = self.model.integrator
-        if integrator.explicit:
+        if self.model.explicit:
             return EVERY, self.save_now_and_then
-        return 1, self.save_now_and_then if integrator.inertia else self.save
+        return 1, self.save_now_and_then if self.model.integrator.inertia else self.save
 
     def pause(self, why: str) -> str:
         """Save the state of a run that is stopped; the reason for its summary."""
@@ -247,7 +245,7 @@ def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
 
 def schedule_of(model: Model, scene: Scene) -> Schedule:
     """The schedule that suits the scene's integrator."""
-    if model.integrator.explicit:
+    if model.explicit:
         return Schedule(model, scene)
     from contactlab.run.load_steps import LoadSchedule
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from contactlab.api import StepStatus, Watch
+from contactlab.api import Watch
 from contactlab.errors import ContactlabError, NotFiniteError, RequestError, SimulationFailure, WrongAnswer, one_line
 from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault, part_errors
@@ -20,6 +20,7 @@ from contactlab.run.guards import EVERY
 from contactlab.run.interruption import Interrupted, Interruption
 from contactlab.run.restart import finished_results
 from contactlab.run.run import Run, begin_run
+from contactlab.run.steps import steps
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
 
 if TYPE_CHECKING:
@@ -114,22 +115,10 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
 
 def _advance(run: Run, progress: Progress | None) -> None:
     model, schedule, guards, counts = run.model, run.schedule, run.guards, run.counts
-    advance, every_step = run.advance, run.every_step
+    integrator = model.bound_integrator()
     save_every, save = run.saves
     run.begin()
-    while not schedule.done():
-        step = advance(schedule.dt)
-        if step.trace:
-            run.iterated(step)
-        if step.status is not StepStatus.accepted:
-            run.taken_back(step)
-            continue
-        counts.steps += 1
-        counts.iterations += step.iterations
-        counts.sweeps += step.sweeps
-        guards.after_step(step)
-        for sample in every_step:
-            sample(step, schedule.dt)
+    for _ in steps(run, integrator):
         if counts.steps % EVERY == 0:
             guards.look()
             schedule.follow()

@@ -1,4 +1,4 @@
-"""Masses on springs: the smallest model that an integrator can be asked to advance, explicit or implicit."""
+"""Masses on springs: the smallest model that an integrator can be asked to advance, explicit, implicit or static."""
 
 from __future__ import annotations
 
@@ -7,7 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import WORK, ContactEquations, Floats, Integrator, Ints, PrescribedMotion, State, Step
+from contactlab.api import WORK, ExplicitIntegrator, Floats, ImplicitIntegrator, Ints, PrescribedMotion, State, Step
+from contactlab.model.bound_integrator import BoundIntegrator
+from contactlab.testing.floor import ExplicitFloor, ImplicitFloor, floor_shapes
+
+AnyIntegrator = ExplicitIntegrator | ImplicitIntegrator
 
 
 class Ramp:
@@ -25,54 +29,88 @@ class Ramp:
 
 
 class Oscillator:
-    """N masses that springs of stiffness k (N,) hold in place. Implements `contactlab.api.Equations` and, without
-    contact, `ImplicitEquations`."""
+    """N masses that springs of stiffness k (N,) hold in place. Implements `contactlab.api.ExplicitEquations` and
+    `contactlab.api.ImplicitEquations`.
+
+    force      (N, 2) load [N], or one that depends on time
+    clearance  (N,) [mm] below which each mass meets a rigid floor; friction there is Coulomb's coefficient
+    broken     while it is True no force is a number: no step can be accepted
+    """
 
     def __init__(
         self,
-        integrator: Integrator,
+        integrator: AnyIntegrator,
         mass: Floats,
         stiffness: Floats,
         *,
         velocity: Floats | None = None,
-        displacement: Floats | None = None,
         damping: float = 0.0,
         prescribed: Ramp | None = None,
-        force: Floats | None = None,
-        contact: ContactEquations | None = None,
+        force: Floats | Callable[[float], Floats] | None = None,
+        clearance: Floats | None = None,
+        friction: float = 0.0,
     ) -> None:
         n = len(mass)
-        self.mass, self.springs, self.damping = np.asarray(mass, float), np.asarray(stiffness, float), damping
+        self.integrator, self.springs, self.damping = integrator, np.asarray(stiffness, float), damping
+        self.mass: Floats = np.asarray(mass, float) if integrator.inertia else np.zeros(0)
         self.reference = np.stack([np.arange(n, dtype=float), np.zeros(n)], axis=1)
         self.position = self.reference.copy()
         self.prescribed: PrescribedMotion = prescribed or Ramp(np.zeros(0, np.int32), np.zeros(0))
-        self.contact = contact
+        self.broken = False
         self._force = force
-        shapes: dict[str, tuple[int, ...]] = {"clock": (2,), "displacement": (n, 2), "velocity": (n, 2)}
-        shapes |= {"internal_force": (n, 2), "work": (len(WORK),)}
-        if contact is not None:
-            shapes["contact_force"] = (n, 2)
+        shapes: dict[str, tuple[int, ...]] = {"clock": (3,), "displacement": (n, 2)}
+        shapes |= {"velocity": (n, 2)} if integrator.inertia else {}
+        shapes |= {"internal_force": (n, 2), "reaction": (n, 2), "work": (len(WORK),)}
+        shapes |= floor_shapes(n, friction > 0.0) if clearance is not None else {}
         self.state = State(shapes | dict(integrator.memory(n)))
-        self.state["velocity"][:] = 0.0 if velocity is None else velocity
-        self.state["displacement"][:] = 0.0 if displacement is None else displacement
+        if velocity is not None and integrator.inertia:
+            self.state["velocity"][:] = velocity
+        self.contact: Any = self._floor(clearance, friction) if clearance is not None else None
         self.internal_force(0.0)
         self.initial_energy = self.kinetic_energy()
-        self.advance: Callable[[float], Step] = integrator.bind(self, self.state)
+        self.bind()
+
+    def bind(self) -> None:
+        """Bind the integrator, anew after the state was restored."""
+        equations: Any = self
+        advance = self.integrator.bind(equations, self.state)
+        self.advance: Callable[[float], Step] = BoundIntegrator(
+            type(self.integrator).__name__, advance, self.state
+        ).step
+
+    def _floor(self, clearance: Floats, friction: float) -> ExplicitFloor | ImplicitFloor:
+        level = self.reference[:, 1] - clearance
+        if isinstance(self.integrator, ExplicitIntegrator):
+            return ExplicitFloor(level, friction, self.state)
+        from contactlab.parts.registry import default_registry
+
+        enforcement = default_registry().make("enforcement", self.integrator.default_enforcement)
+        return ImplicitFloor(level, friction, self.state, enforcement)
+
+    # --- what integrators see -------------------------------------------------------------------
 
     def internal_force(self, dt: float) -> None:
         """Spring forces at the state's displacement."""
         self.position[:] = self.reference + self.state["displacement"]
         self.state["internal_force"][:] = self.springs[:, None] * self.state["displacement"]
+        if self.broken:
+            self.state["internal_force"][:] = np.nan
 
     def external_force(self, time: float, out: Floats) -> bool:
-        """A constant force, if one was given."""
+        """The force, if one was given."""
         if self._force is None:
             return False
-        out[:] = self._force
+        out[:] = self._force(time) if callable(self._force) else self._force
         return True
+
+    def stable_step(self) -> float:
+        """2/w_max."""
+        return float(2.0 / np.sqrt((self.springs / self.mass).max()))
 
     def begin(self, dt: float) -> None:
         """Springs remember nothing: every step may be tried again from the state."""
+        if self.contact is not None:
+            self.contact.begin(self.reference + self.state["displacement"])
 
     def stiffness(self, dt: float) -> Any:
         """That of the springs, diagonal, CSC; springs of no stiffness have an entry as well."""
@@ -82,27 +120,35 @@ class Oscillator:
         return csc_array((np.repeat(self.springs, 2), np.arange(n), np.arange(n + 1)), (n, n))
 
     def add_load_stiffness(self, time: float, stiffness: Any, share: float, rate: float) -> None:
-        """There are no loads."""
+        """No load depends on positions or velocities."""
 
     def folded(self) -> bool:
-        """There are no cells."""
-        return False
+        """There are no cells; while `broken` none is whole."""
+        return self.broken
 
     def accept(self) -> None:
         """Nothing but the state changes."""
 
-    def stable_step(self) -> float:
-        """Largest stable step 2/w_max [s] of the springs."""
-        return float(2.0 / np.sqrt((self.springs / self.mass).max()))
+    # --- what checks see ------------------------------------------------------------------------
 
     def kinetic_energy(self) -> float:
-        """With the state's velocities, half a step back in explicit schemes."""
+        """With the state's velocities; 0 in statics."""
+        if not self.integrator.inertia:
+            return 0.0
         return float(0.5 * self.mass @ (self.state["velocity"] ** 2).sum(axis=1))
 
+    def unexplained_energy(self) -> float:
+        """Kinetic energy and works that the ledger does not close with [mJ]."""
+        internal, external, damping, contact, friction, numerical = self.state["work"][:6]
+        change = self.kinetic_energy() - self.initial_energy + internal + damping + numerical
+        return float(change - external - contact - friction)
+
     def run(self, steps: int, dt: float) -> Floats:
-        """Displacements (steps, N, 2) after each step."""
+        """Displacements (steps, N, 2) after each step. Raises AssertionError where one is not accepted."""
         out = np.empty((steps, *self.state["displacement"].shape))
         for i in range(steps):
-            self.advance(dt)
+            done = self.advance(dt)
+            if done.status.value:
+                raise AssertionError(f"step {i + 1} of {steps} was not accepted: {done.reason or done.status.value}")
             out[i] = self.state["displacement"]
         return out

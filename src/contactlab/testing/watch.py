@@ -48,7 +48,7 @@ def _stepped(watch: Watch, restart_at: int | None) -> dict[str, Any]:
     """What it found after some steps; at one of them its memory moves to another copy of it."""
     scene = small_scene()
     model = build(scene, scene.registry)
-    advance, watching = model.integrator.bind(model, model.state), Watching(model, {"watch": watch})
+    advance, watching = model.bound_integrator().step, Watching(model, {"watch": watch})
     for number in range(STEPS):
         if number == restart_at:
             saved = {name: values.copy() for name, values in watching.memory().items()}

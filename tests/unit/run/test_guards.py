@@ -491,7 +491,7 @@ def test_the_energy_of_a_loaded_body_is_that_which_was_supplied() -> None:
     from contactlab.model.energy import energy_gain
 
     model = build(scene({"upper": TWO["upper"]}, loads=[{"on": "upper.top", "tx": 0.5}]), default_registry())
-    advance, dt, worst = model.integrator.bind(model, model.state), 0.9 * model.stable_step(), 0.0
+    advance, dt, worst = model.bound_integrator().step, 0.9 * model.stable_step(), 0.0
     for _ in range(400):
         advance(dt)
         energy, gained, unexplained = energy_gain(model)

@@ -10,11 +10,9 @@ import numpy as np
 
 from contactlab.api import (
     ContactEquations,
-    Enforcement,
-    Equations,
-    ExplicitEnforcement,
+    ExplicitEquations,
+    ExplicitIntegrator,
     Floats,
-    Integrator,
     State,
     Step,
 )
@@ -22,35 +20,26 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 
 
 @dataclass(frozen=True)
-class CentralDifference(Integrator):
+class CentralDifference(ExplicitIntegrator):
     """Leapfrog with lumped mass; velocities live half a step before positions."""
 
-    needs: ClassVar[type[Enforcement]] = ExplicitEnforcement
     default_enforcement: ClassVar[str] = "forward-increment"
     order: ClassVar[int] = 2
-    inertia: ClassVar[bool] = True
-    explicit: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
 
-    def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
-        """Last step length, and reactions (N, 2) [N] of supports at the start of the last step."""
-        return {"last_dt": (1,), "reaction": (nodes, 2)}
-
-    def bind(self, equations: Equations, state: State) -> Callable[[float], Step]:
+    def bind(self, equations: ExplicitEquations, state: State) -> Callable[[float], Step]:
         """The step function; the first step starts from v_0 (half a step of acceleration)."""
         return _Leapfrog(equations, state).step
-
-
-_NOTHING = Step()
 
 
 class _Leapfrog:
     """One run's arrays, bound once."""
 
-    def __init__(self, equations: Equations, state: State) -> None:
+    def __init__(self, equations: ExplicitEquations, state: State) -> None:
         nodes = len(equations.reference)
         self.equations, self.state = equations, state
-        self.clock, self.last = state["clock"], state["last_dt"]
+        self.clock, self.work, self.reaction = state["clock"], state["work"], state["reaction"]
+        self.done = Step(self.work, self.reaction)
         inverse_mass = np.divide(1.0, equations.mass, out=np.zeros(nodes), where=equations.mass > 0.0)
         self.mobility: Floats = np.repeat(inverse_mass, 2).reshape(-1, 2)
         self.mobility.reshape(-1)[equations.prescribed.dof] = 0.0
@@ -69,11 +58,11 @@ class _Leapfrog:
         bound = self.bound or self._bind()
         time = float(self.clock[0])
         # at the start only half a step of acceleration leads from v_0 to v_{1/2}
-        mean_dt = 0.5 * (float(self.last[0]) + dt)
+        mean_dt = 0.5 * (float(self.clock[2]) + dt)
         loaded = equations.external_force(time, self.external)
         equations.prescribed.values(time + dt)
         now = (bound.address, loaded, equations.damping, dt, mean_dt)
-        done = _NOTHING
+        done = self.done
         if equations.contact is None:
             self.move(*now)
         else:
@@ -92,8 +81,8 @@ class _Leapfrog:
         fields = (
             equations.reference, state["displacement"], state["velocity"], state["internal_force"], self.external,
             self.mobility, equations.mass, prescribed.dof, prescribed.scale, prescribed.ramp, prescribed.values(0.0),
-            self.before, self.trial, self.predicted, self.contact, self.compliance, state["reaction"], state["work"],
-            self.products, self.clock, self.last,
+            self.before, self.trial, self.predicted, self.contact, self.compliance, self.reaction, self.work,
+            self.products,
         )  # fmt: skip
         self.bound = BoundArrays(leapfrog.ARRAYS, *(field.reshape(-1) for field in fields))
         return self.bound
@@ -105,14 +94,14 @@ class _Leapfrog:
         solve = contact.solve(self.predicted, self.equations.position, self.compliance, self.contact)
         self.correct(*now)
         self._book_friction(contact, mean_dt)
-        return Step(sweeps=solve.sweeps, residual=solve.residual)
+        return Step(self.work, self.reaction, sweeps=solve.sweeps, residual=solve.residual)
 
     def _book_friction(self, contact: ContactEquations, mean_dt: float) -> None:
         """Move the tangential share of the contact work to its own entries (`trial` holds mean velocities)."""
         rubbed, dissipated = contact.friction_work(self.trial, mean_dt, self.compliance, self.contact)
         if rubbed == dissipated == 0.0:
             return
-        work = self.state["work"]
+        work = self.work
         work[3] -= rubbed
         work[4] += rubbed
         work[6] += dissipated

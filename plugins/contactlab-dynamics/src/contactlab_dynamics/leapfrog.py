@@ -10,9 +10,9 @@ from __future__ import annotations
 from contactlab.api.compiled.kernel import kernel
 from contactlab.api.compiled.unpack import unpack
 
-ARRAYS = "d1 d1 d1 d1 d1 d1 d1 i1 d1 i1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1"
+ARRAYS = "d1 d1 d1 d1 d1 d1 d1 i1 d1 i1 d1 d1 d1 d1 d1 d1 d1 d1 d1"
 """reference, displacement, velocity, internal, external, mobility; mass by node; dof, scale, ramp and values of what is
-prescribed; before, trial, predicted, contact, compliance, reaction, work, products, clock, last step."""
+prescribed; before, trial, predicted, contact, compliance, reaction, work, products."""
 CHUNK = 512  # degrees of freedom summed at a time
 
 
@@ -121,13 +121,13 @@ def _damped(mass, mean):
 
 @kernel
 def _book(bound, loaded, touching, alpha, dt, mean_dt):
-    """Work of every force with the mean velocity, reactions of prescribed motion, and the clock.
+    """Work of every force with the mean velocity, and reactions of prescribed motion.
 
     work = internal, external (with reactions), damping, contact, ... (see contactlab.api.WORK); only
     what acts is summed.
     """
     (
-        _, _, v, f, e, _, mass, dof, _, _, _, before, mean, _, y, _, r, work, products, clock, last,
+        _, _, v, f, e, _, mass, dof, _, _, _, before, mean, _, y, _, r, work, products,
     ) = unpack(bound, ARRAYS)  # fmt: skip
     work[0] += mean_dt * _power(mean, f, products)
     load = _power(mean, e, products) if loaded else 0.0
@@ -143,6 +143,3 @@ def _book(bound, loaded, touching, alpha, dt, mean_dt):
         r[i] = needed
         load += mean[i] * needed
     work[1] += mean_dt * load
-    last[0] = dt
-    clock[0] += dt
-    clock[1] += 1.0

@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contactlab.api import Enforcement, ImplicitEnforcement, ImplicitEquations, Integrator, State, Step
+from contactlab.api import ImplicitEquations, ImplicitIntegrator, State, Step
 from contactlab_statics.limits import refuse_limits
 
 
 @dataclass(frozen=True)
-class ImplicitDynamics(Integrator):
+class ImplicitDynamics(ImplicitIntegrator):
     """Average forces over a step, contact forces that hold gaps at its end, velocities that keep them held.
 
     Gaps are complementary to forces at the end of every step, and closed surfaces leave it with equal normal
@@ -30,11 +30,9 @@ class ImplicitDynamics(Integrator):
     iterations: int = 25
     dissipation: float = 0.0
 
-    needs: ClassVar[type[Enforcement]] = ImplicitEnforcement
     default_enforcement: ClassVar[str] = "active-set"
     order: ClassVar[int] = 2
     inertia: ClassVar[bool] = True
-    explicit: ClassVar[bool] = False
     without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
 
     def __post_init__(self) -> None:
@@ -46,11 +44,7 @@ class ImplicitDynamics(Integrator):
         """The steps that the scene asks for."""
         return self.steps
 
-    def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
-        """Mean reactions (N, 2) [N] of supports over the last step."""
-        return {"reaction": (nodes, 2)}
-
-    def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:  # type: ignore[override]
+    def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
         """The function that makes one step in time."""
         from contactlab_statics.time_step import TimeStep
 

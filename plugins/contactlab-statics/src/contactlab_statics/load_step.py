@@ -38,13 +38,14 @@ class LoadStep:
         if outcome.reason:
             take_back(equations, state, start)
             return Step(
-                StepStatus.not_converged, len(outcome.trace), residual=outcome.residual.largest, reason=outcome.reason,
-                trace=tuple(outcome.trace),
+                status=StepStatus.not_converged, iterations=len(outcome.trace), residual=outcome.residual.largest,
+                reason=outcome.reason, trace=tuple(outcome.trace),
             )  # fmt: skip
         self._accept(dt)
         return Step(
-            StepStatus.accepted, len(outcome.trace), residual=outcome.residual.contact, trace=tuple(outcome.trace)
-        )
+            state["work"], state["reaction"], iterations=len(outcome.trace), residual=outcome.residual.contact,
+            trace=tuple(outcome.trace),
+        )  # fmt: skip
 
     def _start(self, dt: float) -> None:
         """Forces at the start of the step, for the ledger."""
@@ -70,8 +71,6 @@ class LoadStep:
         forces = self.external + (state["contact_force"] if contact is not None else 0.0)
         reaction[held] = (state["internal_force"] - forces).reshape(-1)[held]
         self.ledger.end(self.external, self.normal, self.tangential, slip)
-        state["clock"][0] = self.time
-        state["clock"][1] += 1.0
         self.equations.accept()
 
     # --- Balance --------------------------------------------------------------------------------

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contactlab.api import Enforcement, ImplicitEnforcement, ImplicitEquations, Integrator, State, Step
+from contactlab.api import ImplicitEquations, ImplicitIntegrator, State, Step
 from contactlab_statics.limits import refuse_limits
 
 
 @dataclass(frozen=True)
-class Newton(Integrator):
+class Newton(ImplicitIntegrator):
     """Equilibrium at the end of every load step, without inertia.
 
     steps       equal load steps to try for the whole loading; failed ones are cut, easy ones grow back
@@ -24,11 +24,9 @@ class Newton(Integrator):
     tolerance: float = 1e-8
     iterations: int = 25
 
-    needs: ClassVar[type[Enforcement]] = ImplicitEnforcement
     default_enforcement: ClassVar[str] = "active-set"
     order: ClassVar[int] = 1
     inertia: ClassVar[bool] = False
-    explicit: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         refuse_limits(self.steps, self.tolerance, self.iterations)
@@ -37,11 +35,7 @@ class Newton(Integrator):
         """The steps that the scene asks for."""
         return self.steps
 
-    def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
-        """Reactions (N, 2) [N] of supports."""
-        return {"reaction": (nodes, 2)}
-
-    def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:  # type: ignore[override]
+    def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
         """The function that makes one load step."""
         from contactlab_statics.load_step import LoadStep
 

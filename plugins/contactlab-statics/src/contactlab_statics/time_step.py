@@ -53,11 +53,13 @@ class TimeStep:
         if outcome.reason:
             take_back(equations, state, start)
             return Step(
-                StepStatus.not_converged, len(trace), residual=outcome.residual.largest, reason=outcome.reason,
-                trace=trace,
+                status=StepStatus.not_converged, iterations=len(trace), residual=outcome.residual.largest,
+                reason=outcome.reason, trace=trace,
             )  # fmt: skip
         self._accept()
-        return Step(StepStatus.accepted, len(trace), residual=outcome.residual.contact, trace=trace)
+        return Step(
+            state["work"], state["reaction"], iterations=len(trace), residual=outcome.residual.contact, trace=trace
+        )
 
     def _start(self, dt: float) -> None:
         equations, state = self.equations, self.state
@@ -128,8 +130,6 @@ class TimeStep:
         work[DAMPING] += self.equations.damping * np.vdot(self.mass * 0.5 * (self.v_start + self.v), moved)
         if contact is not None:
             self._book_contact(moved)
-        state["clock"][0] = self.time
-        state["clock"][1] += 1.0
         self.equations.accept()
 
     def _support(self, impressed: Floats) -> None:

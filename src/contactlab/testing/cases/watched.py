@@ -22,7 +22,7 @@ class WatchedRun:
         self.scene, self.model = scene, build(scene, scene.registry)
         self.state = self.model.state
         self.schedule, self.guards = Schedule(self.model, scene), Guards(self.model)
-        self.advance = self.model.integrator.bind(self.model, self.state)
+        self.advance = self.model.bound_integrator().step
         self.sweeps, self.most_sweeps = 0, 0
 
     @property
@@ -38,7 +38,7 @@ class WatchedRun:
     @property
     def contact(self) -> ContactSystem:
         """All contacts of the scene."""
-        assert self.model.contact is not None
+        assert isinstance(self.model.contact, ContactSystem)
         return self.model.contact
 
     def step(self) -> None:

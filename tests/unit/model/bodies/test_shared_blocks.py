@@ -41,7 +41,7 @@ def stirred(law: str, steps: int = 12) -> Model:
     model = build(scene, default_registry())
     x, y = model.reference.T
     model.state["velocity"][:] = np.stack([np.sin(3.0 * y), 0.5 * np.cos(2.0 * x)], axis=1)
-    advance = model.integrator.bind(model, model.state)
+    advance = model.bound_integrator().step
     for _ in range(steps):
         advance(1e-3)
     return model

@@ -84,7 +84,7 @@ def test_both_roads_lead_to_the_same_run(registry: Registry, friction: bool) -> 
     found = []
     for algorithm in ("mortar-p1", "finished"):
         model = build(sliding(algorithm, registry, friction), registry)
-        advance = model.integrator.bind(model, model.state)
+        advance = model.bound_integrator().step
         for _ in range(20):
             advance(2e-6)
         found.append(
@@ -102,7 +102,7 @@ def test_slip_of_finished_conditions_is_objective(registry: Registry) -> None:
     found = []
     for turn in (0.0, 40.0):
         model = build(sliding("finished", registry, True, turn), registry)
-        advance = model.integrator.bind(model, model.state)
+        advance = model.bound_integrator().step
         for _ in range(20):
             advance(2e-6)
         found.append(model.state["multipliers"].copy())

@@ -67,7 +67,7 @@ def test_loads_follow_their_course_in_time(make) -> None:
 def test_the_work_of_a_load_is_its_force_times_the_way(make) -> None:
     """A free body of mass 2e-6 under 4 N for 1e-4 s: the ledger books exactly the kinetic energy it gains."""
     model = make(contacts=[], loads=[{"on": "upper.top", "tx": 2.0}])
-    advance = model.integrator.bind(model, model.state)
+    advance = model.bound_integrator().step
     dt = 0.5 * model.stable_step()
     for _ in range(50):
         advance(dt)

@@ -1,0 +1,63 @@
+"""An integrator at work: the core keeps its clock, energy ledger and reactions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from contactlab.api import Floats, State, Step, StepStatus
+from contactlab.errors import SimulationFailure, WrongAnswer
+
+
+class BoundIntegrator:
+    """Makes steps of `state`, and stores what they say of ledger, reactions and time.
+
+    name     of the integrator, for its faults
+    advance  what its `bind` gave
+    """
+
+    def __init__(self, name: str, advance: Callable[[float], Step], state: State) -> None:
+        self.name, self.advance = name, advance
+        self.clock, self.work, self.reaction = state["clock"], state["work"], state["reaction"]
+
+    def step(self, dt: float) -> Step:
+        """A step of length dt [s].
+
+        Raises WrongAnswer where the integrator does not keep the contract, and SimulationFailure where the clock would
+        stand, so that a run never ends.
+        """
+        clock = self.clock
+        time, count = float(clock[0]), float(clock[1])
+        after = time + dt
+        if not time < after < math.inf:
+            _refuse_step(count, time, dt)
+        done = self.advance(dt)
+        if type(done) is not Step:
+            raise WrongAnswer(f"{self.name}: its step gave {type(done).__name__}, needed: Step")
+        if clock[0] != time or clock[1] != count:
+            raise WrongAnswer(f"{self.name}: its step wrote the clock, which is the core's; needed: leave it alone")
+        if done.status is StepStatus.accepted:
+            # an integrator that books in place pays for no copy
+            if done.work is not self.work:
+                self._store("work", done.work, self.work)
+            if done.reaction is not self.reaction:
+                self._store("reaction", done.reaction, self.reaction)
+            clock[0], clock[1], clock[2] = after, count + 1.0, dt
+        return done
+
+    def _store(self, name: str, given: Floats | None, field: Floats) -> None:
+        if given is None:
+            raise WrongAnswer(f"{self.name}: its step was accepted and gave no {name}, needed: Step({name}=...)")
+        if np.shape(given) != field.shape:
+            raise WrongAnswer(f"{self.name}: its step gave {name} of shape {np.shape(given)}, needed: {field.shape}")
+        field[...] = given
+
+
+def _refuse_step(count: float, time: float, dt: float) -> None:
+    raise SimulationFailure(
+        "failed",
+        f"step {count:.0f}: the clock stands at {time:.6g} s, as a step of {dt:.3g} s does not move it; try a longer "
+        "time.step, or look at the stiffness and density of the bodies, from which the stable step follows",
+    )

@@ -1,0 +1,49 @@
+"""The model as explicit integrators see it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from contactlab.api import ExplicitIntegrator
+from contactlab.model.bound_integrator import BoundIntegrator
+from contactlab.model.model import Model
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.explicit_system import ContactSystem
+
+LEAPFROG = 0.5  # velocity lag of schemes that move by dt times their velocity
+
+
+@dataclass
+class ExplicitModel(Model):
+    """Implements `contactlab.api.ExplicitEquations`."""
+
+    contact: ContactSystem | None
+    integrator: ExplicitIntegrator
+
+    explicit: ClassVar[bool] = True
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        leaps = self.integrator.velocity_lag == LEAPFROG
+        self._before = None if self.increment is None or leaps else self._displacement.copy()
+
+    def _follow(self, dt: float) -> None:
+        if self._before is None:
+            np.multiply(self._velocity, dt, out=self.increment)
+        else:
+            np.subtract(self._displacement, self._before, out=self.increment)
+            self._before[:] = self._displacement
+
+    def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
+        """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""
+        advance = self.integrator.bind(self if seen is None else seen, self.state)
+        return BoundIntegrator(type(self.integrator).__name__, advance, self.state)
+
+    def lagging_work(self) -> float:
+        """Work of the stresses [mJ] between the time of the velocities and that of the positions."""
+        lag = self.integrator.velocity_lag * self.state.last_dt
+        return lag * float(np.vdot(self.state["velocity"], self.state["internal_force"]))
