@@ -81,7 +81,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Place:
 def test_the_page_has_its_files() -> None:
     assert {name.rpartition("/")[2] for name in FILES} == {
         "my_friction.py", "pyproject.toml", "plugin.py", "contact.py", "material.py", "element.py", "cylinder.py",
-        "test_parts.py",
+        "integrator.py", "test_parts.py",
     }  # fmt: skip
 
 
@@ -122,8 +122,9 @@ def test_the_case_is_short_and_right(tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_parts_are_listed_with_their_distribution(place: Place) -> None:
     (listed,) = [place.of_page("contactlab parts --with")]
     rows = [line for line in listed.splitlines() if "gauss-contact 0.1.0" in line]
-    assert [next(name for name in ("gauss-mortar", "rubber", "q1-nodal", "cylinder") if name in row) for row in rows]
-    assert len(rows) == 4
+    names = ("gauss-mortar", "rubber", "q1-nodal", "cylinder", "plain-leapfrog")
+    assert [next(name for name in names if name in row) for row in rows]
+    assert len(rows) == 5
     assert any("slip-limit" in line and "my_friction" in line for line in listed.splitlines())
     assert "left out" not in listed
 
@@ -136,6 +137,23 @@ def test_all_three_run_together(place: Place) -> None:
         assert name in parts
     assert "gauss-contact" in json.dumps(summary["versions"])
     assert summary["contacts"]["contacts.0"]["max_pressure"] > 0.0
+
+
+def test_the_integrator_is_short_and_runs(place: Place) -> None:
+    """Forty lines in its class, and after a run with contact the reactions of the shipped one to round-off."""
+    source = FILES["src/gauss_contact/integrator.py"]
+    lines = [line for line in source[source.index("    def bind") :].splitlines() if line.strip()]
+    assert len(lines) <= 40
+    assert "disc-on-block: finished" in place.of_page("contactlab run disc-on-block --set integrator=plain-leapfrog")
+    place.run(*shlex.split("contactlab run disc-on-block --set time.end=1e-6 --out shipped"))
+    own = max((place.folder / "runs").glob("disc-on-block-*"), key=lambda folder: folder.stat().st_mtime)
+    found, expected = (json.loads((folder / "summary.json").read_text()) for folder in (own, place.folder / "shipped"))
+    assert found["parts"]["integrator"].startswith("plain-leapfrog")
+    assert found["steps"] == expected["steps"]
+    for name, force in expected["reactions"].items():
+        # sums in another order, some hundred steps long
+        assert found["reactions"][name] == pytest.approx(force, rel=1e-9, abs=1e-9 * abs(force[1]))
+    assert found["balance"]["ledger_error"] < 1e-9
 
 
 def test_it_compares_like_the_shipped_mortar(place: Place) -> None:

@@ -25,9 +25,9 @@ CONTRACT_VERSION: Final = 2
 """Version of `contactlab.api`. A part made for another version is refused when it is loaded."""
 
 NEW_IN_2: Final[Mapping[str, str]] = {
-    "integrator": "derive from ExplicitIntegrator or ImplicitIntegrator and drop the attributes needs, explicit and, of "
-    "explicit ones, inertia; give work and reaction in every accepted Step; leave the clock, and the fields reaction and "
-    "last_dt of your memory, to the core",
+    "integrator": "derive from ExplicitIntegrator or ImplicitIntegrator and drop the attributes needs, explicit "
+    "and, of explicit ones, inertia; give work and reaction in every accepted Step; leave the clock, and the fields "
+    "reaction and last_dt of your memory, to the core",
 }
 """What parts of version 1 must change, by kind."""
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats, Integrator, RunWarning, Step
+from contactlab.api import Floats, RunWarning, Step
 from contactlab.errors import NotFiniteError, SimulationFailure
 from contactlab.kernels.watch import deepest, smallest_jacobian, status_changes
 from contactlab.model.bodies.body import BodyForces
@@ -42,7 +42,7 @@ class Guards:
     def __init__(self, model: Model, step: float | None = None) -> None:
         """`step` [s] is the length that the scene fixes, if it does: only then advice is to change that."""
         self.model, self.work = model, model.state["work"]
-        self.shorter = shorter_steps(model.integrator, step)
+        self.shorter = shorter_steps(model.explicit, step)
         self.loose = self.flickering = 0
         self.since = np.full(2, -1.0)  # steps at which energies became too high
         speeds = np.hypot(*model.state["velocity"].T) if "velocity" in model.state else np.zeros(1)
@@ -284,11 +284,11 @@ def _energy_warning(step: int, share: float, limit: float, shorter: str) -> RunW
     )  # fmt: skip
 
 
-def shorter_steps(integrator: Integrator, step: float | None) -> str:
+def shorter_steps(explicit: bool, step: float | None) -> str:
     """What makes the steps of a run shorter, in words; `step` [s] is the length that its scene fixes, if it does."""
     if step is not None:
         return "a smaller time.step"
-    return "a smaller time.fraction" if integrator.explicit else "more integrator.steps"
+    return "a smaller time.fraction" if explicit else "more integrator.steps"
 
 
 def _eased(pairs: tuple[Pair, ...]) -> bool:

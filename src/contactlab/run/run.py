@@ -116,7 +116,7 @@ class Run:
 
     def keep(self) -> None:
         """Remember the state as it is: from here on explicit steps can be repeated."""
-        if self.model.integrator.explicit:
+        if self.model.explicit:
             self.kept.take(self.model)
 
     def save(self) -> None:
