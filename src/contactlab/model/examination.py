@@ -6,7 +6,7 @@ and method. `Examined` is a model that does so at every crossing, for steps that
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -122,7 +122,8 @@ class Examined:
 
     def __init__(self, model: Model) -> None:
         self._model = model
-        self.contact = None if model.contact is None else _ExaminedContact(model, model.contact)
+        contact = cast("ContactSystem | None", model.contact)  # only explicit steps are repeated
+        self.contact = None if contact is None else _ExaminedContact(model, contact)
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._model, name)
