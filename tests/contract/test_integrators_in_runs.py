@@ -57,10 +57,10 @@ def test_a_leapfrog_in_numpy_runs_like_the_shipped_one(changes: dict[str, Any]) 
     ("flaw", "words"),
     [
         ("keeps the clock", "step 1: Leapfrog: its step wrote the clock, which is the core's"),
-        ("gives nothing", "step 0: Leapfrog: its step gave NoneType, needed: Step"),
-        ("no work", "step 0: Leapfrog: its step was accepted and gave no work, needed: Step(work=...)"),
+        ("gives nothing", "step 1: Leapfrog: its step gave NoneType, needed: Step"),
+        ("no work", "step 1: Leapfrog: its step was accepted and gave no work, needed: Step(work=...)"),
         ("half a ledger", "Leapfrog: its step gave work of shape (5,), needed: (7,)"),
-        ("no reaction", "step 0: Leapfrog: its step was accepted and gave no reaction, needed: Step(reaction=...)"),
+        ("no reaction", "step 1: Leapfrog: its step was accepted and gave no reaction, needed: Step(reaction=...)"),
         ("gives up", "step 0: the shortest step failed"),
         ("contact moves and leaves velocities", "contact pushes without limit"),
     ],
