@@ -35,7 +35,7 @@ WRONG = [
     ("contact", MortarP0, "rows_per_node", 0, "a whole number of at least 1"),
     ("contact", MortarP0, "memory_size", True, "a whole number of at least 0"),
     ("contact", MortarP0, "passes_patch_test", "both", "True or False"),
-    ("enforcement", ForwardIncrement, "chained", "yes", "True or False"),
+    ("enforcement", ForwardIncrement, "factored", "yes", "True or False"),
     ("enforcement", Penalty, "augments", 0, "True or False"),
     ("integrator", CentralDifference, "order", 0, "a whole number of at least 1"),
     ("integrator", CentralDifference, "needs", "ExplicitEnforcement", "Enforcement or a class derived from it"),
