@@ -14,10 +14,11 @@ import h5py
 import numpy as np
 
 from contactlab.api.arrays import Floats
+from contactlab.results.checksums import Damage, of_array
 from contactlab.results.growing import Column, GrowingFile, fixed
 
 TEXT = 65536  # bytes by which the room for the summary of the run so far grows
-SERIAL, FRAMES, STEPS, EVENTS, LENGTH, CHECKSUM = range(6)
+SERIAL, FRAMES, STEPS, EVENTS, LENGTH, CHECKSUM, OWN = range(7)
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Slots:
             place = group.create_group(slot)
             fixed(place, "memory", (size,), "f8")
             Column(place, "summary", "u1", together=TEXT)
-            fixed(place, "header", (6,), "i8")[:] = 0
+            fixed(place, "header", (7,), "i8")[:] = 0
         return cls(group)
 
     @staticmethod
@@ -87,15 +88,28 @@ class Slots:
             growing.grow(self.texts, TEXT * -(-2 * len(text) // TEXT) - self.texts[slot].room)
         self.memories[slot].id.write(h5py.h5s.ALL, h5py.h5s.ALL, flat)
         self.texts[slot].write(0, text, len(text))
+        growing.flush()  # a header on the disk says that its state is there
         self.serial += 1
         counts = np.array([self.serial, frames, steps, events, len(text)], np.int64)
         header = np.append(counts, _checksum(flat, text, counts))
+        header = np.append(header, of_array(header))
         self.headers[slot].id.write(h5py.h5s.ALL, h5py.h5s.ALL, header)
 
-    def newest(self, frames: int, steps: int, events: int) -> Checkpoint | None:
-        """The newest whole checkpoint that needs no more than so many frames, steps and events."""
-        for slot in sorted((0, 1), key=lambda s: -int(self.headers[s][SERIAL])):
+    def newest(self, frames: int, steps: int, events: int, salvage: bool = False) -> Checkpoint | None:
+        """The newest whole checkpoint that needs no more than so many frames, steps and events.
+
+        Raises Damage where that which was written last is not as it was written; with `salvage` the older one serves.
+        A kill can only leave the older one half written.
+        """
+        headers = [header[:] for header in self.headers]
+        good = [bool(not header.any() or header[OWN] == of_array(header[:OWN])) for header in headers]
+        if not all(good) and not salvage:
+            raise Damage("the saved state is damaged")
+        slots = sorted((slot for slot in (0, 1) if good[slot]), key=lambda slot: -int(headers[slot][SERIAL]))
+        for slot in slots:
             found = self._read(slot)
+            if found is None and slot == slots[0] and headers[slot].any() and not salvage:
+                raise Damage("the saved state is damaged")
             if found is not None and found.frames <= frames and found.steps <= steps and found.events <= events:
                 return found
         return None

@@ -12,9 +12,8 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import Frame, Layout
 from contactlab.results.cell_types import connectivity
-from contactlab.results.growing import Column, GrowingFile, Number, early
-
-CHUNK_TIMES = 8192  # of the one array that grows by one with every frame
+from contactlab.results.growing import Column, GrowingFile
+from contactlab.results.shown_times import ShownTimes, create_times
 
 
 def write_grid(grid: h5py.Group, layout: Layout) -> None:
@@ -30,22 +29,18 @@ def write_grid(grid: h5py.Group, layout: Layout) -> None:
     grid.create_group("PointData")
     numbers = [np.full(len(body.cells), i, np.int32) for i, body in enumerate(layout.bodies)]
     grid.create_group("CellData")["body"] = np.concatenate(numbers)
-    steps = grid.create_group("Steps")
-    steps.attrs["NSteps"] = np.int64(0)
-    steps.create_dataset("Values", (0,), maxshape=(None,), dtype="f8", chunks=(CHUNK_TIMES,), dcpl=early())
+    steps = create_times(grid.file)
     steps.create_group("PointDataOffsets")
     steps.create_group("CellDataOffsets")
 
 
 class GridFile:
-    """The arrays of the grid that have a slab per frame. A frame is there once `count` says so."""
+    """The arrays of the grid that have a slab per frame. A frame is there once `times` shows it."""
 
     def __init__(self, growing: GrowingFile, layout: Layout) -> None:
         self.growing, self.layout = growing, layout
         grid = growing.file["VTKHDF"]
         self.nodes, self.cells = len(layout.nodes), sum(len(body.cells) for body in layout.bodies)
-        self.count = Number(grid["Steps"], "NSteps")
-        self.times = grid["Steps/Values"]
         self.points = Column(grid, "Points", "f8", self.nodes, (3,))
         self.point_fields = self._point_fields(grid["PointData"])
         self.variables = list(dict.fromkeys(name for body in layout.bodies for name in body.shown_variables))
@@ -53,6 +48,7 @@ class GridFile:
         for name in ("von_mises", *self.variables):
             self.cell_fields[name] = Column(grid["CellData"], name, "f8", self.cells)
         self.offsets = self._offsets(grid["Steps"])
+        self.times = ShownTimes(growing)
         self._spatial, self._stress = np.zeros((self.nodes, 3)), np.zeros((self.cells, 6))
 
     def _point_fields(self, group: h5py.Group) -> dict[str, Column]:
@@ -85,6 +81,11 @@ class GridFile:
         return [self.points, *self.point_fields.values(), *self.cell_fields.values(), *tables]
 
     @property
+    def fields(self) -> dict[str, Column]:
+        """What a frame fills, by name."""
+        return {"points": self.points, **self.point_fields, **self.cell_fields}
+
+    @property
     def room(self) -> int:
         """Number of frames for which there is room."""
         return self.points.room
@@ -108,21 +109,9 @@ class GridFile:
         self._write_contacts(row, frame)
         self._write_cells(row, frame)
 
-    def append_time(self, time: float) -> None:
-        """One more frame. VTK wants exactly as many times as frames, so this array alone has no room ahead."""
-        row = self.count.value
-        if row % CHUNK_TIMES == 0:
-            self.growing.reserve(8 * CHUNK_TIMES)
-        self.times.id.set_extent((row + 1,))
-        space = self.times.id.get_space()
-        space.select_hyperslab((row,), (1,))
-        self.times.id.write(h5py.h5s.create_simple((1,)), space, np.array([time]))
-        self.count.write(row + 1)
-
     def cut(self, frames: int) -> None:
         """Have exactly `frames` frames, and no room for more."""
-        self.count.write(frames)
-        self.times.id.set_extent((frames,))
+        self.times.cut(frames)
         for column in self.columns:
             column.resize(frames)
 

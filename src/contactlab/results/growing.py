@@ -13,6 +13,7 @@ from __future__ import annotations
 import errno
 import os
 import shutil
+import zlib
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+HEADERS = ("v108", "v108")  # the oldest format whose headers have checksums; later ones do not survive a kill
 METADATA = 65536  # bytes set aside beside the rows, for chunk indices
 
 
@@ -32,7 +34,7 @@ class GrowingFile:
     def __init__(self, path: Path, new: bool) -> None:
         self.path = path
         self.present = path.with_name(path.name + ".new") if new else path
-        self.file = h5py.File(self.present, "w" if new else "r+", locking=False)
+        self.file = h5py.File(self.present, "w" if new else "r+", libver=HEADERS, locking=False)
         self.descriptor = os.open(self.present, os.O_RDWR)
 
     def publish(self) -> None:
@@ -76,7 +78,10 @@ class GrowingFile:
 
 
 class Column:
-    """A dataset whose rows have `height` entries of shape `shape` each, one row per stored frame or step."""
+    """A dataset whose rows have `height` entries of shape `shape` each, one row per stored frame or step.
+
+    `sum` is the checksum of what was written last.
+    """
 
     def __init__(
         self, group: h5py.Group, name: str, dtype: Any, height: int = 1, shape: tuple[int, ...] = (), together: int = 1
@@ -86,6 +91,7 @@ class Column:
             chunk = (max(1, height * together), *(max(1, n) for n in shape))
             group.create_dataset(name, (0, *shape), maxshape=(None, *shape), dtype=dtype, chunks=chunk, dcpl=early())
         self.dataset = group[name]
+        self.sum = 0
         self.room = len(self.dataset) // max(1, height)
 
     @property
@@ -101,7 +107,8 @@ class Column:
     def write(self, row: int, values: Any, rows: int = 1) -> None:
         """Fill `rows` rows from `row` on; there must be room."""
         size = (rows * self.height, *self.shape)
-        data = np.ascontiguousarray(values, self.dtype).reshape(size)
+        data: Any = np.ascontiguousarray(values, self.dtype).reshape(size)
+        self.sum = zlib.crc32(data)
         if data.size:
             space = self.dataset.id.get_space()
             space.select_hyperslab((row * self.height, *(0 for _ in self.shape)), size)

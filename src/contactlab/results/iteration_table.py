@@ -9,6 +9,7 @@ import h5py
 import numpy as np
 
 from contactlab.api.frame import IterationRow
+from contactlab.results.checksums import Damage, of_rows
 from contactlab.results.growing import Column, GrowingFile, Number
 
 GROUP = "iterations"
@@ -26,6 +27,7 @@ class IterationTable:
         self.numbers = Column(group, "rows", "f8", 1, (len(NUMBERS),), ROOM)
         self.numbers.dataset.attrs["columns"] = list(NUMBERS)
         self.notes = Column(group, "note", f"S{NOTE}", 1, (), ROOM)
+        self.sums = Column(group, "checksum", "u8", 1, (), ROOM)
         self.shown = Number(group, "count")
         self.count = self.shown.value
 
@@ -34,9 +36,12 @@ class IterationTable:
         if not rows:
             return
         if self.count + len(rows) > self.numbers.room:
-            self.growing.grow([self.numbers, self.notes], max(ROOM, self.count // 8, len(rows)))
-        self.numbers.write(self.count, [row[:-1] for row in rows], len(rows))
-        self.notes.write(self.count, [row.note.encode()[:NOTE] for row in rows], len(rows))
+            self.growing.grow([self.numbers, self.notes, self.sums], max(ROOM, self.count // 8, len(rows)))
+        numbers = np.array([row[:-1] for row in rows], np.float64)
+        notes = np.array([row.note.encode()[:NOTE] for row in rows], f"S{NOTE}")
+        self.numbers.write(self.count, numbers, len(rows))
+        self.notes.write(self.count, notes, len(rows))
+        self.sums.write(self.count, of_rows(numbers, notes), len(rows))
         self.count += len(rows)
 
     def show(self) -> None:
@@ -45,19 +50,26 @@ class IterationTable:
 
     def cut(self, count: int) -> None:
         """Have exactly `count` rows, and no spare room."""
-        for column in (self.numbers, self.notes):
+        for column in (self.numbers, self.notes, self.sums):
             column.resize(count)
         self.count = count
         self.show()
 
 
-def read_iterations(own: h5py.Group, last_step: float) -> list[IterationRow]:
-    """Iterations of the steps up to `last_step` from the group `contactlab`; none in explicit runs."""
+def read_iterations(own: h5py.Group, last_step: float, salvage: bool = False) -> list[IterationRow]:
+    """Iterations of the steps up to `last_step` from the group `contactlab`; none in explicit runs.
+
+    Raises Damage where a row is not as it was written; with `salvage` such rows are left out.
+    """
     if GROUP not in own:
         return []
     group, kinds = own[GROUP], get_type_hints(IterationRow)
     count = int(group.attrs["count"])
-    numbers, notes = group["rows"][:count], group["note"][:count]
+    numbers, notes, sums = group["rows"][:count], group["note"][:count], group["checksum"][:count]
+    good = of_rows(numbers, notes) == sums if count else np.ones(0, np.bool_)
+    if not good.all() and not salvage:
+        raise Damage(f"{np.count_nonzero(~good)} of {count} rows of iterations are damaged")
+    numbers, notes, count = numbers[good], notes[good], int(np.count_nonzero(good))
     table = numbers[numbers[:, NUMBERS.index("step")] <= last_step] if count else np.zeros((0, len(NUMBERS)))
     # the record is in the order of the steps: what is left is its beginning
     return [

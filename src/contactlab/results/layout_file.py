@@ -9,8 +9,9 @@ import h5py
 import numpy as np
 
 from contactlab.api.frame import BodyLayout, ContactLayout, Layout
+from contactlab.results.checksums import sealed
 
-FORMAT = 2
+FORMAT = 3
 """Of what the group `contactlab` of `results.vtkhdf` holds; another one is not read."""
 
 _SURFACES = ("slave_nodes", "slave_segments", "master_nodes", "master_segments")
@@ -53,19 +54,19 @@ def _words(layout: Layout) -> dict[str, Any]:
 
 
 def read_layout(own: h5py.Group) -> Layout:
-    """The layout that `write_layout` wrote."""
-    words = json.loads(own["layout"][()])
+    """The layout that `write_layout` wrote. Raises Damage."""
+    words = json.loads(sealed(own, "layout"))
     bodies = tuple(
         BodyLayout(
-            cells=own[f"bodies/{body['name']}/cells"][:],
+            cells=sealed(own, f"bodies/{body['name']}/cells"),
             **{**body, "internal_variables": tuple(body["internal_variables"])},
         )
         for body in words.pop("bodies")
     )
     contacts = tuple(
-        ContactLayout(**contact, **{name: own[f"contacts/{contact['name']}/{name}"][:] for name in _SURFACES})
+        ContactLayout(**contact, **{name: sealed(own, f"contacts/{contact['name']}/{name}") for name in _SURFACES})
         for contact in words.pop("contacts")
     )
     words.update({key: tuple(words[key]) for key in ("supports", "steps")})
-    nodes: np.ndarray = own["nodes"][:]
-    return Layout(scene=own["scene"][()].decode(), nodes=nodes, bodies=bodies, contacts=contacts, **words)
+    nodes: np.ndarray = sealed(own, "nodes")
+    return Layout(scene=sealed(own, "scene").decode(), nodes=nodes, bodies=bodies, contacts=contacts, **words)

@@ -47,6 +47,7 @@ class Results:
     frames        every stored frame with its fields, read from `results.vtkhdf` when asked for; empty without files
     folder        where the files are, None if none were written
     watched       what each watch found, by its name; of the run just made, not read back from files
+    lost          what of a damaged file could not be read, where only what is whole was asked for
     closed        False where the files are those of a run that was killed, or still goes on
 
     The end is the last state that was saved: of a run without files, or one that finished, its last step.
@@ -67,6 +68,7 @@ class Results:
     step_source: Sequence[Floats] = ()
     closed: bool = True
     watched: dict[str, dict[str, Floats]] = field(default_factory=dict)
+    lost: Sequence[str] = ()
 
     @property
     def status(self) -> str:
@@ -82,6 +84,11 @@ class Results:
     def warnings(self) -> list[RunWarning]:
         """What the run says against itself, with numbers; see docs/warnings.md."""
         return [RunWarning.from_data(data) for data in self.summary.get("warnings", ())]
+
+    @property
+    def restartable(self) -> bool:
+        """Whether there is a last state with fields at every point."""
+        return bool(self.stress)
 
     @property
     def nodes(self) -> Floats:
@@ -119,7 +126,7 @@ class Results:
 
 
 def _content(results: Results) -> dict[str, Any]:
-    skipped = ("layout", "frames", "folder", "step_source", "closed", "watched")
+    skipped = ("layout", "frames", "folder", "step_source", "closed", "watched", "lost")
     own = {name: value for name, value in vars(results).items() if name not in skipped}
     return own | {"scene": results.layout.scene, "nodes": results.nodes, "cells": results.cells, "steps": results.steps}
 

@@ -8,6 +8,7 @@ and what a restart needs. `load.py` reads it back.
 from __future__ import annotations
 
 import json
+import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,13 +21,15 @@ from contactlab.api.arrays import Floats
 from contactlab.api.frame import ContactCurve, ContactLayout, Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recorder, Recording
 from contactlab.results.checkpoint_slots import Slots
+from contactlab.results.checksums import GROUP as SUMS
+from contactlab.results.checksums import SEAL, FrameSums, of_rows, seal
 from contactlab.results.event_table import EventTable
 from contactlab.results.grid_file import GridFile, write_grid
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.iteration_table import GROUP, IterationTable
 from contactlab.results.layout_file import FORMAT, write_layout
+from contactlab.results.load import FILE
 
-FILE = "results.vtkhdf"
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
 STEP_ROWS = 1024  # steps by which their room grows, at least
 CHUNK_STEPS = 256
@@ -60,16 +63,21 @@ class VtkHdfRecording(Recording):
         self.growing, self.layout = growing, layout
         file = growing.file
         if "contactlab" not in file:
-            write_grid(file.create_group("VTKHDF", track_order=True), layout)
             file.create_group("contactlab").attrs["format"] = FORMAT
+            write_grid(file.create_group("VTKHDF", track_order=True), layout)
             write_layout(file["contactlab"], layout)
+            seal(file)
         self.own = file["contactlab"]
         self.grid = GridFile(growing, layout)
         self.curves = {contact.name: _curves(self.own, contact) for contact in layout.contacts}
         self.history: Column | None = None
         if "history" in self.own:
             self.history = Column(self.own, "history", "f8", 1, self.own["history"].shape[1:])
+        self.sums: FrameSums | None = None
+        if self.history is not None:
+            self.sums = self._frame_sums()
         self.step_rows = Column(self.own, "steps", "f8", 1, (len(layout.steps),), CHUNK_STEPS)
+        self.step_sums = Column(self.own.require_group(SUMS), "steps", "u8", 1, (), CHUNK_STEPS)
         self.step_rows.dataset.attrs["columns"] = list(layout.steps)
         self.step_count = Number(self.step_rows.dataset, "count")
         self.steps_written = self.step_count.value
@@ -79,10 +87,11 @@ class VtkHdfRecording(Recording):
 
     def frame(self, frame: Frame) -> None:
         """Append a frame to the file."""
-        row = self.grid.count.value
-        if self.history is None:
+        row = self.grid.times.count
+        if self.history is None or self.sums is None:
             self.history = Column(self.own, "history", "f8", 1, (len(frame.scalars),))
             self.own["history"].attrs["columns"] = list(frame.scalars)
+            self.sums = self._frame_sums()
         if row >= self.grid.room:
             self._make_room(row)
         self.grid.write(row, frame)
@@ -90,15 +99,17 @@ class VtkHdfRecording(Recording):
             curve = frame.curves[name]
             column.write(row, np.stack([getattr(curve, key) for key in ContactCurve.COLUMNS], axis=1))
         self.history.write(row, [float(value) for value in frame.scalars.values()])
-        self.grid.append_time(frame.time)
+        self.sums.write(row, [column.sum for column in self._summed().values()])
         self._show_steps()
+        self.grid.times.append(frame.time)
         self.growing.publish()
 
     def steps(self, block: Floats) -> None:
         """Append the scalars of several steps."""
         if self.steps_written + len(block) > self.step_rows.room:
-            self.growing.grow([self.step_rows], max(STEP_ROWS, self.steps_written // 8))
+            self.growing.grow([self.step_rows, self.step_sums], max(STEP_ROWS, self.steps_written // 8))
         self.step_rows.write(self.steps_written, block, len(block))
+        self.step_sums.write(self.steps_written, of_rows(block), len(block))
         self.steps_written += len(block)
 
     def event(self, event: Event) -> None:
@@ -118,7 +129,7 @@ class VtkHdfRecording(Recording):
             self.slots = Slots.create(self.own, memory)
         self._show_steps()
         self.slots.write(
-            self.growing, memory, json.dumps(summary), self.grid.count.value, self.steps_written, self.events.count
+            self.growing, memory, json.dumps(summary), self.grid.times.count, self.steps_written, self.events.count
         )
         self.growing.flush()
 
@@ -126,12 +137,13 @@ class VtkHdfRecording(Recording):
         """Give the spare room back and write the summary."""
         try:
             made = self.newton.count if self.newton is not None else 0
-            self.cut(self.grid.count.value, self.steps_written, self.events.count, made)
+            self.cut(self.grid.times.count, self.steps_written, self.events.count, made)
             text = json.dumps(summary)
             self.growing.reserve(len(text), metadata=SUMMARY_METADATA)
             if "summary" in self.own:
                 del self.own["summary"]
             self.own["summary"] = text
+            self.own["summary"].attrs[SEAL] = np.uint32(zlib.crc32(text.encode()))
             self.own["summary"].attrs["serial"] = self.slots.serial if self.slots is not None else 0
         finally:
             self.growing.close()
@@ -142,6 +154,7 @@ class VtkHdfRecording(Recording):
         for column in self._own_columns():
             column.resize(frames)
         self.step_rows.resize(steps)
+        self.step_sums.resize(steps)
         self.steps_written = steps
         self.step_count.write(steps)
         self.events.cut(events)
@@ -156,7 +169,18 @@ class VtkHdfRecording(Recording):
             self.newton.show()
 
     def _own_columns(self) -> list[Column]:
-        return [*self.curves.values(), *([self.history] if self.history is not None else [])]
+        own = [*self.curves.values(), *([self.history] if self.history is not None else [])]
+        return [*own, *([self.sums.column] if self.sums is not None else [])]
+
+    def _summed(self) -> dict[str, Column]:
+        """Everything that a frame fills, by the name in its checksums."""
+        assert self.history is not None
+        return (
+            self.grid.fields | {f"curves of {name}": c for name, c in self.curves.items()} | {"history": self.history}
+        )
+
+    def _frame_sums(self) -> FrameSums:
+        return FrameSums(self.own, list(self._summed()))
 
     def _make_room(self, row: int) -> None:
         """Room for more frames; the tables that say where each one begins are filled ahead."""

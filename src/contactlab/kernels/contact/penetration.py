@@ -9,11 +9,15 @@ from contactlab.api.compiled.kernel import kernel
 
 
 @kernel
-def depths_behind(points, positions, segments, limit, out):
-    """Depth of every point behind its nearest segment; 0 outside, beyond the chain's ends or past `limit`."""
+def depths_behind(points, positions, segments, order, first, last, limit, out):
+    """Depth of every point behind its nearest segment; 0 outside, beyond the chain's ends or past `limit`.
+
+    Of the segments in `order` those from `first` to `last` are looked at for each point.
+    """
     for i in range(points.shape[0]):
-        nearest, out[i] = limit, 0.0
-        for s in range(segments.shape[0]):
+        nearest, chosen, out[i] = limit, segments.shape[0], 0.0
+        for k in range(first[i], last[i]):
+            s = order[k]
             ax, ay = positions[segments[s, 0], 0], positions[segments[s, 0], 1]
             ex, ey = positions[segments[s, 1], 0] - ax, positions[segments[s, 1], 1] - ay
             length = np.sqrt(ex * ex + ey * ey)
@@ -22,15 +26,27 @@ def depths_behind(points, positions, segments, limit, out):
             if xi < 0.0 or xi > 1.0:
                 continue
             gap = (dx * ey - dy * ex) / length
-            if abs(gap) < nearest:
-                nearest = abs(gap)
+            # of two that are as near, the first of the chain
+            if abs(gap) < nearest or (abs(gap) == nearest and s < chosen and chosen < segments.shape[0]):
+                nearest, chosen = abs(gap), s
                 out[i] = max(0.0, -gap)
 
 
 def depths(points: Floats, positions: Floats, segments: Ints, limit: float) -> Floats:
-    """Penetration (p,) [mm] of points (p, 2) into the body behind a chain, up to `limit` deep."""
+    """Penetration (p,) [mm] of points (p, 2) into the body behind a chain, up to `limit` deep.
+
+    Segments are sorted along the direction in which the chain spreads, so that a point is held against those alone
+    whose ends are within reach: time grows with the number of points and segments, not with its product.
+    """
     out = np.empty(len(points))
-    depths_behind(np.ascontiguousarray(points), np.ascontiguousarray(positions), segments, limit, out)
+    ends = positions[segments[:, :2]]
+    along = int(np.argmax(np.ptp(ends.reshape(-1, 2), axis=0)))
+    low, high = ends[:, :, along].min(axis=1), ends[:, :, along].max(axis=1)
+    order, reach = np.argsort(low, kind="stable"), 1.001 * limit
+    first = np.searchsorted(low[order], points[:, along] - reach - float((high - low).max()))
+    last = np.searchsorted(low[order], points[:, along] + reach, side="right")
+    args = (np.ascontiguousarray(points), np.ascontiguousarray(positions), segments, order, first, last)
+    depths_behind(*args, limit, out)
     return out
 
 

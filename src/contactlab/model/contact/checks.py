@@ -12,21 +12,22 @@ from contactlab.api.surface import SurfacePositions
 from contactlab.errors import SceneError, below
 from contactlab.meshing.mesh import outer_edges
 from contactlab.model.bodies.body import Body
+from contactlab.model.contact.inside import depths_inside
 from contactlab.model.contact.near_list import longest_segment
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
 
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
+FACING = 64  # slave segments, from all over the surface, that are held against all of the master at a time
 TOO_DEEP = 1.0  # segment lengths beyond which no treatment of an overlap is tried
 
 
 def check_facing(slave: Surface, master: Surface, positions: Floats, sides: tuple[str, str], where: Where) -> None:
     """Raise SceneError where no part of the slave looks at any part of the master."""
-    at, outward = _middles(slave, positions)
-    other, other_outward = _middles(master, positions)
-    facing = outward @ other_outward.T < -1e-9
-    if not facing.any():
+    reach = _longest(slave, master, positions)
+    nearest = _most_ahead(_middles(slave, positions), _middles(master, positions), -reach)
+    if nearest == -np.inf:
         raise SceneError(
             f"{sides[0]} and {sides[1]} turn their backs on each other: no part of one looks at a part of the other",
             where=where,
@@ -34,16 +35,33 @@ def check_facing(slave: Surface, master: Surface, positions: Floats, sides: tupl
             allowed="surfaces whose outward normals are opposed somewhere",
             hint="name the edge sets that are to touch; edges have their body on the left",
         )
-    reach = _longest(slave, master, positions)
-    ahead = np.einsum("si,smi->sm", outward, other[None] - at[:, None])
-    if np.all(ahead[facing] < -reach):
+    if nearest < -reach:
         raise SceneError(
             f"{sides[0]} and {sides[1]} look away from each other, or overlap by more than a segment",
             where=where,
-            got=f"{-ahead[facing].max():.4g} mm behind each other at the nearest place",
+            got=f"{-nearest:.4g} mm behind each other at the nearest place",
             allowed="surfaces that have each other in front of them",
             hint="name other edge sets, or move a body with shift",
         )
+
+
+def _most_ahead(slave: tuple[Floats, Floats], master: tuple[Floats, Floats], enough: float) -> float:
+    """How far the master lies ahead of the slave, most of all segments that look at each other; -inf where none do.
+
+    Slave segments are taken some at a time, from all over the surface, and the search ends where `enough` is found: a
+    surface that is as it should be costs memory and time in proportion to its segments, a wrong one time alone.
+    """
+    (at, outward), (other, other_outward) = slave, master
+    strides = max(1, len(at) // FACING)
+    most = -np.inf
+    for first in range(strides):
+        some = slice(first, None, strides)
+        ahead = outward[some] @ other.T - np.einsum("si,si->s", outward[some], at[some])[:, None]
+        facing = outward[some] @ other_outward.T < -1e-9
+        most = max(most, float(ahead.max(initial=-np.inf, where=facing)))
+        if most >= enough:
+            break
+    return most
 
 
 def check_overlap(
@@ -99,19 +117,3 @@ def _middles(surface: Surface, positions: Floats) -> tuple[Floats, Floats]:
 
 def _longest(slave: Surface, master: Surface, positions: Floats) -> float:
     return longest_segment(SurfacePositions(positions[slave.nodes], positions[master.nodes]), slave, master)
-
-
-def depths_inside(points: Floats, positions: Floats, edges: Ints) -> Floats:
-    """Distance (p,) [mm] from points inside a closed boundary (e, 2) to it; 0 outside."""
-    a, b = positions[edges[:, 0]], positions[edges[:, 1]]
-    along = b - a
-    out = np.zeros(len(points))
-    for i, point in enumerate(points):
-        to_a, to_b = a - point, b - point
-        crosses = (to_a[:, 1] <= 0.0) != (to_b[:, 1] <= 0.0)
-        left = to_a[:, 0] * to_b[:, 1] - to_a[:, 1] * to_b[:, 0] > 0.0
-        winding = np.where(crosses, np.where(to_b[:, 1] > 0.0, left, -1.0 * ~left), 0.0).sum()
-        if winding != 0.0:
-            share = np.clip(-np.einsum("ei,ei->e", to_a, along) / np.einsum("ei,ei->e", along, along), 0.0, 1.0)
-            out[i] = np.hypot(*(to_a + share[:, None] * along).T).min()
-    return out

@@ -1,0 +1,97 @@
+"""What is said of a `results.vtkhdf` that is not as it was written."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contactlab.api.frame import Layout
+from contactlab.errors import RequestError, one_line
+from contactlab.results.checksums import Damage, StoredSums, broken_seals, of_rows
+
+FILE = "results.vtkhdf"
+BROKEN = (
+    Damage, OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, MemoryError, OverflowError,
+)  # fmt: skip
+"""What reading a damaged file ends in: checksums of ours and of HDF5, and whatever wrong headers lead to."""
+
+TABLES = "history.csv, contact.csv and summary.json beside it are text and can be read without it"
+
+
+@contextmanager
+def damage_told(folder: Path) -> Iterator[None]:
+    """Turn whatever a damaged file raises into one RequestError that says what can still be read."""
+    try:
+        yield
+    except BROKEN as problem:
+        raise RequestError(
+            f"the file is damaged: {one_line(problem)}", where=str(folder / FILE), hint=_what_is_left(folder)
+        ) from problem
+
+
+def _what_is_left(folder: Path) -> str:
+    from contactlab.results.load import load_results
+
+    try:
+        left = load_results(folder, salvage=True)
+    except RequestError:
+        return f"nothing in it can be read; {TABLES}"
+    state = f", its state at step {left.summary.get('steps')}" if left.restartable else ""
+    return (
+        f"contactlab.load_results(folder, salvage=True) gives what is whole: {len(left.frames)} frames, "
+        f"{left.step_count} steps{state}; not {', '.join(left.lost) or 'what is named here'}; {TABLES}"
+    )
+
+
+def whole_frames(file: Any, layout: Layout, sums: StoredSums, count: int) -> list[int]:
+    """Numbers of the frames of which every array is as it was written."""
+    return [number for number in range(count) if _is_whole(file, layout, sums, number)]
+
+
+def _is_whole(file: Any, layout: Layout, sums: StoredSums, number: int) -> bool:
+    try:
+        return all(sums.holds(number, name, _slab(file, layout, name, number)) for name in sums.place)
+    except BROKEN:
+        return False
+
+
+def _slab(file: Any, layout: Layout, name: str, number: int) -> np.ndarray:
+    """Array `name` of one frame, as it was written."""
+    grid, own = file["VTKHDF"], file["contactlab"]
+    if name == "history":
+        return np.asarray(own["history"][number])
+    if name.startswith("curves of "):
+        return np.asarray(own[f"contacts/{name.removeprefix('curves of ')}/curves"][number])
+    if name == "points":
+        table = grid["Points"]
+    else:
+        table = grid["PointData"][name] if name in grid["PointData"] else grid["CellData"][name]
+    at_points = name == "points" or name in grid["PointData"]
+    height = len(layout.nodes) if at_points else sum(len(body.cells) for body in layout.bodies)
+    return np.asarray(table[number * height : (number + 1) * height])
+
+
+def check_all(file: Any, layout: Layout, frames: int, steps: int) -> None:
+    """Raise Damage where anything stored up to there is not as it was written."""
+    if broken := broken_seals(file):
+        raise Damage(f"{', '.join(broken)} {'is' if len(broken) == 1 else 'are'} damaged")
+    if frames:
+        whole = whole_frames(file, layout, StoredSums(file["contactlab"]), frames)
+        lost = sorted(set(range(frames)) - set(whole))
+        if lost:
+            raise Damage(f"{len(lost)} of {frames} frames are damaged, the first is number {lost[0]}")
+    good = whole_steps(file, 0, steps)
+    if not good.all():
+        raise Damage(f"{np.count_nonzero(~good)} of {steps} steps are damaged, the first is row {int(np.argmin(good))}")
+
+
+def whole_steps(file: Any, begin: int, end: int) -> np.ndarray:
+    """Which rows of the scalars of steps are as they were written (end - begin,)."""
+    own = file["contactlab"]
+    if begin == end:
+        return np.ones(0, np.bool_)
+    return np.asarray(of_rows(own["steps"][begin:end]) == own["checksums/steps"][begin:end])

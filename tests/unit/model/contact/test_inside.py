@@ -1,0 +1,63 @@
+"""Which points are inside a boundary, and how deep: against brute force, and in time that grows with their number."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from contactlab.api import Floats, Ints
+from contactlab.model.contact import inside
+from contactlab.model.contact.inside import depths_inside
+
+
+def brute_force(points: Floats, positions: Floats, edges: Ints) -> Floats:
+    """Every point against every edge."""
+    a, b = positions[edges[:, 0]], positions[edges[:, 1]]
+    out = np.zeros(len(points))
+    for i, (x, y) in enumerate(points):
+        turns = 0
+        for (ax, ay), (bx, by) in zip(a, b, strict=True):
+            if (ay <= y) != (by <= y):
+                side = (bx - ax) * (y - ay) - (by - ay) * (x - ax)
+                turns += 1 if by > y and side > 0 else -1 if by <= y and side <= 0 else 0
+        if turns:
+            share = np.clip(((points[i] - a) * (b - a)).sum(1) / ((b - a) ** 2).sum(1), 0.0, 1.0)
+            out[i] = np.hypot(*(a + share[:, None] * (b - a) - points[i]).T).min()
+    return out
+
+
+def ring(count: int, radius: Floats) -> tuple[Floats, Ints]:
+    angle = np.linspace(0.0, 2.0 * np.pi, count, endpoint=False)
+    nodes = np.arange(count)
+    return radius[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1), np.stack([nodes, (nodes + 1) % count], 1)
+
+
+@given(seed=st.integers(0, 10_000), count=st.integers(3, 60), flat=st.booleans())
+@settings(max_examples=60, deadline=None)
+def test_as_brute_force_says(seed: int, count: int, flat: bool) -> None:
+    chance = np.random.default_rng(seed)
+    positions, edges = ring(count, chance.uniform(0.3, 1.0, count))
+    points = chance.uniform(-1.1, 1.1, (80, 2)) * ([1.0, 0.05] if flat else [1.0, 1.0])
+    assert depths_inside(points, positions, edges) == pytest.approx(brute_force(points, positions, edges), abs=1e-12)
+
+
+def test_pairs_grow_with_points_and_edges(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked_at: list[int] = []
+    pairs = inside._pairs
+
+    def counted(*arguments: Floats) -> object:
+        for point, edge in pairs(*arguments):
+            looked_at[-1] += len(point)
+            yield point, edge
+
+    monkeypatch.setattr(inside, "_pairs", counted)
+    for count in (1000, 4000, 16000):
+        positions, edges = ring(count, np.ones(count))
+        looked_at.append(0)
+        points = positions[: count // 2] * 0.99
+        depth = depths_inside(points, positions, edges)
+        assert depth == pytest.approx(0.01 * np.ones(count // 2), abs=1e-4)
+    # 16 times as many points and edges
+    assert looked_at[2] < 20 * looked_at[0]
