@@ -20,7 +20,7 @@ from contactlab.model.held_arrays import held_arrays
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, load_scene
 
-TANGENTIAL = re.compile(r"contact\.(rows\.(tangent_weight|slip|bound)|pairs\.\d+\.(bound|before|began\..*))")
+TANGENTIAL = re.compile(r"contact\.(rows\.(tangent_weight|slip|bound)|pairs\.\d+\.sliding\.(bound|before|began\..*))")
 COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 PLASTIC = {"materials.soft": {"use": "linear-hardening", "young": 7000.0, "poisson": 0.3, "density": 2.7e-9,
                               "yield_stress": 100.0, "hardening": 50.0}}  # fmt: skip

@@ -12,6 +12,7 @@ from contactlab_segments.node_on_segment import NodeOnSegment
 
 from contactlab.api import (
     Candidates,
+    ContactView,
     Floats,
     GapAlgorithm,
     GapConditions,
@@ -30,10 +31,9 @@ class Rods(GapAlgorithm):
     flaw: str = ""
     passes_patch_test: ClassVar[bool] = False
 
-    def conditions(
-        self, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates, reach: float, *, tangent: bool
-    ) -> GapConditions:
-        found = [self._condition(i, slave, master, at, near, reach) for i in range(len(slave.nodes))]
+    def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
+        slave, at = view.slave, view.at
+        found = [self._condition(i, view) for i in range(len(slave.nodes))]
         rows = [row for row in found if row is not None]
         k = len(rows)
         normal = np.array([np.outer(w, n) for _, w, n, _, _ in rows]).reshape(3 * k, 2)
@@ -50,7 +50,8 @@ class Rods(GapAlgorithm):
             owner=np.array([i for *_, i in rows], np.int32),
         )
 
-    def _condition(self, i: int, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates, reach: float):  # type: ignore[no-untyped-def]
+    def _condition(self, i: int, view: ContactView):  # type: ignore[no-untyped-def]
+        slave, master, at, near, reach, _ = view
         best = None
         for m in self._candidates(i, slave, master, near):
             a, b = at.master[master.segments[m]]
@@ -108,7 +109,7 @@ def test_a_right_algorithm_passes(check: Check) -> None:
     try:
         check(Rods())
     except NotApplicable:
-        declined = {contact.slip_is_objective, contact.pieces_keep_their_bounds, contact.patch_test_on_quadratic_edges}
+        declined = {contact.pieces_keep_their_bounds, contact.patch_test_on_quadratic_edges}
         assert check in declined
 
 
@@ -122,11 +123,8 @@ class Flawed(MortarP0):
     def capacity(self, slave: Surface, near: Candidates) -> int:
         return 1 if self.flaw == "capacity for one piece" else super().capacity(slave, near)
 
-    def pieces(
-        self, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates, reach: float, memory: Floats,
-        out: Pieces,
-    ) -> int:  # fmt: skip
-        count = super().pieces(slave, master, at, near, reach, memory, out)
+    def pieces(self, view: ContactView, out: Pieces) -> int:
+        count = super().pieces(view, out)
         if self.flaw == "middle nodes left out" and out.M.shape[1] == 3:
             out.M[:, :2] += 0.5 * out.M[:, 2:]
             out.M[:, 2] = 0.0
@@ -137,14 +135,11 @@ class Flawed(MortarP0):
             out.M[:count] = out.M[:count, ::-1]
         return 0 if self.flaw == "never finds anything" else count
 
-    def normals(
-        self, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates, reach: float, memory: Floats,
-        pieces: Pieces, count: int, out: Floats,
-    ) -> None:  # fmt: skip
+    def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         if self.flaw == "one normal for both times":
             out[:] = pieces.normal
         else:
-            super().normals(slave, master, at, near, reach, memory, pieces, count, out)
+            super().normals(view, pieces, count, out)
 
 
 class Modest(MortarP0):

@@ -85,7 +85,7 @@ def source() -> str:
     for kind, wrong in (("contact", CONTACTS), ("material", LAWS), ("element", ELEMENTS)):
         for name, (body, _) in wrong.items():
             if kind == "contact":
-                body = f"def pieces(self, slave, master, at, near, reach, memory, out): {body}"
+                body = f"def pieces(self, view, out): {body}"
             text += f"\n\n@dataclass(frozen=True)\nclass {name.title()}({bases[kind]}):\n    {body}\n"
             offers.append(f'Part("{kind}", "{name}", "wrong_parts:{name.title()}", "wrong")')
     return text + f"\n\n@hookimpl\ndef contactlab_parts():\n    return [{', '.join(offers)}]\n"

@@ -14,7 +14,7 @@ from contactlab.api import ContactAlgorithm, Floats
 from contactlab.model.build import build
 from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.gradients import PairGradients
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.testing.surfaces import Chains, curved, flat, pair_of
 
 P0, P1, NODES = MortarP0(), MortarP1(), NodeOnSegment()
@@ -42,13 +42,13 @@ EVERY = [
 ]
 
 
-def derivatives(pair: SurfacePair, memory: Floats, nodes: int, own: bool = True) -> tuple[Floats, Floats]:
+def derivatives(pair: OperatorPair, memory: Floats, nodes: int, own: bool = True) -> tuple[Floats, Floats]:
     """Rows (k, 2 N) of gaps and of slips; without `own` by the algorithm's slopes."""
     gradients = PairGradients(pair)
     if not own:
-        gradients._gradients = gradients._from_slopes  # type: ignore[method-assign]
+        gradients._gradients = gradients._from_derivatives  # type: ignore[method-assign]
     rows = allocate_rows(pair.slots, 4 * nodes, friction=True)
-    assert gradients.append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), memory) > 0
+    assert gradients.append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), np.zeros((nodes, 2)), memory) > 0
     row = np.repeat(np.arange(rows.count), np.diff(rows.start[: rows.count + 1]))
     found = []
     for weight in (rows.normal_weight, rows.tangent_weight):
@@ -58,7 +58,7 @@ def derivatives(pair: SurfacePair, memory: Floats, nodes: int, own: bool = True)
     return found[0], found[1]
 
 
-def gaps(pair: SurfacePair, memory: Floats, nodes: Floats) -> Floats:
+def gaps(pair: OperatorPair, memory: Floats, nodes: Floats) -> Floats:
     pair.update(nodes, memory)
     return np.asarray(pair.gaps[pair.coupling.order, 0].copy())
 

@@ -9,7 +9,7 @@ import pytest
 from contactlab_mortar.mortar import MortarP0, MortarP1
 
 from contactlab.api import ContactAlgorithm, Floats
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.testing.surfaces import Chains, chains, pair_of, stations
 
 P0, P1 = MortarP0(), MortarP1()
@@ -22,7 +22,7 @@ def line(slave: Floats, master: Floats) -> Chains:
     return chains(*(np.stack([x, np.zeros_like(x)], axis=1) for x in (slave, master)))
 
 
-def operators(pair: SurfacePair, at: Chains) -> tuple[Floats, Floats, Floats]:
+def operators(pair: OperatorPair, at: Chains) -> tuple[Floats, Floats, Floats]:
     """D (slave nodes, multipliers), M (master nodes left to right, multipliers) and T, summed over the pieces."""
     p, n = pair.pieces, pair.count
     k = pair.slots

@@ -7,7 +7,7 @@ import pytest
 from contactlab_mortar.mortar import MortarP0, MortarP1
 
 from contactlab.api import ContactAlgorithm, Floats
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.testing.surfaces import Chains, chains, conditions, curved, dense, flat, pair_of, stations
 
 P0, P1 = MortarP0(), MortarP1()
@@ -96,7 +96,7 @@ def test_pressure_carries_the_force(algorithm: ContactAlgorithm, at: Chains) -> 
     np.testing.assert_allclose(again, y, atol=ROUND_OFF)
 
 
-def merged_coupling(pair: SurfacePair) -> Floats:
+def merged_coupling(pair: OperatorPair) -> Floats:
     """T with rows and columns of merged multipliers added to their owners."""
     p, n = pair.pieces, pair.count
     T = np.zeros((pair.slots, pair.slots))
@@ -166,7 +166,7 @@ def test_the_multiplier_of_a_fixed_end_joins_its_neighbour(algorithm: ContactAlg
     at = line(np.linspace(0.0, 2.0, 9), np.linspace(-0.5, 2.5, 6))
     fixed = np.zeros(9, np.bool_)
     fixed[0] = True
-    pair = SurfacePair("contact", algorithm, at.slave, at.master, at.nodes, 0, None, fixed)
+    pair = OperatorPair("contact", algorithm, at.slave, at.master, at.nodes, 0, None, fixed)
     pair.update(at.nodes, np.zeros((0, 9)))
     assert list(pair.coupling.owner) == [1, *range(1, 9)]
     assert pair.cover[1] == pytest.approx(0.125 + 0.25, abs=ROUND_OFF)

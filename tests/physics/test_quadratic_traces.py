@@ -10,7 +10,7 @@ from contactlab_mortar.mortar import MortarP0, MortarP1
 
 from contactlab.api import ContactAlgorithm
 from contactlab.model.build import build
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
@@ -55,7 +55,7 @@ def pressed_blocks(algorithm: Any, slave: list[float], cells: tuple[int, int], e
     )
 
 
-def updated_pair(scene: Scene) -> tuple[SurfacePair, np.ndarray]:
+def updated_pair(scene: Scene) -> tuple[OperatorPair, np.ndarray]:
     model = build(scene, default_registry())
     assert model.contact is not None
     pair = model.contact.pairs[0]
@@ -64,7 +64,7 @@ def updated_pair(scene: Scene) -> tuple[SurfacePair, np.ndarray]:
     return pair, model.position
 
 
-def dense(pair: SurfacePair, nodes: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
+def dense(pair: OperatorPair, nodes: np.ndarray, values: np.ndarray, count: int) -> np.ndarray:
     """D or M as a full matrix."""
     matrix = np.zeros((count, pair.slots))
     for p in range(pair.count):

@@ -10,7 +10,7 @@ import pytest
 from contactlab_mortar.mortar import MortarP1
 
 import contactlab
-from contactlab.api import Candidates, ContactAlgorithm, Floats, Pieces, Surface, SurfacePositions
+from contactlab.api import Candidates, ContactAlgorithm, ContactView, Floats, Pieces, Surface
 from contactlab.model.build import build
 from contactlab.model.implicit_model import ImplicitModel
 
@@ -29,17 +29,8 @@ class Foreign(ContactAlgorithm):
     def capacity(self, slave: Surface, near: Candidates) -> int:
         return MortarP1().capacity(slave, near)
 
-    def pieces(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        reach: float,
-        memory: Floats,
-        out: Pieces,
-    ) -> int:
-        return MortarP1().pieces(slave, master, at, near, reach, memory, out)
+    def pieces(self, view: ContactView, out: Pieces) -> int:
+        return MortarP1().pieces(view, out)
 
 
 def pressed_model(changes: dict[str, Any], shake: float = 1.0) -> tuple[ImplicitModel, Floats]:

@@ -6,7 +6,8 @@ Imports NumPy alone. Compiled kernels use `contactlab.api.compiled.kernel`, entr
 
 from contactlab.api.arrays import BLOCK_CELLS, XX, XY, YY, ZZ, Floats, Ints
 from contactlab.api.case import Answer, Case, Changes, Job, Measure, Setup, Spec
-from contactlab.api.contact import ContactAlgorithm, GapAlgorithm, GapConditions, Pieces
+from contactlab.api.contact import ContactAlgorithm, ContactMethod, ContactView, GapAlgorithm, GapConditions, Pieces
+from contactlab.api.derivatives import GapGradients, PieceDerivatives
 from contactlab.api.effect import Effect, EffectView
 from contactlab.api.element import BlockKernels, Element, Quadrature, Shape
 from contactlab.api.enforcement import (
@@ -41,7 +42,6 @@ from contactlab.api.mesh import Mesh, MeshSource
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
 from contactlab.api.record import Record
 from contactlab.api.recorder import Recorder, Recording
-from contactlab.api.slopes import GapGradients, PieceSlopes
 from contactlab.api.state import WORK, State
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 from contactlab.api.warning import RunWarning, Warnings
@@ -65,7 +65,9 @@ __all__ = [
     "ContactAlgorithm",
     "ContactCurve",
     "ContactEquations",
+    "ContactMethod",
     "ContactSlopes",
+    "ContactView",
     "Effect",
     "EffectView",
     "Element",
@@ -101,7 +103,7 @@ __all__ = [
     "Mesh",
     "MeshSource",
     "Part",
-    "PieceSlopes",
+    "PieceDerivatives",
     "Pieces",
     "PrescribedMotion",
     "Quadrature",

@@ -1,27 +1,48 @@
 """Contact algorithms: how two surfaces become gap conditions.
 
-An algorithm knows neither friction law nor enforcement nor time. It is written in one of two ways:
+An algorithm knows neither friction law nor enforcement nor time. It is written in one of two ways, which share
+`ContactMethod`:
 
 `ContactAlgorithm`  gives local, segment-wise pieces of the operators D, M and T; the core assembles
                     them, merges and drops multipliers on partial cover, builds the rows
                     G = T^-T [D^T | -M^T] . normal and turns multipliers into pressures.
 `GapAlgorithm`      gives finished rows. Simple to write in plain NumPy.
+
+What an algorithm may see of a contact is one `ContactView`.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
 from contactlab.api.arrays import Flags, Floats, Ints
-from contactlab.api.slopes import GapGradients, PieceSlopes
+from contactlab.api.derivatives import GapGradients, PieceDerivatives
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 
 
-@dataclass
+class ContactView(NamedTuple):
+    """All that an algorithm may see of a contact. Read-only but for `memory`.
+
+    slave, master  the surfaces
+    at             positions of their nodes [mm]
+    near           master segments near each slave segment
+    reach          [mm] slave segments (or nodes) whose gap exceeds it are to be left out
+    memory         (memory_size, m) what the algorithm remembers of the last step, updated in place
+    """
+
+    slave: Surface
+    master: Surface
+    at: SurfacePositions
+    near: Candidates
+    reach: float
+    memory: Floats
+
+
+@dataclass(eq=False)
 class Pieces:
     """Room for the local operators of one contact pair, filled anew in every call.
 
@@ -36,7 +57,6 @@ class Pieces:
     M           (capacity, r, k) [mm]  integral of master trace l times multiplier basis j
     T           (capacity, k, k) [mm]  integral of linear hat i times multiplier basis j
     normal      (multipliers, 2) unit vectors from the master towards the slave
-    bound       room for what an algorithm keeps about these arrays, a `BoundArrays` say; None at first
     """
 
     slave: Ints
@@ -46,7 +66,6 @@ class Pieces:
     M: Floats
     T: Floats
     normal: Floats
-    bound: Any = None
 
     @classmethod
     def allocate(cls, capacity: int, widths: tuple[int, int, int], multipliers: int) -> Pieces:
@@ -63,8 +82,8 @@ class Pieces:
         )
 
 
-class ContactAlgorithm(ABC):
-    """Gives local operators. Subclasses are frozen dataclasses; their fields are the TOML keys.
+class ContactMethod(ABC):
+    """What both kinds of contact algorithms declare. Algorithms derive from one of the classes below.
 
     passes_patch_test  declared, and checked both ways
     rows_per_node      conditions a slave node can carry at once
@@ -74,6 +93,11 @@ class ContactAlgorithm(ABC):
     passes_patch_test: ClassVar[bool]
     rows_per_node: ClassVar[int] = 1
     memory_size: ClassVar[int] = 0
+
+
+class ContactAlgorithm(ContactMethod):
+    """Gives local operators. Subclasses are frozen dataclasses; their fields are the TOML keys."""
+
     gradient_nodes: ClassVar[int] = 0
 
     def with_friction(self) -> ContactAlgorithm:
@@ -96,56 +120,23 @@ class ContactAlgorithm(ABC):
         """Largest number of pieces that `pieces` can give for these candidates."""
 
     @abstractmethod
-    def pieces(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        reach: float,
-        memory: Floats,
-        out: Pieces,
-    ) -> int:
-        """Fill `out` for the positions `at` and return the number of pieces.
+    def pieces(self, view: ContactView, out: Pieces) -> int:
+        """Fill `out` for the positions of the view and return the number of pieces."""
 
-        Leave out slave segments (or nodes) whose gap exceeds `reach` [mm]. `memory`
-        (memory_size, m) is that of the last step and is updated in place.
-        """
-
-    def normals(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        reach: float,
-        memory: Floats,
-        pieces: Pieces,
-        count: int,
-        out: Floats,
-    ) -> None:
-        """Fill out (multipliers, 2) with the normals that the first `count` of `pieces` have at `at`.
+    def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
+        """Fill out (multipliers, 2) with the normals that the first `count` of `pieces` have at the view's positions.
 
         Asked for with friction, at the start of the step. The default integrates anew; algorithms
         whose normals follow from positions alone override it.
         """
-        spare = Pieces.allocate(self.capacity(slave, near), self.widths(slave, master), len(out))
+        widths = self.widths(view.slave, view.master)
+        spare = Pieces.allocate(self.capacity(view.slave, view.near), widths, len(out))
         spare.normal[:] = pieces.normal
-        self.pieces(slave, master, at, near, reach, memory.copy(), spare)
+        self.pieces(view._replace(memory=view.memory.copy()), spare)
         out[:] = spare.normal
 
-    def slopes(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        memory: Floats,
-        pieces: Pieces,
-        count: int,
-        out: PieceSlopes,
-    ) -> bool:
-        """Fill `out` with the derivatives of the first `count` of `pieces`, which were filled at `at`.
+    def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
+        """Fill `out` with the derivatives of the first `count` of `pieces`, which were filled for this view.
 
         Asked for by implicit integrators. The default says no, and the core takes differences of
         `pieces`: right, and slower by about fifty calls of it. `out` has room for 2 (s + r + 8) entries
@@ -154,22 +145,13 @@ class ContactAlgorithm(ABC):
         return False
 
     def gradients(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        pieces: Pieces,
-        count: int,
-        owner: Ints,
-        separation: Floats,
-        out: GapGradients,
+        self, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats, out: GapGradients
     ) -> bool:
         """Fill `out` with the derivatives of the separations of the first `count` of `pieces`, one entry for each.
 
         Asked for by explicit integrators whose contact forces are conjugate, in every step, of algorithms that declare
         `gradient_nodes`. `separation` (multipliers, 2) [mm] counts for the multiplier `owner` (multipliers,) int32 that
-        each one became, for none where that is -1. False, and the core takes `slopes`: the same and slower.
+        each one became, for none where that is -1. False, and the core takes `derivatives`: the same and slower.
         """
         return False
 
@@ -184,7 +166,7 @@ class GapConditions:
     tangent_weight (z, 2) [-]  derivative of the slip; (0, 2) where no friction is declared
     gap            (k,) [mm]   positive when open
     measure        (k,) [mm]   length of slave surface that each condition stands for
-    owner          (k,) int32  slave node (position in the surface) of each condition, each at most once
+    owner          (k,) int32  multiplier slot * m + i of each condition at slave node i, each at most once
     """
 
     start: Ints
@@ -196,13 +178,9 @@ class GapConditions:
     owner: Ints
 
 
-class GapAlgorithm(ABC):
+class GapAlgorithm(ContactMethod):
     """Gives finished gap conditions. Subclasses are frozen dataclasses; their fields are the TOML keys."""
 
-    passes_patch_test: ClassVar[bool]
-
     @abstractmethod
-    def conditions(
-        self, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates, reach: float, *, tangent: bool
-    ) -> GapConditions:
-        """The gap conditions at the positions `at`. `tangent` asks for tangent weights."""
+    def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
+        """The gap conditions at the positions of the view. `tangent` asks for tangent weights."""

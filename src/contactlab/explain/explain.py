@@ -6,11 +6,11 @@ What only a process of its own can tell (kernels, imported modules, seconds) com
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from contactlab.api import GapAlgorithm
 from contactlab.explain.effect_table import Effect, effects_of
 from contactlab.model.build import build
 from contactlab.model.held_arrays import HeldArray, held_arrays
@@ -158,15 +158,10 @@ def _body_calls(model: Model) -> dict[str, int]:
 def _contact_calls(model: Model) -> dict[str, int]:
     if model.contact is None:
         return {}
-    pairs = model.contact.pairs
-    finished = [pair for pair in pairs if isinstance(pair.algorithm, GapAlgorithm)]
-    rough = [pair for pair in pairs if pair.friction is not None]
-    return {
-        "contact pieces": len(pairs) - len(finished),
-        "contact normals": len([pair for pair in rough if pair not in finished]),
-        "contact conditions": len(finished) + len([pair for pair in rough if pair in finished]),
-        "contact enforcement": 1,
-    }
+    counts: Counter[str] = Counter()
+    for pair in model.contact.pairs:
+        counts.update(pair.calls_per_step())
+    return {**counts, "contact enforcement": 1}
 
 
 def packages_of(scene: Scene, registry: Registry) -> list[str]:

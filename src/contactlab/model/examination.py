@@ -16,7 +16,7 @@ from contactlab.model.bodies.body import Block, BodyForces
 
 if TYPE_CHECKING:
     from contactlab.model.contact.explicit_system import ContactSystem
-    from contactlab.model.contact.gap_pair import Pair
+    from contactlab.model.contact.pair import ContactPair
     from contactlab.model.model import Model
 
 
@@ -80,16 +80,16 @@ def examine_contact(contact: Any) -> None:
         examine_pair(pair)
 
 
-def examine_pair(pair: Pair) -> None:
+def examine_pair(pair: ContactPair) -> None:
     """What a contact algorithm gave last."""
     pieces, found = getattr(pair, "pieces", None), getattr(pair, "found", None)
     if pieces is not None:
-        _examine_pieces(pair, pieces, pair.count)  # type: ignore[union-attr]
+        _examine_pieces(pair, pieces, getattr(pair, "count", 0))
     elif found is not None:
         _examine_conditions(pair, found)
 
 
-def _examine_pieces(pair: Pair, pieces: Pieces, count: int) -> None:
+def _examine_pieces(pair: ContactPair, pieces: Pieces, count: int) -> None:
     covered = pieces.T[:count].sum()
     others = pieces.D[:count].sum() + pieces.M[:count].sum() + pieces.normal.sum()
     if (covered > 0.0 or not count) and np.isfinite(covered + others):
@@ -98,20 +98,20 @@ def _examine_pieces(pair: Pair, pieces: Pieces, count: int) -> None:
         return
     for name in ("D", "M", "T"):
         if not finite(getattr(pieces, name)[:count]):
-            _refuse(pair.algorithm, "pieces", f"an entry of {name}", f" in {pair.name}")
+            _refuse(pair.method, "pieces", f"an entry of {name}", f" in {pair.name}")
     if not finite(pieces.normal[pieces.multiplier[:count].ravel()]):
-        _refuse(pair.algorithm, "pieces", "a normal", f" in {pair.name}")
+        _refuse(pair.method, "pieces", "a normal", f" in {pair.name}")
     if count and not covered > 0.0:
         raise WrongAnswer(
-            f"{type(pair.algorithm).__name__}: pieces gave {count} pieces in {pair.name} whose T sums up to "
+            f"{type(pair.method).__name__}: pieces gave {count} pieces in {pair.name} whose T sums up to "
             f"{covered:g}, needed: integrals over the covered length"
         )
 
 
-def _examine_conditions(pair: Pair, found: GapConditions) -> None:
+def _examine_conditions(pair: ContactPair, found: GapConditions) -> None:
     for name in ("gap", "normal_weight", "tangent_weight", "measure"):
         if not finite(getattr(found, name)) and finite(*pair.at):
-            _refuse(pair.algorithm, "conditions", f"an entry of {name}", f" in {pair.name}")
+            _refuse(pair.method, "conditions", f"an entry of {name}", f" in {pair.name}")
 
 
 # --- a step with all checks on ----------------------------------------------------------------------

@@ -17,7 +17,7 @@ from contactlab.api import Floats
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.gap_pair import Pair
+    from contactlab.model.contact.pair import ContactPair
 
 
 def model_memory(model: Model) -> dict[str, Floats]:
@@ -53,10 +53,10 @@ def restore_model(model: Model, memory: Mapping[str, Floats]) -> None:
     for pair in model.contact.pairs if model.contact is not None else ():
         slave, master = memory[f"near.{pair.name}.slave"], memory[f"near.{pair.name}.master"]
         if not np.isnan(slave).any():
-            pair.find_near(slave, master)
+            pair.restore(slave, master)
 
 
-def _near_memory(pair: Pair) -> dict[str, Floats]:
+def _near_memory(pair: ContactPair) -> dict[str, Floats]:
     if pair.near is not None:
         slave, master = pair.near.slave, pair.near.master
     else:

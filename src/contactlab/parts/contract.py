@@ -6,7 +6,7 @@ import dataclasses
 import inspect
 
 from contactlab.api.case import Case
-from contactlab.api.contact import ContactAlgorithm, GapAlgorithm
+from contactlab.api.contact import ContactAlgorithm, ContactMethod, GapAlgorithm
 from contactlab.api.effect import Effect
 from contactlab.api.element import Element
 from contactlab.api.enforcement import Enforcement, ExplicitEnforcement, ImplicitEnforcement
@@ -44,7 +44,7 @@ def faults(kind: str, target: object) -> list[str]:
     if not issubclass(target, bases):
         older = issubclass(target, Integrator)  # which parts of version 1 derived from
         return [f"it does not derive from {allowed}{'; to change: ' + NEW_IN_2['integrator'] if older else ''}"]
-    if target in (*bases, Enforcement, Integrator):
+    if target in (*bases, ContactMethod, Enforcement, Integrator):
         return ["it is the abstract class of the contract itself"]
     return [
         *_missing_methods(target), *_missing_attributes(target), *wrong_values(target), *_other_arguments(target),

@@ -15,7 +15,7 @@ from contactlab.results.sample import Sample
 from contactlab.results.step_columns import step_columns
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.gap_pair import Pair
+    from contactlab.model.contact.pair import ContactPair
     from contactlab.scene.keys import Contact
     from contactlab.scene.scene import Scene
 
@@ -49,7 +49,7 @@ def layout_of(model: Model, scene: Scene, parts: Mapping[str, str], versions: Ma
     )
 
 
-def _contact(pair: Pair, spec: Contact) -> ContactLayout:
+def _contact(pair: ContactPair, spec: Contact) -> ContactLayout:
     slave, master = spec.sides
     return ContactLayout(
         name=pair.name,

@@ -16,7 +16,7 @@ from contactlab.model.model import Model
 if TYPE_CHECKING:
     from contactlab.model.contact.explicit_system import ContactSystem
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
-    from contactlab.model.contact.operator_pair import SurfacePair
+    from contactlab.model.contact.pair import ContactPair
 
 BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step
 
@@ -115,7 +115,7 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
     return sample
 
 
-def _conditions_of(conditions: Any, pair: SurfacePair) -> tuple[int, int, float]:
+def _conditions_of(conditions: Any, pair: ContactPair) -> tuple[int, int, float]:
     """Active, sticking and penetration of one pair."""
     c, own = conditions, slice(pair.first_slot, pair.first_slot + pair.slots)
     pressed, pulled = c.force[0, own], np.abs(c.force[-1, own]) if len(c.force) > 1 else np.zeros(pair.slots)

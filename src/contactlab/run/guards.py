@@ -16,7 +16,7 @@ from contactlab.model.energy import energy_gain
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.gap_pair import Pair
+    from contactlab.model.contact.pair import ContactPair
 
 EVERY = 50  # steps between looks at the whole model
 SELDOM = 4 * EVERY  # steps between looks at the stored energy, which costs the laws another pass
@@ -51,11 +51,12 @@ class Guards:
         self.wave_speed = max(body.material.wave_speeds()[0] for body in model.bodies)
         # energies of smaller strains are round-off
         self.largest_energy = max(model.initial_energy, float(model.mass.sum()) * (ROUND * self.wave_speed) ** 2)
-        self.pairs: tuple[Pair, ...] = tuple(model.contact.pairs) if model.contact is not None else ()
+        self.pairs: tuple[ContactPair, ...] = tuple(model.contact.pairs) if model.contact is not None else ()
         self.forces = model.state["multipliers"][0] if self.pairs else np.zeros(0)
         self.pressed = np.zeros(len(self.forces), np.bool_)
         self.gain = DAMPED_GAIN if model.pace.end is None else GAIN
-        self.eased = _eased(self.pairs)
+        # an overlap of the start is pushed out: energy that the scene lets contact put in
+        self.eased = any(pair.easing is not None for pair in self.pairs)
         self.slopes = [_slopes(forces) for forces in model.forces]
 
     def memory(self) -> dict[str, Floats]:
@@ -104,8 +105,7 @@ class Guards:
         """Where contact conditions hold least: pressed ones off the surface, or open ones behind it."""
         found = []
         for pair in self.pairs:
-            pair.measure(self.model.position)
-            gaps = pair.gaps[:, 0]
+            gaps = pair.snapshot(self.model.state, self.model.position).gaps
             pressed = self.forces[pair.first_slot : pair.first_slot + pair.slots] > 0.0
             slot = int(np.argmax(np.where(pressed, np.abs(gaps), -gaps)))
             found.append((abs(float(gaps[slot])), pair, slot))
@@ -114,7 +114,7 @@ class Guards:
         gap, pair, slot = max(found, key=lambda worst: worst[0])
         return f", worst in {pair.name} at {self._slave_node(pair, slot)}, {gap:.1e} off"
 
-    def _slave_node(self, pair: Pair, slot: int) -> str:
+    def _slave_node(self, pair: ContactPair, slot: int) -> str:
         return self._node(int(pair.slave.nodes[slot % len(pair.slave.nodes)]))
 
     def _flicker(self) -> None:
@@ -289,15 +289,6 @@ def shorter_steps(explicit: bool, step: float | None) -> str:
     if step is not None:
         return "a smaller time.step"
     return "a smaller time.fraction" if explicit else "more integrator.steps"
-
-
-def _eased(pairs: tuple[Pair, ...]) -> bool:
-    """Whether an overlap of the start is pushed out: energy that the scene lets contact put in."""
-    if not pairs:
-        return False  # and nothing of contacts is imported
-    from contactlab.model.contact.initial_gap import EasedGaps
-
-    return any(isinstance(pair, EasedGaps) for pair in pairs)
 
 
 def _slopes(forces: BodyForces) -> Floats:

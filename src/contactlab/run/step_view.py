@@ -10,7 +10,7 @@ from contactlab.api import Floats, Ints, Step
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.gap_pair import Pair
+    from contactlab.model.contact.pair import ContactPair
 
 
 class ModelView:
@@ -23,7 +23,7 @@ class ModelView:
         self._fields = {name: _sealed(values) for name, values in self._state.fields.items()}
         self._nodes = {body.name: slice(body.first, body.first + body.count) for body in model.bodies}
         self.bodies = tuple(self._nodes)
-        self._pairs: tuple[Pair, ...] = tuple(model.contact.pairs) if model.contact is not None else ()
+        self._pairs: tuple[ContactPair, ...] = tuple(model.contact.pairs) if model.contact is not None else ()
         self.contacts = len(self._pairs)
         self._lengths = [_median_segment(pair, model.reference) for pair in self._pairs]
         self._load, self._held = np.zeros_like(model.reference), model.prescribed.dof
@@ -104,6 +104,6 @@ def _sealed(values: Floats) -> Floats:
     return view
 
 
-def _median_segment(pair: Pair, reference: Floats) -> float:
+def _median_segment(pair: ContactPair, reference: Floats) -> float:
     a, b = reference[pair.slave.nodes][pair.slave.segments.T]
     return float(np.median(np.hypot(*(b - a).T)))

@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.api import (
-    ContactAlgorithm,
+    ContactMethod,
     Floats,
     FrictionBound,
     FrictionLaw,
-    GapAlgorithm,
     GapConditions,
     Rows,
     Surface,
-    SurfacePositions,
 )
-from contactlab.kernels.contact.search import near_segments
 from contactlab.meshing.mesh import surface_from_edges
+from contactlab.model.contact.contact_pairs import contact_pair
 from contactlab.model.contact.explicit_system import allocate_rows
-from contactlab.model.contact.near_list import REACH
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.pair import ContactPair
 
 LOW, HIGH = 0.5, 2.5  # of the shorter surface; the other one spans 0 ... 3
 
@@ -107,30 +105,24 @@ class _Rough(FrictionLaw):
         return FrictionBound(1.0, 0.0, 0.0)
 
 
-def pair_of(algorithm: ContactAlgorithm, at: Chains, friction: bool = False) -> tuple[SurfacePair, Floats]:
-    """The core's pair at its positions, and the algorithm's memory after that."""
+def pair_of(algorithm: ContactMethod, at: Chains, friction: bool = False) -> tuple[Any, Floats]:
+    """The core's pair for the algorithm at its positions, and the algorithm's memory after that."""
     memory = np.zeros((algorithm.memory_size, len(at.slave.nodes)))
-    free = np.zeros(len(at.slave.nodes), np.bool_)
-    pair = SurfacePair("contact", algorithm, at.slave, at.master, at.nodes, 0, _Rough() if friction else None, free)
+    free, law = np.zeros(len(at.slave.nodes), np.bool_), _Rough() if friction else None
+    pair = contact_pair("contact", algorithm, (at.slave, at.master), at.nodes, 0, law, free)
     pair.update(at.nodes, memory)
-    pair.measure(at.nodes)
     return pair, memory
 
 
-def rows_of_pair(pair: SurfacePair, at: Chains, friction: bool = False) -> Rows:
+def rows_of_pair(pair: ContactPair, at: Chains, friction: bool = False) -> Rows:
     """All rows of a pair, however far open."""
     rows = allocate_rows(pair.slots, len(at.nodes), friction)
     pair.append_rows(rows, 0, np.inf, np.zeros((2 if friction else 1, pair.slots)), at.nodes)
     return rows
 
 
-def conditions(algorithm: ContactAlgorithm | GapAlgorithm, at: Chains, *, tangent: bool = False) -> GapConditions:
-    """The finished gap conditions of either kind of algorithm."""
-    if isinstance(algorithm, GapAlgorithm):
-        sides = SurfacePositions(at.nodes[at.slave.nodes], at.nodes[at.master.nodes])
-        reach = REACH * at.spacing
-        near = near_segments(sides.slave, at.slave.segments, sides.master, at.master.segments, 2.0 * reach)
-        return algorithm.conditions(at.slave, at.master, sides, near, reach, tangent=tangent)
+def conditions(algorithm: ContactMethod, at: Chains, *, tangent: bool = False) -> GapConditions:
+    """The finished gap conditions that the core makes of either kind of algorithm."""
     pair, memory = pair_of(algorithm, at, tangent)
     if tangent:
         pair.begin(at.nodes, memory)

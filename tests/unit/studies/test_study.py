@@ -146,7 +146,7 @@ class Fancy(GapAlgorithm):
     passes_patch_test = False
     width: float = 1.0
 
-    def conditions(self, slave, master, at, near, reach, *, tangent):
+    def conditions(self, view, *, tangent):
         raise NotImplementedError
 """
 

@@ -8,18 +8,35 @@ numbers alone: how far either end is off, (y - x) x n, and the length of its sla
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from contactlab.api.compiled.bound_arrays import Floats2, Ints1, Ints2
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
+from contactlab.api.compiled.contact_tables import GradientsTable, SurfaceTable
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
+from contactlab_mortar.derivatives import _edge_sum, _normal_derivatives, trace_derivative
 from contactlab_mortar.integrals import _POINTS, _WEIGHTS, constant_basis, hat, trace
 from contactlab_mortar.segments import carriers, overlap
-from contactlab_mortar.slopes import _edge_sum, _normal_slopes, trace_slope
 
-ARRAYS = "i2 i2 i2 i2 i2 i2 i2 d2 d2 i1 i1 i2 i2 d2 i1 d2 i2 i2 d5 i1 i1 d2"
-"""Slave segments, node_segments, edges, segment_edge; master segments, edges, segment_edge; positions of both; near
-list; of the pieces multiplier, master, normal; owner, separation; the arrays of `GapGradients`."""
+
+class GradientTable(NamedTuple):
+    """All that gradients are made from and written to; start and candidates are the near list."""
+
+    slave: SurfaceTable
+    master: SurfaceTable
+    slave_at: Floats2
+    master_at: Floats2
+    start: Ints1
+    candidates: Ints1
+    multiplier: Ints2
+    master_nodes: Ints2
+    normal: Floats2
+    owner: Ints1
+    separation: Floats2
+    out: GradientsTable
 
 
 @section
@@ -115,7 +132,7 @@ def _weighted(found, x, y, r, halves, linear, out, rho):
                 for d in range(2):
                     along = 0.0
                     for i in range(y.shape[0]):
-                        along += trace_slope(y.shape[0], master_half, eta, i) * y[i, d]
+                        along += trace_derivative(y.shape[0], master_half, eta, i) * y[i, d]
                     out[0, j, d] += psi * rho[d]
                     out[1, j, d] += psi * (1.0 - share) * along
                     out[2, j, d] += psi * share * along
@@ -172,13 +189,15 @@ def _move_end(end, found, a, e, n, m, c, f, edges_at, alone, functional):
 def mortar_gradients(bound, count, linear, vertices):
     """Fill the gradients of the first `count` pieces and of the averaged normals; returns the number of the latter.
 
-    `bound` are the arrays of `ARRAYS`. -1 where the normals are not the averaged ones.
+    `bound` is the address of a `GradientTable`. -1 where the normals are not the averaged ones.
     """
-    (
-        segments, node_segments, edges, segment_edge, master_segments, master_edges, master_segment_edge, slave_at,
-        master_at, start, candidates, p_multiplier, p_master, p_normal, owner, separation, multiplier, node,
-        value, normal_of, normal_moved, dnormal,
-    ) = unpack(bound, ARRAYS)  # fmt: skip
+    table = unpack(bound, GradientTable)
+    segments, node_segments, edges, segment_edge = table.slave
+    master_segments, _, master_edges, master_segment_edge = table.master
+    slave_at, master_at, start, candidates = table.slave_at, table.master_at, table.start, table.candidates
+    p_multiplier, p_master, p_normal = table.multiplier, table.master_nodes, table.normal
+    owner, separation = table.owner, table.separation
+    multiplier, node, value, normal_of, normal_moved, dnormal = table.out
     outward, length = np.empty((slave_at.shape[0], 2)), np.empty(segments.shape[0])
     if not _averaged(slave_at, segments, node_segments, p_normal, outward, length):
         return -1
@@ -236,4 +255,4 @@ def mortar_gradients(bound, count, linear, vertices):
                             value[p, k, d, v, 0] += amount * functional[v, 0]
                             value[p, k, d, v, 1] += amount * functional[v, 1]
             p += 1
-    return _normal_slopes(slave_at, segments, node_segments, normal_of, normal_moved, dnormal)
+    return _normal_derivatives(slave_at, segments, node_segments, normal_of, normal_moved, dnormal)

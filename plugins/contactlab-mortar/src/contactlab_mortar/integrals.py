@@ -35,7 +35,7 @@ def hat(halves, xi, k):
 
 
 @point
-def hat_slope(halves, k):
+def hat_derivative(halves, k):
     """d(hat)/d(xi)."""
     slope = 1.0 if halves == 0 else (0.5 if halves == 1 else -0.5)
     return -slope if k == 0 else slope

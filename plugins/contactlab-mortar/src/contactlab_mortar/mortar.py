@@ -3,65 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 
 from contactlab.api import (
     Candidates,
     ContactAlgorithm,
+    ContactView,
     Floats,
     GapGradients,
     Ints,
+    PieceDerivatives,
     Pieces,
-    PieceSlopes,
     Surface,
-    SurfacePositions,
 )
 from contactlab.api.arrays import Flags
-from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache
+from contactlab.api.compiled.contact_tables import GradientsTable, PiecesTable, SurfaceTable
+from contactlab.api.compiled.late import late
 
 DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
 
-
-class _Bound:
-    """The arrays that pieces are made from and written to, bound for the kernel."""
-
-    def __init__(self, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates, out: Pieces) -> None:
-        from contactlab_mortar.segments import ARRAYS, mortar_pieces
-
-        self.of, self.kernel = (slave, master, at, near), mortar_pieces
-        self.arrays = BoundArrays(
-            ARRAYS, slave.segments, slave.node_segments, slave.edges, slave.segment_edge, master.segments, master.edges,
-            master.segment_edge, at.slave, at.master, near.start, near.master, out.slave, out.multiplier, out.master,
-            out.D, out.M, out.T, out.normal,
-        )  # fmt: skip
-        self.address = self.arrays.address
-
-    def holds(self, slave: Surface, master: Surface, at: SurfacePositions, near: Candidates) -> bool:
-        """Whether these are the very objects whose arrays are bound."""
-        of = self.of
-        return of[0] is slave and of[1] is master and of[2] is at and of[3] is near
-
-
-class _BoundGradients:
-    """The arrays that gradients are made from and written to, bound for the kernel."""
-
-    def __init__(self, *of: Any) -> None:
-        from contactlab_mortar.gradients import ARRAYS, mortar_gradients
-
-        slave, master, at, near, pieces, owner, separation, out = of
-        self.of, self.kernel = of, mortar_gradients
-        self.arrays = BoundArrays(
-            ARRAYS, slave.segments, slave.node_segments, slave.edges, slave.segment_edge, master.segments, master.edges,
-            master.segment_edge, at.slave, at.master, near.start, near.master, pieces.multiplier, pieces.master,
-            pieces.normal, owner, separation, out.multiplier, out.node, out.value, out.normal_of,
-            out.normal_moved, out.dnormal,
-        )  # fmt: skip
-
-    def holds(self, *of: Any) -> bool:
-        """Whether these are the very objects whose arrays are bound."""
-        return all(mine is other for mine, other in zip(self.of, of, strict=True))
+_BOUND, _GRADIENTS = BoundCache(), BoundCache()
 
 
 @dataclass(frozen=True)
@@ -97,63 +61,29 @@ class _Mortar(ContactAlgorithm):
         """One piece for each pair of near segments."""
         return len(near.master)
 
-    def pieces(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        reach: float,
-        memory: Floats,
-        out: Pieces,
-    ) -> int:
+    def pieces(self, view: ContactView, out: Pieces) -> int:
         """Segment-wise D, M and T on the common abscissa; normals point from master to slave."""
-        bound = out.bound
-        if bound is None or not bound.holds(slave, master, at, near):
-            out.bound = bound = _Bound(slave, master, at, near, out)
-        return int(bound.kernel(bound.address, reach, DEPTH, self.linear, self.multipliers == "vertices"))
+        address, vertices = _BOUND.of(out, _bound, view).address, self.multipliers == "vertices"
+        return int(late("contactlab_mortar.segments").mortar_pieces(address, view.reach, DEPTH, self.linear, vertices))
 
     def gradients(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        pieces: Pieces,
-        count: int,
-        owner: Ints,
-        separation: Floats,
-        out: GapGradients,
+        self, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats, out: GapGradients
     ) -> bool:
         """Six nodes of each piece: of its slave segment, of those beside it, and of its master segment."""
-        of = (slave, master, at, near, pieces, owner, separation, out)
-        bound = out.bound
-        if bound is None or not bound.holds(*of):
-            out.bound = bound = _BoundGradients(*of)
-        out.count, out.normal_count = (
-            count,
-            int(bound.kernel(bound.arrays.address, count, self.linear, self.multipliers == "vertices")),
-        )
+        address = _GRADIENTS.of(out, _bound_gradients, view, pieces, owner, separation).address
+        kernel, vertices = late("contactlab_mortar.gradients").mortar_gradients, self.multipliers == "vertices"
+        out.count, out.normal_count = count, int(kernel(address, count, self.linear, vertices))
         return out.normal_count >= 0
 
-    def slopes(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        memory: Floats,
-        pieces: Pieces,
-        count: int,
-        out: PieceSlopes,
-    ) -> bool:
+    def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
         """Derivatives of overlaps, integrals and normals."""
+        from contactlab_mortar.derivatives import mortar_derivatives
         from contactlab_mortar.segments import inward_normals
-        from contactlab_mortar.slopes import mortar_slopes
 
+        slave, master, at, near = view.slave, view.master, view.at, view.near
         averaged = np.empty_like(pieces.normal)
         inward_normals(at.slave, slave.segments, slave.node_segments, averaged)
-        out.count, out.normal_count = mortar_slopes(
+        out.count, out.normal_count = mortar_derivatives(
             (slave.segments, slave.node_segments, slave.edges, slave.segment_edge),
             (master.segments, master.edges, master.segment_edge),
             at.slave,
@@ -166,58 +96,58 @@ class _Mortar(ContactAlgorithm):
              out.normal_of, out.normal_moved, out.dnormal),
         )  # fmt: skip
         if not np.array_equal(averaged, pieces.normal):
-            self._turned_slopes(slave, at, pieces, count, averaged, out)
+            self._turned_derivatives(view, pieces, count, averaged, out)
         return True
 
-    def _turned_slopes(
-        self, slave: Surface, at: SurfacePositions, pieces: Pieces, count: int, averaged: Floats, out: PieceSlopes
+    def _turned_derivatives(
+        self, view: ContactView, pieces: Pieces, count: int, averaged: Floats, out: PieceDerivatives
     ) -> None:
         """Derivatives of the normals at vertices, in place of those of averaged ones."""
-        from contactlab_mortar.vertex_slopes import vertex_slopes
+        from contactlab_mortar.vertex_derivatives import vertex_derivatives
 
-        out.normal_count = vertex_slopes(
+        out.normal_count = vertex_derivatives(
             (count, pieces.multiplier, pieces.master, pieces.T),
             (out.count, out.multiplier, out.master, out.moved, out.dT),
-            (slave.segments, slave.node_segments),
-            at.slave,
-            at.master,
+            (view.slave.segments, view.slave.node_segments),
+            view.at.slave,
+            view.at.master,
             averaged,
             out.normal_count,
             (out.normal_of, out.normal_moved, out.dnormal),
         )
 
-    def normals(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        reach: float,
-        memory: Floats,
-        pieces: Pieces,
-        count: int,
-        out: Floats,
-    ) -> None:
+    def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         """Averaged slave normals, turned to point away from the master; with their own overlaps at vertices."""
-        from contactlab_mortar.segments import inward_normals
+        segments, vertices = late("contactlab_mortar.segments"), late("contactlab_mortar.vertices")
+        slave, at = view.slave, view.at
+        segments.inward_normals(at.slave, slave.segments, slave.node_segments, out)
+        arrays = pieces.multiplier, pieces.master, pieces.T
+        if vertices.turn_at_vertices(count, arrays, (slave.segments, slave.node_segments), at.slave, at.master, out):
+            super().normals(view, pieces, count, out)
 
-        inward_normals(at.slave, slave.segments, slave.node_segments, out)
-        if self._turn(slave, at, pieces, count, out):
-            super().normals(slave, master, at, near, reach, memory, pieces, count, out)
 
-    def _turn(self, slave: Surface, at: SurfacePositions, pieces: Pieces, count: int, normals: Floats) -> int:
-        """Normals at vertices of the slave become the master's; returns how many."""
-        from contactlab_mortar.vertices import turn_at_vertices
+def _bound(out: Pieces, view: ContactView) -> BoundArrays:
+    """The arrays that pieces are made from and written to."""
+    return BoundArrays(
+        late("contactlab_mortar.segments").MortarTable, _surface(view.slave), _surface(view.master), *view.at,
+        view.near.start, view.near.master,
+        PiecesTable(out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
+    )  # fmt: skip
 
-        turned = turn_at_vertices(
-            count,
-            (pieces.multiplier, pieces.master, pieces.T),
-            (slave.segments, slave.node_segments),
-            at.slave,
-            at.master,
-            normals,
-        )
-        return int(turned)
+
+def _bound_gradients(
+    out: GapGradients, view: ContactView, pieces: Pieces, owner: Ints, separation: Floats
+) -> BoundArrays:
+    """The arrays that gradients are made from and written to."""
+    return BoundArrays(
+        late("contactlab_mortar.gradients").GradientTable, _surface(view.slave), _surface(view.master), *view.at,
+        view.near.start, view.near.master, pieces.multiplier, pieces.master, pieces.normal, owner, separation,
+        GradientsTable(out.multiplier, out.node, out.value, out.normal_of, out.normal_moved, out.dnormal),
+    )  # fmt: skip
+
+
+def _surface(of: Surface) -> SurfaceTable:
+    return SurfaceTable(of.segments, of.node_segments, of.edges, of.segment_edge)
 
 
 @dataclass(frozen=True)

@@ -2,18 +2,33 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
+from contactlab.api.compiled.bound_arrays import Floats2, Ints1
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
+from contactlab.api.compiled.contact_tables import PiecesTable, SurfaceTable
 from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab_mortar.integrals import integrate, integrate_straight
 from contactlab_mortar.projection import master_parameter, opening, slave_parameter
 from contactlab_mortar.vertices import turn_at_vertices
 
-ARRAYS = "i2 i2 i2 i2 i2 i2 i2 d2 d2 i1 i1 i2 i2 i2 d3 d3 d3 d2"
 FACING = 0.25  # cosine by which normals must be opposed: flanks of a corner are no partners
 SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
+
+
+class MortarTable(NamedTuple):
+    """All that pieces are made from and written to; start and candidates are the near list."""
+
+    slave: SurfaceTable
+    master: SurfaceTable
+    slave_at: Floats2
+    master_at: Floats2
+    start: Ints1
+    candidates: Ints1
+    pieces: PiecesTable
 
 
 @point
@@ -110,15 +125,15 @@ def _begin(edges, edge, nodes, p, values):
 def mortar_pieces(bound, reach, depth, linear, vertices):
     """Fill the pieces; returns their number.
 
-    `bound` are the slave's segments, node_segments, edges and segment_edge, the master's segments, edges and
-    segment_edge, positions of both, near list (start, master segments), and the arrays of `Pieces`.
+    `bound` is the address of a `MortarTable`.
     A slave segment farther than `reach` [mm] or deeper than `depth` segments at all its overlaps is left out.
     `vertices`: multipliers of quadratic slave edges belong to their ends alone.
     """
-    (
-        segments, node_segments, edges, segment_edge, master_segments, master_edges, master_segment_edge, slave_at,
-        master_at, start, candidates, slave_nodes, multipliers, master_nodes, D, M, T, inward,
-    ) = unpack(bound, ARRAYS)  # fmt: skip
+    found = unpack(bound, MortarTable)
+    segments, node_segments, edges, segment_edge = found.slave
+    master_segments, _, master_edges, master_segment_edge = found.master
+    slave_at, master_at, start, candidates = found.slave_at, found.master_at, found.start, found.candidates
+    slave_nodes, multipliers, master_nodes, D, M, T, inward = found.pieces
     depth *= inward_normals(slave_at, segments, node_segments, inward)
     straight = edges.shape[1] == 2 and master_edges.shape[1] == 2
     vertices = vertices and edges.shape[1] == 3

@@ -10,6 +10,7 @@ import numpy as np
 from contactlab.api import (
     Candidates,
     ContactAlgorithm,
+    ContactView,
     Floats,
     GapGradients,
     Ints,
@@ -44,21 +45,13 @@ class NodeOnSegment(ContactAlgorithm):
         """Two conditions per slave node."""
         return 2 * len(slave.nodes)
 
-    def pieces(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        reach: float,
-        memory: Floats,
-        out: Pieces,
-    ) -> int:
+    def pieces(self, view: ContactView, out: Pieces) -> int:
         """The nearest segment of every slave node; `memory` keeps its number (plus one)."""
         from contactlab.api.compiled.chains import nodal_normals, segment_normals
         from contactlab_segments.pairing import pair_nodes
         from contactlab_segments.weights import node_lengths
 
+        slave, master, at, near = view.slave, view.master, view.at, view.near
         slave_normal, slave_length = np.empty((len(slave.segments), 2)), np.empty(len(slave.segments))
         segment_normals(at.slave, slave.segments, slave_normal, slave_length)
         outward = np.empty((len(slave.nodes), 2))
@@ -79,28 +72,19 @@ class NodeOnSegment(ContactAlgorithm):
             normal,
             length,
             (near.start, near.master),
-            reach,
+            view.reach,
             DEPTH * length.max(),
-            memory[0],
+            view.memory[0],
             (out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
         )
         return count
 
     def gradients(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        pieces: Pieces,
-        count: int,
-        owner: Ints,
-        separation: Floats,
-        out: GapGradients,
+        self, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats, out: GapGradients
     ) -> bool:
         """Normals of segments turn with them; weights that change move the foot along the master, across the normal."""
         out.count = out.normal_count = 0
-        along, share = _tangents(pieces, count, at)
+        along, share = _tangents(pieces, count, view.at)
         length = np.hypot(along[:, 0], along[:, 1])
         multiplier = pieces.multiplier[:count, 0]
         normal, apart = pieces.normal[multiplier], separation[multiplier]
@@ -116,27 +100,16 @@ class NodeOnSegment(ContactAlgorithm):
             return False
         # n = (t_y, -t_x) turns along t, by t x d(edge)/|edge|
         turn = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)[:, None, :] * share[:, :, None]
-        moved = 2 * (len(slave.nodes) + pieces.master[:count][usable])[:, :, None] + np.arange(2)
+        moved = 2 * (len(view.slave.nodes) + pieces.master[:count][usable])[:, :, None] + np.arange(2)
         out.normal_of[:end] = np.repeat(multiplier[usable], end // max(len(usable), 1))
         out.normal_moved[:end] = moved.ravel()
         out.dnormal[:end] = (turn[..., None] * tangent[:, None, None, :]).reshape(-1, 2)
         out.normal_count = end
         return True
 
-    def normals(
-        self,
-        slave: Surface,
-        master: Surface,
-        at: SurfacePositions,
-        near: Candidates,
-        reach: float,
-        memory: Floats,
-        pieces: Pieces,
-        count: int,
-        out: Floats,
-    ) -> None:
+    def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         """Normals of the same master segments at `at`."""
-        along, _ = _tangents(pieces, count, at)
+        along, _ = _tangents(pieces, count, view.at)
         length = np.hypot(along[:, 0], along[:, 1])
         usable = length > 0.0
         normal = np.stack([along[:, 1], -along[:, 0]], axis=1)[usable] / length[usable, None]

@@ -89,9 +89,14 @@ class BoundCache:
     def __init__(self) -> None:
         self._kept: WeakKeyDictionary[Any, tuple[tuple[Any, ...], BoundArrays]] = WeakKeyDictionary()
 
-    def of(self, owner: Any, sources: tuple[Any, ...], bind: Callable[[], BoundArrays]) -> BoundArrays:
-        """What `bind` gave for `owner`; asked again where one of the `sources` is another object than it was then."""
+    def of(self, owner: Any, bind: Callable[..., BoundArrays], *sources: Any) -> BoundArrays:
+        """What bind(owner, *sources) gave; asked again where one of the sources is another object than it was then."""
         found = self._kept.get(owner)
-        if found is None or any(one is not other for one, other in zip(found[0], sources, strict=True)):
-            found = self._kept[owner] = sources, bind()
+        if found is not None:
+            for one, other in zip(found[0], sources, strict=True):
+                if one is not other:
+                    break
+            else:
+                return found[1]
+        found = self._kept[owner] = sources, bind(owner, *sources)
         return found[1]

@@ -9,22 +9,20 @@ import numpy as np
 from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve, State
 from contactlab.kernels.contact.gap_gradients import allow_motion
 from contactlab.kernels.contact.warm_start import extrapolate
+from contactlab.model.contact.contact_pairs import conjugate_rows
 from contactlab.model.contact.explicit_system import ContactSystem
-from contactlab.model.contact.gap_pair import GapPair, Pair
-from contactlab.model.contact.gradients import PairGradients
-from contactlab.model.contact.initial_gap import EasedGaps
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.pair import ContactPair
 
 
 class ConjugateContactSystem(ContactSystem):
     """As `ContactSystem`, with rows that are the derivatives of the gaps where the step starts."""
 
-    def __init__(self, pairs: tuple[Pair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
+    def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         super().__init__(pairs, enforcement, state)
         self.factored = None
-        self.gradients = [PairGradients(pair) if isinstance(pair, SurfacePair) else None for pair in pairs]
+        self.gradients = [conjugate_rows(pair) for pair in pairs]
         # an overlap of the start that is pushed out puts energy in on purpose
-        self.strict = [not isinstance(pair, EasedGaps) for pair in pairs]
+        self.strict = [pair.easing is None for pair in pairs]
         self.velocity, self.last_dt = state["velocity"], state["last_dt"]
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
@@ -33,10 +31,7 @@ class ConjugateContactSystem(ContactSystem):
         extrapolate(self.multipliers[0], self.before)
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             pair.update(current, memory)
-            if isinstance(pair, GapPair):
-                pair.measure(current)
-            else:
-                pair.settle()
+            pair.evaluated = True
         margin, warm = self.margin, self.multipliers.copy()
         while True:
             self._assemble_from(margin, current, predicted)
@@ -53,15 +48,9 @@ class ConjugateContactSystem(ContactSystem):
         while True:
             rows = self.rows
             rows.count = entries = 0
-            for pair, gradients, memory, strict in zip(
-                self.pairs, self.gradients, self.memories, self.strict, strict=True
-            ):
+            for gradients, memory, strict in zip(self.gradients, self.memories, self.strict, strict=True):
                 first = rows.count
-                if isinstance(pair, GapPair):
-                    entries = pair.append_rows(rows, entries, margin, self.multipliers, current)
-                else:
-                    assert gradients is not None
-                    entries = gradients.append_rows(rows, entries, margin, self.multipliers, memory)
+                entries = gradients.append_rows(rows, entries, margin, self.multipliers, current, memory)
                 if entries < 0:
                     break
                 self._advance(rows, first, current, predicted, strict)

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import Candidates, Floats, Ints, Pieces, Surface
-from contactlab.api.slopes import PieceSlopes
+from contactlab.api import Floats, Ints, Pieces, Surface
+from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
 from contactlab.kernels.contact import derivatives as kernels
-from contactlab.model.contact.near_list import REACH
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.operator_pair import OperatorPair
 
 STEP = 1e-5  # segment lengths; central differences of smooth pieces then err by about 1e-10
 OWN_ENTRIES = 16  # room for derivatives that an algorithm gives, for each node and multiplier of a piece
@@ -17,10 +16,10 @@ OWN_NORMALS = 32  # room for derivatives of normals that follow from what a piec
 RING = 2  # further nodes on either side of a piece that averaged normals may bring in
 
 
-class PieceDerivatives:
+class DerivativesOfPieces:
     """The algorithm's own derivatives, or what follows from moving the nodes of one colour at a time."""
 
-    def __init__(self, pair: SurfacePair) -> None:
+    def __init__(self, pair: OperatorPair) -> None:
         self.pair = pair
         self.links = _links(pair.slave), _links(pair.master)
         self.high, self.low = self._spare(), self._spare()
@@ -31,18 +30,17 @@ class PieceDerivatives:
         pair = self.pair
         return Pieces.allocate(len(pair.pieces.slave), pair.algorithm.widths(pair.slave, pair.master), pair.slots)
 
-    def _room(self, entries: int, normals: int) -> PieceSlopes:
-        return PieceSlopes.allocate(entries, self.pair.algorithm.widths(self.pair.slave, self.pair.master), normals)
+    def _room(self, entries: int, normals: int) -> PieceDerivatives:
+        return PieceDerivatives.allocate(
+            entries, self.pair.algorithm.widths(self.pair.slave, self.pair.master), normals
+        )
 
-    def slopes(self, memory: Floats) -> PieceSlopes:
+    def of(self, memory: Floats) -> PieceDerivatives:
         """Derivatives of the pair's pieces at its present positions; the same object every call."""
         pair = self.pair
         widths = sum(pair.algorithm.widths(pair.slave, pair.master))
         self._make_room(OWN_ENTRIES * pair.count * widths, 20 * pair.slots + OWN_NORMALS * pair.count)
-        assert pair.near is not None
-        if pair.algorithm.slopes(
-            pair.slave, pair.master, pair.at, pair.near.candidates, memory, pair.pieces, pair.count, self.out
-        ):
+        if pair.algorithm.derivatives(pair.seen(memory), pair.pieces, pair.count, self.out):
             return self.out
         return self._differences(memory)
 
@@ -50,7 +48,7 @@ class PieceDerivatives:
         if entries > len(self.out.moved) or normals > len(self.out.normal_moved):
             self.out = self._room(entries + entries // 4, normals)
 
-    def _differences(self, memory: Floats) -> PieceSlopes:
+    def _differences(self, memory: Floats) -> PieceDerivatives:
         pair = self.pair
         if len(self.high.slave) < len(pair.pieces.slave):
             self.high, self.low = self._spare(), self._spare()
@@ -113,13 +111,9 @@ class PieceDerivatives:
 
     def _evaluate(self, slave_at: Floats, master_at: Floats, memory: Floats, out: Pieces) -> int:
         pair = self.pair
-        assert pair.near is not None
-        candidates: Candidates = pair.near.candidates
         out.normal[:] = pair.pieces.normal
-        return pair.algorithm.pieces(
-            pair.slave, pair.master, SurfacePositions(slave_at, master_at), candidates, REACH * pair.size,
-            memory.copy(), out,
-        )  # fmt: skip
+        view = pair.seen(memory)._replace(at=SurfacePositions(slave_at, master_at), memory=memory.copy())
+        return pair.algorithm.pieces(view, out)
 
 
 def _arrays(pieces: Pieces) -> tuple[Ints, Ints, Ints, Floats, Floats, Floats]:

@@ -10,8 +10,7 @@ from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solv
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.rows import tangential_work
 from contactlab.kernels.contact.warm_start import extrapolate
-from contactlab.model.contact.gap_pair import Pair
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.pair import ContactPair
 
 MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
 GROW = 1.5
@@ -20,9 +19,8 @@ GROW = 1.5
 class ContactSystem:
     """The pairs and the enforcement they share. Implements `contactlab.api.ContactEquations`."""
 
-    def __init__(self, pairs: tuple[Pair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
+    def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         self.pairs, self.enforcement, self.state = pairs, enforcement, state
-        self.surfaces = [pair for pair in pairs if isinstance(pair, SurfacePair)]
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)
         self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]
@@ -43,6 +41,7 @@ class ContactSystem:
             pair.follow(predicted, compliance, force, memory)
             if pair.friction is not None:
                 pair.begin(current, memory)
+            pair.evaluated = True
         self._solve_rows(current, compliance, force)
         self.seconds += perf_counter() - began
         return self.last
@@ -85,7 +84,7 @@ class ContactSystem:
         self.rows.count = 0
         while True:
             self.factored.count = 0
-            for pair in self.surfaces:
+            for pair in self.pairs:
                 if not pair.append_factored(self.factored):
                     break
             else:

@@ -3,31 +3,37 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from contactlab.api import Candidates, Floats, FrictionLaw, GapAlgorithm, GapConditions, Ints, Rows, Surface
+from contactlab.api import ContactView, Floats, FrictionLaw, GapAlgorithm, GapConditions, Rows, Surface
 from contactlab.api.compiled.chains import tributary_lengths
-from contactlab.api.surface import SurfacePositions
 from contactlab.errors import WrongAnswer
-from contactlab.kernels.contact import edges, rows
+from contactlab.kernels.contact import edges
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.warm_start import displaced
-from contactlab.model.contact.near_list import REACH, Near, longest_segment
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.pair import ContactPair
 
 
-class GapPair:
-    """A slave and a master surface under one `GapAlgorithm`; the same interface as `SurfacePair`.
+class _Made(NamedTuple):
+    """full (k,) [mm] tributary length of each multiplier's node; cover (k,) [mm] and normals (k, 2) of conditions;
+    at (N, 2) [mm] where they were made; pushed (N, 2) [mm] scratch."""
 
-    The multiplier of slave node i lives at `first_slot + i` of the state's multipliers.
+    full: Floats
+    cover: Floats
+    normals: Floats
+    at: Floats
+    pushed: Floats
+
+
+class GapPair(ContactPair):
+    """A slave and a master surface under one `GapAlgorithm`.
+
+    found     conditions of the last `update`
+    made      what belongs to them
+    of_slave  (N,) whether a node is the slave's
     """
-
-    rows_per_node = 1
-    factored = False  # conditions come finished
-    kept = 0
-    between = (np.zeros(0, np.int32),) * 3  # every slave node may have a condition
 
     def __init__(
         self,
@@ -39,78 +45,80 @@ class GapPair:
         first_slot: int,
         friction: FrictionLaw | None,
     ) -> None:
-        self.name, self.algorithm, self.slave, self.master = name, algorithm, slave, master
-        self.first_slot, self.friction = first_slot, friction
-        self.slots = m = len(slave.nodes)
-        self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
-        self.size = longest_segment(self.at, slave, master)
-        self.near: Near | None = None
-        self.full, self.cover = np.zeros(m), np.zeros(m)
-        self.gaps, self.normals = np.full((m, 2), FAR), np.zeros((m, 2))
-        self.updated: Floats = reference.copy()
-        self.pushed: Floats = reference.copy()
+        super().__init__(name, algorithm, slave, master, reference, first_slot, friction)
+        self.algorithm, k = algorithm, self.slots
+        self.made = _Made(np.zeros(k), np.zeros(k), np.zeros((k, 2)), reference.copy(), reference.copy())
         self.of_slave = np.zeros(len(reference), np.bool_)
         self.of_slave[slave.nodes] = True
         self.found: GapConditions | None = None
-        self.everywhere = False
-        if friction is not None:
-            bound = friction.bound()
-            self.bound = np.array(bound)
-            self.everywhere = bound.adhesion > 0.0 and not math.isfinite(bound.cap)
-            self.before = np.zeros((m, 2))
+
+    @property
+    def normals(self) -> Floats:
+        """Unit vectors (k, 2) that each condition pushes its slave with, of the last `update` that had one."""
+        return self.made.normals
+
+    @property
+    def cover(self) -> Floats:
+        """Length (k,) [mm] that each condition stands for, 0 where there is none."""
+        return self.made.cover
+
+    def calls_per_step(self) -> dict[str, int]:
+        """Conditions once, and at the start of the step once more with friction."""
+        return {"contact conditions": 1 + int(self.friction is not None)}
 
     # --- from positions to conditions -----------------------------------------------------------
 
     def update(self, positions: Floats, memory: Floats) -> None:
-        """Ask for the conditions at `positions` (N, 2); nothing is remembered between steps."""
-        del memory
+        """Ask for the conditions at `positions` (N, 2), and measure their gaps there."""
         edges.take(positions, self.slave.nodes, self.at.slave)
         edges.take(positions, self.master.nodes, self.at.master)
-        tributary_lengths(self.at.slave, self.slave.segments, self.slave.node_segments, self.full)
+        tributary_lengths(self.at.slave, self.slave.segments, self.slave.node_segments, self.made.full)
+        if self.near is None or not self.near.holds(self.at, self.size):
+            self.find_near(self.at.slave, self.at.master)
         first = self.found is None
-        found = self._conditions(self.at)
+        found = self._conditions(self.seen(memory))
         if first or _doubtful(found):
             refuse_wrong(found, self.slots, len(positions), self.friction is not None, type(self.algorithm).__name__)
         self.found = found
-        self.updated[:] = positions
-        self.kept = len(found.gap)
-        self.cover[:] = 0.0
-        self.cover[found.owner] = found.measure
-        self.normals[found.owner] = self._normals(found)
+        self.made.at[:] = positions
+        self.made.cover[:] = 0.0
+        self.made.cover[found.owner] = found.measure
+        self.made.normals[found.owner] = self._directions(found)
+        self.measure(positions)
 
     def follow(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
         """`update` at predicted + compliance * force, all (N, 2), and `measure` at `predicted`."""
-        displaced(predicted, compliance, force, self.pushed)
-        self.update(self.pushed, memory)
+        displaced(predicted, compliance, force, self.made.pushed)
+        self.update(self.made.pushed, memory)
         self.measure(predicted)
 
-    def _conditions(self, at: SurfacePositions) -> GapConditions:
-        near, tangent = self._candidates(), self.friction is not None
-        return self.algorithm.conditions(self.slave, self.master, at, near, REACH * self.size, tangent=tangent)
+    def _conditions(self, view: ContactView) -> GapConditions:
+        return self.algorithm.conditions(view, tangent=self.friction is not None)
 
     def measure(self, positions: Floats) -> None:
         """Gaps at `positions`, with the weights of the last `update`."""
-        assert self.found is not None
-        found = self.found
-        moved = positions[found.node] - self.updated[found.node]
-        self.gaps[:, 0] = FAR
-        self.gaps[found.owner, 0] = found.gap + _per_row(found, found.normal_weight, moved)
-        if self.friction is not None:
-            self.gaps[found.owner, 1] = _per_row(found, found.tangent_weight, positions[found.node])
-        self.settle()
+        self.gaps[:] = self.gaps_at(positions)
+        self._ease(self.gaps)
 
-    def settle(self) -> None:
-        """What is done to gaps that were just measured: nothing, but for pairs that take overlaps back."""
+    def gaps_at(self, positions: Floats) -> Floats:
+        """Gaps (k, 2) at `positions` with the weights of the last `update`, in an array of their own."""
+        assert self.found is not None
+        found, gaps = self.found, self.gaps.copy()
+        moved = positions[found.node] - self.made.at[found.node]
+        gaps[:, 0] = FAR
+        gaps[found.owner, 0] = found.gap + _per_row(found, found.normal_weight, moved)
+        if self.friction is not None:
+            gaps[found.owner, 1] = _per_row(found, found.tangent_weight, positions[found.node])
+        return gaps
 
     def begin(self, positions: Floats, memory: Floats) -> None:
         """Normals at `positions`, where the step starts (friction only); unchanged where there were none."""
-        del memory
-        sides = SurfacePositions(positions[self.slave.nodes], positions[self.master.nodes])
-        found = self._conditions(sides)
-        self.before[:] = self.normals
-        self.before[found.owner] = self._normals(found)
+        assert self.sliding is not None
+        found = self._conditions(self._start(positions, memory)._replace(memory=memory.copy()))
+        self.sliding.before[:] = self.made.normals
+        self.sliding.before[found.owner] = self._directions(found)
 
-    def _normals(self, found: GapConditions) -> Floats:
+    def _directions(self, found: GapConditions) -> Floats:
         """Unit vectors (k, 2): what each condition pushes its slave with."""
         if not len(found.gap):
             return np.zeros((0, 2))
@@ -118,21 +126,10 @@ class GapPair:
         total = np.add.reduceat(own, found.start[:-1], axis=0)
         return np.asarray(total / np.hypot(total[:, 0], total[:, 1])[:, None])
 
-    def _candidates(self) -> Candidates:
-        near = self.near
-        if near is None or not near.holds(self.at, self.size):
-            near = self.find_near(self.at.slave, self.at.master)
-        return near.candidates
-
-    def find_near(self, slave: Floats, master: Floats) -> Near:
-        """Make the near list anew, for these positions of the surfaces (m, 2)."""
-        self.near = Near.of(self.slave, self.master, slave, master, self.size)
-        return self.near
-
     # --- from conditions to rows ----------------------------------------------------------------
 
     def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats) -> int:
-        """Append rows with a gap below `margin` [mm] or a force; returns the next free entry, -1 out of room."""
+        """Append rows with a gap below `margin` [mm] or a force to `out`."""
         found, first = self.found, out.count
         assert found is not None
         near = self.gaps[found.owner, 0] < (FAR if self.everywhere else margin)
@@ -149,32 +146,18 @@ class GapPair:
         out.node[entries:end], out.normal_weight[entries:end] = found.node[taken], found.normal_weight[taken]
         owner = found.owner[chosen]
         out.gap[first:last], out.measure[first:last] = self.gaps[owner, 0], found.measure[chosen]
-        out.size[first:last], out.slot[first:last] = self.full[owner], self.first_slot + owner
-        self._append_slips(out, first, last, slice(entries, end), taken.astype(np.int32), current)
+        out.size[first:last], out.slot[first:last] = self.made.full[owner], self.first_slot + owner
+        if len(out.tangent_weight):
+            out.tangent_weight[entries:end] = found.tangent_weight[taken] if self.friction is not None else 0.0
+        self._append_slips(out, first, last, current)
         out.count = last
         return end
-
-    def _append_slips(self, out: Rows, first: int, last: int, own: slice, taken: Ints, current: Floats) -> None:
-        if not len(out.slip):
-            return
-        if self.friction is None:
-            out.bound[:, first:last], out.slip[first:last], out.tangent_weight[own] = 0.0, 0.0, 0.0
-            return
-        assert self.found is not None
-        out.bound[:, first:last] = self.bound[:, None]
-        out.tangent_weight[own] = self.found.tangent_weight[taken]
-        measured = self.gaps, self.normals, self.before
-        rows.write_slips(first, last, self.first_slot, measured, current, out.packed.address)
 
     # --- from multipliers to pressures ----------------------------------------------------------
 
     def tractions(self, forces: Floats) -> Floats:
         """Lambda (k,) [MPa] from nodal forces y (k,) [N]: force per length that the condition stands for."""
-        return np.divide(forces, self.cover, out=np.zeros_like(forces), where=self.cover > 0.0)
-
-
-Pair = SurfacePair | GapPair
-"""A pair at work, whichever way its algorithm is written."""
+        return np.divide(forces, self.made.cover, out=np.zeros_like(forces), where=self.made.cover > 0.0)
 
 
 def _per_row(found: GapConditions, weight: Floats, vectors: Floats) -> Floats:

@@ -7,8 +7,8 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.compiled.contact_tables import GradientsTable
 from contactlab.kernels.contact import gap_gradients as kernels
 from contactlab.kernels.contact.factored_rows import FAR
-from contactlab.model.contact.differences import PieceDerivatives
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.differences import DerivativesOfPieces
+from contactlab.model.contact.operator_pair import OperatorPair
 
 NORMALS = 6  # room for derivatives of normals, for each multiplier
 
@@ -16,9 +16,9 @@ NORMALS = 6  # room for derivatives of normals, for each multiplier
 class PairGradients:
     """The derivatives of one pair's pieces and normals, and the rows that follow."""
 
-    def __init__(self, pair: SurfacePair) -> None:
+    def __init__(self, pair: OperatorPair) -> None:
         self.pair = pair
-        self.slopes: PieceDerivatives | None = None
+        self.derivatives: DerivativesOfPieces | None = None
         self.own, self.general = self._room(0, pair.algorithm.gradient_nodes), self._room(0, 1)
         self._bind(self.own)
 
@@ -30,7 +30,9 @@ class PairGradients:
         self.bound_of = g
         self.bound = BoundArrays(GradientsTable, g.multiplier, g.node, g.value, g.normal_of, g.normal_moved, g.dnormal)
 
-    def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, memory: Floats) -> int:
+    def append_rows(
+        self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats, memory: Floats
+    ) -> int:
         """Append rows with a gap below `margin` [mm] or a force to `out`, gaps as they are now, no slips yet.
 
         Returns the next free entry, or -1 where `out` is too small.
@@ -41,35 +43,33 @@ class PairGradients:
         first, margin = out.count, FAR if pair.everywhere else min(margin, FAR)
         used = pair.count, found.count, found.normal_count
         count, end = kernels.write_rows(
-            pair.bound_arrays.address, self.bound.address, used, margin, multipliers, pair.first_slot,
+            pair.arrays.address, self.bound.address, used, margin, multipliers, pair.first_slot,
             (first, entries), out.packed.address,
         )  # fmt: skip
         if count < 0:
             return -1
         if len(out.slip):
-            out.bound[:, first:count] = 0.0 if pair.friction is None else pair.bound[:, None]
+            out.bound[:, first:count] = 0.0 if pair.sliding is None else pair.sliding.bound[:, None]
         out.count = count
         return int(end)
 
     def _gradients(self, memory: Floats) -> GapGradients:
-        """Those that the algorithm gives, or what its slopes lead to."""
+        """Those that the algorithm gives, or what its derivatives lead to."""
         pair = self.pair
-        assert pair.near is not None
         if not pair.algorithm.gradient_nodes:
-            return self._from_slopes(memory)
+            return self._from_derivatives(memory)
         if pair.count > len(self.own.node):
             self.own = self._room(len(pair.pieces.slave), pair.algorithm.gradient_nodes)
         given = pair.algorithm.gradients(
-            pair.slave, pair.master, pair.at, pair.near.candidates, pair.pieces, pair.count, pair.coupling.owner,
-            pair.separation, self.own,
-        )  # fmt: skip
-        return self.own if given else self._from_slopes(memory)
+            pair.seen(memory), pair.pieces, pair.count, pair.coupling.owner, pair.separation, self.own
+        )
+        return self.own if given else self._from_derivatives(memory)
 
-    def _from_slopes(self, memory: Floats) -> GapGradients:
+    def _from_derivatives(self, memory: Floats) -> GapGradients:
         pair = self.pair
-        if self.slopes is None:
-            self.slopes = PieceDerivatives(pair)
-        found = self.slopes.slopes(memory)
+        if self.derivatives is None:
+            self.derivatives = DerivativesOfPieces(pair)
+        found = self.derivatives.of(memory)
         if len(self.general.node) < len(found.moved) or self.general.normal_of is not found.normal_of:
             self.general = self._room(len(found.moved), 1)
             self.general.normal_of, self.general.normal_moved = found.normal_of, found.normal_moved

@@ -12,7 +12,7 @@ from contactlab.api import Conditions, ContactSlopes, Floats, ImplicitEnforcemen
 from contactlab.kernels.contact import rows
 from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.linearisation import PairLinearisation, PairSlopes
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.model.examination import examine_pair
 
 
@@ -20,7 +20,7 @@ class ImplicitContactSystem:
     """Implements `contactlab.api.ImplicitContact`."""
 
     def __init__(
-        self, pairs: tuple[SurfacePair, ...], enforcement: ImplicitEnforcement, state: State, time: Floats
+        self, pairs: tuple[OperatorPair, ...], enforcement: ImplicitEnforcement, state: State, time: Floats
     ) -> None:
         """`time` (1,) [s] is filled with that at which conditions hold: pairs that follow it look there."""
         self.pairs, self.enforcement, self.state, self.time = pairs, enforcement, state, time
@@ -36,7 +36,7 @@ class ImplicitContactSystem:
         self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
 
-    def _memory(self, pair: SurfacePair) -> Floats:
+    def _memory(self, pair: OperatorPair) -> Floats:
         name = f"memory.{pair.name}"
         return self.state[name] if name in self.state else np.zeros((0, len(pair.slave.nodes)))
 
@@ -46,12 +46,14 @@ class ImplicitContactSystem:
         self.time[0] = time
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             memory[:] = self._memory(pair)
+            pair.evaluated = False
         self.conditions.anchor[:] = self.conditions.force
 
     def accept(self) -> None:
         """What the last evaluation remembers becomes part of the state."""
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             self._memory(pair)[:] = memory
+            pair.evaluated = True
         self._write_rows()
 
     def _write_rows(self) -> None:
@@ -135,12 +137,12 @@ def _stacked(parts: list[Any] | None) -> Any:
     return None if parts is None else vstack(parts, format="csr")
 
 
-def _conditions(pairs: tuple[SurfacePair, ...], multipliers: Floats, friction: bool) -> Conditions:
+def _conditions(pairs: tuple[OperatorPair, ...], multipliers: Floats, friction: bool) -> Conditions:
     k = multipliers.shape[1]
     bound = np.zeros((3, k if friction else 0))
     for pair in pairs:
-        if pair.friction is not None:
-            bound[:, pair.first_slot : pair.first_slot + pair.slots] = pair.bound[:, None]
+        if pair.sliding is not None:
+            bound[:, pair.first_slot : pair.first_slot + pair.slots] = pair.sliding.bound[:, None]
     return Conditions(
         present=np.zeros(k, np.bool_),
         gap=np.zeros(k),

@@ -15,6 +15,8 @@ from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.meshing.mesh import inverted_cells
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_overlap, overlap_error
+from contactlab.model.contact.overlap_easing import OverlapEasing
+from contactlab.model.contact.pair import ContactPair
 from contactlab.model.loading.ramps import smooth
 
 if TYPE_CHECKING:
@@ -68,11 +70,9 @@ def _adjust(plan: Any, positions: Floats) -> None:
     )
 
 
-def initial_gaps(pair: Any, positions: Floats) -> Floats:
+def initial_gaps(pair: ContactPair, positions: Floats) -> Floats:
     """Gaps (k,) [mm] as the algorithm measures them at `positions`; `FAR` where it sets no condition."""
-    memory = np.zeros((getattr(pair.algorithm, "memory_size", 0), len(pair.slave.nodes)))
-    pair.update(positions, memory)
-    pair.measure(positions)
+    pair.update(positions, np.zeros((pair.method.memory_size, len(pair.slave.nodes))))
     return np.asarray(pair.gaps[:, 0].copy())
 
 
@@ -110,20 +110,9 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
             raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
 
 
-class EasedGaps:
-    """Mixed into a pair: overlaps of the start count as zero, and come to count in full during a ramp."""
-
-    offset: Floats = np.zeros(0)
-
-    def ease(self, time: Floats, duration: float, positions: Floats) -> None:
-        """Take the present overlaps as zero; the first of `time` tells at which time [s] gaps are measured."""
-        self.offset = np.minimum(initial_gaps(self, positions), 0.0)
-        self.time, self.ramp = time, smooth(duration)
-
-    def settle(self) -> None:
-        """Gaps less what is left of the overlaps of the start."""
-        if len(self.offset):
-            self.gaps[:, 0] -= (1.0 - self.ramp(float(self.time[0]))) * self.offset  # type: ignore[attr-defined]
+def easing(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> OverlapEasing:
+    """Overlaps at `positions` eased in over `duration` [s]; the first of `time` tells when gaps are measured [s]."""
+    return OverlapEasing(initial_gaps(pair, positions), time, smooth(duration))
 
 
 def check_ramp_steps(plans: tuple[Any, ...], ramp_time: float, step: float) -> None:

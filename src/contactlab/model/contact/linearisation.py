@@ -16,11 +16,11 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import Floats, Ints
-from contactlab.api.slopes import PieceSlopes
+from contactlab.api.derivatives import PieceDerivatives
 from contactlab.kernels.contact import banded_rows, derivatives
 from contactlab.kernels.contact.tables import BandedRows
-from contactlab.model.contact.differences import PieceDerivatives
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.differences import DerivativesOfPieces
+from contactlab.model.contact.operator_pair import OperatorPair
 
 CUT = 1e-13  # a weight below it moves a gap by less than round-off: linear problems end after one iteration
 
@@ -44,9 +44,9 @@ class PairSlopes:
 class PairLinearisation:
     """Gaps and slips of one pair at trial positions, and their slopes there."""
 
-    def __init__(self, pair: SurfacePair, nodes: int) -> None:
+    def __init__(self, pair: OperatorPair, nodes: int) -> None:
         self.pair, self.size = pair, 2 * nodes
-        self.derivatives = PieceDerivatives(pair)
+        self.derivatives = DerivativesOfPieces(pair)
         k = pair.slots
         self.inverse = BandedRows.allocate(k, 16)
         self.slip = np.zeros(k if pair.friction is not None else 0)
@@ -56,17 +56,17 @@ class PairLinearisation:
         """Gaps of the pair, and slips since the positions `start` (N, 2) of the last accepted step."""
         pair = self.pair
         pair.update(position, memory)
-        pair.measure(position)
-        if pair.friction is None:
+        sliding = pair.sliding
+        if sliding is None:
             return
         pair.begin(start, memory)
         # summed as the pair's own gaps are, so that a surface that has not moved has not slipped, to the last bit
-        pair.separations(pair.began, pair.before, self.start_separation, self.start_gaps)
+        pair.separations(sliding.began, sliding.before, self.start_separation, self.start_gaps)
         np.subtract(pair.gaps[:, 1], self.start_gaps[:, 1], out=self.slip)
 
     def slopes(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairSlopes:
         """Slopes of the `chosen` multipliers (c,) where all have forces y (k,) [N]."""
-        pair, pieces = self.pair, self.derivatives.slopes(memory)
+        pair, pieces = self.pair, self.derivatives.of(memory)
         normal, tangent = pair.pieces.normal, turned(pair.pieces.normal)
         traction = self._tractions(y_n, y_t)
         inverse = self._inverse_transposed(chosen)
@@ -83,8 +83,10 @@ class PairLinearisation:
         # tau . r = nu . (r turned by +90 degrees)
         slip = self._along(chosen, tangent, inverse, weights, dweight)
         slip = slip - self._rows(chosen, turned(pair.separation)) @ dnormal
-        began = self._gap_slopes(pieces, wanted, pair.began.slave, pair.began.master, self.start_separation)
-        slip = slip - self._spread(chosen, turned(pair.before), inverse) @ began
+        assert pair.sliding is not None
+        start = pair.sliding.began
+        began = self._gap_slopes(pieces, wanted, start.slave, start.master, self.start_separation)
+        slip = slip - self._spread(chosen, turned(pair.sliding.before), inverse) @ began
         return PairSlopes(self._rows(chosen, normal) @ weights, self._rows(chosen, tangent) @ weights, gap, slip, force)
 
     # --- the pair's own operators -----------------------------------------------------------------
@@ -139,14 +141,14 @@ class PairLinearisation:
         numbers = np.concatenate([self.pair.slave.nodes, self.pair.master.nodes])
         return 2 * numbers[moved // 2] + moved % 2
 
-    def _turned_normals(self, pieces: PieceSlopes, values: Floats) -> Any:
+    def _turned_normals(self, pieces: PieceDerivatives, values: Floats) -> Any:
         """(2k, 2N) of vectors (z, 2) that belong to the derivatives of normals."""
         count = pieces.normal_count
         columns = np.repeat(self._columns(pieces.normal_moved[:count]), 2)
         return self._matrix(_both(pieces.normal_of[:count]), columns, values.ravel(), 2 * self.pair.slots)
 
     def _gap_slopes(
-        self, pieces: PieceSlopes, wanted: Floats, slave_at: Floats, master_at: Floats, separation: Floats
+        self, pieces: PieceDerivatives, wanted: Floats, slave_at: Floats, master_at: Floats, separation: Floats
     ) -> Any:
         pair, out = self.pair, _triplets(2 * pieces.count * pieces.multiplier.shape[1])
         nodes = pair.slave.nodes, pair.master.nodes
@@ -157,7 +159,7 @@ class PairLinearisation:
         return self._matrix(*_first(out, count), 2 * pair.slots)
 
     def _force_slope(
-        self, pieces: PieceSlopes, wanted: Floats, traction: Floats, weights: Any, y_n: Floats, y_t: Floats | None
+        self, pieces: PieceDerivatives, wanted: Floats, traction: Floats, weights: Any, y_n: Floats, y_t: Floats | None
     ) -> Any:
         pair, k = self.pair, pieces.multiplier.shape[1]
         direct = _triplets(2 * pieces.count * (pieces.slave.shape[1] + pieces.master.shape[1]))
@@ -204,5 +206,5 @@ def _both(numbers: Ints) -> Ints:
     return both
 
 
-def _arrays(pieces: PieceSlopes) -> tuple[Ints, Ints, Ints, Ints, Floats, Floats, Floats]:
+def _arrays(pieces: PieceDerivatives) -> tuple[Ints, Ints, Ints, Ints, Floats, Floats, Floats]:
     return pieces.slave, pieces.multiplier, pieces.master, pieces.moved, pieces.dD, pieces.dM, pieces.dT

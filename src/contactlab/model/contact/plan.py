@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import (
-    ContactAlgorithm,
+    ContactMethod,
     Enforcement,
     ExplicitEnforcement,
     Floats,
@@ -25,10 +25,10 @@ from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_facing, refuse_held_slave
+from contactlab.model.contact.contact_pairs import contact_pair
 from contactlab.model.contact.explicit_system import ContactSystem
-from contactlab.model.contact.gap_pair import GapPair, Pair
-from contactlab.model.contact.initial_gap import EasedGaps, refuse_overlap
-from contactlab.model.contact.operator_pair import SurfacePair
+from contactlab.model.contact.initial_gap import easing, refuse_overlap
+from contactlab.model.contact.pair import ContactPair
 from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class ContactPlan:
 
     name: str
     label: str
-    algorithm: ContactAlgorithm | GapAlgorithm
+    algorithm: ContactMethod
     slave: Surface
     master: Surface
     friction: FrictionLaw | None
@@ -58,39 +58,14 @@ class ContactPlan:
     where: Where
 
     @property
-    def rows_per_node(self) -> int:
-        """Conditions that a slave node can carry at once."""
-        return self.algorithm.rows_per_node if isinstance(self.algorithm, ContactAlgorithm) else 1
-
-    @property
-    def memory_size(self) -> int:
-        """Numbers that the algorithm remembers for each slave node."""
-        return self.algorithm.memory_size if isinstance(self.algorithm, ContactAlgorithm) else 0
-
-    @property
     def slots(self) -> int:
         """Number of multipliers that the contact can have."""
-        return self.rows_per_node * len(self.slave.nodes)
+        return self.algorithm.rows_per_node * len(self.slave.nodes)
 
-    def pair(self, positions: Floats, first_slot: int, immobile: Flags) -> Pair:
+    def pair(self, positions: Floats, first_slot: int, immobile: Flags) -> ContactPair:
         """The pair at work. `immobile` (N,) marks nodes that cannot move."""
-        eased = self.start.overlap == "ramp"
-        if isinstance(self.algorithm, GapAlgorithm):
-            return (_EasedGapPair if eased else GapPair)(
-                self.name, self.algorithm, self.slave, self.master, positions, first_slot, self.friction
-            )
-        return (_EasedSurfacePair if eased else SurfacePair)(
-            self.name, self.algorithm, self.slave, self.master, positions, first_slot, self.friction,
-            immobile[self.slave.nodes],
-        )  # fmt: skip
-
-
-class _EasedSurfacePair(EasedGaps, SurfacePair):
-    pass
-
-
-class _EasedGapPair(EasedGaps, GapPair):
-    pass
+        sides, fixed = (self.slave, self.master), immobile[self.slave.nodes]
+        return contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed)
 
 
 def plan_contacts(
@@ -177,8 +152,8 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
     shapes: dict[str, tuple[int, ...]] = {"multipliers": (rows, sum(plan.slots for plan in plans))}
     shapes |= {"multipliers_before": shapes["multipliers"][1:], "contact_force": (nodes, 2)}
     for plan in plans:
-        if plan.memory_size:
-            shapes[f"memory.{plan.name}"] = (plan.memory_size, len(plan.slave.nodes))
+        if plan.algorithm.memory_size:
+            shapes[f"memory.{plan.name}"] = (plan.algorithm.memory_size, len(plan.slave.nodes))
     return shapes
 
 
@@ -205,8 +180,8 @@ def build_contact(
     for plan in plans:
         refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
         pair = plan.pair(reference, first, immobile)
-        if isinstance(pair, EasedGaps):
-            pair.ease(time, plan.start.duration or ramp_time, reference)
+        if plan.start.overlap == "ramp":
+            pair.easing = easing(pair, time, plan.start.duration or ramp_time, reference)
         refuse_overlap(plan, pair, bodies, reference)
         pairs.append(pair)
         first += plan.slots
@@ -218,7 +193,7 @@ def build_contact(
     return ImplicitContactSystem(linearised, enforcement, state, time)
 
 
-def _explicit_system(pairs: tuple[Pair, ...], enforcement: ExplicitEnforcement, state: State) -> ContactSystem:
+def _explicit_system(pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> ContactSystem:
     if not enforcement.conjugate:
         return ContactSystem(pairs, enforcement, state)
     from contactlab.model.contact.conjugate_system import ConjugateContactSystem

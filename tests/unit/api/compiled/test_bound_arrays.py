@@ -81,17 +81,17 @@ class Owner:
     """Something whose arrays are bound."""
 
 
-def test_a_cache_binds_once_for_an_owner_and_its_sources_and_forgets_the_owner() -> None:
+def test_a_cache_binds_once_for_an_owner_and_its_source_and_forgets_the_owner() -> None:
     cache, owner, made = BoundCache(), Owner(), []
-    sources = (np.zeros(1), "b")
+    source = np.zeros(1)
 
-    def bind() -> BoundArrays:
-        made.append(BoundArrays("d1", sources[0]))
+    def bind(_: Owner, source: np.ndarray) -> BoundArrays:
+        made.append(BoundArrays("d1", source))
         return made[-1]
 
-    first = cache.of(owner, sources, bind)
-    assert cache.of(owner, sources, bind) is first
-    assert cache.of(owner, (np.zeros(1), "b"), bind) is made[1] is not first
+    first = cache.of(owner, bind, source)
+    assert cache.of(owner, bind, source) is first
+    assert cache.of(owner, bind, np.zeros(1)) is made[1] is not first
     bound = weakref.ref(made.pop())
     made.clear()
     del owner, first

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from contactlab.api import GapAlgorithm, GapConditions
+from contactlab.api import ContactView, GapAlgorithm, GapConditions
 from contactlab.api.plugin import Part, hookimpl
 from contactlab.errors import PartError
 from contactlab.model.build import build
@@ -26,11 +26,12 @@ class Finished(GapAlgorithm):
 
     passes_patch_test: ClassVar[bool] = True
 
-    def conditions(self, slave, master, at, near, reach, *, tangent):  # type: ignore[no-untyped-def]
+    def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
         from contactlab_mortar.mortar import MortarP1
 
         from contactlab.testing.surfaces import Chains
 
+        slave, master, at = view.slave, view.master, view.at
         nodes = np.zeros((1 + max(slave.nodes.max(), master.nodes.max()), 2))
         nodes[slave.nodes], nodes[master.nodes] = at.slave, at.master
         return conditions(MortarP1(), Chains(nodes, slave, master), tangent=tangent)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from contactlab.api.arrays import Floats, Ints
 
 
 @dataclass
-class PieceSlopes:
+class PieceDerivatives:
     """Room for the derivatives of D, M, T and the normals by positions of surface nodes.
 
     One entry for each piece and each coordinate that it depends on; entries that are all zero may be
@@ -41,7 +40,7 @@ class PieceSlopes:
     normal_count: int = 0
 
     @classmethod
-    def allocate(cls, capacity: int, widths: tuple[int, int, int], normal_capacity: int) -> PieceSlopes:
+    def allocate(cls, capacity: int, widths: tuple[int, int, int], normal_capacity: int) -> PieceDerivatives:
         """Room for `capacity` entries of pieces with `widths` (s, k, r)."""
         s, k, r = widths
         return cls(
@@ -58,7 +57,7 @@ class PieceSlopes:
         )
 
 
-@dataclass
+@dataclass(eq=False)
 class GapGradients:
     """Room for the derivatives of the weighted separations D^T x - M^T y - T^T r of the pieces.
 
@@ -69,8 +68,7 @@ class GapGradients:
     multiplier  (capacity, k) int32, those of the piece
     node        (capacity, v) int32 nodes that its weights depend on
     value       (capacity, k, 2, v, 2) [mm]  d(component of the separation times length)/d(coordinate of the node)
-    normal_of, normal_moved, dnormal  as in `PieceSlopes`
-    bound       room for what an algorithm keeps about these arrays; None at first
+    normal_of, normal_moved, dnormal  as in `PieceDerivatives`
     """
 
     multiplier: Ints
@@ -81,7 +79,6 @@ class GapGradients:
     dnormal: Floats
     count: int = 0
     normal_count: int = 0
-    bound: Any = None
 
     @classmethod
     def allocate(cls, capacity: int, multipliers: int, nodes: int, normal_capacity: int) -> GapGradients:

@@ -13,7 +13,7 @@ from contactlab_mortar.vertices import LEAN, TURN, _ramp, facing_sums, slave_tur
 
 
 @point
-def _ramp_slope(value, low, high):
+def _ramp_derivative(value, low, high):
     t = (value - low) / (high - low)
     return 6.0 * t * (1.0 - t) / (high - low) if 0.0 < t < 1.0 else 0.0
 
@@ -36,8 +36,8 @@ def _state(k, a, sums, turn, out):
     ux, uy = a[k, 0] + share * (fx - a[k, 0]), a[k, 1] + share * (fy - a[k, 1])
     length = np.sqrt(ux * ux + uy * uy)
     out[0] = share
-    out[1] = bend * _ramp_slope(abs(cross), LEAN[0], LEAN[1]) * np.copysign(1.0, cross)
-    out[2] = lean * _ramp_slope(turn, TURN[0], TURN[1])
+    out[1] = bend * _ramp_derivative(abs(cross), LEAN[0], LEAN[1]) * np.copysign(1.0, cross)
+    out[2] = lean * _ramp_derivative(turn, TURN[0], TURN[1])
     out[3], out[4], out[5] = fx, fy, size
     out[6], out[7], out[8] = ux / length, uy / length, 1.0 / length
     return True
@@ -74,10 +74,11 @@ def _master_normal(nodes, p, master_at, out):
 
 
 @kernel
-def vertex_slopes(pieces, entries, slave, slave_at, master_at, averaged, given, normals):
+def vertex_derivatives(pieces, entries, slave, slave_at, master_at, averaged, given, normals):
     """Mend and add to the `given` derivatives of averaged normals (m, 2); returns the number of entries.
 
-    pieces = (count, multipliers, master nodes, T), entries = (count, multiplier, master, moved, dT) of `mortar_slopes`
+    pieces = (count, multipliers, master nodes, T)
+    entries = (count, multiplier, master, moved, dT) of `mortar_derivatives`
     slave = (segments, node_segments), normals = (normal_of, normal_moved, dnormal)
     """
     count, multiplier, master_nodes, T = pieces
@@ -123,12 +124,12 @@ def vertex_slopes(pieces, entries, slave, slave_at, master_at, averaged, given, 
                     at += 1
     for k in range(m):
         if turned[k] and state[k, 2] != 0.0:
-            at = _turn_slopes(at, k, state, averaged, slave_at, segments, node_segments, normals)
+            at = _turn_derivatives(at, k, state, averaged, slave_at, segments, node_segments, normals)
     return at
 
 
 @kernel
-def _turn_slopes(at, k, state, averaged, slave_at, segments, node_segments, normals):
+def _turn_derivatives(at, k, state, averaged, slave_at, segments, node_segments, normals):
     """Entries of the turn at node k, an inner one, by its own place and those of its neighbours."""
     normal_of, normal_moved, dnormal = normals
     before, after = segments[node_segments[k, 0], 0], segments[node_segments[k, 1], 1]

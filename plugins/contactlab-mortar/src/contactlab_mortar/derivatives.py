@@ -9,12 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.compiled.kernel import kernel, point, section
-from contactlab_mortar.integrals import _POINTS, _WEIGHTS, constant_basis, hat, hat_slope, trace
+from contactlab_mortar.integrals import _POINTS, _WEIGHTS, constant_basis, hat, hat_derivative, trace
 from contactlab_mortar.segments import _begin, carriers, overlap
 
 
 @point
-def trace_slope(nodes, half, xi, i):
+def trace_derivative(nodes, half, xi, i):
     """d(trace)/d(xi)."""
     if nodes == 2:
         return -1.0 if i == 0 else 1.0
@@ -47,7 +47,7 @@ def _turned_unit(edge, change, out):
 
 
 @kernel
-def _limit_slope(xi, eta, fixed, a, e, n, m, c, f, da, de, dn, dm, dc, df, out):
+def _limit_derivatives(xi, eta, fixed, a, e, n, m, c, f, da, de, dn, dm, dc, df, out):
     """Derivatives (2,) of xi and eta at one end of an overlap.
 
     fixed  the end is one of the slave segment, xi does not change; otherwise eta is an end of the master
@@ -66,7 +66,7 @@ def _limit_slope(xi, eta, fixed, a, e, n, m, c, f, da, de, dn, dm, dc, df, out):
 
 
 @section
-def integrate_slopes(found, low, high, length, dlength, slave_half, master_half, halves, linear, at, dD, dM, dT):
+def integrate_derivatives(found, low, high, length, dlength, slave_half, master_half, halves, linear, at, dD, dM, dT):
     """Add the derivatives of an overlap's integrals to entry `at`; low, high = derivatives of (xi, eta) at its ends."""
     slave_nodes, master_nodes = dD.shape[1], dM.shape[1]
     points = max(slave_nodes, master_nodes) - (0 if linear else 1)
@@ -91,23 +91,23 @@ def integrate_slopes(found, low, high, length, dlength, slave_half, master_half,
             dweight = _WEIGHTS[g] * ((dend - dbegin) * length + (end - begin) * dlength)
             for k in range(2):
                 if linear:
-                    basis, dbasis = hat(halves, xi, k), hat_slope(halves, k) * dxi
+                    basis, dbasis = hat(halves, xi, k), hat_derivative(halves, k) * dxi
                 else:
                     # the middle of a part tells on which side of the break it lies
                     basis, dbasis = constant_basis(halves, 0.5 * (begin + end), k), 0.0
                 psi, dpsi = weight * basis, dweight * basis + weight * dbasis
                 for i in range(slave_nodes):
                     dD[at, i, k] += dpsi * trace(slave_nodes, slave_half, xi, i)
-                    dD[at, i, k] += psi * trace_slope(slave_nodes, slave_half, xi, i) * dxi
+                    dD[at, i, k] += psi * trace_derivative(slave_nodes, slave_half, xi, i) * dxi
                 for i in range(master_nodes):
                     dM[at, i, k] += dpsi * trace(master_nodes, master_half, eta, i)
-                    dM[at, i, k] += psi * trace_slope(master_nodes, master_half, eta, i) * deta
+                    dM[at, i, k] += psi * trace_derivative(master_nodes, master_half, eta, i) * deta
                 for i in range(2):
-                    dT[at, i, k] += dpsi * hat(halves, xi, i) + psi * hat_slope(halves, i) * dxi
+                    dT[at, i, k] += dpsi * hat(halves, xi, i) + psi * hat_derivative(halves, i) * dxi
 
 
 @kernel
-def mortar_slopes(slave, master, slave_at, master_at, near, linear, vertices, pieces, out):
+def mortar_derivatives(slave, master, slave_at, master_at, near, linear, vertices, pieces, out):
     """Derivatives of all pieces and normals; returns the numbers of entries of both.
 
     slave, master, near as in `mortar_pieces`; pieces = (count, multipliers, master nodes, inward normals)
@@ -172,9 +172,9 @@ def mortar_slopes(slave, master, slave_at, master_at, near, linear, vertices, pi
                     for x in range(2):
                         dm[x] = dn_end[x] - dn[x]
                         de[x], df[x] = moves[2, x] - moves[1, x], moves[5, x] - moves[4, x]
-                    _limit_slope(found[0], found[2], found[0] == 0.0, a, e, n, m, c, f, moves[1], de, dn, dm,
+                    _limit_derivatives(found[0], found[2], found[0] == 0.0, a, e, n, m, c, f, moves[1], de, dn, dm,
                                 moves[4], df, low)  # fmt: skip
-                    _limit_slope(found[1], found[3], found[1] == 1.0, a, e, n, m, c, f, moves[1], de, dn, dm,
+                    _limit_derivatives(found[1], found[3], found[1] == 1.0, a, e, n, m, c, f, moves[1], de, dn, dm,
                                 moves[4], df, high)  # fmt: skip
                     _begin(edges, segment_edge[s, 0], o_slave, at, dD)
                     _begin(master_edges, master_segment_edge[seg, 0], o_master, at, dM)
@@ -183,16 +183,16 @@ def mortar_slopes(slave, master, slave_at, master_at, near, linear, vertices, pi
                     for k in range(2):
                         dT[at, 0, k], dT[at, 1, k] = 0.0, 0.0
                     dlength = (e[0] * de[0] + e[1] * de[1]) / length
-                    integrate_slopes(found, low, high, length, dlength, segment_edge[s, 1],
+                    integrate_derivatives(found, low, high, length, dlength, segment_edge[s, 1],
                                      master_segment_edge[seg, 1], segment_edge[s, 1] + 1 if vertices else 0, linear,
                                      at, dD, dM, dT)  # fmt: skip
                     at += 1
             p += 1
-    return at, _normal_slopes(slave_at, segments, node_segments, normal_of, normal_moved, dnormal)
+    return at, _normal_derivatives(slave_at, segments, node_segments, normal_of, normal_moved, dnormal)
 
 
 @section
-def _normal_slopes(slave_at, segments, node_segments, normal_of, normal_moved, dnormal):
+def _normal_derivatives(slave_at, segments, node_segments, normal_of, normal_moved, dnormal):
     """Derivatives of the inward normals by the ends of the edges that meet at each node."""
     edge, change, out, at = np.empty(2), np.empty(2), np.empty(2), 0
     for k in range(slave_at.shape[0]):

@@ -1,0 +1,44 @@
+"""The pair for an algorithm: the one place that tells the kinds of algorithms and of pairs apart."""
+
+from __future__ import annotations
+
+from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Rows, Surface
+from contactlab.api.arrays import Flags
+from contactlab.model.contact.gap_pair import GapPair
+from contactlab.model.contact.gradients import PairGradients
+from contactlab.model.contact.operator_pair import OperatorPair
+from contactlab.model.contact.pair import ContactPair
+
+
+def contact_pair(
+    name: str,
+    algorithm: ContactMethod,
+    sides: tuple[Surface, Surface],
+    reference: Floats,
+    first_slot: int,
+    friction: FrictionLaw | None,
+    fixed: Flags,
+) -> ContactPair:
+    """A pair of slave and master at work; `fixed` (m,) marks slave nodes that cannot move."""
+    if isinstance(algorithm, GapAlgorithm):
+        return GapPair(name, algorithm, *sides, reference, first_slot, friction)
+    assert isinstance(algorithm, ContactAlgorithm)
+    return OperatorPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
+
+
+class FinishedRows:
+    """Rows of a pair whose conditions come finished: their weights are the derivatives of its gaps already."""
+
+    def __init__(self, pair: ContactPair) -> None:
+        self.pair = pair
+
+    def append_rows(
+        self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats, memory: Floats
+    ) -> int:
+        """As `ContactPair.append_rows`."""
+        return self.pair.append_rows(out, entries, margin, multipliers, current)
+
+
+def conjugate_rows(pair: ContactPair) -> PairGradients | FinishedRows:
+    """What appends the rows of a pair whose forces are conjugate to its gaps."""
+    return PairGradients(pair) if isinstance(pair, OperatorPair) else FinishedRows(pair)

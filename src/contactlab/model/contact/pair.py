@@ -1,0 +1,250 @@
+"""What every contact pair at work does: from positions to gap conditions, and back to pressures."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from contactlab.api import (
+    ContactMethod,
+    ContactView,
+    FactoredRows,
+    Floats,
+    FrictionBound,
+    FrictionLaw,
+    Ints,
+    Rows,
+    State,
+    Surface,
+)
+from contactlab.api.surface import SurfacePositions
+from contactlab.kernels.contact import edges, rows
+from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.model.contact.near_list import REACH, Near, longest_segment
+from contactlab.model.contact.overlap_easing import OverlapEasing
+
+
+@dataclass(frozen=True)
+class ContactSnapshot:
+    """One pair at an accepted step, k multipliers on m slave nodes; the arrays are its own.
+
+    at           deformed positions of both surfaces [mm]
+    gaps         (k,) [mm] `FAR` where there is no condition
+    normals      (k, 2) unit vectors from the master towards the slave
+    cover        (k,) [mm] length that each multiplier stands for
+    forces       (2, k) [N] normal and tangential multipliers y; tangential ones are zero without friction
+    tractions    (2, k) [MPa] Lambda = T^-1 y
+    """
+
+    at: SurfacePositions
+    gaps: Floats
+    normals: Floats
+    cover: Floats
+    forces: Floats
+    tractions: Floats
+
+
+class Sliding:
+    """What friction adds to a pair of k multipliers: the bound of the law, and the start of the step.
+
+    bound       (3,) coefficient [-], adhesion [MPa], cap [-]
+    everywhere  the bound holds in the air, too: every multiplier in reach needs a row
+    before      (k, 2) normals at the start of the step
+    began       positions of both surfaces there [mm]
+    """
+
+    def __init__(self, law: FrictionBound, multipliers: int, at: SurfacePositions) -> None:
+        self.bound = np.array(law)
+        self.everywhere = law.adhesion > 0.0 and not math.isfinite(law.cap)
+        self.before = np.zeros((multipliers, 2))
+        self.began = SurfacePositions(at.slave.copy(), at.master.copy())
+        self._views: tuple[ContactView, ContactView] | None = None
+
+    def view(self, now: ContactView) -> ContactView:
+        """What the algorithm saw at the start of the step, where it sees `now`."""
+        if self._views is None or self._views[0] is not now:
+            self._views = now, now._replace(at=self.began)
+        return self._views[1]
+
+
+class ContactPair(ABC):
+    """A slave and a master surface under one contact algorithm.
+
+    Multiplier k = slot * m + i of the pair lives at `first_slot + k` of the state's multipliers.
+
+    method     the algorithm
+    size       [mm] longest segment of both sides
+    at         positions of the nodes of both sides, where conditions are made
+    gaps       (k, 2) [mm] normal gaps and tangential separations, where they were last measured
+    easing     how overlaps of the start come to count; None where they count at once
+    sliding    what friction needs; None without
+    evaluated  whether the conditions are those of the last accepted step
+    """
+
+    factored: ClassVar[bool] = False
+    """Whether conditions can be given as `FactoredRows`."""
+
+    def __init__(
+        self,
+        name: str,
+        algorithm: ContactMethod,
+        slave: Surface,
+        master: Surface,
+        reference: Floats,
+        first_slot: int,
+        friction: FrictionLaw | None,
+    ) -> None:
+        self.name, self.slave, self.master = name, slave, master
+        self.first_slot, self.friction = first_slot, friction
+        self.method, self.slots = algorithm, algorithm.rows_per_node * len(slave.nodes)
+        self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
+        self.size = longest_segment(self.at, slave, master)
+        self.near: Near | None = None
+        self.gaps = np.full((self.slots, 2), FAR)
+        self.easing: OverlapEasing | None = None
+        self.sliding = Sliding(friction.bound(), self.slots, self.at) if friction is not None else None
+        self.evaluated = False
+        self._view: ContactView | None = None
+
+    @property
+    def rows_per_node(self) -> int:
+        """Multipliers that a slave node can carry."""
+        return self.slots // len(self.slave.nodes)
+
+    @property
+    def everywhere(self) -> bool:
+        """Whether friction holds in the air, too, so that every multiplier in reach needs a row."""
+        return self.sliding is not None and self.sliding.everywhere
+
+    @property
+    @abstractmethod
+    def normals(self) -> Floats:
+        """Unit vectors (k, 2) of all multipliers, from the master towards the slave, of the last `update`."""
+
+    @property
+    @abstractmethod
+    def cover(self) -> Floats:
+        """Length (k,) [mm] that each multiplier stands for, of the last `update`."""
+
+    @property
+    def between(self) -> tuple[Ints, Ints, Ints]:
+        """Slave nodes that carry no multiplier, and the carriers that follow and precede each."""
+        none = np.zeros(0, np.int32)
+        return none, none, none
+
+    @abstractmethod
+    def calls_per_step(self) -> dict[str, int]:
+        """How often a step, or an iteration, calls the algorithm, by what it is asked for."""
+
+    # --- from positions to conditions -----------------------------------------------------------
+
+    @abstractmethod
+    def update(self, positions: Floats, memory: Floats) -> None:
+        """Search and make the conditions at `positions` (N, 2), and measure their gaps there."""
+
+    @abstractmethod
+    def follow(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
+        """`update` at predicted + compliance * force, all (N, 2), and `measure` at `predicted`."""
+
+    @abstractmethod
+    def measure(self, positions: Floats) -> None:
+        """Gaps at `positions` (N, 2), with the conditions of the last `update`."""
+
+    @abstractmethod
+    def gaps_at(self, positions: Floats) -> Floats:
+        """Gaps (k, 2) as `measure` finds them, in an array of their own, overlaps of the start not eased."""
+
+    @abstractmethod
+    def begin(self, positions: Floats, memory: Floats) -> None:
+        """Normals of the present conditions at `positions`, where the step starts (friction only)."""
+
+    def find_near(self, slave: Floats, master: Floats) -> Near:
+        """Make the near list anew, for these positions of the surfaces (m, 2)."""
+        self.near, self._view = Near.of(self.slave, self.master, slave, master, self.size), None
+        return self.near
+
+    def restore(self, slave: Floats, master: Floats) -> None:
+        """Go on with the near list that was made at these positions (m, 2); conditions are not those of a step."""
+        self.find_near(slave, master)
+        self.evaluated = False
+
+    def seen(self, memory: Floats) -> ContactView:
+        """What the algorithm sees at the present positions; the same object as long as its parts are the same."""
+        view = self._view
+        if view is None or view.memory is not memory:
+            assert self.near is not None
+            near = self.near.candidates
+            self._view = view = ContactView(self.slave, self.master, self.at, near, REACH * self.size, memory)
+        return view
+
+    def _start(self, positions: Floats, memory: Floats) -> ContactView:
+        """What the algorithm sees at the start of the step, with friction."""
+        assert self.sliding is not None
+        began = self.sliding.began
+        edges.take(positions, self.slave.nodes, began.slave)
+        edges.take(positions, self.master.nodes, began.master)
+        return self.sliding.view(self.seen(memory))
+
+    def _ease(self, gaps: Floats) -> None:
+        if self.easing is not None:
+            self.easing.relax(gaps)
+
+    # --- from conditions to rows ----------------------------------------------------------------
+
+    def append_factored(self, out: FactoredRows) -> bool:
+        """Append all conditions to `out`; False where it is too small. Only where the kind is `factored`."""
+        raise NotImplementedError(f"{type(self).__name__} gives no factored rows")
+
+    @abstractmethod
+    def append_rows(self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats) -> int:
+        """Append rows with a gap below `margin` [mm] or a force to `out`.
+
+        Returns the next free entry, or -1 where `out` is too small. `current` (N, 2) are the
+        positions at the start of the step, used with friction.
+        """
+
+    def _append_slips(self, out: Rows, first: int, last: int, current: Floats) -> None:
+        """Friction bounds and slips of the rows first ... last - 1, which have their tangent weights."""
+        if self.sliding is not None:
+            out.bound[:, first:last] = self.sliding.bound[:, None]
+            measured = self.gaps, self.normals, self.sliding.before
+            rows.write_slips(first, last, self.first_slot, measured, current, out.packed.address)
+        elif len(out.slip):
+            out.bound[:, first:last] = 0.0
+            out.slip[first:last] = 0.0
+
+    # --- from multipliers to pressures ----------------------------------------------------------
+
+    @abstractmethod
+    def tractions(self, forces: Floats) -> Floats:
+        """Lambda (k,) [MPa] from nodal forces y (k,) [N]."""
+
+    def snapshot(self, state: State, position: Floats) -> ContactSnapshot:
+        """The pair at the accepted step that ends at `position` (N, 2), with the multipliers of the state.
+
+        Conditions are those that the step was made with; nothing is changed. Only where no step has been accepted,
+        at the start of a run, after a restart or a step that failed, they are made at `position`.
+        """
+        if not self.evaluated:
+            memory = np.zeros((self.method.memory_size, len(self.slave.nodes)))
+            if self.method.memory_size:
+                memory[:] = state[f"memory.{self.name}"]
+            self.update(position, memory)
+            self.evaluated = True
+        gaps = self.gaps_at(position)
+        self._ease(gaps)
+        forces = np.zeros((2, self.slots))
+        known = state["multipliers"][:, self.first_slot : self.first_slot + self.slots]
+        forces[: len(known) if self.friction is not None else 1] = known if self.friction is not None else known[0]
+        return ContactSnapshot(
+            at=SurfacePositions(position[self.slave.nodes], position[self.master.nodes]),
+            gaps=gaps[:, 0],
+            normals=self.normals.copy(),
+            cover=self.cover.copy(),
+            forces=forces,
+            tractions=np.stack([self.tractions(force) for force in forces]),
+        )
