@@ -17,6 +17,7 @@ from contactlab.api import (
     Rows,
     Surface,
 )
+from contactlab.errors import WrongAnswer
 from contactlab.meshing.mesh import surface_from_edges
 from contactlab.model.contact.contact_pairs import contact_pair
 from contactlab.model.contact.explicit_system import allocate_rows
@@ -110,7 +111,10 @@ def pair_of(algorithm: ContactMethod, at: Chains, friction: bool = False) -> tup
     memory = np.zeros((algorithm.memory_size, len(at.slave.nodes)))
     free, law = np.zeros(len(at.slave.nodes), np.bool_), _Rough() if friction else None
     pair = contact_pair("contact", algorithm, (at.slave, at.master), at.nodes, 0, law, free)
-    pair.update(at.nodes, memory)
+    try:
+        pair.update(at.nodes, memory)
+    except WrongAnswer as wrong:
+        raise AssertionError(str(wrong)) from None
     return pair, memory
 
 
