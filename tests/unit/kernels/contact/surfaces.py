@@ -30,7 +30,7 @@ def coupled(surface: Surface, multiplier: Ints, T: Floats, full: float = 1.0, fi
     """The coupling that kernels make of these contributions."""
     held = np.zeros(len(surface.nodes), np.bool_)
     held[list(fixed)] = True
-    found = Coupling(surface, 1, held)
+    found = Coupling(surface, 1, np.ones(len(surface.nodes), np.bool_), held)
     found.full[:] = full
     coupling.couple(len(multiplier), multiplier, T, found.table)
     return found

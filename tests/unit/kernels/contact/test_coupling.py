@@ -69,7 +69,7 @@ def test_a_merge_gives_the_neighbour_row_column_and_cover() -> None:
 def test_a_closed_chain_that_is_covered_all_around_is_told() -> None:
     surface = chain(6, closed=True)
     multiplier, T = contributions(surface, np.ones(6))
-    found = Coupling(surface, 1, np.zeros(6, np.bool_))
+    found = Coupling(surface, 1, np.ones(6, np.bool_), np.zeros(6, np.bool_))
     found.full[:] = 1.0
     assert couple(6, multiplier, T, found.table) == -1
     assert couple(5, multiplier, T, found.table) == 6
