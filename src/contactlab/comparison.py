@@ -10,6 +10,7 @@ from typing import Any
 from contactlab.parts.registry import Registry
 from contactlab.reports.page import write_report
 from contactlab.reports.progress import progress_bars
+from contactlab.run.folders import full_disk_told
 from contactlab.scene.scene import Scene
 from contactlab.studies.plan import Vary
 from contactlab.studies.runner import run_study
@@ -49,7 +50,8 @@ def compare(
     bars = partial(progress_bars, show=progress)
     table = run_study(scene_or_study, vary, out, jobs, registry, bars, changes, effects, resume, time_limit)
     if table.folder is not None:
-        write_report(table, table.folder)
+        with full_disk_told(table.folder, "the report"):
+            write_report(table, table.folder)
     if table.interrupted:
         raise KeyboardInterrupt
     return table

@@ -18,6 +18,7 @@ from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import Model
 from contactlab.model.pace import find_pace
+from contactlab.model.sizes import check_sizes
 from contactlab.parts.error_origin import part_errors
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def build(scene: Scene, registry: Registry) -> Model:
 
 
 def _built(scene: Scene, registry: Registry) -> Model:
+    check_sizes(scene)
     integrator = registry.make("integrator", scene.integrator, scene.where("integrator"))
     model_class = _model_class(integrator)
     bodies = build_bodies(scene, registry)

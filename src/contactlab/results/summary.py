@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import resource
-import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from time import perf_counter, process_time
@@ -16,6 +14,7 @@ from contactlab.api.compiled.kernel import COMPILATION
 from contactlab.api.frame import Layout
 from contactlab.model.held_arrays import held_arrays
 from contactlab.model.model import Model
+from contactlab.results.peak_memory import peak_memory_mib
 from contactlab.results.sample import Sample
 
 if TYPE_CHECKING:
@@ -176,7 +175,6 @@ def _balance(sample: Sample) -> dict[str, float]:
 
 def _cost(model: Model, clock: Clock) -> dict[str, Any]:
     contact = model.contact.seconds if model.contact is not None else 0.0
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     wall = clock.run_wall_s
     cost = {
         "import_s": clock.import_s,
@@ -191,10 +189,12 @@ def _cost(model: Model, clock: Clock) -> dict[str, Any]:
             "rest": max(0.0, wall - model.seconds - contact - clock.recording_s),
         },
     }
-    unit = 1024.0 if sys.platform != "darwin" else 1048576.0
     if clock.arrays_mib is None:
         clock.arrays_mib = sum(array.bytes for array in held_arrays(model)) / 2.0**20
-    return _sum(cost, clock.before) | {"peak_memory_mib": peak / unit, "arrays_mib": clock.arrays_mib}
+    return _sum(cost, clock.before) | {
+        "peak_memory_mib": max(peak_memory_mib(), clock.before.get("peak_memory_mib", 0.0)),
+        "arrays_mib": clock.arrays_mib,
+    }
 
 
 def _sum(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, Any]:

@@ -8,9 +8,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from contactlab.errors import RequestError
+from contactlab.errors import RequestError, SimulationFailure
 
 RUNS = Path("runs")
+LONGEST_NAME = 80  # characters of a scene's name that name its folder
 RESULT_FILES = (
     "scene.toml",
     "summary.json",
@@ -29,6 +30,8 @@ def results_folder(out: Path | str | None, name: str, resume: bool = False) -> I
     It is taken away again if it is still empty after an error. Raises RequestError where `out` has
     results (unless they are to be resumed) or cannot be a folder.
     """
+    if out is not None and not str(out).strip():
+        raise RequestError("no folder is named", where="--out", got=str(out), allowed="the name of a folder")
     if out is None and resume:
         found = sorted(RUNS.glob(f"{_plain(name)}-[0-9]*"))
         hint = f"--out {found[-1]}" if found else "leave --resume away"
@@ -61,12 +64,15 @@ def fresh_folder(name: str) -> Path:
 
 
 def _plain(name: str) -> str:
-    return re.sub(r"[^\w.+-]+", "-", name).strip("-.") or "scene"
+    return re.sub(r"[^\w.+-]+", "-", name)[:LONGEST_NAME].strip("-.") or "scene"
 
 
 def claimed_folder(folder: Path) -> Path:
     """`folder`, made if need be. Raises RequestError where it holds results."""
-    found = [name for name in RESULT_FILES if (folder / name).exists()]
+    try:
+        found = [name for name in RESULT_FILES if (folder / name).exists()]
+    except OSError as error:
+        raise _unusable(folder, error) from error
     if found:
         raise RequestError(
             "the folder holds results already",
@@ -97,6 +103,20 @@ def run_folder(out: Path | str | None, resume: bool) -> Path | None:
             hint="leave record.recorders away, or name vtkhdf there",
         )
     return made_folder(folder)
+
+
+@contextmanager
+def full_disk_told(folder: Path, what: str) -> Iterator[None]:
+    """Turn a disk that takes no more into a failure in one sentence; runs that are stored stay."""
+    try:
+        yield
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise SimulationFailure(
+            "failed",
+            f"{what} cannot be written to {folder}: {reason}; the runs that were stored are kept, and the same "
+            "command with --resume writes the rest when there is room",
+        ) from error
 
 
 def made_folder(folder: Path) -> Path:

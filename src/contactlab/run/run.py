@@ -219,6 +219,8 @@ def begin_run(
     recorders = recorders_of(scene, registry) if folder is not None else {}
     used = _with_recorders(scene, recorders)
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
+    # there is never a frame without a step: room for more would be taken for nothing
+    layout = replace(layout, frames=min(layout.frames, run.schedule.estimated_steps()))
     every_step = frozenset(name for name, recorder in recorders.items() if recorder.every_step)
     if folder is None:
         run.journal = Journal(model, layout, {}, every_step)

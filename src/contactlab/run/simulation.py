@@ -13,6 +13,7 @@ from contactlab.api import Watch
 from contactlab.errors import ContactlabError, NotFiniteError, RequestError, SimulationFailure, WrongAnswer, one_line
 from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault, part_errors
+from contactlab.results.peak_memory import begin_peak
 from contactlab.results.results import Results
 from contactlab.run.culprit import wrong_answer
 from contactlab.run.folders import run_folder
@@ -64,6 +65,7 @@ def simulate(
     if resume and not watch and folder is not None and (over := finished_results(folder, scene)) is not None:
         return over
     began = perf_counter()
+    begin_peak()
     model = build(scene, registry)
     with part_errors(registry):
         watching = Watching(model, watch) if watch else None

@@ -127,7 +127,11 @@ def find_scene(name_or_path: str | Path, registry: Registry) -> tuple[Path, str]
     if isinstance(name_or_path, str) and name_or_path in bundled:
         return bundled[name_or_path], f"bundled scene {name_or_path}"
     path = Path(name_or_path)
-    if path.exists():
+    try:
+        there = path.exists()
+    except (OSError, ValueError):  # no name that a file could have
+        there = False
+    if there:
         return path, str(name_or_path)
     raise SceneError(
         "there is no such scene",

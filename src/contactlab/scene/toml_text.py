@@ -20,7 +20,11 @@ _DELIMITERS = ('"""', "'''")
 def read_toml(path: Path, shown: str) -> tuple[dict[str, Any], dict[str, int]]:
     """Data of a TOML file and the line of each key. Raises SceneError; `shown` names the file in it."""
     if path.is_dir():
-        raise SceneError("this is a folder", where=shown, allowed="a TOML file")
+        raise SceneError("this is a folder", where=shown, got=str(path), allowed="a TOML file")
+    if path.exists() and not path.is_file():
+        raise SceneError(
+            "this is no file: a device or a pipe may never end", where=shown, got=str(path), allowed="a TOML file"
+        )
     try:
         content = path.read_bytes()
     except OSError as error:

@@ -13,7 +13,7 @@ from typing import Any
 
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
-from contactlab.run.folders import claimed_folder, made_folder
+from contactlab.run.folders import claimed_folder, full_disk_told, made_folder
 from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies import run_job
@@ -73,7 +73,8 @@ def run_study(
         interrupted=interrupted,
     )
     if folder is not None:
-        _write(table, plan, outcomes, folder)
+        with full_disk_told(folder, "the table of the comparison"):
+            _write(table, plan, outcomes, folder)
     return table
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from contactlab.api import Floats, Ints
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import edge_set
+from contactlab.model.sizes import check_rigid_size
 
 if TYPE_CHECKING:
     from contactlab.scene.keys import Arc, Rigid
@@ -53,6 +54,8 @@ def build_rigid(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, .
         longest = max((_longest(edges, bodies) for edges in facing), default=math.inf)
         segment = spec.segment if spec.segment is not None else longest
         width = facing[0].shape[1] if facing else 2
+        where = scene.where(f"rigid.{name}" + (".segment" if spec.segment is not None else ""))
+        check_rigid_size(_length(spec) / segment, where, segment)
         points, closed = _chain(spec, segment, width - 1)
         surfaces.append(RigidSurface(name, points, first, _edges(first, len(points), closed, width)))
         first += len(points)
@@ -75,6 +78,13 @@ def _longest(edges: Ints, bodies: tuple[Body, ...]) -> float:
     nodes = np.concatenate([body.mesh.nodes for body in bodies])
     chord = nodes[edges[:, 1]] - nodes[edges[:, 0]]
     return float(np.hypot(chord[:, 0], chord[:, 1]).max() / (edges.shape[1] - 1))
+
+
+def _length(spec: Rigid) -> float:
+    """Length of a rigid surface [mm]."""
+    if spec.arc is not None:
+        return float(abs(np.subtract(*np.radians(spec.arc.angles))) * spec.arc.radius)
+    return float(np.hypot(*np.diff(np.array(spec.line), axis=0).T).sum())
 
 
 def _chain(spec: Rigid, segment: float, multiple: int) -> tuple[Floats, bool]:
