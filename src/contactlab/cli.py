@@ -99,6 +99,27 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
     command.add_argument("--jobs", type=_positive, metavar="N", help="runs at a time (default: one per core)")
 
 
+def _describe_matrix(command: argparse.ArgumentParser) -> None:
+    command.add_argument("cases", nargs="*", metavar="CASE", help="names of cases (default: all; contactlab parts)")
+    command.add_argument(
+        "--contact", action="append", default=[], dest="contacts", metavar="NAME",
+        help="put this algorithm to them (default: all)",
+    )  # fmt: skip
+    command.add_argument(
+        "--full", action="store_true", help="all variants of each case, either slave, all its elements and integrators"
+    )
+    command.add_argument("--against", metavar="FILE", help="an earlier matrix.csv: exit status 1 where a cell is worse")
+    _add_files(command)
+    _add_out(command)
+    command.add_argument("--resume", action="store_true", help="go on with the matrix in DIR; what is done stays")
+    command.add_argument("--jobs", type=_positive, metavar="N", help="cells at a time (default: one per core)")
+
+
+def _describe_archive(command: argparse.ArgumentParser) -> None:
+    command.add_argument("action", choices=("list", "merge", "export"), help="merge A B: all of B comes into A")
+    command.add_argument("paths", nargs="*", metavar="ARCHIVE", help="archive.sqlite or its folder (default: here)")
+
+
 def _describe_view(command: argparse.ArgumentParser) -> None:
     command.add_argument("path", metavar="DIR-or-RRD", help="folder of a run or a comparison, or a recording")
     command.add_argument("--png", metavar="FILE", help="write a picture instead; needs no display")
@@ -174,6 +195,16 @@ _COMMANDS: dict[str, tuple[_Describe, str, str]] = {
         _describe_compare,
         "run every combination, accuracy against cost",
         "contactlab.commands.compare:compare",
+    ),
+    "matrix": (
+        _describe_matrix,
+        "put cases with known answers to contact algorithms: a verdict with a reason for each",
+        "contactlab.commands.matrix:matrix",
+    ),
+    "archive": (
+        _describe_archive,
+        "list, merge or export what was run for a matrix",
+        "contactlab.commands.archive:archive",
     ),
     "view": (
         _describe_view,

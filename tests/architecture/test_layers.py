@@ -29,6 +29,7 @@ LAYERS = (
     ("run",),
     ("explain", "studies"),
     ("cases",),
+    ("matrix",),
     ("reports",),
     ("comparison",),
     ("testing", "commands", "cli"),

@@ -20,6 +20,8 @@ RESULT_FILES = (
     "timeline.rrd",
     "table.json",
     "table.csv",
+    "matrix.csv",
+    "archive.sqlite",
 )
 
 

@@ -94,3 +94,26 @@ class Overlap(Watch):
         lower, upper = (np.interp(x, *side[np.argsort(side[:, 0])].T) for side in sides)
         area = float(np.maximum(lower - upper, 0.0).sum() * (x[1] - x[0]))
         memory["largest"][0] = max(memory["largest"][0], area)
+
+
+@dataclass(frozen=True)
+class Tip(Watch):
+    """Displacement along x of the first slave node, with the energy of all bodies."""
+
+    most: int = 20000
+
+    def begin(self, view: StepView) -> Memory:
+        """No row."""
+        return {"count": np.zeros(1), "rows": np.zeros((self.most, 3))}
+
+    def step(self, view: StepView, memory: Memory) -> None:
+        """One row."""
+        count = int(memory["count"][0])
+        energy = view.kinetic_energy() + view.stored_energy()
+        memory["rows"][count] = view.time, view.field("displacement")[view.slave()[0], 0], energy
+        memory["count"][0] = count + 1
+
+    def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
+        """Columns by name."""
+        rows = memory["rows"][: int(memory["count"][0])].T
+        return {**dict(zip(("time", "tip", "energy"), rows, strict=True)), "left out": np.zeros(1)}

@@ -11,6 +11,7 @@ WATCHES = (
     ("leapfrog-energy", "series:LeapfrogEnergy", "the energy that leapfrog keeps, and the force along a bar"),
     ("contact-changes", "dynamics:ContactChanges", "conditions that open or close in every step"),
     ("slips", "dynamics:Slips", "largest slip that a condition adds up to"),
+    ("tip", "dynamics:Tip", "displacement of the first slave node"),
     ("overlap-area", "dynamics:Overlap", "largest area between two surfaces"),
 )
 CASES = (
@@ -27,6 +28,11 @@ CASES = (
     ("pulled-block", "pulled_block:PulledBlock", "block that only friction holds", ""),
     ("tresca-block", "tresca_block:TrescaBlock", "block with Tresca friction", "Baillet & Sassi 2005"),
     ("ironing", "ironing:Ironing", "shallow ironing", "Fischer & Wriggers 2006"),
+    ("disc-on-block", "disc_on_block:DiscOnBlock", "disc pressed deep into a block", "Baillet & Sassi 2005"),
+    ("taylor-bar", "taylor_bar:TaylorBar", "copper bar against a wall", "Taylor 1948"),
+    ("wall-impact", "wall_impact:WallImpact", "bar against a wall, implicit", "Timoshenko & Goodier"),
+    ("two-beams", "two_beams:TwoBeams", "two beams, one clamped", "Code_Aster SDNL111"),
+    ("resting-block", "resting_block:RestingBlock", "block that comes to rest in large steps", ""),
     ("bouncing-bar", "bouncing_bar:BouncingBar", "bouncing bar", "Doyen, Ern & Piperno 2011"),
     ("two-bars", "two_bars:TwoBars", "two bars that exchange their momentum", "de Saint-Venant 1867"),
     ("block-on-incline", "block_on_incline:BlockOnIncline", "block on an incline", "Coulomb"),

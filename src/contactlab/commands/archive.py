@@ -1,0 +1,66 @@
+"""`contactlab archive`: what was run before, here and elsewhere."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from contactlab.commands.common import add_row, console, table
+from contactlab.errors import RequestError
+from contactlab.matrix.archive import CHOICES, FILE, Archive
+from contactlab.matrix.files import finite
+from contactlab.matrix.keys import machine
+
+
+def archive(options: argparse.Namespace) -> int:
+    """List, merge or export."""
+    return {"list": _list, "merge": _merge, "export": _export}[options.action](options.paths)
+
+
+def _opened(words: list[str], most: int) -> list[Path]:
+    if len(words) > most:
+        raise RequestError(
+            "too many archives", where="contactlab archive", got=" ".join(words), allowed=f"at most {most}"
+        )
+    found = [Path(word) / FILE if Path(word).is_dir() else Path(word) for word in words or ["."]]
+    for path in found:
+        if not path.is_file():
+            raise RequestError("there is no archive", where=str(path), allowed="archive.sqlite or a folder with one")
+    return found
+
+
+def _list(words: list[str]) -> int:
+    (path,) = _opened(words, 1)
+    shown = table(*CHOICES, "verdict", "CPU s", "made", "machine")
+    with Archive(path, write=False) as kept:
+        for cell in kept.cells():
+            where = "here" if cell["machine"] == machine() else cell["machine"]
+            add_row(shown, *(cell[n] for n in CHOICES), cell["verdict"], f"{cell['cpu_s']:.2f}", cell["made"], where)
+        runs = sum(1 for _ in kept.runs())
+    console().print(shown)
+    console().print(f"{shown.row_count} cells, {runs} runs", highlight=False)
+    return 0
+
+
+def _merge(words: list[str]) -> int:
+    """Everything of the second comes into the first."""
+    if len(words) != 2:
+        raise RequestError("two archives are merged", where="contactlab archive merge", got=len(words), allowed="A B")
+    into, other = _opened(words, 2)
+    with Archive(into) as kept:
+        came = kept.take(other)
+    told = ", ".join(f"{count} {name}" for name, count in came.items())
+    console().print(f"from {other} into {into}: {told}", markup=False, highlight=False, soft_wrap=True)
+    return 0
+
+
+def _export(words: list[str]) -> int:
+    """All cells and runs, without their records, as JSON on standard output."""
+    (path,) = _opened(words, 1)
+    with Archive(path, write=False) as kept:
+        data = finite({"format": 1, "cells": list(kept.cells()), "runs": list(kept.runs())})
+    json.dump(data, sys.stdout, indent=1)
+    sys.stdout.write("\n")
+    return 0

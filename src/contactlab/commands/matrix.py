@@ -1,0 +1,99 @@
+"""`contactlab matrix`: cases with known answers against contact algorithms."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from contactlab.cases.verdict import WORST
+from contactlab.commands.common import add_row, console, registry_with, table
+from contactlab.matrix.cell import CellResult
+from contactlab.matrix.files import against, verdicts, write
+from contactlab.matrix.page import write_page
+from contactlab.matrix.plan import Cell, Request, plan
+from contactlab.matrix.run import Matrix, run_matrix
+from contactlab.run.folders import results_folder
+from contactlab.studies.resume import sigterm_as_ctrl_c
+from contactlab.studies.system import usable_cores
+
+INTERRUPTED = 130
+SHORT = {"not-applicable": "-", "not-judged": "not judged", "ill-posed": "ill-posed"}
+
+
+def matrix(options: argparse.Namespace) -> int:
+    """Run the cells and show them by case; exit status 1 only where `--against` finds one that is worse."""
+    registry = registry_with(options.files)
+    request = Request(options.cases, options.contacts, options.full)
+    before = verdicts(Path(options.against)) if options.against else None
+    plan(request, registry)  # a wrong name is told before a folder is made
+    with results_folder(options.out, "matrix", options.resume) as folder:
+        try:
+            with sigterm_as_ctrl_c():
+                found = run_matrix(request, registry, folder, options.jobs or usable_cores(), _tell)
+        except KeyboardInterrupt:
+            line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
+            console().print(line, markup=False, highlight=False, soft_wrap=True)
+            return INTERRUPTED
+        write(found, folder)
+        write_scenes(folder)
+        write_page(found, folder)
+    show(found)
+    console().print(f"page: {folder / 'matrix.html'}", markup=False, highlight=False, soft_wrap=True)
+    return _show_changes(found, before) if before is not None else 0
+
+
+def write_scenes(folder: Path) -> None:
+    """The scene of every run as a file of its own, where the page leads to."""
+    from contactlab.matrix.archive import FILE, Archive
+
+    (folder / "scenes").mkdir(exist_ok=True)
+    with Archive(folder / FILE, write=False) as archive:
+        for run in archive.runs():
+            (folder / "scenes" / f"{run['key']}.toml").write_text(run["scene"], encoding="utf-8")
+
+
+def _tell(cell: Cell, result: CellResult, done: int, total: int) -> None:
+    """One line per cell where nobody watches a terminal, one line that is written over where somebody does."""
+    line = f"{done}/{total} {result.verdict}: {cell.label}"
+    if sys.stderr.isatty():
+        print(f"\r\033[K{line[:110]}", end="" if done < total else "\n", file=sys.stderr, flush=True)
+    else:
+        print(line, file=sys.stderr, flush=True)
+
+
+def show(found: Matrix) -> None:
+    """Counts, the silent ones first, and one line per case and variant."""
+    out = console()
+    counts = ", ".join(
+        f"{found.count(verdict)} {verdict}" for verdict in WORST if found.count(verdict) or verdict == "silent"
+    )
+    out.print(f"{counts} of {len(found.cells)} cells", markup=False, highlight=False, soft_wrap=True)
+    contacts = list(dict.fromkeys(cell.choices["contact"] for cell, _ in found.cells))
+    lines: dict[tuple[str, ...], dict[str, CellResult]] = {}
+    for cell, result in found.cells:
+        c = cell.choices
+        lines.setdefault(tuple(c[n] for n in ("case", "variant", "slave", "element", "integrator")), {})[
+            c["contact"]
+        ] = result
+    shown = table("case", "variant", "slave", "element", "integrator", *contacts)
+    for head, cells in lines.items():
+        words = [SHORT.get(cells[name].verdict, cells[name].verdict) if name in cells else "" for name in contacts]
+        add_row(shown, *head, *words)
+    out.print(shown)
+    for cell, result in found.cells:
+        if result.verdict in ("silent", "failed"):
+            line = f"{result.verdict}: {cell.label}: {result.reason.splitlines()[0] if result.reason else ''}"
+            out.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+def _show_changes(found: Matrix, before: dict[tuple[str, ...], str]) -> int:
+    """What is better, worse, new or gone; 1 where anything is worse."""
+    changes = against(found, before)
+    out = console()
+    out.print(", ".join(f"{len(cells)} {name}" for name, cells in changes.items()), markup=False, highlight=False)
+    for name in ("worse", "better"):
+        for key, old, new in changes[name]:
+            label = ", ".join(text for text in key if text)
+            out.print(f"{name}: {label}: {old}, now {new}", markup=False, highlight=False, soft_wrap=True)
+    return 1 if changes["worse"] else 0

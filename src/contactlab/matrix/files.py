@@ -1,0 +1,110 @@
+"""What a matrix leaves: matrix.csv, one row per measure; matrix.json; parquet where pyarrow is there."""
+
+from __future__ import annotations
+
+import csv
+import importlib.util
+import json
+import math
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from contactlab.cases.verdict import WORST
+from contactlab.errors import RequestError
+from contactlab.matrix.archive import CHOICES
+from contactlab.matrix.run import Matrix
+
+COLUMNS = (
+    *CHOICES, "verdict", "measure", "value", "least", "most", "unit", "status", "reason", "cpu_s", "run"
+)  # fmt: skip
+NO_MEASURE = {"measure": "", "value": math.nan, "least": -math.inf, "most": math.inf, "unit": ""}
+
+
+def rows(matrix: Matrix) -> Iterator[dict[str, Any]]:
+    """One row per measure, with its own verdict; a cell without measures is one row."""
+    for cell, result in matrix.cells:
+        ends = {
+            "status": result.status,
+            "reason": result.reason,
+            "cpu_s": round(result.cpu_s, 3),
+            "run": " ".join(result.runs),
+        }
+        empty = {**NO_MEASURE, "verdict": result.verdict}
+        for measure in result.measures or [empty]:
+            own = {name: measure[name] for name in ("verdict", "measure", "value", "least", "most", "unit")}
+            yield {**cell.choices, **own, **ends}
+        if result.measures and result.verdict not in {measure["verdict"] for measure in result.measures}:
+            yield {**cell.choices, **empty, **ends}
+
+
+def write(matrix: Matrix, folder: Path) -> None:
+    """All files of a matrix but its page."""
+    found = list(rows(matrix))
+    with (folder / "matrix.csv").open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        table.writeheader()
+        table.writerows({name: _bare(row[name]) for name in COLUMNS} for row in found)
+    text = json.dumps({"format": 1, "cells": plain_cells(matrix)}, indent=1, allow_nan=False)
+    (folder / "matrix.json").write_text(text, encoding="utf-8")
+    if importlib.util.find_spec("pyarrow") is not None:
+        import pyarrow as pa
+        from pyarrow import parquet
+
+        parquet.write_table(pa.Table.from_pylist(found), folder / "matrix.parquet")
+
+
+def plain_cells(matrix: Matrix) -> list[Any]:
+    """Choices and findings of every cell as JSON has them."""
+    return [finite({**cell.choices, **result.as_data()}) for cell, result in matrix.cells]
+
+
+def finite(value: Any) -> Any:
+    """Tables and lists with None for numbers that JSON does not have."""
+    if isinstance(value, Mapping):
+        return {name: finite(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _bare(value: Any) -> Any:
+    """Bounds that are none are empty."""
+    return "" if isinstance(value, float) and not math.isfinite(value) else value
+
+
+Key = tuple[str, ...]
+
+
+def verdicts(path: Path) -> dict[Key, str]:
+    """The verdict of each cell in a matrix.csv: the worst of its rows. Raises RequestError where it is none."""
+    path = path / "matrix.csv" if path.is_dir() else path
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            found: dict[Key, str] = {}
+            for row in csv.DictReader(file):
+                key = tuple(row[name] for name in CHOICES)
+                found[key] = min((found.get(key, row["verdict"]), row["verdict"]), key=_rank)
+            return found
+    except (OSError, KeyError, ValueError) as error:
+        raise RequestError(
+            "no matrix can be read here", where=str(path), got=str(error), allowed="a matrix.csv"
+        ) from error
+
+
+def _rank(verdict: str) -> int:
+    return [str(v) for v in WORST].index(verdict)
+
+
+def against(matrix: Matrix, before: Mapping[Key, str]) -> dict[str, list[tuple[Key, str, str]]]:
+    """Cells that are better, worse, new or gone against an earlier matrix, with both verdicts."""
+    now = {tuple(cell.choices.values()): result.verdict for cell, result in matrix.cells}
+    changes: dict[str, list[tuple[Key, str, str]]] = {"better": [], "worse": [], "new": [], "gone": []}
+    for key, verdict in now.items():
+        old = before.get(key)
+        if old is None:
+            changes["new"].append((key, "", verdict))
+        elif old != verdict:
+            changes["better" if _rank(verdict) > _rank(old) else "worse"].append((key, old, verdict))
+    changes["gone"] = [(key, verdict, "") for key, verdict in before.items() if key not in now]
+    return changes

@@ -1,0 +1,27 @@
+"""matrix.html: a heat map of all cells that filters and sorts, each leading to its numbers, runs and reason."""
+
+from __future__ import annotations
+
+import json
+from importlib.resources import files
+from pathlib import Path
+
+from contactlab.cases.verdict import WORST
+from contactlab.matrix.files import plain_cells
+from contactlab.matrix.run import Matrix
+
+COLOURS = {
+    "met": "#1a7f4b", "missed": "#c77700", "failed": "#b42318", "silent": "#7a0bc0", "not-judged": "#5b7083",
+    "ill-posed": "#2f6f9f", "not-applicable": "#c3c9d0",
+}  # fmt: skip
+
+
+def write_page(matrix: Matrix, folder: Path) -> None:
+    """The page, self-contained."""
+    data = json.dumps({"cells": plain_cells(matrix), "colours": COLOURS, "order": WORST}, allow_nan=False)
+    place = files("contactlab") / "data" / "report"
+    style = (place / "page.css").read_text(encoding="utf-8")
+    page = (place / "matrix.html").read_text(encoding="utf-8")
+    # "</" would end the script in which the data stand
+    text = page.replace("/* style */", style).replace("/* data */", data.replace("</", "<\\/"))
+    (folder / "matrix.html").write_text(text, encoding="utf-8")
