@@ -27,7 +27,8 @@ FEWEST = 4  # conditions below which a share means nothing: a corner's one or tw
 CHATTER = 100  # consecutive steps that flicker before the run is stopped
 UNEXPLAINED = 0.01  # energy stored without work, over the largest that was there or was supplied
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
-DAMPED_GAIN = 0.5  # in `auto` runs, whose damping takes what contact makes and whose verdict tells what is left
+MADE = 0.01  # energy that contact has made in all, whatever damping took of it since: told
+TOO_MUCH_MADE = 0.1  # and the run is stopped
 LASTING = 100  # steps that either must last: sharp impacts borrow some energy for a few
 OVERSHOOT = 100.0  # kinetic over all energy: 1/(1 - (w dt/2)^2) at most in a mode that leapfrog follows; 99 % of 2/w
 AT_THE_END = 5.0  # times these limits: more at the end of a run stops it whether it lasted or not
@@ -44,7 +45,7 @@ class Guards:
         self.model, self.work = model, model.state["work"]
         self.shorter = shorter_steps(model.explicit, step)
         self.loose = self.flickering = 0
-        self.since = np.full(2, -1.0)  # steps at which energies became too high
+        self.since = np.full(3, -1.0)  # steps at which energies became too high
         speeds = np.hypot(*model.state["velocity"].T) if "velocity" in model.state else np.zeros(1)
         self.input_speed = float(speeds.max(initial=0.0))
         self.driven = model.prescribed.dof  # by component: a node held in one is free in the other
@@ -54,7 +55,6 @@ class Guards:
         self.pairs: tuple[ContactPair, ...] = tuple(model.contact.pairs) if model.contact is not None else ()
         self.forces = model.state["multipliers"][0] if self.pairs else np.zeros(0)
         self.pressed = np.zeros(len(self.forces), np.bool_)
-        self.gain = DAMPED_GAIN if model.pace.end is None else GAIN
         # an overlap of the start is pushed out: energy that the scene lets contact put in
         self.eased = any(pair.easing is not None for pair in self.pairs)
         self.slopes = [_slopes(forces) for forces in model.forces]
@@ -236,12 +236,31 @@ class Guards:
                 f"(allowed {UNEXPLAINED:.0%}), since step {self.since[0]:.0f}; {self._fastest_body()}",
                 f"the step is too long for what happens: try {self.shorter}",
             )
-        if not self.eased and self._too_much(1, gained, self.gain, last):
+        if not self.eased and self._too_much(1, gained, GAIN, last):
             self._stop(
                 f"the energy {energy:.3g} is {gained:.3g} above that of the start and the work done from outside, "
-                f"{self._share(gained)} (allowed {self.gain:.0%}), since step {self.since[1]:.0f}; "
+                f"{self._share(gained)} (allowed {GAIN:.0%}), since step {self.since[1]:.0f}; "
                 f"{self._fastest_body()}",
-                f"contact adds energy: try the other side as slave, another algorithm, or {self.shorter}",
+                f"contact has made {float(self.work[3]):.3g}: {_cure(self.model, self.shorter)}",
+            )
+        if self.pairs and not self.eased:
+            self._made_by_contact(float(self.work[3]), last)
+
+    def _made_by_contact(self, made: float, last: bool) -> None:
+        """Normal forces of surfaces that touch and part can only take energy; what they have given is the method's."""
+        share, cure = made / self.largest_energy, _cure(self.model, self.shorter)
+        if share > MADE:
+            self.model.warnings.add(
+                RunWarning(
+                    "contact-energy", share, MADE, "contacts.0.enforcement",
+                    f"contact has made {made:.3g} of energy, {self._share(made)} (allowed {MADE:.0%}); {cure}",
+                )
+            )  # fmt: skip
+        if self._too_much(2, made, TOO_MUCH_MADE, last):
+            self._stop(
+                f"contact has made {made:.3g} of energy, {self._share(made)} (allowed {TOO_MUCH_MADE:.0%}), above that "
+                f"since step {self.since[2]:.0f}; {self._fastest_body()}",
+                cure,
             )
 
     def _overshoot(self) -> None:
@@ -274,6 +293,15 @@ class Guards:
         shares = {b.name: float(squares[b.first : b.first + b.count].sum()) for b in self.model.bodies}
         name = max(shares, key=lambda body: shares[body])
         return f"body {name} has {shares[name] / max(float(squares.sum()), 1e-300):.0%} of the kinetic energy"
+
+
+def _cure(model: Model, shorter: str) -> str:
+    """What to try against energy that contact makes, in words."""
+    others = f"try the other side as slave, another algorithm, or {shorter}"
+    conjugate = getattr(getattr(model.contact, "enforcement", None), "conjugate", True)
+    if conjugate or not model.explicit:
+        return others
+    return f'{others}; contacts.0.enforcement = {{ use = "forward-increment", forces = "conjugate" }} makes none'
 
 
 def _energy_warning(step: int, share: float, limit: float, shorter: str) -> RunWarning:

@@ -509,6 +509,6 @@ def test_guards_remember_across_a_restart() -> None:
     fresh.restore({name: array.copy() for name, array in guards.memory().items()})
     for name in ("loose", "flickering", "input_speed", "largest_energy"):
         assert getattr(fresh, name) == getattr(guards, name)
-    assert fresh.since.tolist() == [-1.0, 3.0]
+    assert fresh.since.tolist() == [-1.0, 3.0, -1.0]
     assert fresh.loose == fresh.flickering == 1
     assert fresh.pressed.tolist() == guards.pressed.tolist()
