@@ -53,8 +53,8 @@ class BadMortar(MortarP0):
     what: str = ""
     after: int = 0
 
-    def pieces(self, slave, master, at, near, reach, memory, out):
-        count = super().pieces(slave, master, at, near, reach, memory, out)
+    def pieces(self, view, out):
+        count = super().pieces(view, out)
         if late("mortar", self.after) and count:
             if self.what == "zero T":
                 out.T[:count] = 0.0
@@ -75,9 +75,10 @@ class Points(GapAlgorithm):
     after: int = 0
     passes_patch_test = False
 
-    def conditions(self, slave, master, at, near, reach, *, tangent):
+    def conditions(self, view, *, tangent):
         if late("points", self.after) and self.what == "none":
             return None
+        slave, master, at = view.slave, view.master, view.at
         m = len(slave.nodes)
         along = at.master[-1] - at.master[0]
         normal = np.array([-along[1], along[0]]) / np.hypot(*along)

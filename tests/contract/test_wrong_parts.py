@@ -36,16 +36,16 @@ CONTACTS = {
         r"line \d+, in Form.pieces: the part raised ValueError: could not broadcast",
     ),
     "forgets": (
-        "super().pieces(slave, master, at, near, reach, memory, out)",
+        "super().pieces(view, out)",
         "Forgets: pieces gave None, needed: how many",
     ),
     "many": ("return len(out.slave) + 1", r"Many: pieces gave \d+, needed: how many of the \d+ pieces"),
     "outside": (
-        "n = super().pieces(slave, master, at, near, reach, memory, out); out.master[:n] += 999; return n",
+        "n = super().pieces(view, out); out.master[:n] += 999; return n",
         r"Outside: pieces filled master with \d+, needed: positions 0 to 12",
     ),
     "negative": (
-        "n = super().pieces(slave, master, at, near, reach, memory, out); out.slave[:n] -= 9; return n",
+        "n = super().pieces(view, out); out.slave[:n] -= 9; return n",
         r"Negative: pieces filled slave with -\d+, needed: positions 0 to 8",
     ),
 }
