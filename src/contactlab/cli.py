@@ -108,6 +108,11 @@ def _describe_matrix(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--full", action="store_true", help="all variants of each case, either slave, all its elements and integrators"
     )
+    command.add_argument(
+        "--margins",
+        action="store_true",
+        help="how far each case can be driven until it misses a criterion",
+    )
     command.add_argument("--against", metavar="FILE", help="an earlier matrix.csv: exit status 1 where a cell is worse")
     _add_files(command)
     _add_out(command)

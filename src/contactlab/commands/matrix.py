@@ -13,6 +13,7 @@ from contactlab.matrix.files import against, verdicts, write
 from contactlab.matrix.page import write_page
 from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.matrix.run import Matrix, run_matrix
+from contactlab.parts.registry import Registry
 from contactlab.run.folders import results_folder
 from contactlab.studies.resume import sigterm_as_ctrl_c
 from contactlab.studies.system import usable_cores
@@ -29,6 +30,8 @@ def matrix(options: argparse.Namespace) -> int:
     plan(request, registry)  # a wrong name is told before a folder is made
     with results_folder(options.out, "matrix", options.resume) as folder:
         try:
+            if options.margins:
+                return show_margins(request, registry, folder, options.jobs or usable_cores())
             with sigterm_as_ctrl_c():
                 found = run_matrix(request, registry, folder, options.jobs or usable_cores(), _tell)
         except KeyboardInterrupt:
@@ -41,6 +44,23 @@ def matrix(options: argparse.Namespace) -> int:
     show(found)
     console().print(f"page: {folder / 'matrix.html'}", markup=False, highlight=False, soft_wrap=True)
     return _show_changes(found, before) if before is not None else 0
+
+
+def show_margins(request: Request, registry: Registry, folder: Path, jobs: int) -> int:
+    """Find the margins and print them."""
+    from contactlab.matrix.margins import run_margins
+
+    with sigterm_as_ctrl_c():
+        margins = run_margins(request, registry, folder, jobs, lambda line: print(line, file=sys.stderr, flush=True))
+    shown = table("case", "field", "contact", "from", "met up to", "not met at", "there")
+    for m in margins:
+        end = f"{m.met:.4g}" + (" (the limit)" if m.missed != m.missed else "")
+        missed = "" if m.missed != m.missed else f"{m.missed:.4g}"
+        add_row(
+            shown, m.case, m.field, m.contact, f"{m.start:.4g}", end, missed, f"{m.verdict} {m.reason[:90]}".strip()
+        )
+    console().print(shown)
+    return 0
 
 
 def write_scenes(folder: Path) -> None:
