@@ -55,6 +55,7 @@ class Guards:
         self.pairs: tuple[ContactPair, ...] = tuple(model.contact.pairs) if model.contact is not None else ()
         self.forces = model.state["multipliers"][0] if self.pairs else np.zeros(0)
         self.pressed = np.zeros(len(self.forces), np.bool_)
+        self.closed = self.pressed.copy()  # what pressed at any time
         # an overlap of the start is pushed out: energy that the scene lets contact put in
         self.eased = any(pair.easing is not None for pair in self.pairs)
         self.slopes = [_slopes(forces) for forces in model.forces]
@@ -62,13 +63,14 @@ class Guards:
     def memory(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
         numbers = (self.loose, self.input_speed, self.flickering, self.largest_energy, *self.since)
-        return {"guards": np.array(numbers, np.float64), "guards.pressed": self.pressed.astype(np.float64)}
+        return {"guards": np.array(numbers, np.float64), "guards.pressed": self.pressed + 2.0 * self.closed}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Back to where `memory` was taken."""
         loose, self.input_speed, flickering, self.largest_energy, *self.since[:] = memory["guards"].tolist()
         self.loose, self.flickering = int(loose), int(flickering)
-        self.pressed[:] = memory["guards.pressed"] > 0.0
+        self.pressed[:] = memory["guards.pressed"] % 2.0 == 1.0
+        self.closed[:] = memory["guards.pressed"] >= 2.0
 
     def _stop(self, what: str, hint: str, status: str = "diverged") -> None:
         raise SimulationFailure(status, f"step {self.model.state.step}: {what}; {hint}")
@@ -119,6 +121,8 @@ class Guards:
 
     def _flicker(self) -> None:
         changes, conditions, last = status_changes(self.forces, self.pressed)
+        if changes:
+            self.closed |= self.pressed
         flickers = conditions >= FEWEST and changes > FLICKER * conditions
         self.flickering = self.flickering + 1 if flickers else 0
         if self.flickering >= CHATTER:

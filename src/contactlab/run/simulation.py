@@ -96,6 +96,7 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
         run.guards.at_the_end()
         run.schedule.follow()
         run.schedule.verdict()
+        run.judge()
         return "finished", ""
     except NotFiniteError as failure:
         found = wrong_answer(run)

@@ -1,0 +1,140 @@
+"""What a run can see of itself when it is over: contacts that never closed, forces that do not agree, coarse facets."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactlab.api import Floats, Ints, RunWarning, Surface
+from contactlab.api.arrays import Flags
+from contactlab.errors import SimulationFailure
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.gap_pair import Pair
+    from contactlab.model.model import Model
+    from contactlab.results.sample import Sample
+
+DISAGREE = 0.05  # of the contact force; every algorithm here keeps 0.001 on smooth surfaces, corners cost some per cent
+WRONG = 0.25  # of it: the pressure is that of another force
+LEDGER = 0.02  # of the largest energy; load steps that follow their loads keep 1e-3
+FACETS = 0.25  # depth of facets over the approach: at one half width of contact per segment in a Hertz contact
+ROUND = 1e-7  # strains that are round-off
+CORNER = 0.6  # angle [rad] between segments above which a node is a corner, and no part of a curve
+
+
+def judge(model: Model, sample: Sample | None, closed: Flags) -> None:
+    """Add warnings to those of a finished run.
+
+    sample  the last one; closed (k,)  multipliers that pressed at any time. Raises SimulationFailure("not-converged")
+    where a pressure belongs to another force than the one that acts.
+    """
+    if sample is None:
+        return
+    _judge_ledger(model, sample)
+    for pair in model.contact.pairs if model.contact is not None else ():
+        if not closed[pair.first_slot : pair.first_slot + pair.slots].any():
+            _never_closed(model, pair)
+            continue
+        _judge_facets(model, pair)
+    for name, report in sample.contacts.items():
+        _judge_pressure(model, name, report.resultant, report.pressure_integral, sample.step)
+
+
+def _judge_ledger(model: Model, sample: Sample) -> None:
+    error, work = sample.energies["error"], model.state["work"]
+    extent = float(np.ptp(model.reference, axis=0).max())
+    nothing = ROUND**2 * extent**2 * max(body.dilatational_modulus for body in model.bodies)
+    if model.integrator.inertia or not error > LEDGER or not np.abs(work).max() > nothing:
+        return
+    model.warnings.add(
+        RunWarning(
+            "ledger", error, LEDGER, "integrator.steps",
+            f"the work of loads and supports and that of the stresses differ by {error:.1%} of the largest energy "
+            f"(allowed {LEDGER:.0%}): a load that is there from the first step on does its work in one step, of which "
+            "only both ends are known; give loads a ramp, or take more steps (integrator.steps)",
+        )
+    )  # fmt: skip
+
+
+def _never_closed(model: Model, pair: Pair) -> None:
+    distance = _distance(model.position[pair.slave.nodes], model.position[pair.master.nodes])
+    model.warnings.add(
+        RunWarning(
+            "open-contact", distance, 0.0, pair.name,
+            f"{pair.name} never closed: at the end its nodes are {distance:.4g} apart at the nearest place; look at "
+            "what moves the bodies together, go on for longer, or take the contact out",
+        )
+    )  # fmt: skip
+
+
+def _distance(points: Floats, others: Floats) -> float:
+    chunks = np.array_split(points, max(1, len(points) * len(others) // 1_000_000))
+    return float(min(np.hypot(*(chunk[:, None] - others[None]).transpose(2, 0, 1)).min() for chunk in chunks))
+
+
+def _judge_pressure(model: Model, name: str, force: Floats, integral: Floats, step: int) -> None:
+    """The nodal forces on the slave against the integral of its pressure and shear."""
+    share = float(np.hypot(*(force - integral)) / max(np.hypot(*force), 1e-300))
+    if not np.any(force) or not share > DISAGREE:
+        return
+    text = (
+        f"{name}: the pressure over the slave adds up to a force that differs by {share:.0%} from the one that acts "
+        f"(allowed {DISAGREE:.0%})"
+    )
+    hint = "try finer cells, the other side as slave (swap), or another algorithm"
+    if share > WRONG:
+        raise SimulationFailure("not-converged", f"step {step}: {text}; {hint}")
+    model.warnings.add(RunWarning("pressure-integral", share, DISAGREE, f"{name}.algorithm", f"{text}; {hint}"))
+
+
+# --- facets -----------------------------------------------------------------------------------------
+
+
+def _judge_facets(model: Model, pair: Pair) -> None:
+    """How deep the facets of a curved pair are where it presses, against how far its surfaces came together there."""
+    force = model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]
+    pressed = np.flatnonzero(force.reshape(pair.rows_per_node, -1).max(axis=0) > 0.0)
+    if not len(pressed):
+        return
+    slave, master = pair.slave.nodes[pressed], pair.master.nodes
+    nearest = _nearest(model.position[slave], model.position[master])
+    depth = max(
+        float(facet_depths(pair.slave, model.reference)[pressed].max()),
+        float(facet_depths(pair.master, model.reference)[nearest].max()),
+    )
+    displacement = model.state["displacement"]
+    apart = displacement[slave] - displacement[master[nearest]]
+    approach = float(np.abs(np.einsum("ni,ni->n", apart, pair.normals[pressed])).max())
+    if depth <= FACETS * approach or depth <= 1e-9 * pair.size:
+        return
+    model.warnings.add(
+        RunWarning(
+            "coarse-facets", depth, FACETS * approach, "level",
+            f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, and the surfaces "
+            f"came together by {approach:.3g} there (a quarter of that is fine enough): pressure swings; try "
+            f"cells that are {np.sqrt(depth / max(FACETS * approach, 1e-300)):.2g} times finer along the "
+            "surfaces (level)",
+        )
+    )  # fmt: skip
+
+
+def facet_depths(surface: Surface, reference: Floats) -> Floats:
+    """Distance (m,) [mm] of a smooth curve from its segments at each node, which turn by an angle there: L angle / 8."""
+    begin, end = (reference[surface.nodes[surface.segments[:, k]]] for k in range(2))
+    along = end - begin
+    length = np.hypot(*along.T)
+    into, out = surface.node_segments.T
+    inner = np.flatnonzero((into >= 0) & (out >= 0))
+    a, b = along[into[inner]], along[out[inner]]
+    angle = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], np.einsum("ni,ni->n", a, b)))
+    depth = np.zeros(len(surface.nodes))
+    longest = np.maximum(length[into[inner]], length[out[inner]])
+    depth[inner] = np.where(angle < CORNER, longest * angle / 8.0, 0.0)
+    return depth
+
+
+def _nearest(points: Floats, others: Floats) -> Ints:
+    """The nearest of `others` to each point."""
+    chunks = np.array_split(points, max(1, len(points) * len(others) // 1_000_000))
+    return np.concatenate([((c[:, None] - others[None]) ** 2).sum(axis=2).argmin(axis=1) for c in chunks])

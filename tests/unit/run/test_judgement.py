@@ -1,0 +1,138 @@
+"""What a finished run says of itself, each with its number beside a closed form, and sound runs that say nothing."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.errors import SimulationFailure
+from contactlab.meshing.mesh import surface_from_edges
+from contactlab.model.build import build
+from contactlab.parts.registry import default_registry
+from contactlab.run import judgement
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene
+
+ELASTIC = {"use": "neo-hookean", "young": 1000.0, "poisson": 0.25, "density": 1e-6}
+
+
+def block(y: tuple[float, float], x: tuple[float, float] = (0.0, 1.0)) -> dict[str, Any]:
+    return {"element": "q1", "material": "m", "mesh": {"use": "rectangle", "x": list(x), "y": list(y), "cells": [3, 2]}}
+
+
+def pressed(by: float, integrator: str = "newton") -> Scene:
+    """Two blocks 0.1 apart, the upper one moved down by `by`."""
+    data = {
+        "time": {"end": 1e-3},
+        "integrator": integrator,
+        "materials": {"m": ELASTIC},
+        "bodies": {"upper": block((0.1, 1.1)), "lower": block((-1.0, 0.0))},
+        "contacts": [{"slave": "upper.bottom", "master": "lower.top", "algorithm": "mortar-p0"}],
+        "supports": [
+            {"on": "lower.bottom", "ux": 0.0, "uy": 0.0},
+            {"on": "upper.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -by}},
+        ],
+        "record": {"frames": 2, "recorders": []},
+    }
+    return Scene.from_data(data)
+
+
+@pytest.mark.parametrize("integrator", ["newton", "central-difference"])
+def test_a_contact_that_never_closes_is_told_with_its_distance(integrator: str) -> None:
+    results = simulate(pressed(0.04, integrator))
+    assert results.status == "finished"
+    (warning,) = results.warnings
+    assert (warning.code, warning.key) == ("open-contact", "contacts.0")
+    assert warning.value == pytest.approx(0.06, rel=0.05)  # an explicit one still swings
+    assert "open-contact" not in [w.code for w in simulate(pressed(0.12, integrator)).warnings]
+
+
+def test_a_contact_that_closed_and_opened_again_is_not_open() -> None:
+    scene = pressed(0.12).with_({"supports.1.uy": {"ramp": "table", "points": [[0.0, 0.0], [5e-4, 1.0], [1e-3, 0.0]],
+                                                   "to": -0.12}})  # fmt: skip
+    results = simulate(scene)
+    assert results.status == "finished"
+    assert results.contact["contacts.0"].last.pressure.max() == 0.0
+    assert "open-contact" not in [w.code for w in results.warnings]
+
+
+@pytest.mark.parametrize(("share", "ends"), [(0.01, "told nothing"), (0.1, "told"), (0.3, "stopped")])
+def test_a_pressure_of_another_force(share: float, ends: str) -> None:
+    model = build(pressed(0.12), default_registry())
+    force, integral = np.array([3.0, 4.0]), (1.0 - share) * np.array([3.0, 4.0])
+    if ends == "stopped":
+        with pytest.raises(SimulationFailure, match=r"step 7: contacts.0: the pressure .* differs by 30%") as stopped:
+            judgement._judge_pressure(model, "contacts.0", force, integral, 7)
+        assert stopped.value.status == "not-converged"
+        return
+    judgement._judge_pressure(model, "contacts.0", force, integral, 7)
+    assert [warning.value for warning in model.warnings] == ([pytest.approx(share)] if ends == "told" else [])
+
+
+def loaded(ramp: str) -> Scene:
+    data = {
+        "time": {"end": 1.0},
+        "integrator": {"use": "newton", "steps": 5},
+        "materials": {"m": ELASTIC},
+        "bodies": {"lower": block((-1.0, 0.0))},
+        "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}],
+        "loads": [{"on": "lower.top", "pressure": {"ramp": ramp, "to": 100.0}}],
+        "record": {"frames": 2, "recorders": []},
+    }
+    return Scene.from_data(data)
+
+
+def test_the_work_of_a_load_without_ramp_is_told() -> None:
+    """A constant force does twice the work that a linear body stores: the ledger cannot close."""
+    results = simulate(loaded("constant"))
+    (warning,) = [warning for warning in results.warnings if warning.code == "ledger"]
+    assert warning.value == pytest.approx(results.summary["balance"]["ledger_error"])
+    assert warning.value > 0.3
+    assert "ledger" not in [warning.code for warning in simulate(loaded("linear")).warnings]
+
+
+def test_facets_of_a_circle_are_as_deep_as_their_sagitta() -> None:
+    count, radius = 48, 2.0
+    angle = 2.0 * math.pi * np.arange(count) / count
+    points = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    edges = np.stack([np.arange(count), (np.arange(count) + 1) % count], axis=1).astype(np.int32)
+    depths = judgement.facet_depths(surface_from_edges(edges), points)
+    assert depths == pytest.approx(radius * (1.0 - math.cos(math.pi / count)), rel=2e-3)
+
+
+def press_fit(cells: int) -> Scene:
+    """A quarter of a shaft in a hub, 0.02 too thick: radius 5, as many facets as there are cells along the arc."""
+
+    def quarter(inner: float, outer: float, along: int) -> dict[str, Any]:
+        mesh = {"use": "ring", "radii": [inner, outer], "angles": [0.0, 90.0], "cells": [along, 2]}
+        return {"element": "q1", "material": "m", "mesh": mesh}
+
+    data = {
+        "time": {"end": 1.0},
+        "integrator": {"use": "newton", "steps": 2},
+        "materials": {"m": ELASTIC},
+        "bodies": {"shaft": quarter(2.5, 5.02, cells), "hub": quarter(5.0, 10.0, cells + cells // 4)},
+        "contacts": [
+            {"slave": "shaft.outer", "master": "hub.inner", "algorithm": "mortar-p1", "start": {"overlap": "ramp"}}
+        ],
+        "supports": [
+            {"on": "shaft.start", "uy": 0.0}, {"on": "hub.start", "uy": 0.0},
+            {"on": "shaft.end", "ux": 0.0}, {"on": "hub.end", "ux": 0.0},
+        ],
+        "record": {"frames": 1, "recorders": []},
+    }  # fmt: skip
+    return Scene.from_data(data)
+
+
+@pytest.mark.parametrize(("cells", "told"), [(12, True), (40, False)])
+def test_facets_deeper_than_the_interference_are_told(cells: int, told: bool) -> None:
+    results = simulate(press_fit(cells))
+    assert results.status == "finished", results.reason
+    found = [warning for warning in results.warnings if warning.code == "coarse-facets"]
+    assert len(found) == told
+    for warning in found:
+        assert warning.value == pytest.approx(5.02 * (1.0 - math.cos(math.pi / 4.0 / cells)), rel=0.02)
+        assert warning.limit == pytest.approx(0.25 * 0.02, rel=0.5)
