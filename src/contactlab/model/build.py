@@ -9,7 +9,8 @@ import numpy as np
 
 from contactlab.api import WORK, Element, ExplicitIntegrator, Floats, Integrator, Material, Mesh, MeshSource, State
 from contactlab.errors import SceneError
-from contactlab.meshing.mesh import inverted_cells, moved, nodal_measure
+from contactlab.meshing.checks import check_mesh
+from contactlab.meshing.mesh import moved, nodal_measure
 from contactlab.model.bodies.body import Body, BodyForces, positions_of
 from contactlab.model.bodies.checked_parts import refuse_wrong_speeds, refuse_wrong_tables
 from contactlab.model.bodies.thread_blocks import in_order
@@ -174,17 +175,7 @@ def _body(scene: Scene, registry: Registry, name: str, spec: BodySpec, material:
     source: MeshSource = registry.make("mesh", spec.mesh, where)
     mesh = moved(_meshed(source, element, scene.level, where), spec.rotate, spec.shift)
     mesh = with_parts(mesh, spec.sets, scene.where(f"bodies.{name}.sets"))
-    if not len(mesh.cells):
-        raise SceneError("the mesh has no cells", where=where)
-    folded = inverted_cells(mesh, element)
-    if len(folded):
-        raise SceneError(
-            f"{len(folded)} of {len(mesh.cells)} cells are inverted",
-            where=where,
-            got=f"cell {folded[0]} first, nodes {mesh.cells[folded[0]].tolist()}",
-            allowed="cells numbered counter-clockwise with positive area at every node and point",
-            hint="check the order of the nodes and the numbers of the mesh",
-        )
+    check_mesh(mesh, element, where)
     return Body(name, element, material, mesh, first, len(mesh.nodes), (mesh.cells + first).astype(np.int32))
 
 

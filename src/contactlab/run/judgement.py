@@ -19,6 +19,7 @@ DISAGREE = 0.05  # of the contact force; every algorithm here keeps 0.001 on smo
 WRONG = 0.25  # of it: the pressure is that of another force
 LEDGER = 0.02  # of the largest energy; load steps that follow their loads keep 1e-3
 FACETS = 0.25  # depth of facets over the approach: at one half width of contact per segment in a Hertz contact
+ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 ROUND = 1e-7  # strains that are round-off
 CORNER = 0.6  # angle [rad] between segments above which a node is a corner, and no part of a curve
 
@@ -37,6 +38,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags) -> None:
             _never_closed(model, pair)
             continue
         _judge_facets(model, pair)
+        _judge_friction(model, pair)
     for name, report in sample.contacts.items():
         _judge_pressure(model, name, report.resultant, report.pressure_integral, sample.step)
 
@@ -88,6 +90,22 @@ def _judge_pressure(model: Model, name: str, force: Floats, integral: Floats, st
     model.warnings.add(RunWarning("pressure-integral", share, DISAGREE, f"{name}.algorithm", f"{text}; {hint}"))
 
 
+def _judge_friction(model: Model, pair: Pair) -> None:
+    """Friction that is declared and that enforcement or algorithm do not deliver: no tangential force at all."""
+    if pair.friction is None or not any(pair.friction.bound()[:2]):
+        return
+    normal, tangential = model.state["multipliers"][:2, pair.first_slot : pair.first_slot + pair.slots]
+    pressed = int(np.count_nonzero(normal > 0.0))
+    if pressed >= ENOUGH and not np.any(tangential):
+        parts = f"{type(pair.algorithm).__name__} and {type(model.contact.enforcement).__name__}"  # type: ignore[union-attr]
+        raise SimulationFailure(
+            "failed",
+            f"step {model.state.step}: {pair.name}: friction is declared, and {parts} gave no tangential force in any "
+            f"of {pressed} pressed conditions; take the contact's key friction out, or use an enforcement and an "
+            "algorithm that deliver it",
+        )
+
+
 # --- facets -----------------------------------------------------------------------------------------
 
 
@@ -120,7 +138,7 @@ def _judge_facets(model: Model, pair: Pair) -> None:
 
 
 def facet_depths(surface: Surface, reference: Floats) -> Floats:
-    """Distance (m,) [mm] of a smooth curve from its segments at each node, which turn by an angle there: L angle / 8."""
+    """Distance (m,) [mm] of a smooth curve from its segments at each node that turn by an angle: L angle / 8."""
     begin, end = (reference[surface.nodes[surface.segments[:, k]]] for k in range(2))
     along = end - begin
     length = np.hypot(*along.T)

@@ -103,8 +103,10 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
         return ("failed", found) if found else (failure.status, failure.reason)
     except SimulationFailure as failure:
         return failure.status, failure.reason
-    except RequestError:
-        raise
+    except RequestError as failure:
+        if not run.counts.steps:
+            raise
+        return "failed", f"step {run.model.state.step}: {one_line(failure, name=False)}"
     except WrongAnswer as failure:  # it names the part; the line is that of whoever asked
         seen = f"step {run.model.state.step}: {failure}"
         return "failed", wrong_answer(run) or seen

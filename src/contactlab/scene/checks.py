@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from contactlab.errors import Location, SceneError, did_you_mean
-from contactlab.scene.keys import Contact, Load, Support
+from contactlab.scene.keys import Contact, Load, Ramp, Rigid, Support, Turn
 
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
@@ -20,6 +20,7 @@ def check(scene: Scene) -> None:
     _check_supports(scene)
     _check_loads(scene)
     _check_duration(scene)
+    _check_begins(scene)
 
 
 def split_target(target: str) -> tuple[str, str]:
@@ -193,4 +194,43 @@ def _check_duration(scene: Scene) -> None:
     if step is not None and not isinstance(end, str) and step > end:
         raise SceneError(
             "the step is longer than the run", where=scene.where("time.step"), got=step, allowed=f"at most {end:g} [s]"
+        )
+
+
+def _check_begins(scene: Scene) -> None:
+    """What begins when a run of given length is over, or is not over by then, does nothing that was asked for."""
+    end = scene.time.end
+    if isinstance(end, str):
+        return
+    tables: dict[str, Support | Load | Rigid] = {
+        f"supports.{number}": support for number, support in enumerate(scene.supports)
+    }
+    tables.update({f"loads.{number}": load for number, load in enumerate(scene.loads)})
+    tables.update({f"rigid.{name}": rigid for name, rigid in scene.rigid.items()})
+    for table, entry in tables.items():
+        for name, value in vars(entry).items():
+            if isinstance(value, Ramp | Turn):
+                _check_begin(scene, f"{table}.{name}", value, end)
+    for number, contact in enumerate(scene.contacts):
+        duration = contact.start.duration if contact.start is not None else None
+        if duration is not None and duration > end:
+            raise SceneError(
+                "the overlap would still be there when the run is over",
+                where=scene.where(f"contacts.{number}.start.duration"),
+                got=duration,
+                allowed=f"at most {end:g} [s], the end of the run",
+                hint="leave it out: overlaps are gone at the end then",
+            )
+
+
+def _check_begin(scene: Scene, key: str, value: Ramp | Turn, end: float) -> None:
+    points = value.points if isinstance(value, Ramp) else ()
+    begin = value.begin + (points[0][0] if points and points[0][1] == 0.0 else 0.0)
+    if begin >= end:
+        raise SceneError(
+            "this begins when the run is over",
+            where=scene.where(f"{key}.begin" if value.begin > 0.0 else key),
+            got=begin,
+            allowed=f"a time before {end:g} [s], the end of the run",
+            hint="give the run a later time.end, or take this out",
         )

@@ -30,13 +30,15 @@ class VibrationDamping(Effect):
     def __post_init__(self) -> None:
         if not 0.0 < self.rate < math.inf:
             raise ValueError(f"rate: got {self.rate}, allowed: a rate > 0 [1/s]")
+        if not self.until > 0.0:
+            raise ValueError(f"until: got {self.until}, allowed: a time > 0 [s], after the run has begun")
 
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """Bodies keep the momenta that they have, each for itself."""
         from contactlab_effects.kernels import damp_vibration
 
         if not len(view.mass):
-            return lambda time, force: None  # statics: nothing vibrates
+            raise ValueError("nothing vibrates in statics: take the damping out, or use an integrator with inertia")
         ranges = [view.nodes(name) for name in self.on or view.bodies]
         first = np.array([nodes[0] for nodes in ranges])
         last = np.array([nodes[-1] + 1 for nodes in ranges])

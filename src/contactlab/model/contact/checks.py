@@ -17,6 +17,7 @@ from contactlab.model.contact.near_list import longest_segment
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
+    from contactlab.model.contact.plan import ContactPlan
 
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
 FACING = 64  # slave segments, from all over the surface, that are held against all of the master at a time
@@ -62,6 +63,25 @@ def _most_ahead(slave: tuple[Floats, Floats], master: tuple[Floats, Floats], eno
         if most >= enough:
             break
     return most
+
+
+def refuse_joined_twice(plan: ContactPlan, other: ContactPlan, where: Where) -> None:
+    """Raise SceneError where two contacts join the same stretches of two surfaces: they would press twice."""
+    own = [_segments_of(side) for side in (plan.slave, plan.master)]
+    before = [_segments_of(side) for side in (other.slave, other.master)]
+    for first, second in ((0, 1), (1, 0)):
+        if own[0] & before[first] and own[1] & before[second]:
+            raise SceneError(
+                f"{other.name} joins parts of these surfaces already, which would be counted twice",
+                where=where,
+                got=f"{plan.sides[0]} and {plan.sides[1]} beside {other.sides[0]} and {other.sides[1]}",
+                allowed="every stretch of a surface in one contact with the same other one",
+                hint="take one of the contacts out, or name edge sets that share no edge ([bodies.NAME.sets])",
+            )
+
+
+def _segments_of(surface: Surface) -> set[tuple[int, int]]:
+    return {(int(a), int(b)) for a, b in surface.nodes[surface.segments]}
 
 
 def check_overlap(

@@ -9,7 +9,7 @@ import numpy as np
 from contactlab.api import ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
-from contactlab.errors import WrongAnswer
+from contactlab.errors import SceneError, WrongAnswer
 from contactlab.kernels.contact import pair as kernels
 from contactlab.kernels.contact import rows
 from contactlab.kernels.contact.factored_rows import FAR
@@ -123,7 +123,14 @@ class OperatorPair(ContactPair):
         while True:
             kept, lacking, missing = kernels.join(self.arrays.address, self.count, self.slave.edges.shape[1] == 2)
             if kept < 0:
-                raise ValueError(f"{self.name}: the slave is a closed curve covered all around; swap slave and master")
+                raise SceneError(
+                    "the slave is a closed curve that is covered all around: its conditions are coupled without an end",
+                    where=f"{self.name}.slave",
+                    got=f"a closed chain of {len(self.slave.segments)} segments",
+                    allowed="an open slave, or an algorithm whose conditions are not coupled (node-on-segment)",
+                    hint='write algorithm = "node-on-segment", or cut the edge set in two under [bodies.NAME.sets] and '
+                    "declare a contact for each half; to swap the sides helps only where the other one is open",
+                )
             if not lacking and not missing:
                 break
             self.arrays.widen(lacking, missing)

@@ -1,0 +1,99 @@
+"""What no mesh of a body may be, whoever made it: told before anything is computed from it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from contactlab.api import Element, Floats, Mesh
+from contactlab.errors import SceneError
+from contactlab.meshing.mesh import inverted_cells, jacobians
+
+if TYPE_CHECKING:
+    from contactlab.errors import Where
+
+FARTHEST = 1e100  # coordinates beyond it overflow when they are squared twice
+NO_AREA = 1e-12  # determinant of a cell over the square of its size: round-off
+
+
+def check_mesh(mesh: Mesh, element: Element, where: Where) -> None:
+    """Raise SceneError for nodes that are nowhere, cells without area, folded or there twice, and loose pieces."""
+    if not len(mesh.cells):
+        raise SceneError("the mesh has no cells", where=where)
+    _check_places(mesh, where)
+    _check_twice(mesh, where)
+    _check_areas(mesh, element, where)
+    _check_pieces(mesh, where)
+
+
+def _check_places(mesh: Mesh, where: Where) -> None:
+    lost = np.flatnonzero(~(np.abs(mesh.nodes) <= FARTHEST).all(axis=1))
+    if len(lost):
+        x, y = mesh.nodes[lost[0]]
+        raise SceneError(
+            f"{len(lost)} of {len(mesh.nodes)} nodes are nowhere",
+            where=where,
+            got=f"node {lost[0]} at ({x:g}, {y:g})",
+            allowed=f"finite coordinates up to {FARTHEST:g}",
+            hint="look at the numbers of the mesh, and at shift",
+        )
+
+
+def _check_twice(mesh: Mesh, where: Where) -> None:
+    _, first, number = np.unique(np.sort(mesh.cells, axis=1), axis=0, return_index=True, return_inverse=True)
+    again = np.flatnonzero(first[number.ravel()] != np.arange(len(mesh.cells)))
+    if len(again):
+        raise SceneError(
+            f"{len(again)} of {len(mesh.cells)} cells are there twice, with twice the stiffness and mass",
+            where=where,
+            got=f"cell {again[0]} has the nodes of cell {first[number.ravel()][again[0]]}",
+            allowed="every cell once",
+            hint="take the copies out of the mesh",
+        )
+
+
+def _check_areas(mesh: Mesh, element: Element, where: Where) -> None:
+    empty = np.flatnonzero(np.abs(_relative_areas(mesh, element)).max(axis=1) <= NO_AREA)
+    if len(empty):
+        raise SceneError(
+            f"{len(empty)} of {len(mesh.cells)} cells have no area",
+            where=where,
+            got=f"cell {empty[0]} first, nodes {mesh.cells[empty[0]].tolist()}",
+            allowed="cells whose corners do not lie on one line or in one place",
+            hint="look for nodes that lie on each other",
+        )
+    folded = inverted_cells(mesh, element)
+    if len(folded):
+        raise SceneError(
+            f"{len(folded)} of {len(mesh.cells)} cells are inverted",
+            where=where,
+            got=f"cell {folded[0]} first, nodes {mesh.cells[folded[0]].tolist()}",
+            allowed="cells numbered counter-clockwise with positive area at every node and point",
+            hint="check the order of the nodes and the numbers of the mesh",
+        )
+
+
+def _relative_areas(mesh: Mesh, element: Element) -> Floats:
+    """Determinants (n, q) at the quadrature points over the square of each cell's largest extent."""
+    extent = np.ptp(mesh.nodes[mesh.cells], axis=1).max(axis=1)
+    return np.asarray(jacobians(mesh, element, element.quadrature().points) / np.maximum(extent, 1e-150)[:, None] ** 2)
+
+
+def _check_pieces(mesh: Mesh, where: Where) -> None:
+    n, a = mesh.cells.shape
+    rows, columns = np.repeat(mesh.cells[:, 0], a), mesh.cells.ravel()
+    size = len(mesh.nodes)
+    _, label = connected_components(coo_matrix((np.ones(n * a), (rows, columns)), shape=(size, size)), directed=False)
+    found = np.unique(label[mesh.cells[:, 0]])
+    if len(found) > 1:
+        cells = np.flatnonzero(label[mesh.cells[:, 0]] == found[1])
+        raise SceneError(
+            f"the mesh falls into {len(found)} pieces that share no node",
+            where=where,
+            got=f"cells {len(mesh.cells) - len(cells)} and {len(cells)}, cell {cells[0]} the first of the latter",
+            allowed="one piece per body",
+            hint="make each piece a body of its own, or join nodes that lie on each other",
+        )
