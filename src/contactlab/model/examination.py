@@ -33,31 +33,39 @@ def _refuse(part: Any, method: str, what: str, place: str = "") -> None:
 
 
 def examine_bodies(model: Model) -> None:
-    """Element and material of every body at the last update."""
+    """Element and material of every body at the last update; of folded cells no law has to know a stress."""
     if not finite(model.state["displacement"]):
         return
+    folded = False
     for forces in model.forces:
         begin = 0
         for block in forces.current():
-            _examine_block(forces, block, begin)
+            folded |= _examine_block(forces, block, begin)
             begin += block.connectivity.shape[1]
-    if not finite(model.state["internal_force"]):
-        force = model.state["internal_force"]
+    force = model.state["internal_force"]
+    if not folded and not finite(force):
         body = next(f.body for f in model.forces if not finite(force[f.body.first : f.body.first + f.body.count]))
         _refuse(body.element, "its forces", "a nodal force", f" in body {body.name}")
 
 
-def _examine_block(forces: BodyForces, block: Block, begin: int) -> None:
-    body = forces.body
+def _examine_block(forces: BodyForces, block: Block, begin: int) -> bool:
+    """Whether a point is folded over; raises WrongAnswer for others."""
+    body, g = forces.body, block.gradient
+    whole = np.ones(g.shape[1], np.bool_)
+    if body.material.kinematics == "finite":
+        whole = ~(g[0] * g[3] - g[1] * g[2] <= 0.0)
     for part, method, what, values in (
         (body.element, "its kernels", "a displacement gradient", block.gradient),
         (body.material, "stress", "a stress", block.stress),
         (body.material, "stress", "a history", block.new_history),
     ):
-        if not finite(values):
-            point = int(np.argmax(~np.isfinite(values).all(axis=0)))
-            cell = begin + point % block.connectivity.shape[1]
+        if finite(values):
+            continue
+        wrong = np.flatnonzero(whole & ~np.isfinite(values).all(axis=0))
+        if len(wrong):
+            cell = begin + int(wrong[0]) % block.connectivity.shape[1]
             _refuse(part, method, what, f" in cell {cell} of body {body.name}")
+    return not bool(whole.all())
 
 
 def examine_effects(model: Model, time: float) -> None:

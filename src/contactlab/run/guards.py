@@ -14,9 +14,11 @@ from contactlab.kernels.watch import deepest, smallest_jacobian, status_changes
 from contactlab.model.bodies.body import BodyForces
 from contactlab.model.energy import energy_gain
 from contactlab.model.model import Model
+from contactlab.run.judgement import judge
 
 if TYPE_CHECKING:
     from contactlab.model.contact.pair import ContactPair
+    from contactlab.results.sample import Sample
 
 EVERY = 50  # steps between looks at the whole model
 SELDOM = 4 * EVERY  # steps between looks at the stored energy, which costs the laws another pass
@@ -227,6 +229,10 @@ class Guards:
         """Look for the last time: energy that has not lasted long enough to stop a run is told, much more stops it."""
         self.look()
         self._energy(last=True)
+
+    def judge(self, sample: Sample | None) -> None:
+        """What a finished run says of itself, by its last sample; see `contactlab.run.judgement`."""
+        judge(self.model, sample, self.closed)
 
     def _energy(self, last: bool = False) -> None:
         if "velocity" not in self.model.state:

@@ -11,7 +11,7 @@ from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.gap_pair import Pair
+    from contactlab.model.contact.pair import ContactPair
     from contactlab.model.model import Model
     from contactlab.results.sample import Sample
 
@@ -59,7 +59,7 @@ def _judge_ledger(model: Model, sample: Sample) -> None:
     )  # fmt: skip
 
 
-def _never_closed(model: Model, pair: Pair) -> None:
+def _never_closed(model: Model, pair: ContactPair) -> None:
     distance = _distance(model.position[pair.slave.nodes], model.position[pair.master.nodes])
     model.warnings.add(
         RunWarning(
@@ -90,14 +90,14 @@ def _judge_pressure(model: Model, name: str, force: Floats, integral: Floats, st
     model.warnings.add(RunWarning("pressure-integral", share, DISAGREE, f"{name}.algorithm", f"{text}; {hint}"))
 
 
-def _judge_friction(model: Model, pair: Pair) -> None:
+def _judge_friction(model: Model, pair: ContactPair) -> None:
     """Friction that is declared and that enforcement or algorithm do not deliver: no tangential force at all."""
     if pair.friction is None or not any(pair.friction.bound()[:2]):
         return
     normal, tangential = model.state["multipliers"][:2, pair.first_slot : pair.first_slot + pair.slots]
     pressed = int(np.count_nonzero(normal > 0.0))
     if pressed >= ENOUGH and not np.any(tangential):
-        parts = f"{type(pair.algorithm).__name__} and {type(model.contact.enforcement).__name__}"  # type: ignore[union-attr]
+        parts = f"{type(pair.method).__name__} and {type(model.contact.enforcement).__name__}"  # type: ignore[union-attr]
         raise SimulationFailure(
             "failed",
             f"step {model.state.step}: {pair.name}: friction is declared, and {parts} gave no tangential force in any "
@@ -109,7 +109,7 @@ def _judge_friction(model: Model, pair: Pair) -> None:
 # --- facets -----------------------------------------------------------------------------------------
 
 
-def _judge_facets(model: Model, pair: Pair) -> None:
+def _judge_facets(model: Model, pair: ContactPair) -> None:
     """How deep the facets of a curved pair are where it presses, against how far its surfaces came together there."""
     force = model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]
     pressed = np.flatnonzero(force.reshape(pair.rows_per_node, -1).max(axis=0) > 0.0)

@@ -24,7 +24,6 @@ from contactlab.results.sample import take_sample
 from contactlab.results.summary import Clock, Counts, summarise
 from contactlab.run.culprit import KeptState
 from contactlab.run.guards import EVERY, Guards
-from contactlab.run.judgement import judge
 from contactlab.run.recorders import open_recordings, recorders_of
 from contactlab.run.restart import changed_versions, check_memory, saved_run, stored_results
 from contactlab.run.schedule import Schedule
@@ -112,7 +111,7 @@ class Run:
 
     def judge(self) -> None:
         """Look at the end of the run; see `contactlab.run.judgement`."""
-        judge(self.model, self.journal.last, self.guards.closed)
+        self.guards.judge(self.journal.last)
 
     def tell_warnings(self) -> None:
         """Note warnings that are new as events."""

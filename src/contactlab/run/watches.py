@@ -9,6 +9,7 @@ import numpy as np
 from contactlab.api import Floats, Memory, Step, Watch
 from contactlab.errors import RequestError, SimulationFailure
 from contactlab.model.model import Model
+from contactlab.results.sample import Sample
 from contactlab.results.summary import Counts
 from contactlab.run.step_view import ModelView
 
@@ -87,6 +88,9 @@ class NoGuards:
         """Let it pass."""
 
     def at_the_end(self) -> None:
+        """Let it pass."""
+
+    def judge(self, sample: Sample | None) -> None:
         """Let it pass."""
 
     def memory(self) -> dict[str, Floats]:

@@ -72,6 +72,20 @@ def test_a_pressure_of_another_force(share: float, ends: str) -> None:
     assert [warning.value for warning in model.warnings] == ([pytest.approx(share)] if ends == "told" else [])
 
 
+def test_friction_that_nobody_delivers_is_an_error() -> None:
+    model = build(pressed(0.12).with_({"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}), default_registry())
+    pair = model.contact.pairs[0]  # type: ignore[union-attr]
+    multipliers = model.state["multipliers"]
+    multipliers[0] = 1.0
+    with pytest.raises(SimulationFailure, match=r"friction is declared, and MortarP0 and \w+ gave no") as found:
+        judgement._judge_friction(model, pair)
+    assert found.value.status == "failed"
+    multipliers[1, 0] = 1e-12
+    judgement._judge_friction(model, pair)
+    multipliers[0, 2:] = multipliers[1] = 0.0  # two may be the middle of a symmetric pair
+    judgement._judge_friction(model, pair)
+
+
 def loaded(ramp: str) -> Scene:
     data = {
         "time": {"end": 1.0},

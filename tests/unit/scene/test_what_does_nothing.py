@@ -67,7 +67,7 @@ CASES: dict[str, tuple[dict[str, Any], list[str]]] = {
     ),
     "damper": (
         data(effects=[{"use": "vibration-damping", "rate": 10.0, "until": 0.0}]),
-        ["effects.0", "until: got 0.0"],
+        ["effects.0.until", "0.0", "a time > 0 [s]"],
     ),
     "damping in statics": (
         data(integrator="newton", effects=[{"use": "vibration-damping", "rate": 10.0}]),
@@ -93,7 +93,7 @@ def test_a_ramp_that_begins_within_the_run_is_fine() -> None:
 
 def test_the_same_stretch_in_two_contacts_is_refused() -> None:
     bodies = {"upper": block((0.0, 1.0)), "lower": block((-1.0, 0.0))}
-    bodies["upper"]["sets"] = {"middle": {"of": "bottom", "x": [0.2, 0.8]}}
+    bodies["upper"]["sets"] = {"middle": {"of": "bottom", "x": [0.25, 0.75]}}
     contacts = [
         {"slave": "upper.bottom", "master": "lower.top", "algorithm": "mortar-p0"},
         {"slave": "upper.middle", "master": "lower.top", "algorithm": "mortar-p0"},
