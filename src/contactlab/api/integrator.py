@@ -102,13 +102,15 @@ class Equations(Protocol):
     reference  (N, 2) undeformed positions [mm]
     position   (N, 2) reference + displacement, kept current by `internal_force` [mm]
     mass       (N,) lumped [t]; 0 for nodes of rigid surfaces; (0,) without inertia
-    damping    mass-proportional [1/s]
+    damping    mass-proportional [1/s], of velocities beside the state's `drift` where there is one
+    relaxation time [s] in which `drift` follows velocities; 0 without it
     """
 
     reference: Floats
     position: Floats
     mass: Floats
     damping: float
+    relaxation: float
 
     @property
     def prescribed(self) -> PrescribedMotion:

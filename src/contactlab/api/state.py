@@ -17,6 +17,8 @@ class State:
     clock           (3,)    time [s], number of steps taken, and length of the last one [s]; kept by the core
     displacement    (N, 2)  u at `time` [mm]
     velocity        (N, 2)  v at `time`, or earlier by an explicit integrator's `velocity_lag` [mm/s]; none in statics
+    drift           (N, 2)  motion that damping leaves alone, in runs that are to be quasi-static [mm/s]; see
+                            `Equations.damping`
     internal_force  (N, 2)  of the stresses at `time` [N]
     reaction        (N, 2)  forces of supports on prescribed degrees of freedom in the last step [N]
     work            (7,)    energy ledger, see `WORK` [mJ]

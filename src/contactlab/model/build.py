@@ -18,7 +18,7 @@ from contactlab.model.loading.edge_sets import with_parts
 from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import Model
-from contactlab.model.pace import find_pace
+from contactlab.model.pace import Pace, find_pace
 from contactlab.model.sizes import check_sizes
 from contactlab.parts.error_origin import part_errors
 
@@ -54,7 +54,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     pace = find_pace(scene, bodies, reference, mass, supports, integrator)
     prescribed = supports.bind(pace.ramp)
     _refuse_impossible(scene, bodies, rigid, reference, prescribed, pace.end or pace.ramp)
-    state = State(_shapes(len(reference), bodies, integrator, plans))
+    state = State(_shapes(len(reference), bodies, integrator, plans, pace))
     position, increment = reference.copy(), _increment(bodies, len(reference))
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
     _initial_velocity(scene, bodies, reference, mass, state)
@@ -67,6 +67,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         prescribed=prescribed,
         contact=contact,
         damping=pace.damping,
+        relaxation=pace.relaxation,
         state=state,
         integrator=integrator,
         bodies=bodies,
@@ -200,11 +201,13 @@ def masses_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floa
 
 
 def _shapes(
-    nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: tuple[ContactPlan, ...]
+    nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: tuple[ContactPlan, ...], pace: Pace
 ) -> Mapping[str, tuple[int, ...]]:
     shapes: dict[str, tuple[int, ...]] = {"clock": (3,), "displacement": (nodes, 2)}
     if integrator.inertia:
         shapes["velocity"] = (nodes, 2)
+    if pace.relaxation and pace.damping:
+        shapes["drift"] = (nodes, 2)
     shapes |= {"internal_force": (nodes, 2), "reaction": (nodes, 2), "work": (len(WORK),)}
     if plans:
         from contactlab.model.contact.plan import contact_shapes

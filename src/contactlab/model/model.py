@@ -39,6 +39,7 @@ class Model(ABC):
     prescribed: Prescribed
     contact: ContactSystem | ImplicitContactSystem | None
     damping: float
+    relaxation: float
     state: State
     integrator: Integrator
     bodies: tuple[Body, ...]

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 PERIODS = 50.0  # ramp in periods of the lowest mode that the loading excites
-DAMPING = 0.1  # alpha / w1
+DAMPING = 0.2  # alpha / w1
+RELAXATION = 3.0  # times 1/w1: vibrations at w1 and above are damped, what lasts longer is left alone
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,8 @@ class Pace:
     ramp     duration of ramps that name none
     hold     longest time after the ramp (only without a fixed end)
     period   period of the lowest mode, over which settling is judged
+    relaxation
+             time in which the drift, which damping leaves alone, follows velocities; 0: damping acts on all motion
     settle   False where the scene fixes the hold: the run then takes all of it
     """
 
@@ -36,13 +39,20 @@ class Pace:
     hold: float
     period: float
     damping: float
+    relaxation: float
     settle: bool
 
     def resolved(self) -> dict[str, float]:
         """What `auto` chose, as keys of `[time]`; empty where the scene fixed the end."""
         if self.end is not None:
             return {}
-        return {"ramp": self.ramp, "hold": self.hold, "damping": self.damping, "period": self.period}
+        return {
+            "ramp": self.ramp,
+            "hold": self.hold,
+            "damping": self.damping,
+            "relaxation": self.relaxation,
+            "period": self.period,
+        }
 
 
 def find_pace(
@@ -53,14 +63,14 @@ def find_pace(
     supports: SupportPlan,
     integrator: Integrator,
 ) -> Pace:
-    """Pace of a scene: for `end = "auto"` a ramp of 50 periods of the lowest mode w1 and damping 0.1 w1."""
+    """Pace of a scene: for `end = "auto"` a ramp of 50 periods of the lowest mode w1, and damping 0.2 w1."""
     time = scene.time
     if time.end != "auto":
         end = float(time.end)
         ramp = end if time.ramp is None else time.ramp
-        return Pace(end, ramp, 0.0, end, time.damping or 0.0, False)
+        return Pace(end, ramp, 0.0, end, time.damping or 0.0, 0.0, False)
     if not integrator.inertia:
-        return Pace(1.0, 1.0, 0.0, 1.0, 0.0, False)
+        return Pace(1.0, 1.0, 0.0, 1.0, 0.0, 0.0, False)
     from contactlab.model.bodies.frequency import loaded_frequency
 
     directions = _directions(supports)
@@ -75,7 +85,8 @@ def find_pace(
     ramp = PERIODS * period if time.ramp is None else time.ramp
     hold = ramp if time.hold is None else time.hold
     damping = DAMPING * frequency if time.damping is None else time.damping
-    return Pace(None, ramp, hold, period, damping, time.hold is None)
+    relaxation = RELAXATION / frequency if time.relaxation is None else time.relaxation
+    return Pace(None, ramp, hold, period, damping, relaxation, time.hold is None)
 
 
 def _directions(supports: SupportPlan) -> Floats:

@@ -41,6 +41,12 @@ class Time:
     damping: float | None = key(
         None, unit="1/s", least=0.0, says="mass-proportional damping; not written: none, or with auto found"
     )
+    relaxation: float | None = key(
+        None,
+        unit="s",
+        least=0.0,
+        says="with auto, time in which motion that damping leaves alone follows velocities; 0: all motion is damped",
+    )
 
 
 @dataclass(frozen=True)

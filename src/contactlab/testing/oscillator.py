@@ -44,7 +44,9 @@ class Oscillator:
         stiffness: Floats,
         *,
         velocity: Floats | None = None,
+        displacement: Floats | None = None,
         damping: float = 0.0,
+        relaxation: float = 0.0,
         prescribed: Ramp | None = None,
         force: Floats | Callable[[float], Floats] | None = None,
         clearance: Floats | None = None,
@@ -55,14 +57,18 @@ class Oscillator:
         self.mass: Floats = np.asarray(mass, float) if integrator.inertia else np.zeros(0)
         self.reference = np.stack([np.arange(n, dtype=float), np.zeros(n)], axis=1)
         self.position = self.reference.copy()
+        self.relaxation = relaxation
         self.prescribed: PrescribedMotion = prescribed or Ramp(np.zeros(0, np.int32), np.zeros(0))
         self.broken = False
         self._force = force
         shapes: dict[str, tuple[int, ...]] = {"clock": (3,), "displacement": (n, 2)}
         shapes |= {"velocity": (n, 2)} if integrator.inertia else {}
+        shapes |= {"drift": (n, 2)} if relaxation else {}
         shapes |= {"internal_force": (n, 2), "reaction": (n, 2), "work": (len(WORK),)}
         shapes |= floor_shapes(n, friction > 0.0) if clearance is not None else {}
         self.state = State(shapes | dict(integrator.memory(n)))
+        if displacement is not None:
+            self.state["displacement"][:] = displacement
         if velocity is not None and integrator.inertia:
             self.state["velocity"][:] = velocity
         self.contact: Any = self._floor(clearance, friction) if clearance is not None else None

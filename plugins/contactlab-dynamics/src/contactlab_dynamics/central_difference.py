@@ -49,6 +49,7 @@ class _Leapfrog:
         touching = equations.contact is not None
         self.compliance, self.predicted = (np.zeros((nodes if touching else 0, 2)) for _ in range(2))
         self.compliance_dt = 0.0
+        self.following = 0.5 / equations.relaxation if equations.relaxation else 0.0
         self.contact = state["contact_force"] if touching else np.zeros((0, 2))
         self.bound: BoundArrays | None = None
 
@@ -61,7 +62,9 @@ class _Leapfrog:
         mean_dt = 0.5 * (float(self.clock[2]) + dt)
         loaded = equations.external_force(time, self.external)
         equations.prescribed.values(time + dt)
-        now = (bound.address, loaded, equations.damping, dt, mean_dt)
+        # the drift is that of half a step ago, and follows until the velocities' mean
+        damping = equations.damping / (1.0 + mean_dt * self.following)
+        now = (bound.address, loaded, damping, dt, mean_dt)
         done = self.done
         if equations.contact is None:
             self.move(*now)
@@ -82,7 +85,7 @@ class _Leapfrog:
             equations.reference, state["displacement"], state["velocity"], state["internal_force"], self.external,
             self.mobility, equations.mass, prescribed.dof, prescribed.scale, prescribed.ramp, prescribed.values(0.0),
             self.before, self.trial, self.predicted, self.contact, self.compliance, self.reaction, self.work,
-            self.products,
+            self.products, state["drift"] if "drift" in state else np.zeros(0), np.array([equations.relaxation]),
         )  # fmt: skip
         self.bound = BoundArrays(leapfrog.ARRAYS, *(field.reshape(-1) for field in fields))
         return self.bound

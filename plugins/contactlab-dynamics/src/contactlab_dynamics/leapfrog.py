@@ -10,9 +10,10 @@ from __future__ import annotations
 from contactlab.api.compiled.kernel import kernel
 from contactlab.api.compiled.unpack import unpack
 
-ARRAYS = "d1 d1 d1 d1 d1 d1 d1 i1 d1 i1 d1 d1 d1 d1 d1 d1 d1 d1 d1"
+ARRAYS = "d1 d1 d1 d1 d1 d1 d1 i1 d1 i1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1 d1"
 """reference, displacement, velocity, internal, external, mobility; mass by node; dof, scale, ramp and values of what is
-prescribed; before, trial, predicted, contact, compliance, reaction, work, products."""
+prescribed; before, trial, predicted, contact, compliance, reaction, work, products; drift (or nothing) and the time in
+which it follows."""
 CHUNK = 512  # degrees of freedom summed at a time
 
 
@@ -27,13 +28,22 @@ def _velocities(velocity, internal, external, loaded, mobility, keep, gain, tria
 
 
 @kernel
+def _add(trial, drift, factor):
+    for i in range(trial.size):
+        trial[i] += factor * drift[i]
+
+
+@kernel
 def _trial(bound, loaded, alpha, dt, mean_dt):
-    """v+ = [(1 - alpha dt/2) v- + dt M^-1 f]/(1 + alpha dt/2), and what is prescribed, into `trial`."""
+    """v+ = [(1 - alpha dt/2) v- + dt (M^-1 f + alpha d)]/(1 + alpha dt/2), and what is prescribed, into `trial`."""
     found = unpack(bound, ARRAYS)
     _, u, velocity, internal, external, mobility, _, dof, scale, ramp, ramps, _, trial = found[:13]
     scaling = 1.0 / (1.0 + 0.5 * alpha * mean_dt)
     keep, gain = (1.0 - 0.5 * alpha * mean_dt) * scaling, mean_dt * scaling
     _velocities(velocity, internal, external, loaded, mobility, keep, gain, trial)
+    drift = found[19]
+    if drift.size > 0:
+        _add(trial, drift, gain * alpha)
     for i in range(dof.size):
         trial[dof[i]] = (scale[i] * ramps[ramp[i]] - u[dof[i]]) / dt
 
@@ -120,6 +130,21 @@ def _damped(mass, mean):
 
 
 @kernel
+def _damped_beside(mass, mean, drift):
+    total = 0.0
+    for n in range(mass.size):
+        x, y = 2 * n, 2 * n + 1
+        total += mass[n] * (mean[x] * (mean[x] - drift[x]) + mean[y] * (mean[y] - drift[y]))
+    return total
+
+
+@kernel
+def _follow(mean, drift, share):
+    for i in range(mean.size):
+        drift[i] += share * (mean[i] - drift[i])
+
+
+@kernel
 def _book(bound, loaded, touching, alpha, dt, mean_dt):
     """Work of every force with the mean velocity, and reactions of prescribed motion.
 
@@ -127,19 +152,22 @@ def _book(bound, loaded, touching, alpha, dt, mean_dt):
     what acts is summed.
     """
     (
-        _, _, v, f, e, _, mass, dof, _, _, _, before, mean, _, y, _, r, work, products,
+        _, _, v, f, e, _, mass, dof, _, _, _, before, mean, _, y, _, r, work, products, drift, relaxation,
     ) = unpack(bound, ARRAYS)  # fmt: skip
     work[0] += mean_dt * _power(mean, f, products)
     load = _power(mean, e, products) if loaded else 0.0
     if touching:
         work[3] += mean_dt * _power(mean, y, products)
     if alpha != 0.0:
-        work[2] += mean_dt * alpha * _damped(mass, mean)
+        work[2] += mean_dt * alpha * (_damped_beside(mass, mean, drift) if drift.size > 0 else _damped(mass, mean))
     for k in range(dof.size):
         i = dof[k]
         needed = mass[i // 2] * ((v[i] - before[k]) / mean_dt + alpha * mean[i]) + f[i]
+        needed -= mass[i // 2] * alpha * drift[i] if drift.size > 0 else 0.0
         needed -= e[i] if loaded else 0.0
         needed -= y[i] if touching else 0.0
         r[i] = needed
         load += mean[i] * needed
     work[1] += mean_dt * load
+    if drift.size > 0:
+        _follow(mean, drift, mean_dt / (relaxation[0] + 0.5 * mean_dt))

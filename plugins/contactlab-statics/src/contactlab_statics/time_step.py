@@ -30,11 +30,12 @@ class TimeStep:
         self.equations, self.state, self.lead = equations, state, dissipation
         nodes, contact = len(equations.reference), equations.contact
         self.u, self.v = state["displacement"], state["velocity"]
+        self.drift = state["drift"] if "drift" in state else np.zeros_like(self.v)
         self.u_start, self.v_start, self.f_start = (np.zeros((nodes, 2)) for _ in range(3))
         self.load, self.load_start, self.inertia, self.stopping = (np.zeros((nodes, 2)) for _ in range(4))
         self.normal = np.zeros((nodes, 2))
         self.tangential = np.zeros((nodes if contact is not None and len(contact.conditions.slip) else 0, 2))
-        self.time = self.dt = 0.0
+        self.time = self.dt = self.damping = 0.0
         self.mass: Floats = np.repeat(equations.mass, 2).reshape(-1, 2)
         self.held = equations.prescribed.dof
         mobility = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=self.mass > 0.0)
@@ -68,6 +69,9 @@ class TimeStep:
         self.u_start[:], self.v_start[:], self.f_start[:] = self.u, self.v, state["internal_force"]
         equations.external_force(state.time, self.load_start)
         self.time, self.dt = state.time + dt, dt
+        # the drift is that of the start, and follows until the middle of the step
+        following = 0.5 * dt / equations.relaxation if equations.relaxation else 0.0
+        self.damping = equations.damping / (1.0 + following)
         # what would stop all nodes within the step: forces far below it change no velocity
         self.stopping = self.mass * self.v / dt
 
@@ -79,8 +83,8 @@ class TimeStep:
         self._impressed(out)
         np.multiply(self.mass, (self.v - self.v_start) / self.dt, out=self.inertia)
         out -= self.inertia
-        if self.equations.damping:
-            out -= self.equations.damping * self.mass * (0.5 * (self.v_start + self.v))
+        if self.damping:
+            out -= self.damping * self.mass * (0.5 * (self.v_start + self.v) - self.drift)
         internal = self.state["internal_force"]
         return self.load, self.load_start, self.f_start, internal, self.normal, self.inertia, self.stopping
 
@@ -105,7 +109,7 @@ class TimeStep:
 
     def stiffness(self, dt: float) -> Any:
         """Of mean stresses, mean loads and inertia."""
-        inertia = (2.0 / dt + self.equations.damping) / dt * self.mass.reshape(-1)
+        inertia = (2.0 / dt + self.damping) / dt * self.mass.reshape(-1)
         matrix = _with_diagonal(self.equations.stiffness(dt), 0.5 + self.lead, inertia)
         self.equations.add_load_stiffness(self.time, matrix, 0.5, 2.0 / dt)
         return matrix
@@ -115,10 +119,11 @@ class TimeStep:
     def _accept(self) -> None:
         """Velocities from momentum, so that it is kept to round-off whatever the tolerance; books; clock."""
         state, contact, dt = self.state, self.equations.contact, self.dt
-        alpha, impressed = 0.5 * self.equations.damping * dt, np.zeros_like(self.u)
+        alpha, impressed = 0.5 * self.damping * dt, np.zeros_like(self.u)
         self._follow()
         self._impressed(impressed)
-        free = ((1.0 - alpha) * self.v_start + dt * self.mobility * impressed) / (1.0 + alpha)
+        damped = (1.0 - alpha) * self.v_start + 2.0 * alpha * self.drift
+        free = (damped + dt * self.mobility * impressed) / (1.0 + alpha)
         np.copyto(self.v, free, where=self.mobility > 0.0)
         self._support(impressed)
         moved = self.u - self.u_start
@@ -127,7 +132,10 @@ class TimeStep:
         work[INTERNAL] += 0.5 * np.vdot(self.f_start + internal, moved)
         work[NUMERICAL] += self.lead * np.vdot(internal - self.f_start, moved)
         work[EXTERNAL] += 0.5 * np.vdot(self.load_start + self.load, moved)
-        work[DAMPING] += self.equations.damping * np.vdot(self.mass * 0.5 * (self.v_start + self.v), moved)
+        beside = 0.5 * (self.v_start + self.v) - self.drift
+        work[DAMPING] += self.damping * np.vdot(self.mass * beside, moved)
+        if self.equations.relaxation:
+            self.drift += dt / (self.equations.relaxation + 0.5 * dt) * (moved / dt - self.drift)
         if contact is not None:
             self._book_contact(moved)
         self.equations.accept()
@@ -135,9 +143,9 @@ class TimeStep:
     def _support(self, impressed: Floats) -> None:
         """Mean reactions, and their work: what the prescribed nodes gain and pass on."""
         held, state = self.held, self.state
-        mass, before, after = (a.reshape(-1)[held] for a in (self.mass, self.v_start, self.v))
+        mass, before, after, drift = (a.reshape(-1)[held] for a in (self.mass, self.v_start, self.v, self.drift))
         moved = (self.u - self.u_start).reshape(-1)[held]
-        passed = self.equations.damping * mass * 0.5 * (before + after) - impressed.reshape(-1)[held]
+        passed = self.damping * mass * (0.5 * (before + after) - drift) - impressed.reshape(-1)[held]
         reaction = state["reaction"].reshape(-1)
         reaction[:] = 0.0
         reaction[held] = mass * (after - before) / self.dt + passed
