@@ -22,7 +22,6 @@ from typing import Any
 import numba
 import numpy as np
 from numba import njit, types
-from numba.core import event
 from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
@@ -55,31 +54,49 @@ def _compiled(function: Callable[..., Any], options: dict[str, Any]) -> Callable
     numba.config.CACHE_DIR = cache_folder(function.__code__.co_filename)
     try:
         if function.__name__.startswith("_"):
-            return _made(_InnerKernel, njit(cache=True, **_NO_ENTRY, **options)(function))
-        return _made(Kernel, njit(cache=True, **_ENTRY, **options)(function))
+            return _dispatcher(_InnerKernel, function, {**_NO_ENTRY, **options}, cached=True)
+        return _dispatcher(Kernel, function, {**_ENTRY, **options}, cached=True)
     finally:
         numba.config.CACHE_DIR = before
 
 
+def _dispatcher(
+    kind: type[CPUDispatcher], function: Callable[..., Any], options: dict[str, Any], cached: bool = False
+) -> Callable[..., Any]:
+    """What `njit` would make of a function, of a class of ours; the function itself where numba is switched off."""
+    if numba.config.DISABLE_JIT:
+        return function
+    made = kind(py_func=function, targetoptions={"nopython": True, "boundscheck": None, **options})
+    if cached:
+        made.enable_caching()
+    return made
+
+
 def point(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of one point that is inlined into every kernel that calls it."""
-    return _made(_Inner, njit(forceinline=True, **_NO_ENTRY, **_OPTIONS)(function))
+    return _dispatcher(_Inner, function, {"forceinline": True, **_NO_ENTRY, **_OPTIONS})
 
 
 class Compilation:
-    """CPU seconds that this process has spent on compiling kernels and on loading them from the cache."""
+    """CPU seconds that this process has spent on compiling kernels and on loading them from the cache.
+
+    Garbage is not collected meanwhile: the collector would walk through a million short-lived objects in vain.
+    """
 
     def __init__(self) -> None:
-        self.seconds, self._depth, self._began = 0.0, 0, 0.0
+        self.seconds, self._depth, self._began, self._collected = 0.0, 0, 0.0, False
 
     def __enter__(self) -> None:
         if not self._depth:
-            self._began = thread_time()
+            self._began, self._collected = thread_time(), gc.isenabled()
+            gc.disable()
         self._depth += 1
 
     def __exit__(self, *raised: object) -> None:
         self._depth -= 1
         if not self._depth:
+            if self._collected:
+                gc.enable()
             self.seconds += thread_time() - self._began
 
 
@@ -105,7 +122,7 @@ class _Inner(CPUDispatcher):
     @cached_property
     def with_entry(self) -> Callable[..., Any]:
         """The same function for Python."""
-        return njit(**_OPTIONS)(self.py_func)
+        return _dispatcher(Kernel, self.py_func, {**_ENTRY, **_OPTIONS})
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         return self.with_entry(*arguments, **named)
@@ -113,34 +130,6 @@ class _Inner(CPUDispatcher):
 
 class _InnerKernel(_Inner, Kernel):
     """Both."""
-
-
-def _made(kind: type, dispatcher: Any) -> Callable[..., Any]:
-    dispatcher.__class__ = kind
-    return dispatcher
-
-
-class _NoCollection(event.Listener):
-    """Holds the garbage collector while numba compiles: it walks through a million short-lived objects in vain."""
-
-    def __init__(self) -> None:
-        self.depth, self.collected = 0, False
-
-    def on_start(self, event: Any) -> None:
-        """Called before a function is compiled, also one that another one needs."""
-        if not self.depth:
-            self.collected = gc.isenabled()
-            gc.disable()
-        self.depth += 1
-
-    def on_end(self, event: Any) -> None:
-        """Called when it is compiled."""
-        self.depth -= 1
-        if not self.depth and self.collected:
-            gc.enable()
-
-
-event.register("numba:compile", _NoCollection())
 
 
 def section(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -3,12 +3,20 @@
 from __future__ import annotations
 
 import gc
+import inspect
 import math
+import os
+import subprocess
+import sys
+from typing import Any
 
+import numba
 import numpy as np
 import pytest
+from numba.core.registry import CPUDispatcher
+from numba.extending import overload
 
-from contactlab.api.compiled.kernel import COMPILATION, exp, kernel, log, point, power
+from contactlab.api.compiled.kernel import COMPILATION, Kernel, exp, kernel, log, point, power
 
 
 @kernel
@@ -78,3 +86,68 @@ def test_the_garbage_collector_is_left_as_it_was(collecting: bool) -> None:
 
 def _refused(x):
     return x.nothing
+
+
+collections_seen: list[bool] = []
+
+
+def _probe() -> None:
+    """Stands for a call whose compilation shows whether garbage is collected."""
+
+
+@overload(_probe)
+def _probed() -> Any:
+    collections_seen.append(gc.isenabled())
+    return lambda: None
+
+
+@pytest.mark.parametrize("ours", [False, True])
+def test_only_our_own_compilations_hold_the_garbage_collector(ours: bool) -> None:
+    """The host program compiles with its collector on, whatever it has imported of us."""
+    collections_seen.clear()
+    assert gc.isenabled()
+
+    def compiled() -> None:
+        _probe()
+
+    compiled.__name__ = f"asks_{ours}"
+    (kernel(compiled) if ours else numba.njit(compiled))()
+    assert collections_seen
+    assert set(collections_seen) == {not ours}
+    assert gc.isenabled()
+
+
+def test_dispatchers_are_made_of_our_classes_and_of_no_other() -> None:
+    """Made by their class, as `njit` makes its own; those of the host program stay what they are."""
+    assert type(twice) is Kernel
+    assert isinstance(twice, CPUDispatcher)
+    assert type(numba.njit(lambda x: x)) is CPUDispatcher
+
+
+def test_what_is_overridden_is_there_in_this_version_of_numba() -> None:
+    """All that is used beside numba's decorators: a new version that changes it fails here and not in a run."""
+    assert list(inspect.signature(CPUDispatcher.compile).parameters) == ["self", "sig"]
+    assert list(inspect.signature(CPUDispatcher.get_call_template).parameters) == ["self", "args", "kws"]
+    taken = inspect.signature(CPUDispatcher.__init__).parameters
+    assert {"py_func", "targetoptions"} <= set(taken)
+    assert inspect.signature(CPUDispatcher.enable_caching).parameters.keys() == {"self"}
+    made, ours = numba.njit(error_model="numpy")(_probe), kernel(_probe)
+    # what `njit` passes on beside the options that it was given
+    assert {name: made.targetoptions[name] for name in ("nopython", "boundscheck")} == {
+        name: ours.targetoptions[name]  # type: ignore[attr-defined]
+        for name in ("nopython", "boundscheck")
+    }
+
+
+def test_without_numba_kernels_are_plain_functions() -> None:
+    """NUMBA_DISABLE_JIT serves to step through kernels with a debugger."""
+    source = (
+        "import numpy as np\n"
+        "from contactlab.api.compiled.kernel import kernel, point\n"
+        "def add(values, out):\n    out += values\n"
+        "assert kernel(add) is add and point(add) is add\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", source], env=os.environ | {"NUMBA_DISABLE_JIT": "1"}, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr.decode()
