@@ -2,7 +2,9 @@
 
 Passing twenty arrays costs a compiled call a microsecond, in tuples three, which is more than a kernel on a few dozen
 nodes works. A `BoundArrays` holds references to its arrays, so that its address stays good as long as it lives;
-`contactlab.api.compiled.unpack` turns the address into the arrays inside a kernel.
+`contactlab.api.compiled.unpack` turns the address into the arrays inside a kernel. The memory of tables is never given
+back, and an address carries a number of its own that its table repeats while it lives: so an address that has outlived
+its object is an error in the kernel, and no read of freed memory, also where other arrays are bound there by then.
 
 What is bound is told by a layout, "d2 i1" say, or by a table: a named tuple whose annotations are the array types
 below, or other tables. Inside a kernel a table's arrays have the names of its fields.
@@ -11,13 +13,14 @@ below, or other tables. Inside a kernel a table's arrays have the names of its f
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, Any, Final, get_type_hints
 from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "ADDRESS_BITS",
     "DTYPES",
     "BoundArrays",
     "BoundCache",
@@ -31,6 +34,13 @@ __all__ = [
     "layout_of",
     "members",
 ]
+
+ADDRESS_BITS: Final = 48
+"""Bits of an address that say where a table is; the others hold its serial number."""
+
+LAST_SERIAL: Final = 2**15 - 1  # so that addresses are positive
+_FREE: dict[int, list[tuple[NDArray[np.int64], int]]] = {}
+_SPENT: list[NDArray[np.int64]] = []
 
 DTYPES = {"d": np.float64, "i": np.int32, "l": np.int64, "b": np.bool_}
 
@@ -58,8 +68,8 @@ class BoundArrays:
     """C-contiguous arrays that never move while this object lives, for kernels that `unpack` its `address`.
 
     `layout` has a word for each array: a letter for what is in it (d float64, i int32, l int64, b bool) and the number
-    of its dimensions, "d2 i1" say; or it is a table (see the module). `table` is what the address leads to: the arrays
-    as compiled code holds them.
+    of its dimensions, "d2 i1" say; or it is a table (see the module). `table` is what the address leads to: the address
+    itself while this object lives, then the arrays as compiled code holds them.
     """
 
     def __init__(self, layout: str | type, *arrays: Any) -> None:
@@ -71,8 +81,24 @@ class BoundArrays:
                 raise TypeError(f"bound array: got {array.dtype} of {array.ndim} dimensions, needed: contiguous {word}")
             # owner and parent: none, `arrays` keeps them; then size, bytes per entry, address, shape and strides
             words += [0, 0, array.size, array.itemsize, array.ctypes.data, *array.shape, *array.strides]
-        self.table = np.array(words, np.int64)
-        self.address = int(self.table.ctypes.data)
+        self.table, self._serial = _room(1 + len(words))
+        self.address = int(self.table.ctypes.data) | self._serial << ADDRESS_BITS
+        self.table[0], self.table[1:] = self.address, words
+
+    def __del__(self) -> None:
+        if hasattr(self, "address"):
+            self.table[0] = 0
+            if self._serial < LAST_SERIAL:
+                _FREE.setdefault(len(self.table), []).append((self.table, self._serial))
+            else:
+                _SPENT.append(self.table)
+
+
+def _room(words: int) -> tuple[NDArray[np.int64], int]:
+    """Memory for a table, which is never given back, and a serial number that no table there had before."""
+    free = _FREE.get(words)
+    table, serial = free.pop() if free else (np.zeros(words, np.int64), 0)
+    return table, serial + 1
 
 
 def _flat(arrays: tuple[Any, ...]) -> Iterator[Any]:

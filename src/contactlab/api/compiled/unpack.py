@@ -8,20 +8,31 @@ import numpy as np
 from numba import from_dtype, types
 from numba.extending import intrinsic
 
-from contactlab.api.compiled.bound_arrays import DTYPES, members
+from contactlab.api.compiled.bound_arrays import ADDRESS_BITS, DTYPES, members
 
 __all__ = ["unpack"]
+
+STALE = "bound arrays: their BoundArrays object is no more; keep it as long as its address is used"
 
 
 @intrinsic(prefer_literal=True)
 def unpack(typingctx: Any, address: Any, layout: Any) -> Any:
-    """Tuple of the arrays bound at `address` with the same `layout`, a constant; a named one if it is a table."""
+    """Tuple of the arrays bound at `address` with the same `layout`, a constant; a named one if it is a table.
+
+    Raises ValueError where the object that bound them is no more.
+    """
     found = _type_of(layout)
     if found is None:
         return None
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        return builder.load(builder.inttoptr(args[0], context.get_value_type(found).as_pointer()))
+        word = args[0].type
+        where = builder.and_(args[0], word((1 << ADDRESS_BITS) - 1))
+        alive = builder.load(builder.inttoptr(where, word.as_pointer()))
+        with builder.if_then(builder.icmp_unsigned("!=", alive, args[0]), likely=False):
+            context.call_conv.return_user_exc(builder, ValueError, (STALE,))
+        arrays = builder.add(where, word(8))
+        return builder.load(builder.inttoptr(arrays, context.get_value_type(found).as_pointer()))
 
     return found(types.int64, layout), codegen
 

@@ -8,7 +8,16 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache, Floats1, Floats2, Ints1, layout_of
+from contactlab.api.compiled.bound_arrays import (
+    ADDRESS_BITS,
+    LAST_SERIAL,
+    BoundArrays,
+    BoundCache,
+    Floats1,
+    Floats2,
+    Ints1,
+    layout_of,
+)
 from contactlab.api.compiled.kernel import kernel
 from contactlab.api.compiled.unpack import unpack
 
@@ -96,3 +105,60 @@ def test_a_cache_binds_once_for_an_owner_and_its_source_and_forgets_the_owner() 
     made.clear()
     del owner, first
     assert bound() is None
+
+
+@kernel
+def total(bound):
+    """Sum of the first of two arrays."""
+    numbers, _ = unpack(bound, "d1 d1")
+    found = 0.0
+    for i in range(numbers.size):
+        found += numbers[i]
+    return found
+
+
+@kernel
+def _of_another(bound):
+    return total(bound) + 1.0
+
+
+@kernel
+def passed_on(bound):
+    """Asks a kernel that asks a kernel."""
+    return _of_another(bound)
+
+
+def test_an_address_that_outlives_its_object_is_an_error() -> None:
+    """It used to be read, whatever stood there by then."""
+    bound = BoundArrays("d1 d1", np.ones(3), np.ones(1))
+    address = bound.address
+    assert total(address) == 3.0
+    assert passed_on(address) == 4.0
+    del bound
+    for ask in (total, passed_on):
+        with pytest.raises(ValueError, match="their BoundArrays object is no more"):
+            ask(address)
+
+
+def test_an_old_address_is_an_error_where_others_are_bound_by_then() -> None:
+    """Tables of the same size take each other's place; a serial number tells them apart."""
+    old = BoundArrays("d1 d1", np.ones(3), np.ones(1))
+    address = old.address
+    del old
+    kept = [BoundArrays("d1 d1", np.full(3, 2.0), np.ones(1)) for _ in range(5)]
+    where = (1 << ADDRESS_BITS) - 1
+    assert any(bound.address & where == address & where for bound in kept), "no table was reused: nothing is shown"
+    assert [total(bound.address) for bound in kept] == [6.0] * 5
+    with pytest.raises(ValueError, match="their BoundArrays object is no more"):
+        total(address)
+
+
+def test_a_table_whose_numbers_are_used_up_is_not_used_again() -> None:
+    """Serial numbers never begin anew, and addresses stay positive."""
+    array, seen = np.ones(2), set()
+    for _ in range(2 * LAST_SERIAL + 10):
+        bound = BoundArrays("d1 d1 d1 d1 d1", array, array, array, array, array)
+        assert 0 < bound.address < 2**63
+        seen.add(bound.address)
+        del bound
+    assert len(seen) == 2 * LAST_SERIAL + 10
