@@ -23,7 +23,7 @@ class ConjugateContactSystem(ContactSystem):
         self.gradients = [conjugate_rows(pair) for pair in pairs]
         # an overlap of the start that is pushed out puts energy in on purpose
         self.strict = [pair.easing is None for pair in pairs]
-        self.velocity, self.last_dt = state["velocity"], state["last_dt"]
+        self.velocity = state["velocity"]
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         """Rows at `current`, gaps at its end, forces from the enforcement; see `contactlab.api.ContactEquations`."""
@@ -61,5 +61,5 @@ class ConjugateContactSystem(ContactSystem):
     def _advance(self, rows: Rows, first: int, current: Floats, predicted: Floats, strict: bool) -> None:
         """What the rows from `first` on have to hold at the end of the step."""
         allow_motion(
-            first, rows.count, rows.packed.address, current, predicted, self.velocity, float(self.last_dt[0]), strict
+            first, rows.count, rows.packed.address, current, predicted, self.velocity, self.state.last_dt, strict
         )
