@@ -12,7 +12,7 @@ INSTALLED := $(VENV)/installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test paper lint bench clean
+.PHONY: demo test faults fuzz paper lint bench clean
 
 demo: $(INSTALLED)
 	@out=runs/demo; n=2; while [ -e $$out ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
@@ -21,6 +21,12 @@ demo: $(INSTALLED)
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto $(TESTS)
+
+faults: $(INSTALLED)
+	$(BIN)/python tests/abuse/faults.py $(FAULTS)
+
+fuzz: $(INSTALLED)
+	$(BIN)/python tests/abuse/fuzz.py $(FUZZ)
 
 paper: $(INSTALLED)
 	$(BIN)/python benchmarks/studies/paper/make.py

@@ -74,7 +74,7 @@ def _distances(points: Floats, a: Floats, b: Floats) -> Floats:
     nearest, _ = KDTree(a).query(points)
     middles, half = KDTree(0.5 * (a + b)), 0.5 * float(np.hypot(*(b - a).T).max())
     out = np.empty(len(points))
-    for i, found in enumerate(middles.query_ball_point(points, nearest + half)):
+    for i, found in enumerate(middles.query_ball_point(points, (nearest + half) * (1.0 + 1e-9))):
         along, to_a = b[found] - a[found], a[found] - points[i]
         share = np.clip(-np.einsum("ei,ei->e", to_a, along) / np.einsum("ei,ei->e", along, along), 0.0, 1.0)
         out[i] = np.hypot(*(to_a + share[:, None] * along).T).min()

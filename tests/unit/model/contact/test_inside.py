@@ -61,3 +61,15 @@ def test_pairs_grow_with_points_and_edges(monkeypatch: pytest.MonkeyPatch) -> No
         assert depth == pytest.approx(0.01 * np.ones(count // 2), abs=1e-4)
     # 16 times as many points and edges
     assert looked_at[2] < 20 * looked_at[0]
+
+
+@given(seed=st.integers(0, 10_000))
+@settings(max_examples=60, deadline=None)
+def test_long_edges_are_found_from_their_ends(seed: int) -> None:
+    """The point in line with the longest edge, beyond the end of which it lies: round-off must not hide that edge."""
+    chance = np.random.default_rng(seed)
+    positions = np.array([[0.0, 0.0], [chance.uniform(1.0, 3.0), 0.0], [1.0, 2.0]]) + chance.uniform(-1.0, 1.0, 2)
+    edges = np.array([[0, 1], [1, 2], [2, 0]])
+    points = positions.mean(axis=0) + 1e-9 * chance.uniform(-1.0, 1.0, (5, 2))
+    points = np.concatenate([points, positions + 1e-12 * (positions.mean(axis=0) - positions)])
+    assert depths_inside(points, positions, edges) == pytest.approx(brute_force(points, positions, edges), abs=1e-11)
