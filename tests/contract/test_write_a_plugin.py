@@ -167,6 +167,14 @@ def test_it_compares_like_the_shipped_mortar(place: Place) -> None:
     assert force["gauss-mortar"] != force["mortar-p1"]
 
 
+def test_case_and_algorithm_appear_in_the_matrix(place: Place) -> None:
+    """An installed package of strangers takes part with no other change, and is met at what its case allows."""
+    place.of_page("contactlab matrix")
+    with (place.folder / "runs" / "matrix" / "matrix.csv").open() as file:
+        rows = [row for row in csv.DictReader(file) if row["measure"] == "largest pressure"]
+    assert {row["contact"]: row["verdict"] for row in rows} == {"mortar-p1": "met", "gauss-mortar": "met"}
+
+
 def test_it_is_explained(place: Place) -> None:
     shown = place.of_page("contactlab explain")
     assert "gauss-mortar" in shown
