@@ -24,7 +24,7 @@ from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, bundled_scenes, load_scene
 
 PROBE = Path(__file__).with_name("composition_probe.py")
-CONTACT = r"contactlab\.(model\.(contact|surface_pair|gap_pair|initial_gap|implicit_contact)|results\.contact_report)"
+CONTACT = r"contactlab\.(model\.contact|results\.contact_report)"
 CONTACT_KERNELS = r"contactlab\.kernels\.contact"
 
 
@@ -47,7 +47,7 @@ EFFECTS: dict[str, Traces] = {
         r"contactlab_friction\.(?!plugin)", r".*\.(write_slips|tangential_work)", r"contact\.rows\.(slip|bound|tang)",
         "contact normals",
     ),
-    "rigid surfaces": Traces(modules=r"contactlab\.model\.rigid"),
+    "rigid surfaces": Traces(modules=r"contactlab\.model\.loading\.rigid"),
     "several bodies": Traces(arrays=r"(bodies|forces)\.1\."),
     "finite strain": Traces(
         r"contactlab_solids\.(neo_hookean|hypoelastic|j2)",
@@ -58,7 +58,7 @@ EFFECTS: dict[str, Traces] = {
     "material history": Traces(arrays=r"state\.history"),
     "plasticity": Traces(modules=r"contactlab_solids\.j2"),
     "hourglass control": Traces(kernels=r".*\.stabilise", calls="element stabilisation"),
-    "loads": Traces(modules=r"contactlab\.(model\.loads|kernels\.edge_loads)", kernels=r".*\.edge_forces"),
+    "loads": Traces(modules=r"contactlab\.(model\.loading\.loads|kernels\.edge_loads)", kernels=r".*\.edge_forces"),
     "gravity": Traces(modules=r"contactlab_effects\.gravity"),
     "recording": Traces(
         r"h5py|contactlab\.results\.(vtkhdf|steps)", r".*step_scalars", r"run\.journal\.(sampler|recordings)"

@@ -30,6 +30,8 @@ CASES = [
     ("mortar-p0", "q2"),
     ("mortar-p1", "q2-lagrange"),
 ]
+# mortar rows as published make a fifth of the energy in so fast a push on quadratic sides, which ends the run
+CONJUGATE = {"contacts.0.enforcement": {"use": "forward-increment", "forces": "conjugate"}}
 HALVED = {"bodies.disc.mesh.cells": [12, 3], "bodies.block.mesh.cells": [18, 3]}
 
 
@@ -48,7 +50,7 @@ def short_scene(algorithm: str, element: str) -> Scene:
             "supports.1.ux": {"ramp": "linear", "to": 0.3 * DEPTH},
             "supports.1.uy": {"ramp": "linear", "to": -DEPTH},
             "record.frames": 1,
-            **({} if element == "q1" else HALVED),  # as many nodes
+            **({} if element == "q1" else HALVED | CONJUGATE),  # as many nodes
         }
     )
 

@@ -111,7 +111,7 @@ def _contact_plans(
     return plans, adjusted_bodies(bodies, rigid, plans)
 
 
-def _refuse_impossible(scene: Any, *arguments: Any) -> None:
+def _refuse_impossible(scene: Scene, *arguments: Any) -> None:
     if scene.contacts:
         from contactlab.model.loading.approach import check_approach
 

@@ -13,6 +13,7 @@ import numpy as np
 from contactlab.errors import SceneError
 
 if TYPE_CHECKING:
+    from contactlab.errors import Location
     from contactlab.scene.scene import Scene
 
 CELL_BYTES = 600.0  # of a model, per linear cell: 741 MiB were measured for a million, libraries included
@@ -36,12 +37,12 @@ def check_sizes(scene: Scene) -> None:
         _fits(CELL_BYTES * total, scene.where(f"bodies.{name}.mesh.cells"), _mesh_words(body.mesh, scene.level, total))
 
 
-def check_rigid_size(points: float, where: Any, segment: float) -> None:
+def check_rigid_size(points: float, where: Location, segment: float) -> None:
     """Raise SceneError where a rigid surface has more segments than this machine can hold."""
     _fits(SEGMENT_BYTES * points, where, f"{points:.3g} segments of {segment:.3g} mm")
 
 
-def _fits(size: float, where: Any, got: str) -> None:
+def _fits(size: float, where: Location, got: str) -> None:
     limit = machine_memory()
     if size > limit:
         raise SceneError(

@@ -14,6 +14,7 @@ from contactlab.model.loading.supports import Prescribed
 
 if TYPE_CHECKING:
     from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.scene.scene import Scene
 
 SAMPLES = 33  # times at which motion is looked at: ramps have one way to go, tables a few corners
 
@@ -27,7 +28,7 @@ class _Held(NamedTuple):
 
 
 def check_approach(
-    scene: Any,
+    scene: Scene,
     bodies: tuple[Body, ...],
     rigid: tuple[RigidSurface, ...],
     reference: Floats,
@@ -58,7 +59,7 @@ def _places(reference: Floats, prescribed: Prescribed, times: Floats) -> Floats:
     return places
 
 
-def _joined(scene: Any, names: list[str]) -> list[set[str]]:
+def _joined(scene: Scene, names: list[str]) -> list[set[str]]:
     """Names of bodies and rigid surfaces in groups that contacts join, directly or one through another."""
     groups = [{name} for name in names]
     for contact in scene.contacts:
@@ -74,7 +75,7 @@ def _held(part: Any, prescribed: Prescribed, places: Floats, axis: int) -> _Held
     return _Held(part.name, nodes, places[:, nodes, axis])
 
 
-def _refuse_passing(scene: Any, a: _Held, b: _Held, across: Floats, axis: int) -> None:
+def _refuse_passing(scene: Scene, a: _Held, b: _Held, across: Floats, axis: int) -> None:
     below, above = (a, b) if a.along[0].mean() < b.along[0].mean() else (b, a)
     room = above.along.min(axis=1) - below.along.max(axis=1)
     width = np.minimum(across[:, a.nodes].max(axis=1), across[:, b.nodes].max(axis=1)) - np.maximum(
