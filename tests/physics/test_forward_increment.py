@@ -52,7 +52,11 @@ class Walls:
 def particles(walls: Walls, mass: Floats, velocity: Floats, stiffness: Floats | None = None) -> Oscillator:
     """Nodes at (0, 0), (1, 0) ... behind walls, on springs if stiffness is given."""
     springs = np.zeros(len(mass)) if stiffness is None else stiffness
-    return Oscillator(CentralDifference(), mass, springs, velocity=np.asarray(velocity, float), contact=walls)
+    start, anywhere = np.asarray(velocity, float), np.zeros(len(mass))
+    model = Oscillator(CentralDifference(), mass, springs, velocity=start, clearance=anywhere)
+    model.contact = walls  # in place of the floor
+    model.bind()
+    return model
 
 
 def test_a_node_stops_at_a_wall() -> None:
@@ -149,10 +153,7 @@ def swept(
 ) -> tuple[Floats, Any]:
     """Forces on the nodes, and how the sweeps went; y is the warm start and becomes the multipliers."""
     force = np.zeros_like(compliance)
-    return force, solve(
-        rows.count, rows.start, rows.node, rows.normal_weight, rows.tangent_weight, rows.gap, rows.slip, rows.measure,
-        rows.size, rows.slot, rows.bound, rows.work, compliance, y, force, tolerance, 500,
-    )  # fmt: skip
+    return force, solve(rows.count, rows.packed.address, compliance, y, force, tolerance, 500)
 
 
 @pytest.mark.parametrize("seed", range(4))

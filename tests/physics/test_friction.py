@@ -11,6 +11,7 @@ from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
+from contactlab.testing.gap_rows import rows_from, turned
 
 ALGORITHMS = ("node-on-segment", "mortar-p0", "mortar-p1")
 
@@ -59,18 +60,15 @@ def test_a_node_stops_when_friction_has_taken_its_momentum() -> None:
     """mass m at speed v0 under a load N stops after m v0/(mu N), within one step, and then stays put."""
     mass, speed, load, mu, dt = 2.0, 3.0, 5.0, 0.4, 1e-3
     position, velocity = np.zeros(2), np.array([speed, 0.0])
-    compliance = np.full((1, 2), dt * dt / mass)
+    compliance, normal = np.full((1, 2), dt * dt / mass), np.array([[[0.0, 1.0]]])
     multipliers, force = np.zeros((2, 1)), np.zeros((1, 2))
     stopped, resting = None, []
     for number in range(4000):
         velocity = velocity + dt / mass * np.array([0.0, -load])
         trial = position + dt * velocity
         # a wall y >= 0 with normal (0, 1); slip along x
-        solve(
-            1, np.array([0, 1], np.int32), np.zeros(1, np.int32), np.array([[0.0, 1.0]]), np.array([[1.0, 0.0]]),
-            trial[1:].copy(), np.array([trial[0] - position[0]]), np.ones(1), np.ones(1), np.zeros(1, np.int32),
-            np.array([[mu], [0.0], [0.0]]), np.zeros((4, 1)), compliance, multipliers, force, 1e-14, 50,
-        )  # fmt: skip
+        rows = rows_from(normal, trial[1:], tangent=turned(normal), slip=trial[:1] - position[:1], coefficient=mu)
+        solve(rows.count, rows.packed.address, compliance, multipliers, force, 1e-14, 50)
         moved = trial + compliance[0] * force[0]
         velocity, slip, position = (moved - position) / dt, moved[0] - position[0], moved
         if stopped is None and abs(slip) < 1e-15:
