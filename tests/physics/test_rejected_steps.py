@@ -54,12 +54,12 @@ def test_steps_that_fail(algorithm: str, use: str) -> None:
     dt = 4e-6 / STEPS
     expected = undisturbed(scene, dt, STEPS)
     model, draw = build(scene, scene.registry), np.random.default_rng(hash_of(algorithm))
-    advance = model.bound_integrator().step
+    bound = model.bound_integrator()
+    advance, iteration = bound.step, bound.advance.__self__.iteration  # type: ignore[attr-defined]
     moments, failed = draw.integers(0, STEPS, 4), 0
     for number, wanted in enumerate(expected):
         for moment in moments[moments == number]:
             before = model.state.snapshot()
-            iteration = advance.__self__.iteration  # type: ignore[attr-defined]
             most, iteration.most = iteration.most, int(draw.integers(1, 4))
             step = advance(dt * (1.0 if moment % 2 else 1.7))
             iteration.most = most
