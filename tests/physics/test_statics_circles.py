@@ -16,7 +16,7 @@ from contactlab_statics.active_set import ActiveSet
 from contactlab_statics.iteration import NewtonIteration, Outcome
 from scipy.sparse import csc_array, csr_array
 
-from contactlab.api import Conditions, ContactSlopes, Floats, Ints
+from contactlab.api import Conditions, ContactDerivatives, Floats, Ints
 
 TOLERANCE = 1e-8
 
@@ -57,11 +57,11 @@ class Columns:
     def evaluate(self, position: Floats) -> None:
         self.conditions.gap[:] = position[:, 1]
 
-    def linearise(self, chosen: Ints) -> ContactSlopes:
+    def linearise(self, chosen: Ints) -> ContactDerivatives:
         n, c = len(self.load), len(chosen)
         self.patterns.append(chosen.tobytes())
         rows = csr_array((np.ones(c), (np.arange(c), 2 * chosen + 1)), shape=(c, 2 * n))
-        return ContactSlopes(rows, None, rows, None, csr_array((2 * n, 2 * n)))
+        return ContactDerivatives(rows, None, rows, None, csr_array((2 * n, 2 * n)))
 
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
         inner = self.coupling @ self.displacement[:, 1]

@@ -23,8 +23,8 @@ from contactlab.api.enforcement import (
 from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.friction import FrictionBound, FrictionLaw
 from contactlab.api.integrator import (
+    ContactDerivatives,
     ContactEquations,
-    ContactSlopes,
     Equations,
     ExplicitEquations,
     ExplicitIntegrator,
@@ -64,9 +64,9 @@ __all__ = [
     "Conditions",
     "ContactAlgorithm",
     "ContactCurve",
+    "ContactDerivatives",
     "ContactEquations",
     "ContactMethod",
-    "ContactSlopes",
     "ContactView",
     "Effect",
     "EffectView",

@@ -149,12 +149,12 @@ class ImplicitContact(Protocol):
     def scale(self, flexibility: Floats) -> None:
         """From the next `evaluate` on, stiffnesses follow from these (N, 2) [mm/N] of single nodes, 0 where held."""
 
-    def linearise(self, chosen: Ints) -> ContactSlopes:
-        """Slopes at the positions of the last `evaluate`; rows are the `chosen` slots, in increasing order."""
+    def linearise(self, chosen: Ints) -> ContactDerivatives:
+        """Derivatives at the positions of the last `evaluate`; rows are the `chosen` slots, in increasing order."""
 
 
-class ContactSlopes(NamedTuple):
-    """Sparse slopes by the 2N degrees of freedom; one row for each chosen slot.
+class ContactDerivatives(NamedTuple):
+    """Sparse derivatives by the 2N degrees of freedom; one row for each chosen slot.
 
     normal, tangent  directions of the forces: nodal forces = normal^T y_n + tangent^T y_t
     gap, slip        derivatives of gap and slip; tangent and slip are None without friction

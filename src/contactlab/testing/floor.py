@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import Conditions, ContactSlopes, Floats, ImplicitEnforcement, Ints, Solve, State
+from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, Solve, State
 
 
 def floor_shapes(nodes: int, friction: bool) -> dict[str, tuple[int, ...]]:
@@ -83,7 +83,7 @@ class ImplicitFloor:
         self.conditions.stiffness[:] = np.divide(1.0, flexibility[:, 1], out=np.full(len(held), np.inf), where=~held)
         self.conditions.present[:] = ~held
 
-    def linearise(self, chosen: Ints) -> ContactSlopes:
+    def linearise(self, chosen: Ints) -> ContactDerivatives:
         """Constant directions: the floor is flat."""
         from scipy.sparse import csr_array
 
@@ -91,4 +91,4 @@ class ImplicitFloor:
         normal = csr_array((one, (rows, 2 * chosen + 1)), (len(chosen), size))
         tangent = csr_array((one, (rows, 2 * chosen)), (len(chosen), size))
         along = tangent if len(self.conditions.slip) else None
-        return ContactSlopes(normal, along, normal, along, csr_array((size, size)))
+        return ContactDerivatives(normal, along, normal, along, csr_array((size, size)))

@@ -11,7 +11,7 @@ from contactlab_statics.active_set import ActiveSet
 from contactlab_statics.iteration import NewtonIteration
 from scipy.sparse import csc_array, csr_array
 
-from contactlab.api import Conditions, ContactSlopes, Floats, Ints, State
+from contactlab.api import Conditions, ContactDerivatives, Floats, Ints, State
 from contactlab.testing.oscillator import Ramp
 
 STIFFNESS = np.array([[1.0, 0.5], [0.5, 1.0]])  # tangential, normal
@@ -47,9 +47,9 @@ class Obstacle:
     def scale(self, flexibility: Floats) -> None:
         self.conditions.stiffness[:] = 1.0 / flexibility[0, 1]
 
-    def linearise(self, chosen: Ints) -> ContactSlopes:
+    def linearise(self, chosen: Ints) -> ContactDerivatives:
         normal, tangent = (csr_array(np.array([row])[: len(chosen)]) for row in ([0.0, -1.0], [1.0, 0.0]))
-        return ContactSlopes(normal, tangent, normal, tangent, csr_array((2, 2)))
+        return ContactDerivatives(normal, tangent, normal, tangent, csr_array((2, 2)))
 
 
 class OneNode:

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
-from contactlab.api import ContactSlopes, Floats, ImplicitContact, Ints, Response
+from contactlab.api import ContactDerivatives, Floats, ImplicitContact, Ints, Response
 from contactlab_statics.reuse import ReusedFactor
 
 Indices = NDArray[np.integer[Any]]
@@ -149,7 +149,7 @@ class SaddleSystem:
         keep = column >= 0
         return entries.row[keep], column[keep], entries.data[keep]
 
-    def _fill_rigid_rows(self, plan: Elimination, slopes: ContactSlopes, response: Response) -> None:
+    def _fill_rigid_rows(self, plan: Elimination, slopes: ContactDerivatives, response: Response) -> None:
         """Where supports decide alone, as the slip of a node that is held along the surface, a force changes nothing.
 
         It answers the violation of its own condition, until a bound gives it, rather than make the system singular.
@@ -164,7 +164,7 @@ class SaddleSystem:
                 rigid = slots[held[np.searchsorted(plan.chosen, slots)]]
                 plan.by_force[kind, rigid] = 1.0 / response.by_gap[kind, rigid]
 
-    def _border(self, plan: Elimination, slopes: ContactSlopes) -> list[tuple[Indices, Indices, Floats]]:
+    def _border(self, plan: Elimination, slopes: ContactDerivatives) -> list[tuple[Indices, Indices, Floats]]:
         """Entries of contact: change of forces, columns and rows of the unknown multipliers."""
         first = len(self.free)
         second = first + len(plan.normal)
@@ -205,7 +205,7 @@ def _scaled(factors: Floats, matrix: csr_array) -> csr_array:
     )
 
 
-def _explicit_forces(plan: Elimination, slopes: ContactSlopes) -> Floats:
+def _explicit_forces(plan: Elimination, slopes: ContactDerivatives) -> Floats:
     """Nodal forces (2N,) of the corrections that are known before the solution."""
     chosen = plan.chosen
     forces = slopes.normal.T @ plan.change[0, chosen]
@@ -214,7 +214,7 @@ def _explicit_forces(plan: Elimination, slopes: ContactSlopes) -> Floats:
     return np.asarray(forces)
 
 
-def _conditions_right(plan: Elimination, slopes: ContactSlopes, given: Floats | None) -> list[Floats]:
+def _conditions_right(plan: Elimination, slopes: ContactDerivatives, given: Floats | None) -> list[Floats]:
     """Right-hand sides of the conditions with unknown forces."""
     lower = [plan.residual[0, plan.normal]]
     if len(plan.tangential):

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.sparse import vstack
 
-from contactlab.api import Conditions, ContactSlopes, Floats, ImplicitEnforcement, Ints, State
+from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, State
 from contactlab.kernels.contact import rows
 from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.linearisation import PairLinearisation, PairSlopes
@@ -101,7 +101,7 @@ class ImplicitContactSystem:
         """Nodal flexibilities from which contact stiffnesses follow."""
         self.flexibility[:] = flexibility
 
-    def linearise(self, chosen: Ints) -> ContactSlopes:
+    def linearise(self, chosen: Ints) -> ContactDerivatives:
         """Slopes of the chosen slots; see `contactlab.api.ImplicitContact`."""
         began, force = perf_counter(), self.conditions.force
         parts: list[PairSlopes] = []
@@ -115,16 +115,16 @@ class ImplicitContactSystem:
         self.seconds += perf_counter() - began
         return slopes
 
-    def _joined(self, parts: list[PairSlopes]) -> ContactSlopes:
+    def _joined(self, parts: list[PairSlopes]) -> ContactDerivatives:
         if len(parts) == 1:
             p = parts[0]
-            return ContactSlopes(p.normal, p.tangent, p.gap, p.slip, p.force)
+            return ContactDerivatives(p.normal, p.tangent, p.gap, p.slip, p.force)
         tangent = [p.normal * 0.0 if p.tangent is None else p.tangent for p in parts] if self.friction else None
         slip = [p.gap * 0.0 if p.slip is None else p.slip for p in parts] if self.friction else None
         total = parts[0].force
         for part in parts[1:]:
             total = total + part.force
-        return ContactSlopes(
+        return ContactDerivatives(
             _stacked([p.normal for p in parts]),
             _stacked(tangent),
             _stacked([p.gap for p in parts]),
