@@ -138,9 +138,11 @@ assert results.status == "finished", results.reason
 print(json.dumps(sorted(sys.modules)))
 """
 
+# the work of the push has to outweigh what contact makes where the facets first touch, some 2e-3 N mm/mm:
+# a run that stands almost still is stopped by the guard on energy
 SHORT = {
     "time.end": 2e-7,
-    "supports.1.uy.to": -1e-5,
+    "supports.1.uy.to": -1e-3,
     "bodies.disc.mesh.cells": [8, 2],
     "bodies.block.mesh.cells": [12, 2],
 }
