@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from contactlab.api import Floats, GapConditions, Pieces, Solve
-from contactlab.errors import WrongAnswer
+from contactlab.errors import SimulationFailure, WrongAnswer
+from contactlab.kernels.watch import smallest_jacobian
 from contactlab.model.bodies.body import Block, BodyForces
 
 if TYPE_CHECKING:
@@ -61,11 +62,18 @@ def _examine_block(forces: BodyForces, block: Block, begin: int) -> bool:
     ):
         if finite(values):
             continue
-        wrong = np.flatnonzero(whole & ~np.isfinite(values).all(axis=0))
-        if len(wrong):
-            cell = begin + int(wrong[0]) % block.connectivity.shape[1]
-            _refuse(part, method, what, f" in cell {cell} of body {body.name}")
+        for cell in np.flatnonzero(whole & ~np.isfinite(values).all(axis=0)) % block.connectivity.shape[1]:
+            if not _turned_over(forces, block, int(cell)):
+                _refuse(part, method, what, f" in cell {begin + cell} of body {body.name}")
+            whole[cell :: block.connectivity.shape[1]] = False
     return not bool(whole.all())
+
+
+def _turned_over(forces: BodyForces, block: Block, cell: int) -> bool:
+    """Whether a cell's map from its nodes has no area somewhere: an averaged gradient (F-bar) has no value there."""
+    element = forces.body.element
+    slopes = np.ascontiguousarray(element.shape(element.quadrature().points).gradient)
+    return not smallest_jacobian(forces.geometry, block.connectivity[:, cell : cell + 1], slopes)[0] > 0.0
 
 
 def examine_effects(model: Model, time: float) -> None:
@@ -148,6 +156,8 @@ class Examined:
         self.refuse_state()
         self._model.internal_force(dt)
         examine_bodies(self._model)
+        if not finite(self._model.state["internal_force"]):
+            raise SimulationFailure("diverged", "a cell is folded over")  # what follows from it is no part's fault
 
     def refuse_state(self) -> None:
         """Raise WrongAnswer where the integrator made something else of finite forces."""
