@@ -20,6 +20,7 @@ class ContactReport:
 
     resultant          (2,) [N] sum of the nodal forces on the slave
     pressure_integral  (2,) [N] integral of pressure and shear over the deformed slave chain
+    covered_integral   (2,) [N] the same where each node counts with the share of its length that is covered
     max_penetration    [mm] of either side's nodes and segment middles into the other side
     penetrating_side   "slave", "master" or ""
     cone_violation     largest of -y_n and |y_t| - bound, over the largest y_n
@@ -31,6 +32,7 @@ class ContactReport:
     curve: ContactCurve
     resultant: Floats
     pressure_integral: Floats
+    covered_integral: Floats
     max_penetration: float
     penetrating_side: str
     cone_violation: float
@@ -78,6 +80,7 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
         curve=curve,
         resultant=resultant,
         pressure_integral=_integral(pair, seen, pressure, shear),
+        covered_integral=_integral(pair, seen, pressure, shear, _covered(pair, seen)),
         max_penetration=depth,
         penetrating_side=side,
         cone_violation=float(
@@ -148,8 +151,25 @@ def _states(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:
     return np.asarray(per_slot.reshape(pair.rows_per_node, -1).max(axis=0), np.int32)
 
 
-def _integral(pair: ContactPair, seen: ContactSnapshot, pressure: Floats, shear: Floats) -> Floats:
-    """Force on the slave: pressure against the outward normal, shear along the chain."""
+def _covered(pair: ContactPair, seen: ContactSnapshot) -> Floats:
+    """Share (m,) of each node's length that its multiplier covers; 1 where nodes without one lie between others."""
+    inner = pair.between[0]
+    if np.size(pair.slave.nodes[inner]):
+        return np.ones(len(pair.slave.nodes))
+    lengths = np.zeros(len(pair.slave.nodes))
+    a, b = pair.slave.segments.T
+    half = 0.5 * np.hypot(*(seen.at.slave[b] - seen.at.slave[a]).T)
+    np.add.at(lengths, a, half)
+    np.add.at(lengths, b, half)
+    return np.asarray(_slots(pair, seen.cover).max(axis=0) / lengths)
+
+
+def _integral(
+    pair: ContactPair, seen: ContactSnapshot, pressure: Floats, shear: Floats, share: Floats | None = None
+) -> Floats:
+    """Force on the slave: pressure against the outward normal, shear along the chain, times the `share` of nodes."""
+    if share is not None:
+        pressure, shear = share * pressure, share * shear
     a, b = pair.slave.segments.T
     edge = seen.at.slave[b] - seen.at.slave[a]
     inward = np.stack([-edge[:, 1], edge[:, 0]], axis=1)
