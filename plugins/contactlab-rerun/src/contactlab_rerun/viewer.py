@@ -97,6 +97,10 @@ def headless_viewer(file: Path) -> Iterator[Any]:
         )  # fmt: skip
         try:
             yield _connected(process, ViewerClient, f"rerun+http://{HOST}:{port}/proxy", words)
+        except ConnectionError as error:  # a viewer that cannot draw may answer before it ends
+            process.wait(PATIENCE)
+            words.seek(0)
+            raise RuntimeError(_last_words(words.read())) from error
         finally:
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGTERM)
