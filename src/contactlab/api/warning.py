@@ -76,6 +76,10 @@ class Warnings:
         names, self._untold = self._untold, []
         return [self._found[name] for name in names]
 
+    def keep(self, warnings: Iterable[RunWarning]) -> None:
+        """Go back to these where one of the same code and key is there."""
+        self._found |= {(warning.code, warning.key): warning for warning in warnings}
+
     def restore(self, warnings: Iterable[RunWarning]) -> None:
         """Those of a run that is taken up again, told already."""
         self._found = {(warning.code, warning.key): warning for warning in warnings}

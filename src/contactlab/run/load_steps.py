@@ -145,8 +145,11 @@ class LoadSchedule(Schedule):
             return stop - time
         return self.path.time(done + (rest / number if number <= 2 else self.part)) - time
 
+    def _reached(self, limit: float) -> bool:
+        return bool(self.state.time >= limit * (1.0 - NEARLY * self.wished))
+
     def _over(self, limit: float) -> bool:
-        if self.state.time >= limit * (1.0 - NEARLY * self.wished):
+        if self._reached(limit):
             return True
         return super()._over(np.inf) if self.pace.settle else False
 

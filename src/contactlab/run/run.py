@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from time import perf_counter
@@ -111,7 +112,23 @@ class Run:
 
     def judge(self) -> None:
         """Look at the end of the run; see `contactlab.run.judgement`."""
+        known = list(self.model.warnings) if self.journal.last is None else []
+        self._look_again()
         self.guards.judge(self.journal.last)
+        # conditions made again differ in their last digits from those of the step, of which the saved warnings speak
+        self.model.warnings.keep(known)
+
+    def _look_again(self) -> None:
+        """Sample a run that was taken up at its very last frame."""
+        if self.journal.last is None and self.journal.frames:
+            self.journal.last = take_sample(self.model, self.journal.frames - 1, self.journal.rows[-1]["sweeps"])
+
+    def conclude(self) -> None:
+        """Verdicts on a run whose time is over. Raises SimulationFailure where its answer is none."""
+        self.guards.at_the_end()
+        self.schedule.follow()
+        self.schedule.verdict()
+        self.judge()
 
     def tell_warnings(self) -> None:
         """Note warnings that are new as events."""
@@ -146,7 +163,15 @@ class Run:
         return 1, self.save_now_and_then if self.model.integrator.inertia else self.save
 
     def pause(self, why: str) -> str:
-        """Save the state of a run that is stopped; the reason for its summary."""
+        """Save the state of a run that is stopped; the reason for its summary.
+
+        After the last step what the step left beside the state is still there to be judged, and is not later;
+        a run that fails there fails when it is taken up.
+        """
+        if self.schedule.at_its_end():
+            with suppress(SimulationFailure):
+                self.conclude()
+            self.tell_warnings()
         self.save()
         kept = "its state is saved" if self.journal.restartable else "nothing was written to take it up again"
         return f"{why} after step {self.model.state.step}; {kept}"
@@ -192,9 +217,7 @@ class Run:
 
     def finish(self, status: str, reason: str) -> Results:
         """Close the files and give the results."""
-        if self.journal.last is None and self.journal.frames:
-            # taken up at its very last frame: look at it once more for the summary
-            self.journal.last = take_sample(self.model, self.journal.frames - 1, self.journal.rows[-1]["sweeps"])
+        self._look_again()
         self.clock.arrays_mib = None
         complete, folder = self.journal.restartable, self.journal.folder
         self.tell_warnings()

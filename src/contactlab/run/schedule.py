@@ -40,7 +40,6 @@ class Schedule:
         self.next_sample = self.pace.ramp
         self.samples: deque[tuple[float, float]] = deque(maxlen=SAMPLES + 1)
         self.settled = False
-        self.stopped = False
 
     def _first_step(self) -> float:
         stable = self.model.stable_step()
@@ -114,7 +113,6 @@ class Schedule:
 
     def stop(self) -> None:
         """End the run after the present step, as if its time were over; may be called at any moment."""
-        self.stopped = True
         self.limit = -np.inf
 
     def frame_due(self) -> bool:
@@ -132,11 +130,17 @@ class Schedule:
         """Whether the run has reached its end, or was stopped."""
         return self._over(self.limit)
 
+    def at_its_end(self) -> bool:
+        """Whether the last step has been made; asking changes nothing."""
+        return self.settled or self._reached(self.end)
+
+    def _reached(self, limit: float) -> bool:
+        return bool(self.state.time >= limit - 0.5 * self.dt)
+
     def _over(self, limit: float) -> bool:
-        time = self.state.time
-        if time >= limit - 0.5 * self.dt:
+        if self._reached(limit):
             return True
-        if self.pace.settle and time >= self.next_sample:
+        if self.pace.settle and self.state.time >= self.next_sample:
             self.next_sample += self.pace.period / SAMPLES
             self.settled = self._settled()
         return self.settled
@@ -174,7 +178,7 @@ class Schedule:
 
     def verdict(self) -> None:
         """Raise SimulationFailure("not-converged") for an `auto` run that did not settle."""
-        if not self.pace.settle or self.settled or self.stopped or not self.samples:
+        if not self.pace.settle or self.settled or not self.samples:
             return
         mismatch, kinetic = self.worst()
         raise SimulationFailure(

@@ -93,10 +93,7 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
         _advance(run, progress)
         if interruption.name:
             return "interrupted", run.pause(f"stopped by {interruption.name}")
-        run.guards.at_the_end()
-        run.schedule.follow()
-        run.schedule.verdict()
-        run.judge()
+        run.conclude()
         return "finished", ""
     except NotFiniteError as failure:
         found = wrong_answer(run)
