@@ -57,12 +57,18 @@ def titled_runs(runs: Mapping[str, Results]) -> dict[str, Results]:
     """The runs by algorithm and slave, and by every other key of the scene in which they differ."""
     scenes = {name: _flat(parse_toml(results.layout.scene, "scene.toml")) for name, results in runs.items()}
     keys = dict.fromkeys(key for scene in scenes.values() for key in scene)
-    different = [key for key in keys if len({str(scene.get(key)) for scene in scenes.values()}) > 1]
+    different = [key for key in keys if _differs(key, scenes.values())]
     titled: dict[str, Results] = {}
     for name, results in runs.items():
         title = _title(results, scenes[name], different)
         titled[title if title not in titled else f"{title} ({name})"] = results
     return titled
+
+
+def _differs(key: str, scenes: Iterable[Mapping[str, Any]]) -> bool:
+    """Whether runs differ in a key. A field of an algorithm counts among runs of algorithms that have it."""
+    own = ".algorithm." in key and not key.endswith(".use")
+    return len({str(scene.get(key)) for scene in scenes if key in scene or not own}) > 1
 
 
 def _title(results: Results, scene: Mapping[str, Any], different: Iterable[str]) -> str:
@@ -74,7 +80,7 @@ def _title(results: Results, scene: Mapping[str, Any], different: Iterable[str])
             continue
         if last == "swap":
             shown.append(f"slave {contacts[0].slave.partition('.')[0]}")
-        elif ".algorithm.use" not in key:
+        elif ".algorithm.use" not in key and (key in scene or ".algorithm." not in key):
             name = key.removesuffix(".use").rpartition(".")[2]
             shown.append(f"{name} {scene.get(key, 'none')}")
     return ", ".join(shown)
