@@ -159,7 +159,10 @@ def count(folder: Path) -> int:
         return 0
 
 
-def test_archives_merge(made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_archives_merge(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "160")  # a narrow terminal cuts the names of machines
     with Archive(tmp_path / FILE):
         pass
     assert main(["archive", "merge", str(tmp_path), str(made)]) == 0
