@@ -157,7 +157,7 @@ def test_ironing_with_slivers_of_cover_at_the_rim() -> None:
     """P1 on the foundation: its segments at the rim of the block are covered in part.
 
     Forces are those of the other side as slave, to what the two discretisations differ by (1 % is seen), and the
-    pressures that belong to slivers are shown four times too large: forces are right, and the run warns (below).
+    pressures that belong to slivers are shown four times too large; forces are right.
     """
     found = coarse_ironing("mortar-p1", True)
     assert_published(found)
