@@ -12,7 +12,7 @@ INSTALLED := $(VENV)/installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test faults fuzz paper lint bench clean
+.PHONY: demo test faults fuzz mutants paper packages site lint bench clean
 
 demo: $(INSTALLED)
 	@out=runs/demo; n=2; while [ -e $$out ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
@@ -28,8 +28,24 @@ faults: $(INSTALLED)
 fuzz: $(INSTALLED)
 	$(BIN)/python tests/abuse/fuzz.py $(FUZZ)
 
+mutants: $(INSTALLED)
+	$(BIN)/python tests/abuse/mutants.py $(MUTANTS)
+
 paper: $(INSTALLED)
 	$(BIN)/python benchmarks/studies/paper/make.py
+
+# all wheels and source distributions into dist/, after they were built, looked into and run alone
+packages: $(INSTALLED)
+	CONTACTLAB_PACKAGES=full $(BIN)/python -m pytest tests/packaging
+	$(PIP) install -c constraints.txt build
+	@for p in . $(PLUGINS); do $(BIN)/python -m build --no-isolation --outdir dist $$p >/dev/null || exit 1; done; ls dist
+
+# the site in build/site: pages of docs/, a gallery of scenes that are run for it, notebooks, the reference
+site: $(INSTALLED)
+	$(PIP) install -c constraints.txt -e ".[docs]" --no-build-isolation
+	$(BIN)/python tools/site/make.py $(SITE)
+	$(BIN)/python -m mkdocs --quiet build --strict
+	@echo "The site is build/site/index.html"
 
 lint: $(INSTALLED)
 	$(PIP) install -c constraints.txt -e ".[lint]" --no-build-isolation

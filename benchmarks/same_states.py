@@ -1,6 +1,7 @@
 """Do two versions compute the same, bit by bit? For changes that are to move code and no result.
 
     python benchmarks/same_states.py save before      # at one commit, with its own environment
+    python benchmarks/same_states.py save before "newton friction" disc-in-box    # runs with these words in their names
     python benchmarks/same_states.py save after       # at the other, on the same machine
     python benchmarks/same_states.py compare before after
 
@@ -82,12 +83,13 @@ def content(results: Any) -> dict[str, np.ndarray]:
     return {name: np.asarray(values, np.float64) for name, values in found.items()}
 
 
-def save(folder: Path) -> None:
-    """Run everything and keep one file for each run in `folder`."""
+def save(folder: Path, words: list[str]) -> None:
+    """Run everything, or what has one of the words in its name, and keep one file for each run in `folder`."""
     import contactlab
 
+    chosen = [job for job in jobs() if not words or any(word in job[0] for word in words)]
     folder.mkdir(parents=True)
-    for name, scene, changes in jobs():
+    for name, scene, changes in chosen:
         try:
             results = contactlab.simulate(contactlab.load_scene(scene).with_({**changes, "record.recorders": []}))
         except contactlab.ContactlabError as refusal:
@@ -132,9 +134,9 @@ def _differences(before: Path, after: Path) -> Iterator[str]:
 
 
 def main(words: list[str]) -> int:
-    """`save FOLDER` or `compare FOLDER FOLDER`."""
-    if len(words) == 2 and words[0] == "save":
-        save(Path(words[1]))
+    """`save FOLDER WORDS` or `compare FOLDER FOLDER`."""
+    if len(words) >= 2 and words[0] == "save":
+        save(Path(words[1]), words[2:])
         return 0
     if len(words) == 3 and words[0] == "compare":
         return compare(Path(words[1]), Path(words[2]))

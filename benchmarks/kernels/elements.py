@@ -146,8 +146,8 @@ def fused_element(model: Model) -> Callable[[float], None]:
     if len(element.nodes) == 4:
         return lambda dt: fused_elements.q1_fbar(x, reference, cells, force, lame, shear)
     rule = element.quadrature()
-    slopes, weights = element.shape(rule.points).gradient, rule.weights
-    return lambda dt: fused_elements.by_table(x, reference, cells, force, lame, shear, slopes, weights)
+    derivatives, weights = element.shape(rule.points).gradient, rule.weights
+    return lambda dt: fused_elements.by_table(x, reference, cells, force, lame, shear, derivatives, weights)
 
 
 def loop_for(model: Model, element: str, law: str, rate_loop: bool = False) -> Callable[[float], None] | None:

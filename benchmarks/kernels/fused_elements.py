@@ -62,9 +62,9 @@ def q1_fbar(x, u, cells, force, lame, shear):
 
 
 @fused
-def by_table(x, u, cells, force, lame, shear, slopes, weights):
-    """Any element from slopes (points, nodes, 2) of its shape functions and weights (points,)."""
-    points, nodes = slopes.shape[0], slopes.shape[1]
+def by_table(x, u, cells, force, lame, shear, derivatives, weights):
+    """Any element from derivatives (points, nodes, 2) of its shape functions and weights (points,)."""
+    points, nodes = derivatives.shape[0], derivatives.shape[1]
     here, before, own = np.empty((nodes, 2)), np.empty((nodes, 2)), np.empty((nodes, 2))
     for n in range(cells.shape[0]):
         for a in range(nodes):
@@ -76,7 +76,7 @@ def by_table(x, u, cells, force, lame, shear, slopes, weights):
             x_xi, x_eta, y_xi, y_eta = 0.0, 0.0, 0.0, 0.0
             u_xi, u_eta, v_xi, v_eta = 0.0, 0.0, 0.0, 0.0
             for a in range(nodes):
-                p, q = slopes[g, a, 0], slopes[g, a, 1]
+                p, q = derivatives[g, a, 0], derivatives[g, a, 1]
                 x_xi, x_eta = x_xi + p * here[a, 0], x_eta + q * here[a, 0]
                 y_xi, y_eta = y_xi + p * here[a, 1], y_eta + q * here[a, 1]
                 u_xi, u_eta = u_xi + p * before[a, 0], u_eta + q * before[a, 0]
@@ -90,8 +90,8 @@ def by_table(x, u, cells, force, lame, shear, slopes, weights):
             a_x, b_x = w * (s_xx * y_eta - s_xy * x_eta), w * (s_xy * x_xi - s_xx * y_xi)
             a_y, b_y = w * (s_xy * y_eta - s_yy * x_eta), w * (s_yy * x_xi - s_xy * y_xi)
             for a in range(nodes):
-                own[a, 0] += slopes[g, a, 0] * a_x + slopes[g, a, 1] * b_x
-                own[a, 1] += slopes[g, a, 0] * a_y + slopes[g, a, 1] * b_y
+                own[a, 0] += derivatives[g, a, 0] * a_x + derivatives[g, a, 1] * b_x
+                own[a, 1] += derivatives[g, a, 0] * a_y + derivatives[g, a, 1] * b_y
         for a in range(nodes):
             force[cells[n, a], 0] += own[a, 0]
             force[cells[n, a], 1] += own[a, 1]

@@ -20,7 +20,7 @@ inlined = njit(error_model="numpy", fastmath={"contract"}, forceinline=True)
 
 
 @inlined
-def slopes(xi: float, eta: float) -> Any:
+def derivatives(xi: float, eta: float) -> Any:
     """d/dxi and d/deta of the four shape functions."""
     a, b, c, d = 0.25 * (1.0 - eta), 0.25 * (1.0 + eta), 0.25 * (1.0 - xi), 0.25 * (1.0 + xi)
     return -a, a, b, -b, -c, -d, d, c
@@ -28,8 +28,8 @@ def slopes(xi: float, eta: float) -> Any:
 
 @inlined
 def gradient(x, u, i, j, k, m, xi, eta):
-    """Rows of du/dx, the Jacobian's cofactors, and the slopes."""
-    p, q, r, s, e, f, g, h = slopes(xi, eta)
+    """Rows of du/dx, the Jacobian's cofactors, and the derivatives."""
+    p, q, r, s, e, f, g, h = derivatives(xi, eta)
     x_xi = p * x[i, 0] + q * x[j, 0] + r * x[k, 0] + s * x[m, 0]
     y_xi = p * x[i, 1] + q * x[j, 1] + r * x[k, 1] + s * x[m, 1]
     x_eta = e * x[i, 0] + f * x[j, 0] + g * x[k, 0] + h * x[m, 0]
@@ -47,7 +47,7 @@ def gradient(x, u, i, j, k, m, xi, eta):
 @inlined
 def add(force, i, j, k, m, xi, eta, x_xi, x_eta, y_xi, y_eta, xx, yy, xy):
     """Nodal forces of one point's stress."""
-    p, q, r, s, e, f, g, h = slopes(xi, eta)
+    p, q, r, s, e, f, g, h = derivatives(xi, eta)
     a, b = xx * y_eta - xy * x_eta, xy * x_xi - xx * y_xi
     c, d = xy * y_eta - yy * x_eta, yy * x_xi - xy * y_xi
     force[i, 0] += p * a + e * b

@@ -70,7 +70,7 @@ def sampling(level: int) -> float:
     advance = model.bound_integrator().step
     for _ in range(50):  # so that there are rows
         step: Step = advance(dt)
-    columns = len(step_columns([s.on for s in model.supports], [pair.name for pair in model.contact.pairs]))
+    columns = len(step_columns([s.on for s in model.loading.supports], [pair.name for pair in model.contact.pairs]))
     sampler = StepSampler(model, columns, lambda block: None)
     sample = sampler.sample
     rounds = []

@@ -204,8 +204,8 @@ def _held(scene: Scene) -> int:
 FIRST_STEP = """
 import time; began = time.process_time()
 from contactlab.scene.scene import load_scene
-from contactlab.explain.trial_run import _rehearsed
-_rehearsed(lambda: load_scene("disc-on-block"))
+from contactlab.explain.trial_run import _trial_of
+_trial_of(lambda: load_scene("disc-on-block"))
 print(time.process_time() - began)
 """
 

@@ -13,7 +13,7 @@ import math
 import sys
 from pathlib import Path
 
-from contactlab.matrix.archive import CHOICES, FILE, Archive
+from contactlab.archive.archive import CHOICES, FILE, Archive
 from contactlab.parts.registry import default_registry
 
 HERE = Path(__file__).parent

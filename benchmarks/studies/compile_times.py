@@ -52,13 +52,13 @@ scene = load_scene("disc-on-block").with_({"time.end": 1e-6, **changes})
 if scene.integrator["use"] == "newton":
     scene = scene.with_({"time.step": 1e-7})
 from contactlab.model.build import build
-from contactlab.run.run import begin_run
+from contactlab.run.run import prepare_run
 from pathlib import Path
 with tempfile.TemporaryDirectory() as folder:
     model = build(scene, scene.registry)
-    run = begin_run(model, scene, scene.registry, Path(folder), resume=False)
+    run = prepare_run(model, scene, scene.registry, Path(folder), resume=False)
     advance = model.bound_integrator().step
-    run.begin()
+    run.store_start()
     for _ in range(3):
         step = advance(run.schedule.dt)
         for sample in run.every_step:

@@ -17,7 +17,7 @@ from contactlab.api import Floats
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import SimulationFailure
 from contactlab.model.build import build
-from contactlab.run.run import begin_run
+from contactlab.run.run import prepare_run
 
 TERMS = ("closing", "predicted", "normals", "weights", "all")
 
@@ -80,15 +80,15 @@ def measured(name: str, changes: dict[str, Any]) -> tuple[Floats, Floats]:
     assert model.contact is not None
     power = ContactPower(model.contact)
     model.contact.solve = power  # type: ignore[method-assign]
-    run = begin_run(model, scene, scene.registry, None, False)
+    run = prepare_run(model, scene, scene.registry, None, False)
     advance, schedule = model.bound_integrator().step, run.schedule
-    run.begin()
+    run.store_start()
     while not schedule.done():
         step = advance(schedule.dt)
         for sample in run.every_step:
             sample(step, schedule.dt)
         if model.state.step % 50 == 0:
-            schedule.follow()
+            schedule.adapt()
     try:
         schedule.verdict()
     except SimulationFailure as failure:

@@ -40,7 +40,7 @@ def press(mu: float, depth: float, algorithm: str, swap: bool, periods: float) -
         "record.frames": 20,
     }
     scene = load_scene("disc-on-block").with_(changes)
-    return simulate(scene.with_({"time.ramp": periods * build(scene, scene.registry).pace.period}))
+    return simulate(scene.with_({"time.ramp": periods * build(scene, scene.registry).timing.period}))
 
 
 def row(results: Results, **keys: object) -> dict[str, str]:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from contactlab.comparison import compare
     from contactlab.errors import ContactlabError
+    from contactlab.parts.from_python import use
     from contactlab.results.load import load_results
     from contactlab.run.interruption import Interrupted
     from contactlab.run.simulation import simulate
@@ -30,6 +31,7 @@ __all__ = [
     "load_results",
     "load_scene",
     "simulate",
+    "use",
 ]
 
 _HOMES = {
@@ -40,6 +42,7 @@ _HOMES = {
     "load_results": "contactlab.results.load",
     "load_scene": "contactlab.scene.scene",
     "simulate": "contactlab.run.simulation",
+    "use": "contactlab.parts.from_python",
 }
 
 

@@ -21,6 +21,10 @@ INTERRUPTED = 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the program with these words (those of the command line by default); gives the exit status."""
     words = list(sys.argv[1:] if arguments is None else arguments)
+    if arguments is None and "_ARGCOMPLETE" in os.environ:
+        from contactlab.commands.completion import complete
+
+        complete(_parser())
     if arguments is None:
         # the collector walks through what libraries make when they are imported, in vain: a twentieth of a start
         gc.set_threshold(50_000, 20, 20)
@@ -53,11 +57,13 @@ def _plugin_command(name: str, words: list[str]) -> int:
     from contactlab.commands.common import plugin_command
     from contactlab.parts.registry import default_registry
 
-    commands = default_registry().commands()
+    registry = default_registry()
+    commands = registry.commands()
     if name in commands:
         return plugin_command(name, *commands[name])(words)
     known = [*_COMMANDS, *commands]
-    raise RequestError("unknown command", got=name, allowed=", ".join(known), hint=did_you_mean(name, known))
+    hint = registry.reason_against(f"command {name}") or did_you_mean(name, known)
+    raise RequestError("unknown command", got=name, allowed=", ".join(known), hint=hint)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -80,6 +86,7 @@ def _describe_run(command: argparse.ArgumentParser) -> None:
     _add_scene(command)
     _add_out(command)
     command.add_argument("--resume", action="store_true", help="go on with the interrupted run in DIR")
+    _add_json(command)
 
 
 def _describe_compare(command: argparse.ArgumentParser) -> None:
@@ -97,6 +104,8 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
         "--time-limit", type=_seconds, metavar="S", help="wall time for one run; one over it is a row `timed-out`"
     )
     command.add_argument("--jobs", type=_positive, metavar="N", help="runs at a time (default: one per core)")
+    _add_json(command)
+    _add_scheduler(command)
 
 
 def _describe_matrix(command: argparse.ArgumentParser) -> None:
@@ -118,6 +127,15 @@ def _describe_matrix(command: argparse.ArgumentParser) -> None:
     _add_out(command)
     command.add_argument("--resume", action="store_true", help="go on with the matrix in DIR; what is done stays")
     command.add_argument("--jobs", type=_positive, metavar="N", help="cells at a time (default: one per core)")
+    _add_json(command)
+    _add_scheduler(command)
+
+
+def _add_scheduler(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--scheduler", default="local", metavar="WHERE",
+        help="local; dask: a cluster on this machine; tcp://HOST:PORT: a dask scheduler that is there",
+    )  # fmt: skip
 
 
 def _describe_archive(command: argparse.ArgumentParser) -> None:
@@ -133,15 +151,65 @@ def _describe_view(command: argparse.ArgumentParser) -> None:
 
 def _describe_explain(command: argparse.ArgumentParser) -> None:
     _add_scene(command)
+    command.add_argument(
+        "--all", action="store_true", dest="everything", help="every effect, part, call, kernel, array and module"
+    )
+    _add_json(command)
 
 
-def _describe_parts(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--json", action="store_true", help="print JSON for programs")
+def _describe_scenes(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scene", nargs="?", metavar="NAME", help="print this one (default: list all)")
+    command.add_argument("--schema", action="store_true", help="print the JSON schema of scenes, for editors")
+    _add_json(command)
     _add_files(command)
 
 
-def _describe_plain(command: argparse.ArgumentParser) -> None:
-    del command
+def _describe_new_scene(command: argparse.ArgumentParser) -> None:
+    command.add_argument("name", metavar="NAME", help="of the new scene; NAME.toml is written")
+    command.add_argument(
+        "--from", required=True, dest="source", metavar="SCENE", help="scene to begin with: bundled name, or TOML file"
+    )
+    _add_files(command)
+
+
+def _describe_new_plugin(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "kind", metavar="KIND", help="of the part: contact, material, integrator ... (contactlab parts)"
+    )
+    command.add_argument("name", metavar="NAME", help="of part and package, such as my-contact; a folder is written")
+    command.add_argument("--with-ci", action="store_true", help="with a workflow that runs its checks at every push")
+
+
+def _describe_parts(command: argparse.ArgumentParser) -> None:
+    command.add_argument("name", nargs="?", metavar="NAME", help="tell all about this one (default: list all)")
+    _add_json(command)
+    _add_files(command)
+
+
+def _describe_completion(command: argparse.ArgumentParser) -> None:
+    command.add_argument("shell", choices=("bash", "zsh", "fish", "powershell"), help="the shell you type in")
+
+
+def _describe_doctor(command: argparse.ArgumentParser) -> None:
+    _add_json(command)
+
+
+def _add_json(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--json", action="store_true", help="print JSON for programs in place of tables")
+
+
+def _describe_check(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "target", metavar="NAME-or-FILE", help="name of a part, Python file, folder, or installed distribution"
+    )
+    command.add_argument("--kind", default="", metavar="KIND", help="only parts of this kind")
+    command.add_argument(
+        "--set", action="append", default=[], dest="settings", metavar="FIELD=VALUE",
+        help="value of a field of the part; usual ones stand in for fields without a default",
+    )  # fmt: skip
+    _add_files(command)
+    _add_json(command)
+    command.add_argument("--card", metavar="DIR", help="write card.json and card.md, to show what came out")
 
 
 def _add_scene(command: argparse.ArgumentParser) -> None:
@@ -221,16 +289,36 @@ _COMMANDS: dict[str, tuple[_Describe, str, str]] = {
         "say what a scene calls for, without running it",
         "contactlab.commands.explain:explain",
     ),
-    "scenes": (_describe_plain, "list the bundled scenes", "contactlab.commands.listing:scenes"),
+    "scenes": (_describe_scenes, "list the bundled scenes, or print one", "contactlab.commands.scenes:scenes"),
+    "new-scene": (
+        _describe_new_scene,
+        "write a scene of your own, begun from another",
+        "contactlab.commands.scenes:new_scene",
+    ),
+    "new-plugin": (
+        _describe_new_plugin,
+        "write a package with a working part of a kind, its tests and what a release needs",
+        "contactlab.commands.new_plugin:new_plugin",
+    ),
     "parts": (
         _describe_parts,
-        "list the parts of all plugins, and plugins that are broken",
-        "contactlab.commands.listing:parts",
+        "list the parts of all plugins, and plugins that are broken; or tell all about one part",
+        "contactlab.commands.parts:parts",
+    ),
+    "check": (
+        _describe_check,
+        "prove a part: unit checks, cases with known answers, cost of a call",
+        "contactlab.commands.check:check",
     ),
     "doctor": (
-        _describe_plain,
+        _describe_doctor,
         "check the installation by a contact step",
         "contactlab.commands.doctor:doctor",
+    ),
+    "completion": (
+        _describe_completion,
+        "print what makes a shell complete commands, scenes, parts and keys",
+        "contactlab.commands.completion:completion",
     ),
 }
 

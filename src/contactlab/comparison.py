@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from contactlab.archive.rows import RowKeeper
 from contactlab.parts.registry import Registry
 from contactlab.reports.page import write_report
 from contactlab.reports.progress import progress_bars
@@ -14,6 +15,7 @@ from contactlab.run.folders import full_disk_told
 from contactlab.scene.scene import Scene
 from contactlab.studies.plan import Vary
 from contactlab.studies.runner import run_study
+from contactlab.studies.scheduler import LOCAL
 from contactlab.studies.study import Study
 from contactlab.studies.table import Table
 
@@ -29,6 +31,7 @@ def compare(
     effects: bool = False,
     resume: bool = False,
     time_limit: float | None = None,
+    scheduler: str = LOCAL,
 ) -> Table:
     """Run every combination and measure accuracy against cost.
 
@@ -42,13 +45,19 @@ def compare(
     resume          go on with the comparison in `out`: runs that are over are read back, the others go on
     time_limit      wall time that one run may take [s], instead of the study's own: a run over it is stopped, and
                     killed where it does not answer; a row "timed-out"
+    scheduler       "local", "dask" (a cluster on this machine) or tcp://HOST:PORT of a dask scheduler
+
+    Each row goes into `archive.sqlite` in `out` as soon as its run is over.
 
     A run that fails, or whose process is killed, is a row with its status and reason.
     Raises RequestError when the request itself is wrong, and KeyboardInterrupt after Ctrl-C or SIGTERM,
     when what there is has been written. The first one lets runs save their state, a second one ends them at once.
     """
     bars = partial(progress_bars, show=progress)
-    table = run_study(scene_or_study, vary, out, jobs, registry, bars, changes, effects, resume, time_limit)
+    with RowKeeper(out) as rows:
+        table = run_study(
+            scene_or_study, vary, out, jobs, registry, bars, changes, effects, resume, time_limit, scheduler, rows.keep
+        )
     if table.folder is not None:
         with full_disk_told(table.folder, "the report"):
             write_report(table, table.folder)

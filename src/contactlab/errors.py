@@ -83,10 +83,10 @@ def one_line(error: BaseException, name: bool = True) -> str:
     return f"{kind}: {text}" if name and text else text or kind
 
 
-def show(value: object) -> str:
-    """A value as a scene file would write it, shortened to one line."""
+def show(value: object, most: int = 120) -> str:
+    """A value as a scene file would write it, shortened to one line of at most so many characters."""
     text = _written(value)
-    return text if len(text) <= 120 else text[:117] + "..."
+    return text if len(text) <= most else text[: most - 3] + "..."
 
 
 def _written(value: object) -> str:
@@ -111,7 +111,7 @@ def nearest(name: str, choices: Iterable[str]) -> str | None:
 
 
 def did_you_mean(name: str, choices: Iterable[str]) -> str:
-    """`write "nearest"`, or nothing when no choice is close."""
+    """Suggest the nearest choice, as in `write "nearest"`; nothing when none is close."""
     close = nearest(name, choices)
     return f'did you mean "{close}"?' if close else ""
 

@@ -20,7 +20,7 @@ HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "timeline")]
 
 from damages import damage, everything, outcome, same  # noqa: E402
-from test_kill import Zygote  # noqa: E402
+from test_kill import ForkServer  # noqa: E402
 from test_resume import COULOMB, IMPLICIT, PLASTIC, STATICS  # noqa: E402
 
 import contactlab  # noqa: E402
@@ -42,22 +42,22 @@ TABLES = ("history.csv", "contact.csv", "iterations.csv")
 GOOD = ("same", "killed too early or too late", "as before", "told", "told, some salvaged", "full, then same")
 
 
-def kill(zygote: Zygote, scene: Any, whole: Path, cpu: float, folder: Path, chance: random.Random) -> str:
+def kill(fork_server: ForkServer, scene: Any, whole: Path, cpu: float, folder: Path, chance: random.Random) -> str:
     """Kill a run once or twice, take it up again, and compare everything."""
     hit = False
     for attempt in range(chance.choice((1, 1, 2))):
-        ended = zygote.run(scene, folder, resume=attempt > 0, lives=chance.uniform(0.1, 0.9) * cpu)
+        ended = fork_server.run(scene, folder, resume=attempt > 0, lives=chance.uniform(0.1, 0.9) * cpu)
         hit = hit or ended.status < 0
-    if zygote.run(scene, folder, resume=True).status != 0:
+    if fork_server.run(scene, folder, resume=True).status != 0:
         return "not taken up"
     return _compared(whole, folder, "same" if hit else "killed too early or too late")
 
 
-def fill_disk(zygote: Zygote, scene: Any, whole: Path, folder: Path, chance: random.Random) -> str:
+def fill_disk(fork_server: ForkServer, scene: Any, whole: Path, folder: Path, chance: random.Random) -> str:
     """Let no file become larger than a share of what the run needs, then take the run up again."""
     size = (whole / "results.vtkhdf").stat().st_size
-    zygote.run(scene, folder, largest=int(chance.uniform(0.02, 1.0) * size))
-    if zygote.run(scene, folder, resume=True).status != 0:
+    fork_server.run(scene, folder, largest=int(chance.uniform(0.02, 1.0) * size))
+    if fork_server.run(scene, folder, resume=True).status != 0:
         return "not taken up"
     return _compared(whole, folder, "full, then same")
 
@@ -79,13 +79,13 @@ def main() -> int:
     asked = parser.parse_args()
     print(f"seed {asked.seed}", flush=True)
     chance, counts = random.Random(asked.seed), {"kills": Counter(), "disks": Counter(), "damages": Counter()}
-    root, zygote = Path(tempfile.mkdtemp()), Zygote()
+    root, fork_server = Path(tempfile.mkdtemp()), ForkServer()
     whole: dict[str, tuple[Any, Path, float]] = {}
     for name, changes in VARIANTS.items():
         if len(whole) == max(asked.kills, asked.disks, asked.damages):
             break  # fewer tries than kinds of runs
         scene = contactlab.load_scene("disc-on-block").with_({**SMALL, **changes})
-        done = zygote.run(scene, root / name)
+        done = fork_server.run(scene, root / name)
         assert done.status == 0, f"{name} does not run by itself"
         whole[name] = scene, root / name, done.cpu
     for kind, number in (("kills", asked.kills), ("disks", asked.disks), ("damages", asked.damages)):
@@ -94,9 +94,9 @@ def main() -> int:
             scene, place, cpu = whole[name]
             folder = root / "try"
             if kind == "kills":
-                came = kill(zygote, scene, place, cpu, folder, chance)
+                came = kill(fork_server, scene, place, cpu, folder, chance)
             elif kind == "disks":
-                came = fill_disk(zygote, scene, place, folder, chance)
+                came = fill_disk(fork_server, scene, place, folder, chance)
             else:
                 folder.mkdir()
                 shutil.copy(place / "results.vtkhdf", folder)
@@ -109,7 +109,7 @@ def main() -> int:
                 print(f"{kind} {count}, {name}: {came}", flush=True)
             shutil.rmtree(folder)
         print(kind, dict(counts[kind]), flush=True)
-    zygote.close()
+    fork_server.close()
     shutil.rmtree(root)
     return int(any(came not in GOOD for counter in counts.values() for came in counter))
 

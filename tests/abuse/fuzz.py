@@ -1,126 +1,183 @@
-"""Scenes that are wrong or strange in one or two keys: each must run, or be refused in words.
+"""Scenes, mesh files and stored runs that are wrong or strange: each must work, or be refused in words.
 
-    python tests/abuse/fuzz.py [--scenes N] [--seed S] [--seconds S]
+    python tests/abuse/fuzz.py [--cases N] [--seed S] [--seconds S]
 
-Prints the seed and a table; exit status 1 where there was a traceback or a hang over 20 s. Refusals that lack the key,
-what was got or what is allowed are counted and shown.
+Prints the seed, what was wrong, and counts; exit status 1 where there was a traceback, a hang over 20 s, memory beyond
+the estimate, other numbers in silence, or a refusal without key, what was got and what is allowed.
 """
 
 from __future__ import annotations
 
 import argparse
 import random
+import resource
+import shutil
 import signal
 import sys
+import tempfile
 import time
 import warnings
 from collections import Counter
-from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
-from contactlab.errors import RequestError
-from contactlab.run.simulation import simulate
-from contactlab.scene.scene import load_scene
+sys.path[:0] = [str(Path(__file__).parent)]
 
-SMALL = {
-    "bodies.disc.mesh.cells": [6, 2], "bodies.block.mesh.cells": [8, 2], "time.end": 2e-6, "record.frames": 2,
-    "record.recorders": [],
-}  # fmt: skip
-BASES: dict[str, dict[str, Any]] = {
-    "explicit": SMALL,
-    "friction": {**SMALL, "contacts.0.friction": {"use": "coulomb", "mu": 0.2}},
-    "newton": {**SMALL, "integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.01},
-}
-STRANGE: list[Any] = [
-    0, -1, 1, 2, 3, 7, 10**9, 0.0, -0.0, 1e-300, 1e300, -1e-3, 0.1, 0.3, 0.4999, 0.5, 1.0, float("nan"), float("inf"),
-    "", "x", "auto", "q1", "q2", "mortar-p1", "node-on-segment", "disc.arc", "block.top", "block.bottom", True, False,
-    [], [0], [1, 1], [0.0, 1.0], [1.0, 0.0], [[0.0, 0.0], [1.0, 1.0]], {}, {"use": "nothing"}, "\u0000", "ü" * 50,
-]  # fmt: skip
-HANG = 20  # s of processor time
+from damages import damage, everything, outcome  # noqa: E402
+from strange_meshes import strange_mesh  # noqa: E402
+from strange_scenes import BASES, Scenes  # noqa: E402
+
+from contactlab.api.compiled.kernel import COMPILATION  # noqa: E402
+from contactlab.errors import RequestError  # noqa: E402
+from contactlab.meshing import room  # noqa: E402
+from contactlab.model import sizes  # noqa: E402
+from contactlab.run.simulation import simulate  # noqa: E402
+from contactlab.scene.scene import load_scene  # noqa: E402
+
+HANG = 20.0  # s of processor time, without compilation
+STEPS = 20  # a run that has made so many has shown that its scene works
+WORK = 60  # steps and iterations after which a run is stopped
+MACHINE = 16.0 * 2**20  # bytes of the machine that scenes are told: larger ones must be refused by their estimate
+ROOM = 2**30  # bytes that the process may take beside what it has: more ends in a MemoryError, which is seen
+OVERHEAD = 2.0  # MiB of a model whatever its size
+SHARES = {"mild scene": 0.45, "wrong scene": 0.3, "mesh file": 0.1, "stored run": 0.15}
+GOOD = {"ran", "refused", "as before", "told", "told, some salvaged", "past 20 steps"}
 
 
 class Hung(BaseException):
-    """A scene took too long."""
+    """A case took too long."""
 
 
-def keys(data: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """All dotted keys of a scene and what they hold."""
-    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list | tuple) else ()
-    for name, value in items:
-        inner = f"{place}.{name}" if place else str(name)
-        yield inner, value
-        yield from keys(value, inner)
+class Fuzz:
+    """What is tried, by kind, and what came of it. `chance` decides all."""
 
+    def __init__(self, seed: int, folder: Path, bases: tuple[str, ...], shares: dict[str, float]) -> None:
+        self.chance, self.folder, self.scenes, self.shares = random.Random(seed), folder, Scenes(bases), shares
+        self.counts: dict[str, Counter[str]] = {kind: Counter() for kind in SHARES}
+        self.bad: list[str] = []
+        self.largest = 0.0  # arrays of a model over its estimate
+        warnings.simplefilter("ignore")
+        simulate(
+            self.scenes.bases[bases[0]].with_({"record.recorders": ["vtkhdf"], "record.frames": 4}), folder / "run"
+        )
+        self.whole = everything(folder / "run")
 
-def changed(value: Any, chance: random.Random) -> Any:
-    """A strange value, or the present one a little or much off."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    if number and chance.random() < 0.6:
-        factor = chance.choice((0.5, 0.9, 1.1, 2.0, 1e-6, 1e6, -1.0))
-        return type(value)(value * factor)
-    return chance.choice(STRANGE)
+    def one(self) -> None:
+        """One case of a random kind."""
+        kind = self.chance.choices(list(self.shares), list(self.shares.values()))[0]
+        case = self.folder / "case"
+        case.mkdir()
+        came, words = self._timed(kind, case)
+        shutil.rmtree(case)
+        self.counts[kind][came] += 1
+        if came not in GOOD:
+            self.bad.append(f"{kind}: {came}: {words}")
 
+    def _timed(self, kind: str, case: Path) -> tuple[str, str]:
+        began, compiled = time.process_time(), COMPILATION.seconds
 
-def one(scene: Any, changes: dict[str, Any]) -> tuple[str, str, int]:
-    """What comes of a scene with changes: how it ended, in words, and its steps."""
-    signal.setitimer(signal.ITIMER_PROF, HANG)
-    try:
-        results = simulate(scene.with_(changes))
-        return "ran", results.status, int(results.summary["steps"])
-    except RequestError as error:
-        told = str(error)
-        whole = any(key.split(".")[0] in told for key in changes) and "  got " in told and "  allowed " in told
-        return ("refused" if whole else "refused without key, got or allowed"), told, 0
-    except Hung:
-        return "over 20 s", "", 0
-    except Exception as error:
-        return "traceback", f"{type(error).__name__}: {error}", 0
-    finally:
-        signal.setitimer(signal.ITIMER_PROF, 0)
+        def over(number: int, frame: Any) -> None:
+            spent = time.process_time() - began - (COMPILATION.seconds - compiled)
+            if spent > HANG:
+                raise Hung
+            signal.setitimer(signal.ITIMER_PROF, HANG - spent + 0.1)
 
-
-def hung(number: int, frame: Any) -> None:
-    """The time of a scene is over."""
-    raise Hung
-
-
-def fuzz(scenes: int, seed: int, seconds: float, say: Any = print) -> Counter[str]:
-    """Try so many scenes; counts by how they ended."""
-    chance, counts, began = random.Random(seed), Counter[str](), time.process_time()
-    warnings.simplefilter("ignore")
-    before = signal.signal(signal.SIGPROF, hung)
-    bases = [load_scene("disc-on-block").with_(changes) for changes in BASES.values()]
-    places = [list(keys(base.data)) for base in bases]
-    for _ in range(scenes):
-        which = chance.randrange(len(bases))
-        chosen = chance.sample(places[which], chance.choice((1, 1, 2)))
-        changes = {place: changed(value, chance) for place, value in chosen}
+        before = signal.signal(signal.SIGPROF, over)
+        signal.setitimer(signal.ITIMER_PROF, HANG)
         try:
-            kind, words, steps = one(bases[which], changes)
-        except KeyboardInterrupt:
-            say("stopped")
-            break
-        counts[kind] += 1
-        counts["past 20 steps"] += steps >= 20
-        if kind not in ("ran", "refused"):
-            say(f"{kind}: {list(BASES)[which]} {changes}\n    {words[:300]}")
-        if time.process_time() - began > seconds:
-            break
-    signal.signal(signal.SIGPROF, before)
-    return counts
+            return self._stored(case) if kind == "stored run" else self._scene(kind, case)
+        finally:
+            signal.setitimer(signal.ITIMER_PROF, 0)
+            signal.signal(signal.SIGPROF, before)
+
+    def _scene(self, kind: str, case: Path) -> tuple[str, str]:
+        if kind == "mesh file":
+            name, changes = next(iter(self.scenes.bases)), strange_mesh(case, self.chance)
+        else:
+            name, changes = (self.scenes.mild if kind == "mild scene" else self.scenes.wrong)(self.chance)
+        try:
+            came, words = self._run(name, changes)
+        except RequestError as error:
+            told = str(error)
+            whole = str(error.where) and "  got " in told and "  allowed " in told
+            came, words = ("refused" if whole else "refused without key, got or allowed"), told
+        except Hung:
+            came, words = "over 20 s", ""
+        except Exception as error:
+            came, words = "traceback", f"{type(error).__name__}: {error}"
+        kept = " ".join(path.read_text(errors="replace")[:300] for path in case.iterdir() if path.is_file())
+        return came, f"{name} {changes}\n    {words[:400]}" + (f"\n    {kept}" if kept and came not in GOOD else "")
+
+    def _run(self, name: str, changes: dict[str, Any]) -> tuple[str, str]:
+        scene = self.scenes.bases[name].with_(changes)
+        results = simulate(scene, work=WORK)
+        took = results.summary["cost"]["arrays_mib"] - OVERHEAD
+        estimate = sizes.estimated_bytes(scene) / 2.0**20
+        if estimate:
+            self.largest = max(self.largest, took / estimate)
+        if took > max(estimate, 0.0) > 0.0:
+            return "beyond the estimate", f"{took:.1f} MiB, estimate {estimate:.1f} MiB"
+        return ("past 20 steps" if int(results.summary["steps"]) >= STEPS else "ran"), results.status
+
+    def _stored(self, case: Path) -> tuple[str, str]:
+        shutil.copytree(self.folder / "run", case / "run")
+        file = self.chance.choice(sorted(path for path in (case / "run").rglob("*") if path.is_file()))
+        way = f"{file.name}, {damage(file, self.chance)}" if file.stat().st_size else f"{file.name}, untouched"
+        try:
+            return outcome(case / "run", self.whole), way
+        except Hung:
+            return "over 20 s", way
+
+
+def limit_memory() -> None:
+    """Let this process have no more than `ROOM` bytes beside what it has now."""
+    pages = int(Path("/proc/self/statm").read_text().split()[0])
+    resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + ROOM, resource.RLIM_INFINITY))
+
+
+def fuzz(
+    cases: int,
+    seed: int,
+    seconds: float,
+    say: Any = print,
+    bases: tuple[str, ...] = tuple(BASES),
+    shares: dict[str, float] = SHARES,
+) -> Fuzz:
+    """Try so many cases, or for so many seconds of processor time without compilation."""
+    began = time.process_time() - COMPILATION.seconds
+    with tempfile.TemporaryDirectory() as folder:
+        tried = Fuzz(seed, Path(folder), bases, shares)
+        for number in range(1, cases + 1):
+            told = len(tried.bad)
+            tried.one()
+            for words in tried.bad[told:]:
+                say(f"case {number}, {words}")
+            spent = time.process_time() - COMPILATION.seconds - began
+            if not number % 500:
+                say(f"{number} cases, {spent:.0f} s")
+            if spent > seconds:
+                break
+    return tried
 
 
 def main() -> int:
     """Do it, and print what came of it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--scenes", type=int, default=10_000)
+    parser.add_argument("--cases", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=1800.0, help="of processor time")
     asked = parser.parse_args()
     print(f"seed {asked.seed}", flush=True)
-    counts = fuzz(asked.scenes, asked.seed, asked.seconds)
-    print(dict(counts))
-    return int(bool(counts["traceback"] or counts["over 20 s"]))
+    for name in BASES:
+        simulate(load_scene("disc-on-block").with_(BASES[name]), work=WORK)  # libraries and kernels take room, too
+    sizes.machine_memory = room.machine_memory = lambda: MACHINE
+    if sys.platform == "linux":
+        limit_memory()
+    tried = fuzz(asked.cases, asked.seed, asked.seconds, say=lambda words: print(words, flush=True))
+    for kind, counts in tried.counts.items():
+        print(f"{kind}: {dict(counts)}")
+    print(f"largest arrays of a model over their estimate: {tried.largest:.2f}")
+    return int(bool(tried.bad))
 
 
 if __name__ == "__main__":

@@ -102,7 +102,7 @@ def trace_parts(trace: Trace) -> None:
         return found._replace(**{f: trace.counted(KERNELS[f], call) for f, call in own.items() if call is not None})
 
     def traced_external(self: Any, time: float, out: Any) -> bool:
-        trace.calls["loads and effects"] += trace.inside * len(self.loads)
+        trace.calls["loads and effects"] += trace.inside * len(self.loading.loads)
         return external(self, time, out)
 
     Registry.make, body.element_kernels = traced_make, traced_kernels  # type: ignore[method-assign]

@@ -14,7 +14,8 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).parents[2]
 CORE = ROOT / "src" / "contactlab"
-COMPILED = {"kernel", "point", "section", "summation"}
+ENTRIES = {"kernel", "summation", "table_kernel"}
+COMPILED = {*ENTRIES, "point", "section"}
 
 
 class Count(NamedTuple):
@@ -50,7 +51,7 @@ def is_compiled(function: ast.FunctionDef) -> bool:
 def is_entry(function: ast.FunctionDef) -> bool:
     """Whether a kernel is called from Python: sections and points are written into the kernels that call them."""
     names = {n.id for decorator in function.decorator_list for n in ast.walk(decorator) if isinstance(n, ast.Name)}
-    return bool(names & {"kernel", "summation"}) and not function.name.startswith("_")
+    return bool(names & ENTRIES) and not function.name.startswith("_")
 
 
 def class_attributes() -> list[Count]:
@@ -80,15 +81,17 @@ def function_lines() -> list[Count]:
     return sorted(found, key=lambda count: -count.number)
 
 
+ROOMS = ("contactlab.kernels.contact.", "contactlab_mortar.", "contactlab_segments.", "contactlab_dynamics.")
+
+
 def contact_kernel_arguments() -> list[Count]:
-    """Arguments of the kernels of contact that Python calls, most first."""
-    rooms = ("contactlab.kernels.contact.", "contactlab_mortar.", "contactlab_segments.", "contactlab_dynamics.")
+    """Arguments of the compiled functions of contact, those inside kernels included, most first."""
     found = [
         Count(f"{module}.{function.name}", len(function.args.args))
         for module, tree in modules()
-        if module.startswith(rooms)
+        if module.startswith(ROOMS)
         for function in functions(tree)
-        if is_entry(function)
+        if is_compiled(function)
     ]
     return sorted(found, key=lambda count: -count.number)
 

@@ -14,8 +14,23 @@ from typing import Any
 
 from contactlab.errors import show
 from contactlab.parts.registry import Registry, default_registry
-from contactlab.scene.fields import accepts, is_required, keys_of
-from contactlab.scene.keys import Arc, Body, Contact, EdgePart, Load, Ramp, Record, Rigid, Start, Support, Time, Turn
+from contactlab.scene.accepts import accepts
+from contactlab.scene.fields import is_required, keys_of
+from contactlab.scene.keys import (
+    Arc,
+    Body,
+    Contact,
+    EdgePart,
+    Load,
+    LoadProfile,
+    Ramp,
+    Record,
+    Rigid,
+    Start,
+    Support,
+    Time,
+    Turn,
+)
 from contactlab.scene.scene import Scene
 from contactlab.studies.study import Pareto, Study
 
@@ -32,6 +47,7 @@ TABLES: dict[str, type[Any]] = {
     "A value in time: `{ ramp = ..., to = ... }`": Ramp,
     "A rotation in time: `turn = { to = ..., about = ... }`": Turn,
     "`[[loads]]`": Load,
+    "A load that varies: `profile = { by = ... }`": LoadProfile,
     "`[record]`": Record,
     "The top of a study": Study,
     "`[pareto]` of a study": Pareto,

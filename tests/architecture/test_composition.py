@@ -18,7 +18,7 @@ from typing import Any
 import pytest
 
 from contactlab.explain.explain import Explanation, explain
-from contactlab.explain.trial_run import rehearse
+from contactlab.explain.trial_run import run_trial
 from contactlab.parts.loading import RESTRICT
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, bundled_scenes, load_scene
@@ -108,7 +108,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {name: (name, {}) for name in dif
 BRANCHES = {
     "contactlab.kernels.contact.banded_rows.own_nodes",
     "contactlab.kernels.contact.banded_rows.solved",
-    "contactlab.kernels.watch.deepest",
+    "contactlab.kernels.checks.deepest",
 }
 """Kernels that depend on how surfaces lie, or look at them now and then: a run may come to need them later than in
 its first steps."""
@@ -137,7 +137,7 @@ def happened(scene: Scene, arrays: bool = True, plugins: str = "") -> dict[str, 
 @pytest.mark.parametrize("name", CASES)
 def test_what_happens_is_what_was_explained(name: str) -> None:
     scene = scene_of(name)
-    said, run = explain(scene, default_registry(), rehearse(scene)), happened(scene)
+    said, run = explain(scene, default_registry(), run_trial(scene)), happened(scene)
     check_calls(said, run)
     check_kernels(said, run)
     check_modules(said, run)
@@ -174,7 +174,7 @@ def check_modules(said: Explanation, run: dict[str, Any]) -> None:
     """The same modules of the project and of plugins, the same libraries."""
     listed = {row.package for row in said.modules}
     listed |= {f"{row.package}.{module}" for row in said.modules for module in row.modules.split(", ") if module}
-    # what a rehearsal needs to count arrays
+    # what a trial run needs to count arrays
     assert set(run["modules"]) | {"contactlab.model.held_arrays", "scipy"} == listed | {"scipy"}
 
 

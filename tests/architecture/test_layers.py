@@ -20,7 +20,7 @@ CORE = ROOT / "src" / "contactlab"
 # lowest first; a module may import from its own layer and from those below it
 LAYERS = (
     ("errors",),
-    ("api",),
+    ("api", "views"),
     ("kernels", "meshing"),
     ("parts", "scene"),
     ("model",),
@@ -29,10 +29,11 @@ LAYERS = (
     ("run",),
     ("explain", "studies"),
     ("cases",),
+    ("archive",),
     ("matrix",),
     ("reports",),
     ("comparison",),
-    ("testing", "commands", "cli"),
+    ("testing", "commands", "cli", "__main__"),
 )
 
 

@@ -9,7 +9,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-COMPILED = {"kernel", "point", "section", "summation"}
+COMPILED = {"kernel", "point", "section", "summation", "table_kernel"}
 MOST_ANY = 0.05  # of all arguments
 
 

@@ -16,11 +16,12 @@ from contactlab.api import (
     Floats,
     GapAlgorithm,
     GapConditions,
+    PieceDerivatives,
     Pieces,
     Surface,
     SurfacePositions,
 )
-from contactlab.testing import NotApplicable, contact
+from contactlab.testing import Expected, NotApplicable, contact, contact_derivatives, contact_inputs, run_check
 from contactlab.testing.assertions import Check
 
 
@@ -108,8 +109,15 @@ class Rods(GapAlgorithm):
 def test_a_right_algorithm_passes(check: Check) -> None:
     try:
         check(Rods())
+    except Expected:
+        assert check is contact.patch_test
     except NotApplicable:
-        declined = {contact.pieces_keep_their_bounds, contact.patch_test_on_quadratic_edges}
+        declined = {
+            contact.pieces_keep_their_bounds,
+            contact.patch_test_on_quadratic_edges,
+            contact_inputs.pieces_are_filled,
+            contact_inputs.a_notch_is_held_by_both_sides,
+        }
         assert check in declined
 
 
@@ -119,6 +127,8 @@ class Flawed(MortarP0):
 
     flaw: str = ""
     calls: ClassVar[list[int]] = [0]
+    seen: ClassVar[dict[Any, Floats]] = {}
+    last: ClassVar[list[float]] = [0.0]
 
     def capacity(self, slave: Surface, near: Candidates) -> int:
         return 1 if self.flaw == "capacity for one piece" else super().capacity(slave, near)
@@ -131,6 +141,16 @@ class Flawed(MortarP0):
         if self.flaw == "counts its calls":
             self.calls[0] += 1
             out.M[:count] *= 1.0 + 1e-14 * self.calls[0]
+        if self.flaw == "positions written":
+            view.at.slave[0] += 1e-3
+        if self.flaw == "adds to what was there":
+            out.D[:count] += np.nan_to_num(out.D[count : 2 * count], nan=1e-9)
+        if self.flaw == "knows its array again":
+            again = self.seen.setdefault((id(view.at.slave), count), out.M[:count].copy())
+            out.M[:count] = again
+        if self.flaw == "remembers the last step":
+            self.last[0], before = float(view.at.slave[0, 0]), self.last[0]
+            out.M[:count] *= 1.0 + 1e-9 * before
         if self.flaw == "moment":
             out.M[:count] = out.M[:count, ::-1]
         return 0 if self.flaw == "never finds anything" else count
@@ -140,6 +160,23 @@ class Flawed(MortarP0):
             out[:] = pieces.normal
         else:
             super().normals(view, pieces, count, out)
+
+    def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
+        if self.flaw == "no derivatives at all":
+            out.count = out.normal_count = 0
+            return True
+        return super().derivatives(view, pieces, count, out)
+
+
+class Single(NodeOnSegment):
+    """Says that a node carries two conditions, and gives it one."""
+
+    def pieces(self, view: ContactView, out: Pieces) -> int:
+        count = super().pieces(view, out)
+        m, first = len(view.slave.nodes), out.multiplier[:count, 0].copy()
+        for array in (out.slave, out.multiplier, out.master, out.D, out.M, out.T):
+            array[: (first < m).sum()] = array[:count][first < m]
+        return int((first < m).sum())
 
 
 class Modest(MortarP0):
@@ -166,7 +203,6 @@ WRONG: list[tuple[Check, Any]] = [
     (contact.tangents_run_along_the_slave, Rods("tangent turned round")),
     (contact.tangents_run_along_the_slave, Rods("tangents made unasked")),
     (contact.measures_sum_to_the_cover, Rods("whole segments as measure")),
-    (contact.patch_test, Modest()),
     (contact.patch_test, Boastful()),
     (contact.patch_test_on_quadratic_edges, Flawed(flaw="middle nodes left out")),
     (contact.nothing_when_apart, Rods("reach ignored")),
@@ -175,12 +211,30 @@ WRONG: list[tuple[Check, Any]] = [
     (contact.slip_is_objective, Flawed(flaw="one normal for both times")),
     (contact.pieces_keep_their_bounds, Flawed(flaw="capacity for one piece")),
     (contact.same_answer_twice, Flawed(flaw="counts its calls")),
+    (contact_inputs.inputs_are_only_read, Flawed(flaw="positions written")),
+    (contact_inputs.pieces_are_filled, Flawed(flaw="adds to what was there")),
+    (contact_inputs.positions_change_in_place, Flawed(flaw="knows its array again")),
+    (contact_inputs.memory_is_all_it_remembers, Flawed(flaw="remembers the last step")),
+    (contact_inputs.a_notch_is_held_by_both_sides, Single()),
+    (contact_derivatives.derivatives_are_right, Flawed(flaw="no derivatives at all")),
 ]
 
 
 @pytest.mark.parametrize(("check", "part"), WRONG)
 def test_wrong_algorithms_are_caught(caught: Any, check: Check, part: Any) -> None:
     caught(check, part)
+
+
+def test_a_fact_that_is_not_declared_is_told() -> None:
+    outcome = run_check(contact.patch_test, Modest())
+    assert outcome.status == "passed"
+    assert "declare passes_patch_test" in outcome.reason
+
+
+def test_what_was_never_promised_is_expected() -> None:
+    outcome = run_check(contact.patch_test, NodeOnSegment())
+    assert outcome.status == "expected"
+    assert "passes_patch_test is False" in outcome.reason
 
 
 def test_every_check_has_a_wrong_part() -> None:

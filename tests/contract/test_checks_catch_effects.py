@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
 from contactlab.api import Effect, EffectView, Floats
-from contactlab.testing import effect
+from contactlab.testing import effect, run_check
 from contactlab.testing.assertions import Check
 
 
@@ -19,6 +19,8 @@ class Drag(Effect):
     """Forces -10 m v on the upper body, from 0.2 s on; one flaw or none."""
 
     flaw: str = ""
+
+    dissipates: ClassVar[bool] = True
 
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         nodes = view.nodes("upper")
@@ -45,7 +47,64 @@ def test_a_right_effect_passes(check: Check) -> None:
     check(Drag())
 
 
+@dataclass(frozen=True)
+class Boaster(Drag):
+    """Promises what a drag on one body cannot keep."""
+
+    conservative: ClassVar[bool] = True
+    internal: ClassVar[bool] = True
+
+
+@dataclass(frozen=True)
+class Drive(Effect):
+    """A force along the motion, of a size that nobody can choose."""
+
+    size: float
+
+    dissipates: ClassVar[bool] = True
+
+    def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
+        def push(time: float, force: Floats) -> None:
+            force += 2.0 * view.velocity
+
+        return push
+
+
+@dataclass(frozen=True)
+class Whirl(Effect):
+    """Pushes everything around the origin."""
+
+    conservative: ClassVar[bool] = True
+
+    def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
+        def push(time: float, force: Floats) -> None:
+            x = view.reference + view.displacement
+            force += np.stack([-x[:, 1], x[:, 0]], axis=1)
+
+        return push
+
+
+def test_facts_that_are_not_declared_are_told() -> None:
+    outcome = run_check(effect.work_around_a_path_is_declared, Falling())
+    assert (outcome.status, outcome.reason) == ("passed", "declare conservative = True")
+
+
+@dataclass(frozen=True)
+class Falling(Effect):
+    """Weight, of which nothing is declared."""
+
+    def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
+        def pull(time: float, force: Floats) -> None:
+            force[:, 1] -= view.mass
+
+        return pull
+
+
 WRONG: list[tuple[Check, Effect]] = [
+    (effect.numbers_count, Drive(3.0)),
+    (effect.power_is_declared, Drive(3.0)),
+    (effect.work_around_a_path_is_declared, Whirl()),
+    (effect.resultants_are_declared, Boaster()),
     (effect.gives_forces, Drag("does nothing")),
     (effect.gives_forces, Drag("undefined")),
     (effect.adds_to_what_is_there, Drag("sets the force")),

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 import pytest
+from contactlab_quads.q1 import Q1
 
 from contactlab.api import BlockKernels, Element, Floats, Quadrature, Shape
 from contactlab.kernels.cells import table_kernels
@@ -32,15 +33,15 @@ class EightNodes(Element):
         k, m = self.nodes[:, 0], self.nodes[:, 1]
         a, b = xi * k, eta * m
         corner = 0.25 * (1 + a) * (1 + b) * (a + b - 1)
-        corner_slope = np.stack([0.25 * k * (1 + b) * (2 * a + b), 0.25 * m * (1 + a) * (a + 2 * b)], axis=-1)
+        corner_derivative = np.stack([0.25 * k * (1 + b) * (2 * a + b), 0.25 * m * (1 + a) * (a + 2 * b)], axis=-1)
         across = 0.5 * (1 - xi**2) * (1 + b)
-        across_slope = np.stack([-xi * (1 + b), 0.5 * (1 - xi**2) * m], axis=-1)
+        across_derivative = np.stack([-xi * (1 + b), 0.5 * (1 - xi**2) * m], axis=-1)
         along = 0.5 * (1 + a) * (1 - eta**2)
-        along_slope = np.stack([0.5 * k * (1 - eta**2), -eta * (1 + a)], axis=-1)
+        along_derivative = np.stack([0.5 * k * (1 - eta**2), -eta * (1 + a)], axis=-1)
         kind = np.where(k == 0, 1, np.where(m == 0, 2, 0))
         return Shape(
             np.choose(kind, [corner, across, along]),
-            np.choose(kind[:, None], [corner_slope, across_slope, along_slope]),
+            np.choose(kind[:, None], [corner_derivative, across_derivative, along_derivative]),
         )
 
     def quadrature(self) -> Quadrature:
@@ -78,7 +79,7 @@ class Flawed(FourNodes):
             value = 1.001 * value
         if self.flaw == "two nodes exchanged":
             value, gradient = value[:, [1, 0, 2, 3]], gradient[:, [1, 0, 2, 3]]
-        if self.flaw == "slope halved":
+        if self.flaw == "derivative halved":
             gradient = gradient * [1.0, 0.5]
         return Shape(value, gradient)
 
@@ -89,8 +90,8 @@ class Flawed(FourNodes):
         return Quadrature(points, weights)
 
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        value, slope = super().edge_shape(s)
-        return (value[:, ::-1], slope[:, ::-1]) if self.flaw == "trace turned round" else (value, slope)
+        value, derivative = super().edge_shape(s)
+        return (value[:, ::-1], derivative[:, ::-1]) if self.flaw == "trace turned round" else (value, derivative)
 
     def block_kernels(self, kinematics: str) -> BlockKernels | None:
         right = table_kernels(FourNodes())
@@ -151,12 +152,20 @@ class NegativeCorners(EightNodes):
     lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]] = "row-sum"
 
 
+class Outward(Q1):
+    """Says that its points are elsewhere than its kernels have them."""
+
+    def quadrature(self) -> Quadrature:
+        return Quadrature(0.9 * self.nodes, np.ones(4))
+
+
 WRONG: list[tuple[Check, Element]] = [
+    (element.kernels_are_at_the_points, Outward()),
     (element.reference_nodes, Clockwise()),
     (element.edges_of_the_cell, TurnedEdge()),
     (element.partition_of_unity, Flawed("sum above one")),
     (element.delta_property, Flawed("two nodes exchanged")),
-    (element.gradient_is_the_derivative, Flawed("slope halved")),
+    (element.gradient_is_the_derivative, Flawed("derivative halved")),
     (element.complete_to_its_degree, Boastful()),
     (element.quadrature_exactness, Flawed("weights sum to 3.96")),
     (element.trace_is_the_shape, Flawed("trace turned round")),

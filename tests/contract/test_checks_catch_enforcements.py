@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
-from contactlab.api import ExplicitEnforcement, Floats, FrictionBound, FrictionLaw, Rows, Solve
-from contactlab.testing import enforcement, friction
+from contactlab.api import Enforcement, ExplicitEnforcement, Floats, FrictionBound, FrictionLaw, Rows, Solve
+from contactlab.parts.registry import Registry
+from contactlab.testing import NotApplicable, enforcement, enforcement_implicit, friction
 from contactlab.testing.assertions import Check
+
+SPRINGS = Registry(files=[Path(__file__).with_name("implicit_springs.py")])
+Exact: Any = SPRINGS.part_class("enforcement", "numpy-active-set")
+Slow: Any = SPRINGS.part_class("enforcement", "slow-active-set")
 
 
 def dense(rows: Rows, weight: Floats, nodes: int) -> Floats:
@@ -73,11 +79,15 @@ class Sweeps(ExplicitEnforcement):
 
 
 @pytest.mark.parametrize("check", enforcement.CHECKS)
-def test_a_right_enforcement_passes(check: Check) -> None:
-    check(Sweeps())
+@pytest.mark.parametrize("part", [Sweeps(), Exact()])
+def test_a_right_enforcement_passes(check: Check, part: Enforcement) -> None:
+    try:
+        check(part)
+    except NotApplicable:
+        assert (check in enforcement_implicit.CHECKS) == isinstance(part, ExplicitEnforcement)
 
 
-WRONG: list[tuple[Check, ExplicitEnforcement]] = [
+WRONG: list[tuple[Check, Enforcement]] = [
     (enforcement.is_the_direct_solution, Sweeps("stops after three sweeps")),
     (enforcement.conditions_hold, Sweeps("pulls")),
     (enforcement.forces_are_the_rows, Sweeps("forces added")),
@@ -88,11 +98,19 @@ WRONG: list[tuple[Check, ExplicitEnforcement]] = [
     (enforcement.correction_is_reported, Sweeps("force as correction")),
     (enforcement.friction_keeps_its_bound, Sweeps("rubs too much")),
     (enforcement.inputs_untouched, Sweeps("gap shifted in place")),
+    (enforcement_implicit.response_is_filled, Exact("status forgotten")),
+    (enforcement_implicit.response_is_linearised, Exact("derivative of half the gap")),
+    (enforcement_implicit.closed_gaps_bear_forces, Exact("pulls")),
+    (enforcement_implicit.exactness_is_declared, Exact("leaves a thousandth")),
+    (enforcement_implicit.friction_keeps_its_bound, Exact("rubs too much")),
+    (enforcement_implicit.few_iterations, Slow()),
+    (enforcement_implicit.slots_know_nothing_of_each_other, Exact("neighbours")),
+    (enforcement_implicit.conditions_are_untouched, Exact("writes gaps")),
 ]
 
 
 @pytest.mark.parametrize(("check", "part"), WRONG)
-def test_wrong_enforcements_are_caught(caught: Any, check: Check, part: ExplicitEnforcement) -> None:
+def test_wrong_enforcements_are_caught(caught: Any, check: Check, part: Enforcement) -> None:
     caught(check, part)
 
 
@@ -111,6 +129,16 @@ class Law(FrictionLaw):
 
     def bound(self) -> FrictionBound:
         return FrictionBound(*self.numbers)
+
+
+@dataclass(frozen=True)
+class Deaf(FrictionLaw):
+    """Does not hear what the scene says."""
+
+    mu: float
+
+    def bound(self) -> FrictionBound:
+        return FrictionBound(0.2, 0.0, 0.0)
 
 
 class Moody(Law):
@@ -134,6 +162,7 @@ WRONG_FRICTION: list[tuple[Check, FrictionLaw]] = [
     (friction.bound_grows_with_pressure, Law((-0.1, 1000.0, np.inf))),
     (friction.rubs_at_all, Law((0.0, 200.0, 0.0))),
     (friction.same_bound_twice, Moody()),
+    (friction.numbers_count, Deaf(0.2)),
 ]
 
 

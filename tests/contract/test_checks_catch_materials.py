@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab.testing import NotApplicable, material
+from contactlab.testing import NotApplicable, material, material_states
 from contactlab.testing.assertions import Check
 
 LAME, SHEAR = 1.5, 1.0
@@ -29,6 +30,8 @@ class Small(Material):
 
     flaw: str = ""
     density: float = RHO
+    seen: ClassVar[dict[int, Floats]] = {}
+    room: ClassVar[Floats] = np.zeros(1000)
     kinematics: ClassVar[Kinematics] = "small"
     has_energy: ClassVar[bool] = True
 
@@ -47,6 +50,17 @@ class Small(Material):
             gradient -= gradient.mean()
         if self.flaw == "forgets a row":
             stress[2] = np.nan
+        if self.flaw == "stiffer along x":
+            stress[0] += 0.1 * xx
+        if self.flaw == "nothing across the plane":
+            stress[2] = 0.0
+        if self.flaw == "knows its array again":
+            seen = self.seen.setdefault(gradient.__array_interface__["data"][0], stress.copy())
+            stress[:] = seen
+        if self.flaw == "one room for all threads":
+            self.room[: stress.shape[1]] = xx
+            time.sleep(1e-3)
+            stress[0] += self.room[: stress.shape[1]] - xx
 
     def wave_speeds(self) -> tuple[float, float]:
         young = SHEAR * (3 * LAME + 2 * SHEAR) / (LAME + SHEAR)
@@ -65,6 +79,9 @@ class Small(Material):
         energy[:] = 0.5 * LAME * (xx + yy) ** 2 + SHEAR * (xx**2 + yy**2 + shear * xy**2)
         if self.flaw == "energy at rest":
             energy += 1.0
+
+    def dissipation(self, gradient: Floats, history: Floats, dissipation: Floats) -> None:
+        dissipation[:] = 0.1 * gradient[0] ** 2 if self.flaw == "dissipates what it stores" else 0.0
 
 
 class Unnamed(Small):
@@ -162,11 +179,24 @@ def test_right_laws_pass(part: Material, check: Check) -> None:
     except NotApplicable as reason:
         declined = {material.stiffening_bounds_the_waves, material.history_in_place}
         if part.kinematics == "rate":
-            declined = {*declined, material.energy_is_positive, material.energy_belongs_to_the_stress}
+            declined |= {material.energy_is_positive, material.energy_belongs_to_the_stress}
+            declined |= {material_states.work_is_stored_or_dissipated}
         assert check in declined, reason
 
 
+@dataclass(frozen=True)
+class OfOneValue(Small):
+    """Right as long as its stiffness is 1."""
+
+    stiffness: float = field(kw_only=True)
+
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        super().stress(gradient, history, dt, stress, new_history)
+        stress *= self.stiffness
+
+
 WRONG: list[tuple[Check, Material]] = [
+    (material.other_values_are_right, OfOneValue(stiffness=1.0)),
     (material.declarations, Unnamed()),
     (material.declarations, Small("speeds exchanged")),
     (material.no_stress_at_rest, Small("prestressed")),
@@ -186,6 +216,11 @@ WRONG: list[tuple[Check, Material]] = [
     (material.inputs_untouched, Small("forgets a row")),
     (material.history_in_place, Rate("history written first")),
     (material.same_answer_twice, Rate("counts its calls")),
+    (material_states.isotropy, Small("stiffer along x")),
+    (material_states.plane_strain, Small("nothing across the plane")),
+    (material_states.work_is_stored_or_dissipated, Small("dissipates what it stores")),
+    (material_states.arrays_change_in_place, Small("knows its array again")),
+    (material_states.threads_do_not_disturb_each_other, Small("one room for all threads")),
 ]
 
 

@@ -37,6 +37,8 @@ class Flawed(Rectangle):
             edges["top"] = edges["top"][:, ::-1]
         if self.flaw == "an edge inside":
             edges["middle"] = right.cells[:1, 1:3]
+        if self.flaw == "left has no name":
+            del edges["left"]
         if self.flaw == "no names":
             edges = {}
         shift = 1e-9 * next(self.calls) if self.flaw == "creeps" else 0.0
@@ -55,6 +57,7 @@ WRONG: list[tuple[Check, Flawed]] = [
     (mesh.edges_are_the_boundary, Flawed(flaw="an edge inside")),
     (mesh.edges_are_the_boundary, Flawed(flaw="no names")),
     (mesh.level_multiplies_cells, Flawed(flaw="level ignored")),
+    (mesh.the_boundary_is_named, Flawed(flaw="left has no name")),
     (mesh.same_mesh_twice, Flawed(flaw="creeps")),
 ]
 

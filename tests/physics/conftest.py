@@ -19,7 +19,7 @@ from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import Scene
 
 PERIODS = 15.0
-"""Ramp of a paced run in periods of its lowest mode: `auto` takes 50 for any scene, these settle with 15."""
+"""Ramp of a run in periods of its lowest mode: `auto` takes 50 for any scene, these settle with 15."""
 
 
 class Ran(NamedTuple):
@@ -45,9 +45,9 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", "slow: takes ten seconds or more of one core")
 
 
-def paced(scene: Scene) -> Scene:
+def short_ramp(scene: Scene) -> Scene:
     """The scene with a ramp of `PERIODS` of its own lowest mode."""
-    return scene.with_({"time.ramp": PERIODS * build(scene, default_registry()).pace.period})
+    return scene.with_({"time.ramp": PERIODS * build(scene, default_registry()).timing.period})
 
 
 @pytest.fixture(scope="session")
@@ -82,5 +82,5 @@ def _once(path: Path, changes: Mapping[str, Any], auto: bool) -> Ran:
 
 def _run(changes: Mapping[str, Any], auto: bool) -> Ran:
     scene = contactlab.load_scene("disc-on-block").with_(changes)
-    results = contactlab.simulate(scene if auto else paced(scene))
+    results = contactlab.simulate(scene if auto else short_ramp(scene))
     return Ran(results.summary, results.contact["contacts.0"].last, results.history)

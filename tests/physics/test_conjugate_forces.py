@@ -43,7 +43,7 @@ EVERY = [
 
 
 def derivatives(pair: OperatorPair, memory: Floats, nodes: int, own: bool = True) -> tuple[Floats, Floats]:
-    """Rows (k, 2 N) of gaps and of slips; without `own` by the algorithm's slopes."""
+    """Rows (k, 2 N) of gaps and of slips; without `own` by the algorithm's derivatives."""
     gradients = PairGradients(pair)
     if not own:
         gradients._gradients = gradients._from_derivatives  # type: ignore[method-assign]
@@ -90,7 +90,7 @@ ENDS = [MortarP0(multipliers="vertices"), MortarP1(multipliers="vertices")]
 
 @pytest.mark.parametrize("algorithm", [P0, P1, *ENDS], ids=["P0", "P1", "P0 at ends of edges", "P1 at ends of edges"])
 @pytest.mark.parametrize("at", SURFACES.values(), ids=SURFACES.keys())
-def test_gradients_of_pieces_are_their_slopes(algorithm: ContactAlgorithm, at: Chains) -> None:
+def test_gradients_of_pieces_are_their_derivatives(algorithm: ContactAlgorithm, at: Chains) -> None:
     pair, memory = pair_of(algorithm, at, friction=True)
     own, general = derivatives(pair, memory, len(at.nodes)), derivatives(pair, memory, len(at.nodes), own=False)
     for mine, other in zip(own, general, strict=True):

@@ -66,7 +66,7 @@ def contact_rows(model: Model) -> tuple[Floats, Floats]:
     assert model.contact is not None
     (pair,) = model.contact.pairs
     pair.update(model.reference, np.zeros((pair.algorithm.memory_size, len(pair.slave.nodes))))
-    pair.measure(model.reference)
+    pair.compute_gaps(model.reference)
     rows = rows_of_pair(pair, Chains(model.reference, pair.slave, pair.master))
     out = np.zeros((rows.count, len(model.reference), 2))
     row = np.repeat(np.arange(rows.count), np.diff(rows.start[: rows.count + 1]))

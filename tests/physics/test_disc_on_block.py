@@ -140,7 +140,7 @@ def test_node_on_segment_is_asymmetric_or_does_not_finish(runs: Runs) -> None:
         assert measures.mutual_difference(*map(profile, both)) > 5.0 * worst
 
 
-def test_auto_pace_and_a_short_ramp_agree(runs: Runs) -> None:
+def test_an_auto_ramp_and_a_short_one_agree(runs: Runs) -> None:
     """What `end = "auto"` chose is slow enough: a ramp three times as fast gives the same pressure."""
     changes = keys(DEEP, 2, "mortar-p0", False)
     auto, short = runs(changes, auto=True), runs(changes)

@@ -73,7 +73,7 @@ def bump(cells: Cells, size: float, seed: int) -> Floats:
 
 @pytest.mark.parametrize("law", [LinearElastic(7000.0, 0.3, 1.0), NEO], ids=names)
 @pytest.mark.parametrize("element", ELEMENTS, ids=names)
-def test_forces_are_the_slope_of_the_energy(element: Element, law: Material) -> None:
+def test_forces_are_the_derivative_of_the_energy(element: Element, law: Material) -> None:
     """Also with averaged dilatation, and with hourglass energy counted as numerical."""
     cells = Cells(element, law)
     base, way, step = bump(cells, 0.15, 5), bump(cells, 1.0, 6), 1e-5
@@ -82,9 +82,9 @@ def test_forces_are_the_slope_of_the_energy(element: Element, law: Material) -> 
     for factor in (1.0, -1.0):
         cells.move(base + factor * step * way)
         energies.append(cells.energy())
-    slope = (energies[0] - energies[1]) / (2.0 * step)
+    derivative = (energies[0] - energies[1]) / (2.0 * step)
     # central differences: (step / 0.15)^2 = 4e-9
-    assert slope == pytest.approx(float(np.vdot(force, way)), rel=1e-7)
+    assert derivative == pytest.approx(float(np.vdot(force, way)), rel=1e-7)
 
 
 @pytest.mark.parametrize("steps", [1, 10, 100])

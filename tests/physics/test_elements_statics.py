@@ -16,8 +16,8 @@ from scipy.sparse import coo_matrix, csc_matrix
 from scipy.sparse.linalg import spsolve
 
 from contactlab.api import Element, Floats, Ints, Mesh
+from contactlab.api.meshing import structured
 from contactlab.kernels.cells import element_kernels
-from contactlab.meshing.structured import structured
 from contactlab.model.bodies.body import Body
 from contactlab.model.bodies.stiffness import cell_stiffness
 
@@ -142,9 +142,9 @@ def inner_displacement(element: Element, cells: int, poisson: float) -> float:
     mesh = structured(element, (2 * cells, cells), place)
     load = np.zeros_like(mesh.nodes)
     points, weights = np.polynomial.legendre.leggauss(4)
-    value, slope = element.edge_shape(points)
+    value, derivative = element.edge_shape(points)
     for edge in mesh.edges["bottom"]:
-        along = slope @ mesh.nodes[edge]
+        along = derivative @ mesh.nodes[edge]
         # the body lies on the left of the edge, so pressure pushes to the left
         push = np.stack([-along[:, 1], along[:, 0]], axis=1) * weights[:, None]
         np.add.at(load, edge, value.T @ push)

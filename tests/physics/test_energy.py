@@ -37,7 +37,7 @@ def shaken(scene: Scene, speed: float, seed: int = 1) -> Model:
     """The model with random velocities up to `speed`, smooth enough for a mesh: of single nodes."""
     model = build(scene, default_registry())
     model.state["velocity"][:] = np.random.default_rng(seed).uniform(-speed, speed, model.reference.shape)
-    model.initial_energy = model.kinetic_energy()
+    model.start.energy = model.kinetic_energy()
     return model
 
 
@@ -48,7 +48,7 @@ def hold_in_place(model: Model) -> None:
     momenta = np.einsum("n,kni,lni->kl", model.mass, modes, modes)
     v = model.state["velocity"]
     v -= np.tensordot(np.linalg.solve(momenta, np.einsum("n,kni,ni->k", model.mass, modes, v)), modes, 1)
-    model.initial_energy = model.kinetic_energy()
+    model.start.energy = model.kinetic_energy()
 
 
 def discrete_energy(model: Model, internal: Floats) -> float:
@@ -99,7 +99,7 @@ def test_stored_energy_is_the_ledgers_to_second_order(law: str) -> None:
         model = shaken(square(law=law), 0.0)
         smooth = np.sin(np.pi * model.reference)  # resolved by the mesh and by the step
         model.state["velocity"][:] = 0.1 * smooth
-        model.initial_energy = model.kinetic_energy()
+        model.start.energy = model.kinetic_energy()
         advance = model.bound_integrator().step
         dt = 0.4 * 0.2 / 2**halving
         for _ in range(4 * 2**halving - 1):
@@ -163,7 +163,7 @@ def test_growth_beyond_the_limit_is_that_of_theory_and_is_flagged() -> None:
     advance, guards = model.bound_integrator().step, Guards(model)
     dt = 1.02 * model.stable_step()
     s = 2.0 * 1.02**2 - 1.0
-    guards.look()  # speeds of 1e-6 are nothing to stop for
+    guards.check()  # speeds of 1e-6 are nothing to stop for
     speeds = []
     for _ in range(60):
         advance(dt)
@@ -172,7 +172,7 @@ def test_growth_beyond_the_limit_is_that_of_theory_and_is_flagged() -> None:
     np.testing.assert_allclose(growth, s + np.sqrt(s * s - 1.0), rtol=1e-3)
     assert s + np.sqrt(s * s - 1.0) == pytest.approx(1.49, abs=0.005)
     with pytest.raises(SimulationFailure, match="moves at"):
-        guards.look()
+        guards.check()
 
 
 def test_below_the_limit_nothing_grows() -> None:

@@ -22,8 +22,8 @@ SLOW = 7.42e-4  # s, ramp that the scene's own warnings ask for: at that of "aut
 def run(algorithm: str, ramp: float | None = None) -> Results:
     scene = contactlab.load_scene("three-body-forging")
     changes = {f"contacts.{number}.algorithm": algorithm for number in range(3)}
-    pace = {} if ramp is None else {"time.ramp": ramp}
-    return contactlab.simulate(scene.with_(changes | pace | {"record.frames": 10}))
+    ramps = {} if ramp is None else {"time.ramp": ramp}
+    return contactlab.simulate(scene.with_(changes | ramps | {"record.frames": 10}))
 
 
 def area(x: Floats, cells: Ints) -> float:

@@ -63,14 +63,14 @@ def works(cells: int, rings: int, steps: int, tmp_path: Path) -> tuple[float, fl
         force = contact.conditions.force[0]
         closed = np.flatnonzero(contact.conditions.present & (force > 0.0)).astype(np.int32)
         if len(closed):
-            slopes, by = contact.linearise(closed), moved.reshape(-1)
+            derivatives, by = contact.linearise(closed), moved.reshape(-1)
             gaps = contact.conditions.gap[closed].copy()
-            contact.evaluate(self.equations.reference + self.u_start)
+            contact.evaluate(self.equations.reference + self.start.u)
             before = np.where(contact.conditions.present, contact.conditions.gap, 0.0)[closed]
             contact.evaluate(self.equations.position)
             contact.conditions.force[0] = force
             closing.append(float(force[closed] @ (gaps - before)))
-            turning.append(float(force[closed] @ ((slopes.normal - slopes.gap) @ by)))
+            turning.append(float(force[closed] @ ((derivatives.normal - derivatives.gap) @ by)))
         original(self, moved)
 
     with pytest.MonkeyPatch.context() as patch:

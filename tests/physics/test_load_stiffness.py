@@ -1,4 +1,4 @@
-"""Loads that change as nodes move: their slopes are part of Newton's matrix."""
+"""Loads that change as nodes move: their derivatives are part of Newton's matrix."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def squares(rows: Sequence[IterationRow]) -> bool:
 
 @pytest.mark.parametrize("element", ["q1", "q2"])
 @pytest.mark.parametrize("kind", ["pressure", "shear"])
-def test_slopes_of_follower_loads_are_exact(tmp_path: Path, element: str, kind: str) -> None:
+def test_derivatives_of_follower_loads_are_exact(tmp_path: Path, element: str, kind: str) -> None:
     """Forces are linear in positions, so that differences over any length are derivatives, up to round-off."""
     model: Any = build(*_with_registry(beam(tmp_path, element, loads=[{"on": "beam.top", kind: 0.7}])))
     draw = np.random.default_rng(1)
@@ -105,7 +105,7 @@ def test_follower_pressure_converges_quadratically(tmp_path: Path) -> None:
     assert len(results.iterations) <= 20
 
 
-def test_without_the_slopes_it_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_derivatives_it_does_not(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Otherwise the test before would prove nothing."""
     monkeypatch.setattr(LoadStiffness, "add", lambda *_: None)
     results = simulate(beam(tmp_path, **FOLLOWER))
@@ -114,7 +114,7 @@ def test_without_the_slopes_it_does_not(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_springs_hold_what_they_should(tmp_path: Path) -> None:
-    """Stiff springs at the end of a soft beam: without their slopes this diverges however small the step is.
+    """Stiff springs at the end of a soft beam: without their derivatives this diverges however small the step is.
 
     The loads rest on the clamp and on the springs, whose stiffness of 50 N/mm is spread over the nodes.
     """
@@ -182,7 +182,7 @@ def test_an_effect_between_distant_nodes_is_not_mistaken(tmp_path: Path) -> None
     assert np.hypot(*pulls[0]) == pytest.approx(0.3, rel=1e-6)
 
 
-def test_steps_in_time_have_the_slopes_too(tmp_path: Path) -> None:
+def test_steps_in_time_have_the_derivatives_too(tmp_path: Path) -> None:
     """Stiff springs against a soft, light beam in steps a hundred times the stable one."""
     results: Results = simulate(beam(tmp_path, **SPRING, integrator={"use": "implicit-dynamics", "steps": 10}))
     assert results.status == "finished"

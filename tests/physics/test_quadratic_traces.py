@@ -60,7 +60,7 @@ def updated_pair(scene: Scene) -> tuple[OperatorPair, np.ndarray]:
     assert model.contact is not None
     pair = model.contact.pairs[0]
     pair.update(model.position, np.zeros((1, len(pair.slave.nodes))))
-    pair.measure(model.position)
+    pair.compute_gaps(model.position)
     return pair, model.position
 
 

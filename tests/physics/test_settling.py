@@ -48,7 +48,7 @@ def test_a_run_that_a_pressure_drives_settles() -> None:
 
 def test_a_run_under_weight_settles() -> None:
     """Gravity is a load, too: 4 mm2 of 1e-9 t/mm3 under 1e8 mm/s2 weigh 0.4 N."""
-    ramp = build(pressed(), default_registry()).pace.ramp
+    ramp = build(pressed(), default_registry()).timing.ramp
     results = simulate(pressed(effects=[{"use": "gravity", "acceleration": [0.0, -1e8], "ramp": ramp}]))
     assert results.status == "finished", results.reason
     assert results.summary["reactions"]["lower.bottom"][1] == pytest.approx(0.4, rel=2e-4)
@@ -56,9 +56,11 @@ def test_a_run_under_weight_settles() -> None:
 
 @pytest.mark.parametrize("held", [{}, {"on": "upper.left", "ux": 0.0}])
 def test_a_body_that_its_supports_leave_adrift_is_paced_by_its_stretching(held: dict[str, Any]) -> None:
-    """Not by its rigid motion, whose frequency is zero: within a factor of 5 of the pace of the body that is held."""
+    """Not by its rigid motion, whose frequency is zero: within a factor of 5 of the period of the body that is held."""
     supports = [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}] + ([held] if held else [])
     scene = pressed(supports=supports, loads=[{"on": "upper.top", "pressure": 1.0}])
-    loose = build(scene, default_registry()).pace.period
-    fast = build(pressed(supports=[*supports[:1], {"on": "upper.top", "ux": 0.0, "uy": 0.0}]), default_registry()).pace
+    loose = build(scene, default_registry()).timing.period
+    fast = build(
+        pressed(supports=[*supports[:1], {"on": "upper.top", "ux": 0.0, "uy": 0.0}]), default_registry()
+    ).timing
     assert 0.2 * fast.period < loose < 5.0 * fast.period

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contactlab_statics import iteration
+from contactlab_statics import line_search
 from contactlab_statics.active_set import ActiveSet
 from contactlab_statics.iteration import NewtonIteration, Outcome
 from scipy.sparse import csc_array, csr_array
@@ -47,6 +47,9 @@ class Columns:
 
     def internal_force(self, dt: float) -> None:
         """Linear: nothing to prepare."""
+
+    def estimate(self, time: float) -> None:
+        """Nothing is known of where a step ends."""
 
     def folded(self) -> bool:
         return False
@@ -93,7 +96,7 @@ def three_in_a_ring(share: float) -> Columns:
 @pytest.mark.parametrize("share", [1.1, 1.3, 1.6])
 def test_full_corrections_never_end(share: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """Otherwise the next test would prove nothing: three patterns, again and again."""
-    monkeypatch.setattr(iteration, "CAREFUL", (1.0,))
+    monkeypatch.setattr(line_search, "CAREFUL", (1.0,))
     columns = three_in_a_ring(share)
     assert "100 iterations left" in solved(columns, 100).reason
     assert len(set(columns.patterns[3:])) == 3

@@ -1,4 +1,4 @@
-"""Slopes of gaps, slips and contact forces against differences of the conditions themselves."""
+"""Derivatives of gaps, slips and contact forces against differences of the conditions themselves."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def pressed_model(changes: dict[str, Any], shake: float = 1.0) -> tuple[Implicit
     start, end = (model.reference + draw.uniform(-size, size, model.reference.shape) for size in sizes)
     start[disc, 1] -= 0.045
     end[disc, 1] -= 0.05
-    model.contact.begin(start, 0.0)
+    model.contact.begin_step(start, 0.0)
     return model, end
 
 
@@ -83,7 +83,7 @@ LOOSER = {"vertices": 10.0}  # kinks turn ten times as fast as smooth slaves
 @pytest.mark.parametrize("friction", [False, True], ids=["frictionless", "friction"])
 @pytest.mark.parametrize("swap", [False, True], ids=["disc-slave", "block-slave"])
 @pytest.mark.parametrize("name", CASES)
-def test_slopes(name: str, swap: bool, friction: bool) -> None:
+def test_derivatives(name: str, swap: bool, friction: bool) -> None:
     changes: dict[str, Any] = CASES[name] | {"contacts.0.swap": swap}
     if friction:
         changes["contacts.0.friction"] = {"use": "coulomb", "mu": 0.3}
@@ -100,14 +100,14 @@ def test_slopes(name: str, swap: bool, friction: bool) -> None:
     if friction:
         c.force[1, chosen] = draw.uniform(-1.0, 1.0, len(chosen))
     forces = c.force.copy()
-    slopes = contact.linearise(chosen)
+    derivatives = contact.linearise(chosen)
     move = draw.uniform(-1.0, 1.0, position.shape)
     high, low = (evaluate(model, position + sign * STEP * move, forces, chosen) for sign in (1.0, -1.0))
     gap, slip, force = ((a - b) / (2.0 * STEP) for a, b in zip(high, low, strict=True))
     looser = LOOSER.get(name, 1.0)
-    np.testing.assert_allclose(slopes.gap @ move.ravel(), gap, atol=looser * 1e-7, rtol=0.0)
-    np.testing.assert_allclose(slopes.force @ move.ravel(), force, atol=looser * 1e-5, rtol=0.0)
+    np.testing.assert_allclose(derivatives.gap @ move.ravel(), gap, atol=looser * 1e-7, rtol=0.0)
+    np.testing.assert_allclose(derivatives.force @ move.ravel(), force, atol=looser * 1e-5, rtol=0.0)
     if friction:
-        np.testing.assert_allclose(slopes.slip @ move.ravel(), slip, atol=looser * 1e-7, rtol=0.0)
-    own = slopes.normal.T @ forces[0, chosen] + (slopes.tangent.T @ forces[1, chosen] if friction else 0.0)
+        np.testing.assert_allclose(derivatives.slip @ move.ravel(), slip, atol=looser * 1e-7, rtol=0.0)
+    own = derivatives.normal.T @ forces[0, chosen] + (derivatives.tangent.T @ forces[1, chosen] if friction else 0.0)
     np.testing.assert_allclose(own, evaluate(model, position, forces, chosen)[2], atol=1e-9, rtol=0.0)

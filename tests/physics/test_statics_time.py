@@ -31,7 +31,7 @@ def smooth(share: float) -> float:
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
 @pytest.mark.parametrize("steps", [1, 10])
 @pytest.mark.parametrize("duration", [4e-4, 1e-3])
-def test_an_eased_overlap_is_all_there_when_its_ramp_is_over(algorithm: str, steps: int, duration: float) -> None:
+def test_a_relaxed_overlap_is_all_there_when_its_ramp_is_over(algorithm: str, steps: int, duration: float) -> None:
     """Two blocks of height 0.5 each that overlap by d press each other with E d, at every frame by the ramp so far."""
     results = simulate(
         load_scene("initial-overlap").with_(
@@ -51,16 +51,16 @@ def test_an_eased_overlap_is_all_there_when_its_ramp_is_over(algorithm: str, ste
     assert history["lower.bottom.fy"][-1] == pytest.approx(2.5, abs=1e-7)
 
 
-def test_easing_is_passed_in_as_many_steps_as_loading() -> None:
+def test_relaxation_is_passed_in_as_many_steps_as_loading() -> None:
     """Half of the wished steps push the overlap out, half press: what happens on the way is followed alike."""
     scene = load_scene("initial-overlap").with_({"integrator": {"use": "newton", "steps": 10}, "record.frames": 1000})
     times = simulate(scene).history["time"]
-    eased = [time for time in times if 0.0 < time <= 4e-4 * (1.0 + 1e-9)]
-    assert eased[-1] == pytest.approx(4e-4), "a step ends where the easing does"
-    assert len(eased) == pytest.approx(5, abs=1)
+    relaxed = [time for time in times if 0.0 < time <= 4e-4 * (1.0 + 1e-9)]
+    assert relaxed[-1] == pytest.approx(4e-4), "a step ends where the relaxation does"
+    assert len(relaxed) == pytest.approx(5, abs=1)
 
 
-def test_an_eased_overlap_is_all_there_in_steps_in_time() -> None:
+def test_a_relaxed_overlap_is_all_there_in_steps_in_time() -> None:
     """The gap of pressed surfaces is zero at the end of the run to round-off, however few its steps."""
     for steps in (5, 50):
         model = stepped(
@@ -130,7 +130,7 @@ def test_rigid_surfaces_are_where_the_end_of_the_step_puts_them(use: str, steps:
     for time in (np.arange(steps) + 1.0) / steps:
         model = stepped(Scene.from_data(data), time, round(time * steps))
         top = model.position[model.contact.pairs[0].slave.nodes, 1]
-        plate = model.supports[-1].nodes
+        plate = model.loading.supports[-1].nodes
         expected = np.tile([0.3 * time, -0.001 * smooth(time)], (len(plate), 1))
         assert model.state["displacement"][plate] == pytest.approx(expected, abs=1e-15)
         # residuals of 1e-8 of a segment

@@ -78,7 +78,7 @@ def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch
     assert second.summary["resumed_at_steps"][0] > 0
 
     # once more: nothing is left to do, and nothing is started
-    monkeypatch.setattr(runner, "WorkerPool", lambda jobs: pytest.fail("a run was repeated"))
+    monkeypatch.setattr(runner, "open_pool", lambda *request: pytest.fail("a run was repeated"))
     again = contactlab.compare(contactlab.load_scene(scene), VARY, out=folder, resume=True)
     assert [row.status for row in again.rows] == ["finished", "finished"]
     assert [row["steps"] for row in again.rows] == [first.summary["steps"], second.summary["steps"]]

@@ -9,7 +9,8 @@ from typing import Any
 
 import h5py
 
-from contactlab.results.load import FILE, load_results
+from contactlab.results.load import load_results
+from contactlab.results.stored_file import FILE
 from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]

@@ -27,12 +27,12 @@ Assert = Callable[[Any, Any], None]
 KILLS = 20
 
 
-class Zygote:
-    """Runs scenes in processes that begin within a millisecond; see zygote.py."""
+class ForkServer:
+    """Runs scenes in processes that begin within a millisecond; see fork_server.py."""
 
     def __init__(self) -> None:
         self.process = subprocess.Popen(
-            [sys.executable, str(Path(__file__).with_name("zygote.py"))],
+            [sys.executable, str(Path(__file__).with_name("fork_server.py"))],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
         )  # fmt: skip
 
@@ -64,7 +64,7 @@ class Zygote:
                 watch(int(told["pid"]), frames)
             if word == "exit":
                 return Outcome(frames, int(value), float(told.get("cpu", "nan")))
-        raise AssertionError("the zygote has died")
+        raise AssertionError("the fork server has died")
 
     def close(self) -> None:
         """End it."""
@@ -82,8 +82,8 @@ class Outcome(NamedTuple):
 
 
 @pytest.fixture(scope="module")
-def zygote() -> Iterator[Zygote]:
-    made = Zygote()
+def fork_server() -> Iterator[ForkServer]:
+    made = ForkServer()
     yield made
     made.close()
 
@@ -94,20 +94,20 @@ def scene(small_scene: MakeScene) -> Any:
 
 
 def test_kill_at_random_moments(
-    scene: Any, zygote: Zygote, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
+    scene: Any, fork_server: ForkServer, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
 ) -> None:
-    done = zygote.run(scene, tmp_path / "whole")
+    done = fork_server.run(scene, tmp_path / "whole")
     assert done.status == 0
     whole = contactlab.load_results(tmp_path / "whole")
     chance = random.Random(1818)
     seen: list[int] = []
     for number in range(KILLS):
         folder = tmp_path / f"run-{number}"
-        killed = zygote.run(scene, folder, lives=chance.uniform(0.1, 0.95) * done.cpu)
+        killed = fork_server.run(scene, folder, lives=chance.uniform(0.1, 0.95) * done.cpu)
         if killed.status == -signal.SIGPROF:
             seen.append(killed.frames)
             check_files(folder, killed.frames)
-        assert zygote.run(scene, folder, resume=True).status == 0
+        assert fork_server.run(scene, folder, resume=True).status == 0
         assert_same_run(whole, contactlab.load_results(folder))
         assert_same_files(tmp_path / "whole", folder)
     assert len(seen) >= KILLS // 2, "most runs ended before they were killed: nothing was shown"
@@ -118,19 +118,19 @@ def test_kill_at_random_moments(
 def test_kill_right_after_saving(
     saves: int,
     small_scene: MakeScene,
-    zygote: Zygote,
+    fork_server: ForkServer,
     tmp_path: Path,
     assert_same_run: Assert,
     assert_same_files: Assert,
 ) -> None:
     # a frame is due at every 50th step, when the state is saved, too; the 17th saved state is that of the last step
     scene = small_scene({"time.step": 1e-8, "time.end": 8e-6, "record.frames": 16})
-    assert zygote.run(scene, tmp_path / "whole").status == 0
+    assert fork_server.run(scene, tmp_path / "whole").status == 0
     whole = contactlab.load_results(tmp_path / "whole")
     assert [frame.step for frame in whole.frames] == list(range(0, 801, 50))
     folder = tmp_path / "killed"
-    assert zygote.run(scene, folder, saves=saves).status == -signal.SIGKILL
-    assert zygote.run(scene, folder, resume=True).status == 0
+    assert fork_server.run(scene, folder, saves=saves).status == -signal.SIGKILL
+    assert fork_server.run(scene, folder, resume=True).status == 0
     resumed = contactlab.load_results(folder)
     assert resumed.summary["resumed_at_steps"] == [50 * (saves - 1)]
     assert_same_run(whole, resumed)
@@ -138,20 +138,20 @@ def test_kill_right_after_saving(
 
 
 IMPLICIT = {
-    "newton": {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02},
+    "newton": {"integrator": {"use": "newton", "steps": 10}, "time.end": 1.0, "supports.1.uy.to": -0.02},
     "implicit-dynamics": {"integrator": {"use": "implicit-dynamics", "steps": 40}, "supports.1.uy.to": -0.02},
 }
 
 
 @pytest.mark.parametrize("integrator", IMPLICIT)
 def test_each_load_step_is_saved(
-    integrator: str, small_scene: MakeScene, zygote: Zygote, tmp_path: Path, assert_same_run: Assert
+    integrator: str, small_scene: MakeScene, fork_server: ForkServer, tmp_path: Path, assert_same_run: Assert
 ) -> None:
     scene = small_scene(IMPLICIT[integrator])
-    assert zygote.run(scene, tmp_path / "whole").status == 0
+    assert fork_server.run(scene, tmp_path / "whole").status == 0
     folder = tmp_path / "killed"
-    assert zygote.run(scene, folder, saves=6).status == -signal.SIGKILL
-    assert zygote.run(scene, folder, resume=True).status == 0
+    assert fork_server.run(scene, folder, saves=6).status == -signal.SIGKILL
+    assert fork_server.run(scene, folder, resume=True).status == 0
     resumed = contactlab.load_results(folder)
     assert resumed.summary["resumed_at_steps"] == [5]
     assert_same_run(contactlab.load_results(tmp_path / "whole"), resumed)
@@ -199,7 +199,7 @@ def check_vtk(path: Path, times: Any) -> None:
     assert np.array_equal(points, results.nodes + results.frames[-1].displacement)
 
 
-def test_sigterm_and_ctrl_c_save_the_last_state(scene: Any, zygote: Zygote, tmp_path: Path) -> None:
+def test_sigterm_and_ctrl_c_save_the_last_state(scene: Any, fork_server: ForkServer, tmp_path: Path) -> None:
     for number in (signal.SIGTERM, signal.SIGINT):
         folder = tmp_path / number.name
 
@@ -207,14 +207,14 @@ def test_sigterm_and_ctrl_c_save_the_last_state(scene: Any, zygote: Zygote, tmp_
             if frames == 2:
                 os.kill(pid, number)
 
-        assert zygote.run(scene, folder, watch=stop).status == 130
+        assert fork_server.run(scene, folder, watch=stop).status == 130
         results = contactlab.load_results(folder)
         assert results.status == "interrupted"
         assert results.reason.startswith(f"stopped by {number.name} after step {results.summary['steps']}")
         assert len(results.steps["step"]) == results.summary["steps"]
 
 
-def test_two_runs_cannot_write_to_one_folder(scene: Any, zygote: Zygote, tmp_path: Path) -> None:
+def test_two_runs_cannot_write_to_one_folder(scene: Any, fork_server: ForkServer, tmp_path: Path) -> None:
     refused = []
 
     def try_too(pid: int, frames: int) -> None:
@@ -225,21 +225,21 @@ def test_two_runs_cannot_write_to_one_folder(scene: Any, zygote: Zygote, tmp_pat
             refused.append(str(error.value))
             os.kill(pid, signal.SIGCONT)
 
-    assert zygote.run(scene, tmp_path, watch=try_too).status == 0
+    assert fork_server.run(scene, tmp_path, watch=try_too).status == 0
     assert "another run is writing to this folder" in refused[0]
     assert contactlab.load_results(tmp_path).status == "finished"
 
 
 @pytest.mark.parametrize("share", [0.1, 0.35, 0.6, 0.8, 0.95])
 def test_full_disk_keeps_what_was_written(
-    share: float, small_scene: MakeScene, zygote: Zygote, tmp_path: Path, assert_same_run: Assert
+    share: float, small_scene: MakeScene, fork_server: ForkServer, tmp_path: Path, assert_same_run: Assert
 ) -> None:
     # few frames are asked for, more are stored during the hold: room is made several times
     scene = small_scene({"time.end": "auto", "time.ramp": 2e-6, "time.hold": 1e-5, "record.frames": 5})
-    assert zygote.run(scene, tmp_path / "whole").status == 0
+    assert fork_server.run(scene, tmp_path / "whole").status == 0
     whole = contactlab.load_results(tmp_path / "whole")
     folder, size = tmp_path / "full", (tmp_path / "whole/results.vtkhdf").stat().st_size
-    stopped = zygote.run(scene, folder, largest=int(share * size))
+    stopped = fork_server.run(scene, folder, largest=int(share * size))
     assert stopped.status == 1
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["status"] == "failed"
@@ -250,5 +250,5 @@ def test_full_disk_keeps_what_was_written(
         assert len(stored.frames) >= stopped.frames + 1
         for frame, expected in zip(stored.frames, whole.frames, strict=False):
             assert np.array_equal(frame.displacement, expected.displacement)
-    assert zygote.run(scene, folder, resume=True).status == 0
+    assert fork_server.run(scene, folder, resume=True).status == 0
     assert_same_run(whole, contactlab.load_results(folder))

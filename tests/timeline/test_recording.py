@@ -98,9 +98,9 @@ def test_entities(run: Results, reader: Reader) -> None:
         "reaction", "time-per-step", "nodes/contacts.0", "violation/contacts.0", "profile/contacts.0/pressure",
         "profile/contacts.0/shear", "events", "scene",
     )} | {f"/axes/0/{name}" for name in ("view", "axes", "grid", "labels")}  # fmt: skip
-    lanes = {path for path in reader.paths if path.startswith("/run/state/contacts.0/s-")}
-    assert 2 <= len(lanes) <= 8
-    assert reader.paths - lanes == expected
+    tracks = {path for path in reader.paths if path.startswith("/run/state/contacts.0/s-")}
+    assert 2 <= len(tracks) <= 8
+    assert reader.paths - tracks == expected
 
 
 def test_scalars_of_every_step_are_those_of_the_results_file(run: Results, reader: Reader) -> None:
@@ -197,8 +197,8 @@ def test_lanes_change_with_the_states(run: Results, reader: Reader) -> None:
     from contactlab.api.frame import STATES as NAMES
 
     first = run.frames[0].curves["contacts.0"]
-    lanes = [path for path in reader.paths if path.startswith("/run/state/")]
-    for path in lanes:
+    tracks = [path for path in reader.paths if path.startswith("/run/state/")]
+    for path in tracks:
         s = float(path.rpartition("s-")[2])
         node = int(np.argmin(np.abs(first.s - s)))
         states = [NAMES[frame.curves["contacts.0"].state[node]] for frame in run.frames]

@@ -27,7 +27,7 @@ PLASTIC = {f"materials.soft.{key}": value for key, value in {
     "use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03,
 }.items()}  # fmt: skip
 RATE = {"materials.soft.use": "hypoelastic"}
-STATICS = {"integrator": "newton", "time.end": 1.0, "supports.1.uy.to": -0.02}
+STATICS = {"integrator": {"use": "newton", "steps": 10}, "time.end": 1.0, "supports.1.uy.to": -0.02}
 IMPLICIT = {"integrator": {"use": "implicit-dynamics", "steps": 40}, "supports.1.uy.to": -0.02}
 VARIANTS: dict[str, dict[str, Any]] = {
     "mortar-p0": {},
@@ -92,6 +92,19 @@ def test_resumed_run_is_bit_identical(
     stops = [min(17, steps // 4), steps // 2 + 3, steps]
     resumed = run_with_stops(scene, tmp_path / "stopped", stops)
     assert resumed.summary["resumed_at_steps"] == stops
+    assert_same_run(whole, resumed)
+    assert_same_files(tmp_path / "whole", tmp_path / "stopped")
+
+
+def test_a_nested_run_is_taken_up_between_its_corners(
+    small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
+) -> None:
+    """Coarser levels are solved again where a leg of the loading is left, and say nothing twice."""
+    uy = {"ramp": "table", "to": -0.02, "points": [[0.0, 0.0], [0.5, 1.0], [1.0, 0.5]]}
+    scene = small_scene({"integrator": "newton", "time.end": 1.0, "level": 2, "supports.1.uy": uy})
+    whole = simulate(scene, tmp_path / "whole")
+    assert whole.summary["steps"] == 2
+    resumed = run_with_stops(scene, tmp_path / "stopped", [1, 2])
     assert_same_run(whole, resumed)
     assert_same_files(tmp_path / "whole", tmp_path / "stopped")
 

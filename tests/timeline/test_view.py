@@ -88,7 +88,7 @@ def test_picture_of_a_comparison_shows_every_algorithm_in_its_colour(comparison:
 
 @pytest.mark.skipif(not Path("/proc/self/net/tcp").exists(), reason="sockets are looked up in /proc")
 def test_viewer_listens_on_this_machine_alone_and_ends(comparison: Path) -> None:
-    def look() -> None:
+    def view() -> None:
         children = set(children_of(os.getpid()))
         with viewer.headless_viewer(comparison / "timeline.rrd") as client:
             (process,) = set(children_of(os.getpid())) - children
@@ -100,7 +100,7 @@ def test_viewer_listens_on_this_machine_alone_and_ends(comparison: Path) -> None
             assert set(ALGORITHMS) <= names
         assert process not in children_of(os.getpid())
 
-    needs_driver(look)
+    needs_driver(view)
 
 
 def children_of(process: int) -> list[int]:

@@ -1,4 +1,7 @@
-"""Plugins made on the spot: a distribution is a folder of metadata and a module on the path."""
+"""Plugins made on the spot: a distribution is a folder of metadata and a module on the path.
+
+Random examples have no limits of time: how fast a machine makes them says nothing of what they test.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,10 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
+
+settings.register_profile("any machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("any machine")
 
 Install = Callable[..., None]
 

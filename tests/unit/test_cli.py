@@ -72,6 +72,13 @@ class TestRun:
         for name in ("scene.toml", "history.csv", "contact.csv"):
             assert Path("first", name).read_bytes() == Path("second", name).read_bytes()
 
+    def test_for_programs(self, run_here: Callable[..., int], capsys: pytest.CaptureFixture[str]) -> None:
+        assert run_here("--json", "--out", "out") == 0
+        assert json.loads(capsys.readouterr().out) == {
+            "folder": "out",
+            **json.loads(Path("out/summary.json").read_text()),
+        }
+
     def test_settings_reach_the_run(self, run_here: Callable[..., int]) -> None:
         run_here("--out", "out", "--set", "contacts.0.algorithm=mortar-p1", "--set", "contacts.0.swap=true")
         summary = json.loads(Path("out/summary.json").read_text())
@@ -119,7 +126,8 @@ class TestRun:
 
 
 class TestListings:
-    def test_scenes(self, capsys: pytest.CaptureFixture[str]) -> None:
+    def test_scenes(self, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setenv("COLUMNS", "120")  # whatever the terminal: no cell is wrapped
         assert main(["scenes"]) == 0
         shown = capsys.readouterr().out
         assert "disc-on-block" in shown
@@ -156,7 +164,7 @@ class TestListings:
 
 
 def test_explain_says_what_a_scene_does_not_call_for(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["explain", "disc-on-block", "--set", "contacts.0.algorithm=mortar-p1"]) == 0
+    assert main(["explain", "disc-on-block", "--set", "contacts.0.algorithm=mortar-p1", "--all"]) == 0
     rows = [line.split() for line in capsys.readouterr().out.splitlines()]
     assert ["friction", "no", "not", "declared"] in rows
     assert ["contact", "yes", "contacts.0"] in rows

@@ -7,7 +7,7 @@ Imports NumPy alone. Compiled kernels use `contactlab.api.compiled.kernel`, entr
 from contactlab.api.arrays import BLOCK_CELLS, XX, XY, YY, ZZ, Floats, Ints
 from contactlab.api.case import Answer, Case, Changes, Job, Measure, Setup, Spec
 from contactlab.api.contact import ContactAlgorithm, ContactMethod, ContactView, GapAlgorithm, GapConditions, Pieces
-from contactlab.api.derivatives import GapGradients, PieceDerivatives
+from contactlab.api.derivatives import ConditionDerivatives, GapGradients, PieceDerivatives
 from contactlab.api.effect import Effect, EffectView
 from contactlab.api.element import BlockKernels, Element, Quadrature, Shape
 from contactlab.api.enforcement import (
@@ -26,6 +26,7 @@ from contactlab.api.integrator import (
     ContactDerivatives,
     ContactEquations,
     Equations,
+    Estimate,
     ExplicitEquations,
     ExplicitIntegrator,
     ImplicitContact,
@@ -61,6 +62,7 @@ __all__ = [
     "Candidates",
     "Case",
     "Changes",
+    "ConditionDerivatives",
     "Conditions",
     "ContactAlgorithm",
     "ContactCurve",
@@ -73,6 +75,7 @@ __all__ = [
     "Element",
     "Enforcement",
     "Equations",
+    "Estimate",
     "Event",
     "ExplicitEnforcement",
     "ExplicitEquations",

@@ -185,7 +185,7 @@ class Case(ABC):
 
     @abstractmethod
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """What is measured with this setup."""
+        """The numbers that are measured with this setup, and what they are compared with."""
 
     @abstractmethod
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:

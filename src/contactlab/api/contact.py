@@ -6,7 +6,7 @@ An algorithm knows neither friction law nor enforcement nor time. It is written 
 `ContactAlgorithm`  gives local, segment-wise pieces of the operators D, M and T; the core assembles
                     them, merges and drops multipliers on partial cover, builds the rows
                     G = T^-T [D^T | -M^T] . normal and turns multipliers into pressures.
-`GapAlgorithm`      gives finished rows. Simple to write in plain NumPy.
+`GapAlgorithm`      gives finished rows. Simple to write in plain NumPy; implicit runs take differences of them.
 
 What an algorithm may see of a contact is one `ContactView`.
 """
@@ -20,7 +20,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from contactlab.api.arrays import Flags, Floats, Ints
-from contactlab.api.derivatives import GapGradients, PieceDerivatives
+from contactlab.api.derivatives import ConditionDerivatives, GapGradients, PieceDerivatives
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 
 
@@ -86,12 +86,16 @@ class ContactMethod(ABC):
     """What both kinds of contact algorithms declare. Algorithms derive from one of the classes below.
 
     passes_patch_test  declared, and checked both ways
+    explicit_only      True for an algorithm whose conditions jump too much for Newton's method: implicit runs refuse it
+    keeps_energy       True for conditions that only take energy: no explicit step of contact without friction makes any
     rows_per_node      conditions a slave node can carry at once
     memory_size        numbers remembered per slave node between steps (zero at the start)
     """
 
     passes_patch_test: ClassVar[bool]
     rows_per_node: ClassVar[int] = 1
+    explicit_only: ClassVar[bool] = False
+    keeps_energy: ClassVar[bool] = False
     memory_size: ClassVar[int] = 0
 
 
@@ -184,3 +188,12 @@ class GapAlgorithm(ContactMethod):
     @abstractmethod
     def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
         """The gap conditions at the positions of the view. `tangent` asks for tangent weights."""
+
+    def derivatives(self, view: ContactView, found: GapConditions) -> ConditionDerivatives | None:
+        """How the weights of `found`, the conditions of this view, change with positions; read-only, memory too.
+
+        Asked for by implicit integrators. The default says None, and the core takes differences of `conditions`:
+        right where a condition follows from its own nodes and two more on either side of each along the surfaces, and
+        slower by four calls for each node of the widest condition, or about thirty for one node on one segment.
+        """
+        return None

@@ -57,6 +57,22 @@ class PieceDerivatives:
         )
 
 
+@dataclass(frozen=True)
+class ConditionDerivatives:
+    """Derivatives of the normal weights of finished gap conditions by positions, one by one; zeros may be left out.
+
+    Tangent weights turn with the normal ones, and gaps are sums of weights times positions: both follow.
+
+    entry  (t,) int32  entry of `GapConditions.node` whose weight changes
+    moved  (t,) int32  coordinate that it changes with: 2 * global node + direction
+    value  (t, 2) [1/mm]  d(normal_weight of the entry)/d(coordinate)
+    """
+
+    entry: Ints
+    moved: Ints
+    value: Floats
+
+
 @dataclass(eq=False)
 class GapGradients:
     """Room for the derivatives of the weighted separations D^T x - M^T y - T^T r of the pieces.

@@ -1,4 +1,4 @@
-"""Derivatives of laws by central differences, for those that give none."""
+"""Derivatives of laws by central differences, for those that give none, and what follows from them."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api.arrays import Floats
+from contactlab.api.arrays import XX, XY, YY, Floats
 
 if TYPE_CHECKING:
     from contactlab.api.material import Material
+
+DIRECTIONS = 24  # of waves within half a turn
+BETWEEN = 0.035  # 1 - cos(4 * 3.75 degrees): how much of their spread may be missed between two directions
 
 STEP = 6e-6  # cube root of round-off: balances truncation and cancellation for gradients of order one
 
@@ -25,3 +28,34 @@ def tangent_by_differences(law: Material, gradient: Floats, history: Floats, dt:
         law.stress(trial, history, dt, low, spare)
         trial[j] = gradient[j]
         tangent[:, j] = (high - low) / (2.0 * STEP)
+
+
+def stiffening_of_waves(law: Material, gradient: Floats, out: Floats) -> None:
+    """Fill out (P,) with the fastest wave's modulus over that at rest, for a "finite" law without history.
+
+    A wave along n whose particles move along u sees Q u = d(stress) n for the motion u n^T: the acoustic tensor of the
+    moduli on the current geometry (Ogden 1984, 6.4). Its largest eigenvalue is sought among some directions, and what
+    may lie between two of them is added.
+    """
+    points = gradient.shape[1]
+    tangent, history = np.empty((4, 4, points)), np.zeros((0, points))
+    law.tangent(gradient, history, 0.0, tangent)
+    most, least = np.full(points, -np.inf), np.full(points, np.inf)
+    for angle in np.arange(DIRECTIONS) * np.pi / DIRECTIONS:
+        n = np.array([np.cos(angle), np.sin(angle)])
+        found = _fastest(tangent, gradient.reshape(2, 2, points), n)
+        np.maximum(most, found, out=most)
+        np.minimum(least, found, out=least)
+    out[:] = (most + BETWEEN * (most - least)) / (law.density * law.wave_speeds()[0] ** 2)
+
+
+def _fastest(tangent: Floats, gradient: Floats, n: Floats) -> Floats:
+    """Largest eigenvalue (P,) of the acoustic tensor along n."""
+    acoustic = []
+    for k in range(2):
+        # F' = (1 + u n^T) F changes F^-1 by -F^-1 u n^T; here u is along coordinate k
+        change = -(gradient[:, k, None] * n[None, :, None]).reshape(4, -1)
+        stress = np.einsum("ijp,jp->ip", tangent, change)
+        acoustic.append((stress[XX] * n[0] + stress[XY] * n[1], stress[XY] * n[0] + stress[YY] * n[1]))
+    (xx, yx), (xy, yy) = acoustic
+    return np.asarray(0.5 * (xx + yy) + np.hypot(0.5 * (xx - yy), 0.5 * (xy + yx)))

@@ -34,10 +34,16 @@ class Effect(ABC):
     Their fields are the TOML keys; a ValueError that `bind` raises is reported at the effect. Implicit integrators
     find out by themselves how forces change with the positions and velocities of the nodes that they act on.
 
-    needs_mass  whether masses are assembled for it in statics, too
+    needs_mass    whether masses are assembled for it in statics, too
+    conservative  at any time its forces follow from positions alone, and take no work around a closed path
+    dissipates    its forces never drive a motion
+    internal      its forces have neither a resultant nor a moment: they act between the bodies, or within them
     """
 
     needs_mass: ClassVar[bool] = False
+    conservative: ClassVar[bool] = False
+    dissipates: ClassVar[bool] = False
+    internal: ClassVar[bool] = False
 
     @abstractmethod
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:

@@ -86,7 +86,7 @@ class FactoredRows:
 
     @classmethod
     def allocate(cls, rows: int, entries: int) -> FactoredRows:
-        """Arrays of zeros of the given sizes."""
+        """Zeroed arrays with room for so many rows and entries."""
         own, slot = (np.zeros(rows, np.int32) for _ in range(2))
         gap, size, above, below, inverse, left = (np.zeros(rows) for _ in range(6))
         return cls(
@@ -111,7 +111,12 @@ class Solve(NamedTuple):
 
 
 class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
-    """How gap conditions become forces. Subclasses derive from one of the classes below."""
+    """How gap conditions become forces. Subclasses derive from one of the classes below.
+
+    exact  closed gaps are zero and sticking conditions do not slip; False for springs, which give way
+    """
+
+    exact: ClassVar[bool] = True
 
 
 class ExplicitEnforcement(Enforcement):
@@ -202,7 +207,7 @@ class Response:
 
     @classmethod
     def allocate(cls, rows: int, slots: int) -> Response:
-        """Zeroed room."""
+        """Zeroed arrays with room for so many rows and entries."""
         cross = slots if rows > 1 else 0
         residual, by_force, by_gap = (np.zeros((rows, slots)) for _ in range(3))
         return cls(residual, by_force, by_gap, np.zeros(cross), np.zeros(cross), np.zeros(slots, np.int8))

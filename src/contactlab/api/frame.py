@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal, NamedTuple, Protocol
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
+from contactlab.views import view
 
 OPEN, STICK, SLIP = 0, 1, 2
 """States of a slave node; frictionless contact counts as slip."""
@@ -17,7 +18,7 @@ STATES = ("open", "stick", "slip")
 """What `ContactCurve.state` means, by number."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class ContactCurve:
     """The contact surface at one instant, one entry per slave node (m,), in chain order.
 
@@ -46,7 +47,7 @@ class ContactCurve:
     )  # fmt: skip
 
     def __eq__(self, other: object) -> bool:
-        """The same numbers, nan equal to nan."""
+        """Whether all numbers are the same, nan equal to nan."""
         if not isinstance(other, ContactCurve):
             return NotImplemented
         return all(
@@ -55,6 +56,18 @@ class ContactCurve:
         )
 
     __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        closed, most = int(np.count_nonzero(self.state)), float(np.max(self.pressure, initial=0.0))
+        return f"ContactCurve({len(self.s)} nodes, {closed} closed, pressure up to {most:.4g})"
+
+    def plot(self, units: str = "") -> Any:
+        """A matplotlib figure of pressure and shear along the slave; `units` is the label of a scene."""
+        return view("pictures.curve_figure")(self, units)
+
+    def to_frame(self) -> Any:
+        """A pandas frame with a row for each slave node."""
+        return view("frames.curve_frame")(self)
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,7 @@ class Iteration(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What an attempted step did.
+    """What an attempted step did: its status, work and reactions, and how its iteration went.
 
     work        (7,) energy ledger at its end, see `contactlab.api.WORK` [mJ]
     reaction    (N, 2) [N] forces of the supports on prescribed degrees of freedom, 0 elsewhere
@@ -78,7 +78,7 @@ class PrescribedMotion(Protocol):
 
 
 class ContactEquations(Protocol):
-    """All contact pairs together."""
+    """All contact pairs together, as explicit integrators see them."""
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         """Rows at the `predicted` positions (N, 2) from search to friction, then the enforcement's answer.
@@ -109,8 +109,14 @@ class Equations(Protocol):
     reference: Floats
     position: Floats
     mass: Floats
-    damping: float
-    relaxation: float
+
+    @property
+    def damping(self) -> float:
+        """Mass-proportional damping [1/s] of velocities beside the `drift`."""
+
+    @property
+    def relaxation(self) -> float:
+        """Time [s] in which `drift` follows velocities."""
 
     @property
     def prescribed(self) -> PrescribedMotion:
@@ -168,10 +174,23 @@ class ContactDerivatives(NamedTuple):
     force: Any
 
 
+class Estimate(NamedTuple):
+    """What is expected of a state before it is solved for, as the solution on a coarser mesh gives it.
+
+    time          of the state [s]
+    displacement  (N, 2) [mm]
+    pressure      (r, k) [MPa] multipliers over the length that each condition stands for
+    """
+
+    time: float
+    displacement: Floats
+    pressure: Floats
+
+
 class ImplicitEquations(Equations, Protocol):
     """What implicit integrators see beside `Equations`.
 
-    Between `begin` and `accept` everything is a trial: `internal_force` starts from the history of the
+    Between `begin_step` and `accept` everything is a trial: `internal_force` starts from the history of the
     last accepted step, whatever was tried in between, and multipliers are those of `contact.conditions`.
     """
 
@@ -179,10 +198,10 @@ class ImplicitEquations(Equations, Protocol):
     def contact(self) -> ImplicitContact | None:
         """All contact pairs together."""
 
-    def begin(self, dt: float) -> None:
+    def begin_step(self, dt: float) -> None:
         """Take the state as the start of a step of length dt [s], also after it was restored (then of length 0).
 
-        Conditions that follow the time, as overlaps that are eased out, are those of the end of the step.
+        Conditions that follow the time, as overlaps that are relaxed, are those of the end of the step.
         """
 
     def stiffness(self, dt: float) -> Any:
@@ -193,6 +212,9 @@ class ImplicitEquations(Equations, Protocol):
 
         rate  d(velocity)/d(displacement) [1/s] of the step, for forces that depend on velocities; 0 in statics
         """
+
+    def estimate(self, time: float) -> Estimate | None:
+        """Where the iteration of a step that ends at `time` [s] had better begin; None where nothing is known."""
 
     def folded(self) -> bool:
         """Whether a cell is turned inside out at the last `internal_force`."""
@@ -274,6 +296,14 @@ class ImplicitIntegrator(Integrator):
     def wished_steps(self) -> int:
         """Equal steps that are first tried for the whole loading."""
         return 20
+
+    def for_coarser_levels(self) -> ImplicitIntegrator | None:
+        """What solves coarser levels of the meshes first, where the end of a scene does not depend on the way there.
+
+        Each step then ends where the loading does or turns, and `ImplicitEquations.estimate` tells it where to begin.
+        None: load steps are taken on the way in any scene.
+        """
+        return None
 
     @abstractmethod
     def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:

@@ -26,6 +26,7 @@ class Material(ABC):
                    name says
     rate_dependent True for a law whose stress depends on `dt`, the time that a change of strain takes (creep,
                    relaxation, viscosity): load steps of statics then follow time as well as load
+    isotropic      False for a law with directions of its own
     without        effects of this law ("finite strain", "plasticity"), each with the law that leaves it out
     beyond         effects that this law leaves out, each with the law that has it
     """
@@ -35,6 +36,7 @@ class Material(ABC):
     history_size: ClassVar[int] = 0
     history_names: ClassVar[tuple[str, ...]] = ()
     rate_dependent: ClassVar[bool] = False
+    isotropic: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {}
     beyond: ClassVar[Mapping[str, str]] = {}
 
@@ -52,11 +54,19 @@ class Material(ABC):
         """Dilatational and shear speed [mm/s] of the undeformed material; they set the stable step."""
 
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
-        """Fill out (P,) with bounds of the tangent moduli over those of `wave_speeds` at each point.
+        """Fill out (P,) with a bound of the moduli that waves see at each point, over that of `wave_speeds` at rest.
 
-        Laws that stiffen under strain override this; the default is 1.
+        Explicit steps are shortened by its root: where the bound is too low, a run diverges. The modulus is the largest
+        eigenvalue of the acoustic tensor on the current geometry, in any direction. The default finds it from `tangent`
+        for "finite" laws without history that do not depend on the rate, at a cost of many stresses, and is 1 for all
+        others: laws in rate form and laws with history that stiffen must override it.
         """
-        out[:] = 1.0
+        if self.kinematics == "finite" and not self.history_size and not self.rate_dependent:
+            from contactlab.api.differences import stiffening_of_waves
+
+            stiffening_of_waves(self, gradient, out)
+        else:
+            out[:] = 1.0
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """Fill `tangent` (4, 4, P): d(stress row)/d(gradient row), of the stress that `stress` gives.

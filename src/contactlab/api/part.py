@@ -27,7 +27,7 @@ CONTRACT_VERSION: Final = 2
 NEW_IN_2: Final[Mapping[str, str]] = {
     "integrator": "derive from ExplicitIntegrator or ImplicitIntegrator and drop the attributes needs, explicit "
     "and, of explicit ones, inertia; give work and reaction in every accepted Step; leave the clock, and the fields "
-    "reaction and last_dt of your memory, to the core",
+    "reaction and last_dt of your memory, to the core; call begin of the equations begin_step",
     "contact": "take one ContactView in place of slave, master, at, near, reach and memory in pieces, normals and "
     "conditions; call slopes derivatives, and PieceSlopes PieceDerivatives",
     "enforcement": "call ChainedRows FactoredRows, chained factored, and solve_chained solve_factored",

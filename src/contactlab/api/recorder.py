@@ -79,6 +79,10 @@ class Recorder(ABC):
         """
         raise NotImplementedError(f"{type(self).__name__} has nothing to show")
 
+    def inline(self, file: Path) -> Any:
+        """What a notebook displays of `file`; None where it cannot."""
+        return None
+
 
 def replay(run: StoredRun, recording: Recording, steps: bool) -> None:
     """Give `recording` everything that `run` has stored."""

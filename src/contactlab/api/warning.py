@@ -12,7 +12,7 @@ __all__ = ["RunWarning", "Warnings"]
 
 @dataclass(frozen=True)
 class RunWarning:
-    """A result to be read with care.
+    """Something of a result that may be wrong: a number, its limit, its key, and what to change.
 
     code   kebab-case, one per kind; `docs/warnings.md` lists all
     value  what was seen
@@ -31,7 +31,7 @@ class RunWarning:
         return self.text
 
     def as_data(self) -> dict[str, Any]:
-        """The same for `summary.json`."""
+        """The warning as plain data, as it is written to `summary.json`."""
         return asdict(self)
 
     @classmethod

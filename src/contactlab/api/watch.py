@@ -71,7 +71,7 @@ class StepView(Protocol):
         ...
 
     def kinetic_energy(self) -> float:
-        """1/2 v M v [mJ]."""
+        """Kinetic energy 1/2 v M v [mJ]."""
         ...
 
     def stored_energy(self) -> float:
@@ -95,7 +95,7 @@ class Watch(ABC):
 
     @abstractmethod
     def step(self, view: StepView, memory: Memory) -> None:
-        """Look at one accepted step."""
+        """Look at the model after one accepted step, and keep numbers of it."""
 
     def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
         """What of the memory goes into the record: all of it by default."""

@@ -36,7 +36,7 @@ def record_of(results: Results, job: Job) -> Record:
 
 
 def refused(reason: str) -> Record:
-    """The record of a run that could not begin."""
+    """Make the record of a run that could not begin."""
     return Record("refused", reason, {"status": "refused", "reason": reason})
 
 

@@ -100,5 +100,5 @@ def evaluated(case: Case, setup: Setup, done: Mapping[str, Record]) -> dict[str,
 
 
 def with_fields(case: Case, values: Mapping[str, Any]) -> Case:
-    """The case with other values of its fields."""
+    """Make a copy of the case with other values of its fields."""
     return replace(case, **values) if values else case  # type: ignore[type-var]

@@ -84,7 +84,7 @@ def _far_off(measure: Measure, value: float) -> bool:
 
 
 def worst(verdicts: Sequence[Verdict]) -> Verdict:
-    """The worst of several; met where there is none."""
+    """The worst of several verdicts; met where there is none."""
     return min(verdicts, key=WORST.index, default="met")
 
 
@@ -98,7 +98,7 @@ def _end(done: Mapping[str, Record]) -> tuple[str, str]:
 
 
 def _told(judged: Sequence[Judged]) -> str:
-    """The worst number that is not met, in words."""
+    """Name the worst number that is not met, in words."""
     bad = [j for j in judged if j.verdict not in ("met", "not-applicable")]
     if not bad:
         return ""
@@ -107,7 +107,7 @@ def _told(judged: Sequence[Judged]) -> str:
 
 
 def allowed(measure: Measure) -> str:
-    """The allowed values in words."""
+    """Say in words which values of a measure are allowed."""
     if measure.role == "reported":
         return "anything"
     if measure.least == -measure.most:

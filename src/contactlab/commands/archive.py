@@ -6,16 +6,20 @@ import argparse
 import json
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from contactlab.archive.archive import CHOICES, FILE, Archive
 from contactlab.commands.common import add_row, console, table
 from contactlab.errors import RequestError
-from contactlab.matrix.archive import CHOICES, FILE, Archive
 from contactlab.matrix.files import finite
-from contactlab.matrix.keys import machine
+from contactlab.studies.system import machine
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 
 def archive(options: argparse.Namespace) -> int:
-    """List, merge or export."""
+    """List, merge or export an archive of runs, as the arguments say."""
     return {"list": _list, "merge": _merge, "export": _export}[options.action](options.paths)
 
 
@@ -39,13 +43,27 @@ def _list(words: list[str]) -> int:
             where = "here" if cell["machine"] == machine() else cell["machine"]
             add_row(shown, *(cell[n] for n in CHOICES), cell["verdict"], f"{cell['cpu_s']:.2f}", cell["made"], where)
         runs = sum(1 for _ in kept.runs())
-    console().print(shown)
-    console().print(f"{shown.row_count} cells, {runs} runs", highlight=False)
+        rows = _rows(kept)
+    for found, what in ((shown, "cells"), (rows, "rows of comparisons")):
+        if found.row_count:
+            console().print(found)
+        console().print(f"{found.row_count} {what}", highlight=False)
+    console().print(f"{runs} runs", highlight=False)
     return 0
 
 
+def _rows(kept: Archive) -> Table:
+    shown = table("scene", "algorithm", "slave", "level", "name", "status", "CPU s", "made", "machine")
+    for row in kept.rows():
+        where = "here" if row["machine"] == machine() else row["machine"]
+        cpu = "" if row["cpu_s"] is None else f"{row['cpu_s']:.2f}"
+        ends = (row["name"], row["status"], cpu, row["made"], where)
+        add_row(shown, row["scene"], row["algorithm"], row["slave"], str(row["level"]), *ends)
+    return shown
+
+
 def _merge(words: list[str]) -> int:
-    """Everything of the second comes into the first."""
+    """Copy everything of the second archive into the first."""
     if len(words) != 2:
         raise RequestError("two archives are merged", where="contactlab archive merge", got=len(words), allowed="A B")
     into, other = _opened(words, 2)
@@ -57,10 +75,10 @@ def _merge(words: list[str]) -> int:
 
 
 def _export(words: list[str]) -> int:
-    """All cells and runs, without their records, as JSON on standard output."""
+    """All cells, rows and runs, without their records, as JSON on standard output."""
     (path,) = _opened(words, 1)
     with Archive(path, write=False) as kept:
-        data = finite({"format": 1, "cells": list(kept.cells()), "runs": list(kept.runs())})
+        data = finite({"format": 1, "cells": list(kept.cells()), "runs": list(kept.runs()), "rows": list(kept.rows())})
     json.dump(data, sys.stdout, indent=1)
     sys.stdout.write("\n")
     return 0

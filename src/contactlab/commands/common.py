@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
+import math
 import os
 import shlex
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,10 +22,12 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 WIDTH_OF_FILES = 160
+ROOM_TO_SPARE = 110
+"""Width of a terminal from which on tables have their less important columns as well."""
 
 
 def registry_with(files: Sequence[str]) -> Registry:
-    """The installed plugins and the files given by hand."""
+    """Make the registry of installed plugins and of files given by hand."""
     return Registry(files=files) if files else default_registry()
 
 
@@ -81,6 +86,40 @@ def add_row(shown: Table, *cells: str) -> None:
     from rich.text import Text
 
     shown.add_row(*(Text(cell) for cell in cells))
+
+
+def fitting(shown: Table, width: int, last: Sequence[str] = ()) -> Table:
+    """The table without columns that are empty and, where it is too wide, without those that say the same in each row.
+
+    Columns named in `last` stay whatever they hold. What is still too wide has its texts folded.
+    """
+    from rich.console import Console
+
+    def texts(column: Any) -> set[str]:
+        return {str(cell) for cell in column.cells}
+
+    columns = [c for c in shown.columns if str(c.header) in last or texts(c) != {""}]
+    if Console(width=1000).measure(shown).maximum > width and shown.row_count > 1:
+        columns = [c for n, c in enumerate(columns) if n == 0 or str(c.header) in last or len(texts(c)) > 1]
+    shown.columns = columns
+    return shown
+
+
+def print_json(data: Any) -> None:
+    """Data for programs on standard output; what is no finite number is null."""
+    print(json.dumps(_plain(data), indent=1, allow_nan=False, default=str))
+
+
+def _plain(value: Any) -> Any:
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
+    if hasattr(value, "_asdict"):
+        return _plain(value._asdict())
+    if isinstance(value, Mapping):
+        return {str(name): _plain(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def number(value: Any) -> str:

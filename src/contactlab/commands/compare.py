@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import json
 
-from contactlab.commands.common import console, parse_settings, print_how_to_look, registry_with
+from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
 from contactlab.run.folders import results_folder
 
 INTERRUPTED = 130
@@ -27,6 +28,7 @@ def compare(options: argparse.Namespace) -> int:
             result = run_all(
                 options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True,
                 effects=options.effects, resume=options.resume, time_limit=options.time_limit,
+                scheduler=options.scheduler,
             )  # fmt: skip
         except KeyboardInterrupt:
             line = resume_line(
@@ -40,6 +42,9 @@ def compare(options: argparse.Namespace) -> int:
             )
             console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
             return INTERRUPTED
+    if options.json:
+        print_json({"folder": str(folder), **json.loads((folder / "table.json").read_text(encoding="utf-8"))})
+        return 0 if any(row.complete for row in result.rows) else 1
     shown = console()
     (print_table if result.breakdown is None else print_breakdown)(result, shown)
     shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)

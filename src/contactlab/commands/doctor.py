@@ -5,20 +5,37 @@ from __future__ import annotations
 import argparse
 import os
 import platform
-from collections.abc import Iterator
-from importlib.metadata import PackageNotFoundError, version
+import re
+from collections.abc import Iterator, Sequence
+from ctypes.util import find_library
+from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
-from contactlab.commands.common import add_row, console, number, table
+from contactlab.commands.common import add_row, console, number, print_json, table
 from contactlab.errors import ContactlabError, one_line
+from contactlab.parts.machine import blas_kernels, processor
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
     from contactlab.results.results import Results
 
-LIBRARIES = ("contactlab", "numpy", "scipy", "numba", "pluggy", "rich", "matplotlib")
+OPTIONAL = {
+    "argcomplete": "completion in the shell",
+    "ipykernel": "notebooks",
+    "pandas": "results as data frames",
+    "pyvista": "meshes in three-dimensional views",
+    "xarray": "results as labelled arrays",
+}
+"""Packages that come with extras, and what they are for."""
+DRIVER_FOLDERS = ("/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d",
+                  "~/.local/share/vulkan/icd.d")  # fmt: skip
+INSTALL_DRIVER = (
+    "a driver in software serves: apt-get install mesa-vulkan-drivers libvulkan1 (Debian, Ubuntu) or "
+    "dnf install mesa-vulkan-drivers vulkan-loader (Fedora)"
+)
 THREADS = ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 # the bundled scene on a mesh so coarse that only compilation takes time; long enough for a wave to cross it
@@ -31,16 +48,31 @@ PROBE = {
 }
 
 
+class Fact(NamedTuple):
+    """A line: what it is about, what was found, and what to do about it (nothing where all is well)."""
+
+    fact: str
+    value: str
+    todo: str = ""
+
+
 def doctor(options: argparse.Namespace) -> int:
-    """Print facts and the outcome of a contact step; status 1 when it fails."""
-    del options
+    """Print facts, what to install, and the outcome of a contact step; status 1 when the step fails."""
     registry = default_registry()
-    shown = table("fact", "value")
-    for label, value in (*_machine(), *_versions(), *_plugins(registry)):
-        add_row(shown, label, value)
+    facts = [*_machine(), *_packages(registry), *optional_packages(), *_plugins(registry), vulkan_driver()]
     healthy, outcome = contact_step(registry)
-    add_row(shown, "contact step", outcome)
-    console().print(shown)
+    facts.append(Fact("contact step", outcome))
+    if options.json:
+        print_json({"format": 1, "healthy": healthy, "facts": [fact._asdict() for fact in facts]})
+        return 0 if healthy else 1
+    shown = table("fact", "value")
+    shown.columns[0].no_wrap = True
+    for fact in facts:
+        add_row(shown, fact.fact, fact.value)
+    out = console()
+    out.print(shown)
+    for fact in (fact for fact in facts if fact.todo):
+        out.print(f"{fact.fact}: {fact.todo}", markup=False, highlight=False, soft_wrap=True)
     return 0 if healthy else 1
 
 
@@ -69,26 +101,70 @@ def _probe(registry: Registry) -> Results:
     return simulate(load_scene("disc-on-block", registry).with_(PROBE), registry=registry)
 
 
-def _machine() -> Iterator[tuple[str, str]]:
-    yield "system", f"{platform.system()} {platform.machine()}, Python {platform.python_version()}"
+def _machine() -> Iterator[Fact]:
+    yield Fact("system", f"{platform.system()} {platform.machine()}, Python {platform.python_version()}")
     usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    yield "cores", f"{usable} usable of {os.cpu_count()}"
+    yield Fact("cores", f"{usable} usable of {os.cpu_count()}")
+    yield Fact("processor", processor())
+    yield Fact("BLAS", blas_kernels())
     limits = [f"{name}={os.environ[name]}" for name in THREADS if name in os.environ]
     said = ", ".join(limits) or "no limit set in the environment"
-    yield "threads", f"one per run, or as many as the scene's key `threads` says; {said}"
+    yield Fact("threads", f"one per run, or as many as the scene's key `threads` says; {said}")
 
 
-def _versions() -> Iterator[tuple[str, str]]:
-    for name in LIBRARIES:
-        try:
-            yield name, version(name)
-        except PackageNotFoundError:
-            yield name, "not installed"
+def _packages(registry: Registry) -> Iterator[Fact]:
+    """Every package that has to be there, by what the core and the plugins require, with its version."""
+    own = dict.fromkeys(["contactlab", *(offer.origin.distribution for offer in registry.parts())])
+    needed = {name for package in own for name in _required_by(package)}
+    for name in (*own, *sorted(needed - set(own))):
+        found = _version(name)
+        yield Fact(name, found or "not installed", "" if found else f"pip install {name}")
 
 
-def _plugins(registry: Registry) -> Iterator[tuple[str, str]]:
+def _required_by(package: str) -> Iterator[str]:
+    """Names of what a package requires always."""
+    try:
+        required = requires(package) or []
+    except PackageNotFoundError:
+        return
+    for line in required:
+        if "extra ==" not in line:
+            yield re.split(r"[\s<>=!~;\[(]", line, maxsplit=1)[0]
+
+
+def optional_packages() -> Iterator[Fact]:
+    """Packages that some things need, and for what."""
+    for name, use in OPTIONAL.items():
+        found = _version(name)
+        yield Fact(name, found or f"not installed: no {use}", "" if found else f"for {use}, pip install {name}")
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return ""
+
+
+def _plugins(registry: Registry) -> Iterator[Fact]:
     offers = registry.parts()
-    origins = sorted({str(offer.origin) for offer in offers})
-    yield "plugins", f"{len(offers)} parts from {', '.join(origins)}"
+    origins = {str(offer.origin) for offer in offers}
+    yield Fact("plugins", f"{len(offers)} parts from {len(origins)} packages")
     for item in (*registry.broken(), *registry.incomplete()):
-        yield "broken plugin", f"{item.origin} {item.item}: {item.reason}"
+        yield Fact("broken plugin", f"{item.origin} {item.item}: {item.reason}", f"mend or update {item.origin}")
+
+
+def vulkan_driver(folders: Sequence[str] = DRIVER_FOLDERS) -> Fact:
+    """The drivers that pictures of the timeline can be drawn with; only Linux may be without one."""
+    if platform.system() != "Linux":
+        return Fact("Vulkan driver", "not needed: this system brings its own graphics")
+    named = [os.environ.get(variable, "") for variable in ("VK_DRIVER_FILES", "VK_ICD_FILENAMES")]
+    files = [Path(path) for text in named for path in text.split(os.pathsep) if path]
+    files = files or [path for folder in folders for path in sorted(Path(folder).expanduser().glob("*.json"))]
+    drivers = list(dict.fromkeys(path.name.removesuffix(".json").split("_icd")[0] for path in files if path.is_file()))
+    if not drivers:
+        return Fact("Vulkan driver", "none: no pictures of a timeline (contactlab view)", INSTALL_DRIVER)
+    if find_library("vulkan") is None:
+        return Fact("Vulkan driver", f"{', '.join(drivers)}, but the loader libvulkan is missing", INSTALL_DRIVER)
+    software = " (software)" if drivers == ["lvp"] else ""
+    return Fact("Vulkan driver", f"{', '.join(drivers)}{software}")

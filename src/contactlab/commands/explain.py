@@ -4,24 +4,94 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-from collections.abc import Mapping, Sequence
-from typing import Any
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
-from contactlab.commands.common import add_row, console, number, parse_settings, registry_with, table
+from contactlab.commands.common import add_row, console, number, parse_settings, print_json, registry_with, table
 from contactlab.scene.scene import load_scene
+
+if TYPE_CHECKING:
+    from contactlab.explain.explain import Explanation
 
 
 def explain(options: argparse.Namespace) -> int:
-    """Print the explanation of the scene as tables; but for the first steps, which are thrown away, nothing is run."""
+    """Print the explanation of the scene; but for the first steps, which are thrown away, nothing is run."""
     from contactlab.explain.explain import explain as explanation_of
-    from contactlab.explain.trial_run import rehearse
+    from contactlab.explain.trial_run import run_trial
+    from contactlab.studies.removable import variants
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
+    explanation = explanation_of(scene, registry, run_trial(scene))
+    spare = [variant.effect for variant in variants(scene) if variant.declared]
     shown = console()
-    for title, content in plain(explanation_of(scene, registry, rehearse(scene))).items():
-        shown.print(section(title.replace("_", " "), content))
+    if options.json:
+        print_json({"format": 1, **plain(explanation), "can_be_left_out": spare})
+    elif options.everything:
+        for title, content in plain(explanation).items():
+            shown.print(section(title.replace("_", " "), content))
+    else:
+        command = shlex.join([options.scene, *(word for text in options.settings for word in ("--set", text))])
+        shown.print(overview(explanation, spare, command))
     return 0
+
+
+def overview(explanation: Explanation, spare: Sequence[str], command: str) -> Any:
+    """What the scene pays for, could spare and needs, on one screen; `command` is scene and settings as typed."""
+    from rich import box
+    from rich.table import Table
+
+    shown = Table(box=box.SIMPLE_HEAD, show_header=False, pad_edge=False, title=explanation.name, title_justify="left",
+                  title_style="bold")  # fmt: skip
+    shown.add_column(style="bold", no_wrap=True)
+    shown.add_column(overflow="fold")
+    for label, text in _lines(explanation, spare):
+        add_row(shown, label, text)
+    add_row(shown, "what each costs", f"contactlab compare {command} --effects")
+    add_row(shown, "every detail", f"contactlab explain {command} --all")
+    return shown
+
+
+def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
+    size = f"{number(e.cells)} cells, {number(e.nodes)} nodes, {number(e.quadrature_points)} quadrature points"
+    yield "size", size + (f", {number(e.contact_multipliers)} multipliers" if e.contact_multipliers else "")
+    stable = f" (the stable one is {number(e.stable_step)} s)" if e.stable_step == e.stable_step else ""
+    of = f"{number(e.step)} s{stable}" if e.steps_follow == "time" else f"{number(e.step)}, parts of {e.steps_follow}"
+    yield "steps", f"about {number(e.estimated_steps)} of {of}"
+    yield "history", e.history
+    yield (
+        "time",
+        (
+            f"about {number(e.estimated_seconds)} s: {number(e.seconds_to_first_step)} s until the first step is done, "
+            f"{number(1e6 * e.seconds_per_step)} µs for each further one"
+        ),
+    )
+    yield "memory", f"{number(e.array_bytes / 2**20)} MiB in {len(e.arrays)} arrays"
+    yield "pays for", ", ".join(f"{f.effect} ({f.by})" for f in e.effects if f.called_for)
+    yield "per step", ", ".join(f"{call.call} {call.times}" for call in e.calls if call.per == "step")
+    iteration = [f"{call.call} {call.times}" for call in e.calls if call.per != "step"]
+    if iteration:
+        yield "per iteration", ", ".join(iteration)
+    yield "could spare", ", ".join(spare) or "nothing: each effect is needed by another"
+    yield "not declared", ", ".join(f.effect for f in e.effects if not f.called_for)
+    yield "needs", "; ".join(_packages(e))
+    outside = [module for module in e.modules if not module.package.startswith("contactlab")]
+    libraries = sum(not module.plugin for module in outside)
+    yield "imports", f"{libraries} libraries besides contactlab and its plugins"
+    given = [f"{m.package} ({m.modules})" if m.modules else m.package for m in outside if m.plugin]
+    if given:
+        yield "of plugins", ", ".join(given)
+    compiled = sum(kernel.compiled for kernel in e.kernels)
+    yield "kernels", f"{len(e.kernels)}" + (f", {compiled} of them compiled just now" if compiled else "")
+
+
+def _packages(e: Explanation) -> Iterator[str]:
+    """Each package with the parts that it gives."""
+    given: dict[str, list[str]] = {}
+    for used in e.parts:
+        given.setdefault(used.package, []).append(used.part)
+    yield from (f"{package} ({', '.join(dict.fromkeys(parts))})" for package, parts in given.items())
 
 
 def plain(explanation: Any) -> dict[str, Any]:

@@ -7,15 +7,16 @@ import sys
 from pathlib import Path
 
 from contactlab.cases.verdict import WORST
-from contactlab.commands.common import add_row, console, registry_with, table
+from contactlab.commands.common import add_row, console, fitting, print_json, registry_with, table
 from contactlab.matrix.cell import CellResult
-from contactlab.matrix.files import against, verdicts, write
+from contactlab.matrix.files import against, plain_cells, verdicts, write
 from contactlab.matrix.page import write_page
 from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.matrix.run import Matrix, run_matrix
 from contactlab.parts.registry import Registry
 from contactlab.run.folders import results_folder
 from contactlab.studies.resume import sigterm_as_ctrl_c
+from contactlab.studies.scheduler import checked_scheduler
 from contactlab.studies.system import usable_cores
 
 INTERRUPTED = 130
@@ -26,14 +27,16 @@ def matrix(options: argparse.Namespace) -> int:
     """Run the cells and show them by case; exit status 1 only where `--against` finds one that is worse."""
     registry = registry_with(options.files)
     request = Request(options.cases, options.contacts, options.full)
+    jobs = options.jobs or usable_cores()
+    checked_scheduler(options.scheduler)
     before = verdicts(Path(options.against)) if options.against else None
     plan(request, registry)  # a wrong name is told before a folder is made
     with results_folder(options.out, "matrix", options.resume) as folder:
         try:
             if options.margins:
-                return show_margins(request, registry, folder, options.jobs or usable_cores())
+                return show_margins(request, registry, folder, jobs, options)
             with sigterm_as_ctrl_c():
-                found = run_matrix(request, registry, folder, options.jobs or usable_cores(), _tell)
+                found = run_matrix(request, registry, folder, jobs, _tell, options.scheduler)
         except KeyboardInterrupt:
             line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
             console().print(line, markup=False, highlight=False, soft_wrap=True)
@@ -41,17 +44,24 @@ def matrix(options: argparse.Namespace) -> int:
         write(found, folder)
         write_scenes(folder)
         write_page(found, folder)
+    if options.json:
+        changes = against(found, before) if before is not None else {}
+        print_json({"format": 1, "folder": str(folder), "cells": plain_cells(found), "changes": changes})
+        return 1 if changes.get("worse") else 0
     show(found)
     console().print(f"page: {folder / 'matrix.html'}", markup=False, highlight=False, soft_wrap=True)
     return _show_changes(found, before) if before is not None else 0
 
 
-def show_margins(request: Request, registry: Registry, folder: Path, jobs: int) -> int:
+def show_margins(request: Request, registry: Registry, folder: Path, jobs: int, options: argparse.Namespace) -> int:
     """Find the margins and print them."""
     from contactlab.matrix.margins import run_margins
 
     with sigterm_as_ctrl_c():
-        margins = run_margins(request, registry, folder, jobs, lambda line: print(line, file=sys.stderr, flush=True))
+        margins = run_margins(request, registry, folder, jobs, _say, options.scheduler)
+    if options.json:
+        print_json({"format": 1, "folder": str(folder), "margins": list(margins)})
+        return 0
     shown = table("case", "field", "contact", "from", "met up to", "not met at", "there")
     for m in margins:
         end = f"{m.met:.4g}" + (" (the limit)" if m.missed != m.missed else "")
@@ -59,13 +69,18 @@ def show_margins(request: Request, registry: Registry, folder: Path, jobs: int) 
         add_row(
             shown, m.case, m.field, m.contact, f"{m.start:.4g}", end, missed, f"{m.verdict} {m.reason[:90]}".strip()
         )
-    console().print(shown)
+    out = console()
+    out.print(fitting(shown, out.width, last=("case",)))
     return 0
+
+
+def _say(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
 
 
 def write_scenes(folder: Path) -> None:
     """The scene of every run as a file of its own, where the page leads to."""
-    from contactlab.matrix.archive import FILE, Archive
+    from contactlab.archive.archive import FILE, Archive
 
     (folder / "scenes").mkdir(exist_ok=True)
     with Archive(folder / FILE, write=False) as archive:
@@ -100,7 +115,7 @@ def show(found: Matrix) -> None:
     for head, cells in lines.items():
         words = [SHORT.get(cells[name].verdict, cells[name].verdict) if name in cells else "" for name in contacts]
         add_row(shown, *head, *words)
-    out.print(shown)
+    out.print(fitting(shown, out.width, last=("case", *contacts)))
     for cell, result in found.cells:
         if result.verdict in ("silent", "failed"):
             line = f"{result.verdict}: {cell.label}: {result.reason.splitlines()[0] if result.reason else ''}"

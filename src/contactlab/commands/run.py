@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contactlab.commands.common import console, parse_settings, print_how_to_look, registry_with
+from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
 from contactlab.run.folders import results_folder
 from contactlab.scene.scene import Scene, load_scene
 
@@ -39,6 +39,9 @@ def run(options: argparse.Namespace) -> int:
     # libraries that draw tables are needed now, and not before the first step
     from contactlab.reports.run import print_run
 
+    if options.json:
+        print_json({"folder": str(folder), **results.summary})
+        return EXIT_STATUS.get(results.status, 1)
     out = console()
     print_run(results, scene.data, out)
     print_how_to_look(folder, registry, out)
@@ -63,18 +66,21 @@ def shown_progress(scene: Scene) -> Iterator[Progress | None]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+    from contactlab.run.compiling import compilation_told
+
     columns = (
         TextColumn(scene.name, markup=False, style="bold"),
-        BarColumn(),
-        TextColumn("{task.percentage:3.0f} %  step {task.fields[step]}  t {task.fields[time]:.3e} s"),
-        TextColumn("energy error {task.fields[error]:.1e}"),
+        BarColumn(bar_width=20),
+        TextColumn("{task.description}", markup=False),
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
     with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task("run", total=1.0, step=0, time=0.0, error=0.0)
+        task = bar.add_task("building the model", total=1.0)
 
         def show(fraction: float, step: int, time: float, energy_error: float) -> None:
-            bar.update(task, completed=fraction, step=step, time=time, error=energy_error)
+            words = f"{100.0 * fraction:3.0f} %  step {step}  t {time:.3e}  energy error {energy_error:.0e}"
+            bar.update(task, completed=fraction, description=words)
 
-        yield show
+        with compilation_told(scene, lambda line: bar.update(task, description=line)):
+            yield show

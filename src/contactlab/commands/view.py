@@ -9,8 +9,9 @@ from contactlab.api.recorder import Recorder
 from contactlab.commands.common import console
 from contactlab.errors import ContactlabError, RequestError
 from contactlab.parts.registry import Registry, default_registry
-from contactlab.results.load import FILE, load_results
+from contactlab.results.load import load_results
 from contactlab.results.results import Results
+from contactlab.results.stored_file import FILE
 from contactlab.run.recorders import record_again
 from contactlab.studies.recordings import main_runs_of, titled_runs
 

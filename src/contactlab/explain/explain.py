@@ -1,13 +1,13 @@
 """What a scene calls for and what it does not, read off the model that `build` makes of it.
 
-What only a process of its own can tell (kernels, imported modules, seconds) comes from a rehearsal.
+What only a process of its own can tell (kernels, imported modules, seconds) comes from a trial run.
 """
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -17,7 +17,7 @@ from contactlab.model.held_arrays import HeldArray, held_arrays
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.explain.trial_run import KernelCalls, Rehearsal
+    from contactlab.explain.trial_run import KernelCalls, TrialRun
     from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 
@@ -39,10 +39,11 @@ class Call(NamedTuple):
 
 
 class Imported(NamedTuple):
-    """A package and what of it is imported."""
+    """A package, what of it is imported, and the plugin that it belongs to; none where it is a library."""
 
     package: str
     modules: str
+    plugin: str
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ class Explanation:
     step: float
     steps_follow: str
     estimated_steps: int
+    history: str
     seconds_to_first_step: float
     seconds_per_step: float
     estimated_seconds: float
@@ -70,10 +72,10 @@ class Explanation:
     modules: list[Imported]
 
 
-def explain(scene: Scene, registry: Registry, rehearsed: Rehearsal | None = None) -> Explanation:
+def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> Explanation:
     """Build the model of `scene` and read off what it holds and calls.
 
-    Without a rehearsal there are no kernels and no seconds, modules are the packages of the scene's
+    Without a trial run there are no kernels and no seconds, modules are the packages of the scene's
     parts, and arrays are those before the first step.
     """
     model = build(scene, registry)
@@ -81,9 +83,9 @@ def explain(scene: Scene, registry: Registry, rehearsed: Rehearsal | None = None
     steps = schedule.estimated_steps()
     bound = model.bound_integrator().advance
     arrays = held_arrays(model, integrator=bound)
-    seconds = _seconds(rehearsed, steps)
-    if rehearsed is not None:
-        arrays = list(rehearsed.arrays)
+    seconds = _seconds(trial, steps)
+    if trial is not None:
+        arrays = list(trial.arrays)
     return Explanation(
         name=scene.name,
         nodes=len(model.reference),
@@ -92,8 +94,9 @@ def explain(scene: Scene, registry: Registry, rehearsed: Rehearsal | None = None
         contact_multipliers=model.state["multipliers"].shape[1] if "multipliers" in model.state else 0,
         stable_step=model.stable_step() if model.explicit else math.nan,
         step=schedule.dt,
-        steps_follow=schedule.follows,
+        steps_follow=schedule.parameter,
         estimated_steps=steps,
+        history=str(model.history),
         seconds_to_first_step=seconds[0],
         seconds_per_step=seconds[1],
         estimated_seconds=seconds[0] + (steps - 1) * seconds[1],
@@ -101,9 +104,9 @@ def explain(scene: Scene, registry: Registry, rehearsed: Rehearsal | None = None
         effects=effects_of(scene, registry, model),
         parts=used_parts(scene, registry),
         calls=list(calls_of(model)),
-        kernels=list(rehearsed.kernels) if rehearsed is not None else [],
+        kernels=list(trial.kernels) if trial is not None else [],
         arrays=arrays,
-        modules=_modules(rehearsed.modules if rehearsed is not None else packages_of(scene, registry)),
+        modules=_modules(trial.modules if trial is not None else packages_of(scene, registry), registry),
     )
 
 
@@ -113,11 +116,11 @@ def _schedule(model: Model, scene: Scene) -> Any:
     return schedule_of(model, scene)
 
 
-def _seconds(rehearsed: Rehearsal | None, steps: int) -> tuple[float, float]:
+def _seconds(trial: TrialRun | None, steps: int) -> tuple[float, float]:
     """Until the first step is done, and of each further one."""
-    if rehearsed is None:
+    if trial is None:
         return math.nan, math.nan
-    return rehearsed.import_s + rehearsed.build_s + rehearsed.first_step_s, rehearsed.step_s
+    return trial.import_s + trial.build_s + trial.first_step_s, trial.step_s
 
 
 def used_parts(scene: Scene, registry: Registry) -> list[UsedPart]:
@@ -137,8 +140,8 @@ def calls_of(model: Model) -> Iterator[Call]:
     per = "step" if model.explicit else "iteration"
     counts = _body_calls(model) | _contact_calls(model)
     yield from (Call(name, count, per) for name, count in counts.items() if count)
-    if model.loads:
-        yield Call("loads and effects", len(model.loads), "step")
+    if model.loading.loads:
+        yield Call("loads and effects", len(model.loading.loads), "step")
     yield Call("integrator", 1, "step")
 
 
@@ -172,10 +175,11 @@ def packages_of(scene: Scene, registry: Registry) -> list[str]:
     return sorted({target.partition(":")[0].partition(".")[0] for target in targets} | {"numba", "numpy"})
 
 
-def _modules(names: Any) -> list[Imported]:
-    """Modules gathered by package."""
+def _modules(names: Iterable[str], registry: Registry) -> list[Imported]:
+    """Gather imported modules by package."""
+    origins = {package: str(origin) for package, origin in registry.packages().items()}
     inside: dict[str, list[str]] = {}
     for name in names:
         package, _, module = name.partition(".")
         inside.setdefault(package, []).extend([module] if module else [])
-    return [Imported(package, ", ".join(modules)) for package, modules in inside.items()]
+    return [Imported(package, ", ".join(modules), origins.get(package, "")) for package, modules in inside.items()]

@@ -11,7 +11,7 @@ import pickle
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib import import_module
 from itertools import islice
@@ -40,8 +40,8 @@ class KernelCalls(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Rehearsal:
-    """What the first steps brought with them.
+class TrialRun:
+    """What the first steps of a run import, allocate, call and cost.
 
     modules  imported modules of the project and of plugins, and top-level names of other libraries
     arrays   every array that the model, the bound integrator and what follows the run hold
@@ -60,7 +60,7 @@ class Rehearsal:
     steps: int
 
 
-def rehearse(scene: Scene) -> Rehearsal:
+def run_trial(scene: Scene) -> TrialRun:
     """Make the first steps of `scene`. Raises SimulationFailure where they fail."""
     request = pickle.dumps((sys.path, pickle.dumps(scene)))
     done = subprocess.run([sys.executable, "-c", _FAR_END], input=request, capture_output=True, check=False)
@@ -73,7 +73,7 @@ def rehearse(scene: Scene) -> Rehearsal:
     found = json.loads(done.stdout.splitlines()[-1])
     found["kernels"] = [KernelCalls(*row) for row in found["kernels"]]
     found["arrays"] = [HeldArray(*row) for row in found["arrays"]]
-    return Rehearsal(**found)
+    return TrialRun(**found)
 
 
 def _build_here(scene: Scene) -> None:
@@ -87,31 +87,32 @@ def _build_here(scene: Scene) -> None:
 
 
 def main() -> None:
-    """Read a pickled scene from standard input, rehearse it, and print what was found as JSON."""
+    """Read a pickled scene from standard input, make its trial run, and print what was found as JSON."""
     sys.path[:], scene = pickle.load(sys.stdin.buffer)
-    print(json.dumps(asdict(_rehearsed(lambda: pickle.loads(scene)))))
+    print(json.dumps(asdict(_trial_of(lambda: pickle.loads(scene)))))
 
 
-def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
+def _trial_of(load: Callable[[], Any]) -> TrialRun:
     began = perf_counter()
     kernels = count_kernel_calls()
     scene = load()
     from contactlab.api.compiled.kernel import COMPILATION
     from contactlab.model.build import build
     from contactlab.model.held_arrays import held_arrays
-    from contactlab.run.run import begin_run
+    from contactlab.run.run import prepare_run
     from contactlab.run.steps import steps
 
     import_module("contactlab.run.simulation")  # as a run does
     loaded = perf_counter()
     with TemporaryDirectory() as folder:
         model = build(scene, scene.registry)
-        run = begin_run(model, scene, scene.registry, Path(folder), resume=False)
+        run = prepare_run(model, scene, scene.registry, Path(folder), resume=False)
         built = perf_counter()
         integrator = model.bound_integrator()
         made_steps = steps(run, integrator)
         before, cpu = Counter(kernels.calls), thread_time() - COMPILATION.seconds
-        run.begin()
+        run.solve_coarser_levels()
+        run.store_start()
         _made(made_steps, 1)
         first, cost = perf_counter(), thread_time() - COMPILATION.seconds - cpu
         after, cpu = Counter(kernels.calls), thread_time()
@@ -119,14 +120,14 @@ def _rehearsed(load: Callable[[], Any]) -> Rehearsal:
         if made:
             before, cost = after, (thread_time() - cpu) / made
         rows = kernels.rows(before, max(1, made))
-        run.guards.look()
-        run.schedule.follow()
+        run.guards.check()
+        run.schedule.adapt()
         run.store()
         arrays = held_arrays(model, integrator=integrator.advance, run=run)
-        run.finish("interrupted", "rehearsed")
-    return Rehearsal(
+        run.finish("interrupted", "trial run")
+    return TrialRun(
         kernels=[*rows, *(row for row in kernels.rows({}, 1) if row.kernel not in {r.kernel for r in rows})],
-        modules=imported_modules(),
+        modules=imported_modules(scene.registry.packages()),
         arrays=arrays,
         import_s=loaded - began,
         build_s=built - loaded,
@@ -146,14 +147,17 @@ def _made(made: Iterator[Any], most: int) -> int:
     return count
 
 
-def imported_modules() -> list[str]:
-    """Modules outside the standard library: those of libraries by their top-level name, or by the part of SciPy."""
+def imported_modules(packages: Collection[str] = ()) -> list[str]:
+    """Modules outside the standard library: all of the project and of the packages of plugins that are given.
+
+    Those of libraries are told by their top-level name, or by the part of SciPy.
+    """
     names = set()
     for name in list(sys.modules):
         top, *inner = name.split(".")
         if top in sys.stdlib_module_names or top.startswith(("_", "cython")):
             continue
-        if top.startswith("contactlab"):
+        if top.startswith("contactlab") or top in packages:
             names.add(name)
         elif top == "scipy":
             # numba asks for SciPy's version: only what is inside it weighs anything

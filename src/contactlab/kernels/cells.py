@@ -27,29 +27,29 @@ def _gather(geometry, field, connectivity, scratch):
 
 
 @kernel
-def _parent_gradient(slope, values, along_xi, along_eta):
-    """Rows d/dxi and d/deta of a field given by its nodal rows, at one point with `slope` (a, 2)."""
+def _parent_gradient(derivative, values, along_xi, along_eta):
+    """Rows d/dxi and d/deta of a field given by its nodal rows, at one point with `derivative` (a, 2)."""
     for c in range(along_xi.size):
-        along_xi[c] = slope[0, 0] * values[0, c]
-        along_eta[c] = slope[0, 1] * values[0, c]
-    for a in range(1, slope.shape[0]):
+        along_xi[c] = derivative[0, 0] * values[0, c]
+        along_eta[c] = derivative[0, 1] * values[0, c]
+    for a in range(1, derivative.shape[0]):
         for c in range(along_xi.size):
-            along_xi[c] += slope[a, 0] * values[a, c]
-            along_eta[c] += slope[a, 1] * values[a, c]
+            along_xi[c] += derivative[a, 0] * values[a, c]
+            along_eta[c] += derivative[a, 1] * values[a, c]
 
 
 @kernel
-def table_gradient(geometry, field, connectivity, slopes, out, scratch):
-    """d(field)/d(geometry) (4, P) at every point, from the slopes (q, a, 2) of the shape functions."""
+def table_gradient(geometry, field, connectivity, derivatives, out, scratch):
+    """d(field)/d(geometry) (4, P) at every point, from the derivatives (q, a, 2) of the shape functions."""
     nodes, cells = connectivity.shape
     _gather(geometry, field, connectivity, scratch)
     work = scratch[4 * nodes :]
-    for g in range(slopes.shape[0]):
+    for g in range(derivatives.shape[0]):
         begin, end = g * cells, (g + 1) * cells
-        _parent_gradient(slopes[g], scratch[:nodes], work[0], work[1])
-        _parent_gradient(slopes[g], scratch[nodes : 2 * nodes], work[2], work[3])
-        _parent_gradient(slopes[g], scratch[2 * nodes : 3 * nodes], out[0, begin:end], out[1, begin:end])
-        _parent_gradient(slopes[g], scratch[3 * nodes : 4 * nodes], out[2, begin:end], out[3, begin:end])
+        _parent_gradient(derivatives[g], scratch[:nodes], work[0], work[1])
+        _parent_gradient(derivatives[g], scratch[nodes : 2 * nodes], work[2], work[3])
+        _parent_gradient(derivatives[g], scratch[2 * nodes : 3 * nodes], out[0, begin:end], out[1, begin:end])
+        _parent_gradient(derivatives[g], scratch[3 * nodes : 4 * nodes], out[2, begin:end], out[3, begin:end])
         for c in range(cells):
             p = begin + c
             x_xi, x_eta, y_xi, y_eta = work[0, c], work[1, c], work[2, c], work[3, c]
@@ -62,15 +62,15 @@ def table_gradient(geometry, field, connectivity, slopes, out, scratch):
 
 
 @kernel
-def table_force(geometry, connectivity, slopes, weights, stress, force, scratch):
+def table_force(geometry, connectivity, derivatives, weights, stress, force, scratch):
     """Add the nodal forces of `stress` (4, P); the gathered geometry is still in `scratch`."""
     nodes, cells = connectivity.shape
     work = scratch[4 * nodes :]
     total = scratch[2 * nodes : 4 * nodes]
     total[:] = 0.0
-    for g in range(slopes.shape[0]):
-        _parent_gradient(slopes[g], scratch[:nodes], work[0], work[1])
-        _parent_gradient(slopes[g], scratch[nodes : 2 * nodes], work[2], work[3])
+    for g in range(derivatives.shape[0]):
+        _parent_gradient(derivatives[g], scratch[:nodes], work[0], work[1])
+        _parent_gradient(derivatives[g], scratch[nodes : 2 * nodes], work[2], work[3])
         for c in range(cells):
             p = g * cells + c
             x_xi, x_eta, y_xi, y_eta = work[0, c], work[1, c], work[2, c], work[3, c]
@@ -81,8 +81,8 @@ def table_force(geometry, connectivity, slopes, weights, stress, force, scratch)
             work[3, c] = yy * x_xi - xy * y_xi
         for a in range(nodes):
             for c in range(cells):
-                total[a, c] += slopes[g, a, 0] * work[0, c] + slopes[g, a, 1] * work[1, c]
-                total[nodes + a, c] += slopes[g, a, 0] * work[2, c] + slopes[g, a, 1] * work[3, c]
+                total[a, c] += derivatives[g, a, 0] * work[0, c] + derivatives[g, a, 1] * work[1, c]
+                total[nodes + a, c] += derivatives[g, a, 0] * work[2, c] + derivatives[g, a, 1] * work[3, c]
     for a in range(nodes):
         for c in range(cells):
             node = connectivity[a, c]
@@ -106,14 +106,14 @@ def midpoint(gradient):
 def table_kernels(element: Element) -> BlockKernels:
     """The generic kernels of any element, bound to its tables."""
     rule = element.quadrature()
-    slopes: Floats = np.ascontiguousarray(element.shape(rule.points).gradient)
+    derivatives: Floats = np.ascontiguousarray(element.shape(rule.points).gradient)
     weights: Floats = np.ascontiguousarray(rule.weights)
 
     def gradient(geometry: Floats, field: Floats, connectivity: Ints, out: Floats, scratch: Floats) -> None:
-        table_gradient(geometry, field, connectivity, slopes, out, scratch)
+        table_gradient(geometry, field, connectivity, derivatives, out, scratch)
 
     def force(geometry: Floats, connectivity: Ints, stress: Floats, force: Floats, scratch: Floats) -> None:
-        table_force(geometry, connectivity, slopes, weights, stress, force, scratch)
+        table_force(geometry, connectivity, derivatives, weights, stress, force, scratch)
 
     return BlockKernels(gradient, force)
 

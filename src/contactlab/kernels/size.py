@@ -19,15 +19,15 @@ def inverse_size_squared(positions, cells, out):
 
 
 @kernel
-def jacobian_determinants(positions, connectivity, slopes, out):
-    """Determinants (q, B) of the cells' maps at points with the slopes (q, a, 2) of the shape functions."""
-    for g in range(slopes.shape[0]):
+def jacobian_determinants(positions, connectivity, derivatives, out):
+    """Determinants (q, B) of the cells' maps at points with the derivatives (q, a, 2) of the shape functions."""
+    for g in range(derivatives.shape[0]):
         for c in range(connectivity.shape[1]):
             x_xi, x_eta, y_xi, y_eta = 0.0, 0.0, 0.0, 0.0
             for a in range(connectivity.shape[0]):
                 x, y = positions[connectivity[a, c], 0], positions[connectivity[a, c], 1]
-                x_xi += slopes[g, a, 0] * x
-                x_eta += slopes[g, a, 1] * x
-                y_xi += slopes[g, a, 0] * y
-                y_eta += slopes[g, a, 1] * y
+                x_xi += derivatives[g, a, 0] * x
+                x_eta += derivatives[g, a, 1] * x
+                y_xi += derivatives[g, a, 0] * y
+                y_eta += derivatives[g, a, 1] * y
             out[g, c] = x_xi * y_eta - x_eta * y_xi

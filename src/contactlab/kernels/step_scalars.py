@@ -22,7 +22,7 @@ def kinetic(mass, velocity):
 def step_scalars(
     row, bound, bound_rows, dt, sweeps, iterations, residual, elements, contact, works, count, factored
 ):  # fmt: skip
-    """Both of the following in one call."""
+    """Compute both of the following in one call."""
     column = model_scalars(row, bound, dt, sweeps, iterations, residual, elements, contact, works)
     contact_scalars(row, bound_rows, column, count, factored)
 
@@ -61,7 +61,7 @@ def model_scalars(row, bound, dt, sweeps, iterations, residual, elements, contac
 
 @section
 def _pair(first, slot):
-    """The pair that a slot belongs to."""
+    """Find the pair that a slot belongs to."""
     p = 0
     while slot >= first[p + 1]:
         p += 1

@@ -54,27 +54,27 @@ def two_point_modulus(kind, gradient, stress, tangent, out):
 
 
 @kernel
-def add_cells(geometry, connectivity, slopes, weights, modulus, pairs, place, stride, data, slope, matrix):
+def add_cells(geometry, connectivity, derivatives, weights, modulus, pairs, place, stride, data, gradients, matrix):
     """Add the stiffness of a block of cells to `data`, the values of a sparse matrix by columns.
 
-    geometry (N, 2), connectivity (a, B), slopes (q, a, 2), modulus (4, 4, q B), pairs (B, a, a) numbers of
+    geometry (N, 2), connectivity (a, B), derivatives (q, a, 2), modulus (4, 4, q B), pairs (B, a, a) numbers of
     the node pairs; a pair's 2x2 entries (i, k) stand at place[pair] + i + k * stride[pair].
-    `slope` (a + 1, 2) and `matrix` (2a, 2a) are scratch.
+    `gradients` (a + 1, 2) and `matrix` (2a, 2a) are scratch.
     """
     nodes, cells = connectivity.shape
     for c in range(cells):
         for i in range(2 * nodes):
             for k in range(2 * nodes):
                 matrix[i, k] = 0.0
-        for g in range(slopes.shape[0]):
-            _slopes_at(geometry, connectivity, c, slopes[g], slope)
-            _add_point(slope, weights[g] * slope[nodes, 0], modulus, g * cells + c, nodes, matrix)
+        for g in range(derivatives.shape[0]):
+            _gradients_at(geometry, connectivity, c, derivatives[g], gradients)
+            _add_point(gradients, weights[g] * gradients[nodes, 0], modulus, g * cells + c, nodes, matrix)
         scatter(matrix, pairs[c], place, stride, data)
 
 
 @kernel
-def _slopes_at(geometry, connectivity, c, parent, slope):
-    """Gradients of the shape functions of cell c into slope[:a]; the determinant into slope[a, 0]."""
+def _gradients_at(geometry, connectivity, c, parent, gradients):
+    """Gradients of the shape functions of cell c into gradients[:a]; the determinant into gradients[a, 0]."""
     nodes = connectivity.shape[0]
     x_xi, x_eta, y_xi, y_eta = 0.0, 0.0, 0.0, 0.0
     for a in range(nodes):
@@ -85,23 +85,23 @@ def _slopes_at(geometry, connectivity, c, parent, slope):
         y_eta += parent[a, 1] * y
     det = x_xi * y_eta - x_eta * y_xi
     for a in range(nodes):
-        slope[a, 0] = (parent[a, 0] * y_eta - parent[a, 1] * y_xi) / det
-        slope[a, 1] = (parent[a, 1] * x_xi - parent[a, 0] * x_eta) / det
-    slope[nodes, 0] = det
+        gradients[a, 0] = (parent[a, 0] * y_eta - parent[a, 1] * y_xi) / det
+        gradients[a, 1] = (parent[a, 1] * x_xi - parent[a, 0] * x_eta) / det
+    gradients[nodes, 0] = det
 
 
 @kernel
-def _add_point(slope, volume, modulus, p, nodes, matrix):
+def _add_point(gradients, volume, modulus, p, nodes, matrix):
     for b in range(nodes):
-        bx, by = volume * slope[b, 0], volume * slope[b, 1]
+        bx, by = volume * gradients[b, 0], volume * gradients[b, 1]
         for k in range(2):
             xx = modulus[0, 2 * k, p] * bx + modulus[0, 2 * k + 1, p] * by
             xy = modulus[1, 2 * k, p] * bx + modulus[1, 2 * k + 1, p] * by
             yx = modulus[2, 2 * k, p] * bx + modulus[2, 2 * k + 1, p] * by
             yy = modulus[3, 2 * k, p] * bx + modulus[3, 2 * k + 1, p] * by
             for a in range(nodes):
-                matrix[2 * a, 2 * b + k] += slope[a, 0] * xx + slope[a, 1] * xy
-                matrix[2 * a + 1, 2 * b + k] += slope[a, 0] * yx + slope[a, 1] * yy
+                matrix[2 * a, 2 * b + k] += gradients[a, 0] * xx + gradients[a, 1] * xy
+                matrix[2 * a + 1, 2 * b + k] += gradients[a, 0] * yx + gradients[a, 1] * yy
 
 
 @kernel

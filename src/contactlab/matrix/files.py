@@ -10,9 +10,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from contactlab.archive.archive import CHOICES
 from contactlab.cases.verdict import WORST
 from contactlab.errors import RequestError
-from contactlab.matrix.archive import CHOICES
 from contactlab.matrix.run import Matrix
 
 COLUMNS = (
@@ -39,7 +39,7 @@ def rows(matrix: Matrix) -> Iterator[dict[str, Any]]:
 
 
 def write(matrix: Matrix, folder: Path) -> None:
-    """All files of a matrix but its page."""
+    """Write all files of a matrix but its page."""
     found = list(rows(matrix))
     with (folder / "matrix.csv").open("w", newline="", encoding="utf-8") as file:
         table = csv.DictWriter(file, COLUMNS)
@@ -69,7 +69,7 @@ def finite(value: Any) -> Any:
 
 
 def _bare(value: Any) -> Any:
-    """Bounds that are none are empty."""
+    """Replace bounds that are infinite by nothing."""
     return "" if isinstance(value, float) and not math.isfinite(value) else value
 
 

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.api import Case, Setup
-from contactlab.matrix.archive import FILE, Archive
+from contactlab.archive.archive import FILE, Archive
 from contactlab.matrix.cell import CellResult, run_cell
 from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.matrix.run import keep
 from contactlab.parts.registry import Registry
-from contactlab.studies.pool import WorkerPool
+from contactlab.studies.scheduler import LOCAL, open_pool
 
 HALVINGS = 6
 """Of the distance between what is met and what is not (of its logarithm where both are positive): a 64th is left."""
@@ -76,13 +76,13 @@ def find_margin(
 
 
 def run_margins(
-    request: Request, registry: Registry, folder: Path, jobs: int, told: Callable[[str], None]
+    request: Request, registry: Registry, folder: Path, jobs: int, told: Callable[[str], None], scheduler: str = LOCAL
 ) -> list[Margin]:
     """Margins of all asked cases that have one, for all asked algorithms; margins.csv in `folder`."""
     asked = dict.fromkeys((cell.name, str(cell.setup.algorithm)) for cell in plan(request, registry))
     pairs = [pair for pair in asked if registry.make("case", pair[0]).margin is not None]
     found: dict[tuple[str, str], Margin] = {}
-    with Archive(folder / FILE) as archive, WorkerPool(jobs) as pool:
+    with Archive(folder / FILE) as archive, open_pool(scheduler, jobs) as pool:
         futures = {pool.submit(find_margin, *pair, registry, folder / FILE): pair for pair in pairs}
         for future in as_completed(futures):
             margin, cells = future.result()

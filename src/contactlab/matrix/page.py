@@ -17,7 +17,7 @@ COLOURS = {
 
 
 def write_page(matrix: Matrix, folder: Path) -> None:
-    """The page, self-contained."""
+    """Write the page of a matrix as one self-contained HTML file."""
     data = json.dumps({"cells": plain_cells(matrix), "colours": COLOURS, "order": WORST}, allow_nan=False)
     place = files("contactlab") / "data" / "report"
     style = (place / "page.css").read_text(encoding="utf-8")

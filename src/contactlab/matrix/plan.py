@@ -42,7 +42,7 @@ class Cell:
 
     @property
     def label(self) -> str:
-        """All choices in one line."""
+        """All choices of the cell in one line."""
         return ", ".join(text for text in self.choices.values() if text)
 
 

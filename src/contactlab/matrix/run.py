@@ -6,37 +6,51 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, as_completed
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
-from contactlab.matrix.archive import FILE, Archive
-from contactlab.matrix.cell import CellResult, cell_key, run_cell
-from contactlab.matrix.keys import machine
+from contactlab.archive.archive import FILE, Archive
+from contactlab.matrix.cell import CellResult, cell_key, known_cell, run_cell
 from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.parts.registry import Registry
-from contactlab.studies.pool import ProcessDiedError, RaisedError, WorkerPool
+from contactlab.studies.pool import ProcessDiedError, RaisedError
+from contactlab.studies.scheduler import LOCAL, Pool, open_pool
+from contactlab.views import view
 
 Told = Callable[[Cell, CellResult, int, int], None]
 """Called after each cell with how many are done of how many."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Matrix:
     """Cells with what came of them, in the order of the plan."""
 
     cells: Sequence[tuple[Cell, CellResult]]
 
     def count(self, verdict: str) -> int:
-        """Cells with a verdict."""
+        """Number of cells that have a verdict."""
         return sum(result.verdict == verdict for _, result in self.cells)
 
+    def __repr__(self) -> str:
+        return str(view("texts.matrix_text")(self))
 
-def run_matrix(request: Request, registry: Registry, folder: Path, jobs: int, told: Told) -> Matrix:
+    def _repr_html_(self) -> str:
+        return str(view("html.matrix_html")(self))
+
+    def to_frame(self) -> Any:
+        """A pandas frame with a row for each measure."""
+        return view("frames.matrix_frame")(self)
+
+
+def run_matrix(
+    request: Request, registry: Registry, folder: Path, jobs: int, told: Told, scheduler: str = LOCAL
+) -> Matrix:
     """Every cell of the request. What the archive in `folder` holds is not run again.
 
     Raises RequestError for a wrong request, and KeyboardInterrupt; what is done is in the archive then.
     """
     cells = plan(request, registry)
     done: dict[int, CellResult] = {}
-    with Archive(folder / FILE) as archive, WorkerPool(jobs) as pool:
+    with Archive(folder / FILE) as archive, open_pool(scheduler, jobs) as pool:
         for number, result in _all(cells, registry, folder / FILE, pool):
             keep(archive, cells[number], result, registry)
             done[number] = result
@@ -47,17 +61,20 @@ def run_matrix(request: Request, registry: Registry, folder: Path, jobs: int, to
 def keep(archive: Archive, cell: Cell, result: CellResult, registry: Registry) -> None:
     """Put a cell and its new runs into the archive."""
     for run in result.made:
-        archive.add_run(run, machine())
+        archive.add_run(run)
     result.made.clear()
-    archive.add_cell(cell_key(cell, registry, result.runs), machine(), cell.choices, result.as_data())
+    archive.add_cell(cell_key(cell, registry, result.runs), result.machine, cell.choices, result.as_data())
 
 
-def _all(
-    cells: Sequence[Cell], registry: Registry, archive: Path, pool: WorkerPool
-) -> Iterator[tuple[int, CellResult]]:
-    futures: dict[Future[CellResult], int] = {
-        pool.submit(run_cell, cell, registry, archive): number for number, cell in enumerate(cells)
-    }
+def _all(cells: Sequence[Cell], registry: Registry, archive: Path, pool: Pool) -> Iterator[tuple[int, CellResult]]:
+    futures: dict[Future[CellResult], int] = {}
+    for number, cell in enumerate(cells):
+        # a worker on another machine cannot look into the archive of this one
+        known = known_cell(cell, registry, archive) if pool.elsewhere else None
+        if known is not None:
+            yield number, known
+        else:
+            futures[pool.submit(run_cell, cell, registry, archive)] = number
     for future in as_completed(futures):
         yield futures[future], _result(future)
 

@@ -8,15 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import Element, Floats, Mesh, MeshSource
+from contactlab.api.meshing import renamed, structured
 from contactlab.meshing.grading import Counts, Ratios, axis, check_axis, check_counts, check_ratios
-from contactlab.meshing.structured import renamed, structured
 
 Point = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Rectangle(MeshSource):
-    """A rectangle, edge sets bottom, right, top, left.
+    """A rectangle of quadrilaterals with edge sets bottom, right, top, left.
 
     x, y     two or more increasing coordinates in each direction [mm]: the corners, and between them the
              ends of spans with cell counts of their own

@@ -43,13 +43,15 @@ def _check_places(mesh: Mesh, where: Where) -> None:
 
 
 def _check_twice(mesh: Mesh, where: Where) -> None:
-    _, first, number = np.unique(np.sort(mesh.cells, axis=1), axis=0, return_index=True, return_inverse=True)
-    again = np.flatnonzero(first[number.ravel()] != np.arange(len(mesh.cells)))
+    nodes = np.sort(mesh.cells, axis=1)
+    order = np.lexsort(nodes.T)  # stable: of equal cells the first comes first
+    again = np.flatnonzero((nodes[order[1:]] == nodes[order[:-1]]).all(axis=1))
     if len(again):
+        copies, first = order[again + 1], order[again]
         raise SceneError(
             f"{len(again)} of {len(mesh.cells)} cells are there twice, with twice the stiffness and mass",
             where=where,
-            got=f"cell {again[0]} has the nodes of cell {first[number.ravel()][again[0]]}",
+            got=f"cell {copies.min()} has the nodes of cell {first[copies.argmin()]}",
             allowed="every cell once",
             hint="take the copies out of the mesh",
         )

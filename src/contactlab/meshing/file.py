@@ -13,6 +13,7 @@ import numpy as np
 
 from contactlab.api import Element, Floats, Mesh, MeshSource
 from contactlab.meshing.refine import Indices, Quads, refined
+from contactlab.meshing.room import check_file_size, check_refined_size
 
 CELLS = {"quad": 4, "quad8": 8, "quad9": 9}
 LINES = ("line", "line3")
@@ -46,7 +47,10 @@ class MeshFile(MeshSource):
 
     def mesh(self, element: Element, level: int) -> Mesh:
         """The file's cells with the nodes of `element`; ValueError says what keeps it from being a plane quad mesh."""
-        return refined(_quads(_read(self.path), self.cells, self.scale), element, level)
+        check_file_size(self.path)
+        quads = _quads(_read(self.path), self.cells, self.scale)
+        check_refined_size(len(quads.cells), level)
+        return refined(quads, element, level)
 
 
 def _read(path: Path) -> Any:
@@ -61,12 +65,15 @@ def _read(path: Path) -> Any:
             return meshio.read(path)
     except (Exception, SystemExit) as error:
         said = " ".join(f"{words.getvalue()} {error if not isinstance(error, SystemExit) else ''}".split())
-        raise ValueError(f"path: meshio cannot read {path.name}: {said or type(error).__name__}") from error
+        raise ValueError(
+            f"path: got {path.name}, which meshio cannot read ({said or type(error).__name__}), "
+            "allowed: a mesh in one of its formats, such as Gmsh 2.2 and 4.1, Abaqus, MED or VTK"
+        ) from error
 
 
 def _quads(file: Any, group: str, scale: float) -> Quads:
     points = _plane(np.asarray(file.points, np.float64)) * scale
-    cells = _counter_clockwise(points, _chosen_cells(file, group))
+    cells = _counter_clockwise(points, _inside(_chosen_cells(file, group), len(points)))
     sides = _Sides(cells)
     sets = {EVERYTHING: sides.boundary()}
     for name, lines in _named_lines(file).items():
@@ -81,9 +88,12 @@ def _quads(file: Any, group: str, scale: float) -> Quads:
 
 
 def _plane(points: Floats) -> Floats:
-    """x and y; ValueError where z varies."""
+    """Take x and y; raises ValueError where z varies or there are no nodes."""
+    if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points):
+        raise ValueError(f"path: got coordinates of shape {list(points.shape)}, allowed: two or three for each node")
     if points.shape[1] > 2 and np.ptp(points[:, 2]) > 1e-9 * np.ptp(points[:, :2], axis=0).max():
-        raise ValueError("path: the mesh is not plane: z varies; give it in the x-y plane")
+        low, high = points[:, 2].min(), points[:, 2].max()
+        raise ValueError(f"path: got a mesh that is not plane, z from {low:g} to {high:g}, allowed: a mesh in x and y")
     return np.ascontiguousarray(points[:, :2])
 
 
@@ -101,6 +111,15 @@ def _chosen_cells(file: Any, group: str) -> Indices:
         raise ValueError(f"cells: got {group}, allowed: {', '.join(groups) or 'the file names no group of cells'}")
     blocks = [(i, block.data) for i, block in enumerate(file.cells) if block.type == found[0]]
     return np.concatenate([nodes[groups[group][i]] if group else nodes for i, nodes in blocks]).astype(np.int64)
+
+
+def _inside(cells: Indices, nodes: int) -> Indices:
+    """The cells; ValueError where they name nodes that are not there (NumPy counts negative ones from the end)."""
+    lost = np.argwhere((cells < 0) | (cells >= nodes))
+    if len(lost):
+        cell, place = lost[0]
+        raise ValueError(f"path: got node {cells[cell, place]} in cell {cell}, allowed: the {nodes} nodes of the file")
+    return cells
 
 
 def _groups(file: Any, *types: str) -> dict[str, list[Indices]]:

@@ -31,9 +31,9 @@ def moved(mesh: Mesh, rotate: float, shift: tuple[float, float]) -> Mesh:
 
 def jacobians(mesh: Mesh, element: Element, points: Floats) -> Floats:
     """Jacobian determinants (n, s) of the cells' maps at reference `points` (s, 2)."""
-    slopes = element.shape(points).gradient
+    derivatives = element.shape(points).gradient
     x = mesh.nodes[mesh.cells]
-    j = np.einsum("saj,nai->nsij", slopes, x)
+    j = np.einsum("saj,nai->nsij", derivatives, x)
     return np.asarray(j[..., 0, 0] * j[..., 1, 1] - j[..., 0, 1] * j[..., 1, 0])
 
 
@@ -75,7 +75,8 @@ def _quadrature_areas(mesh: Mesh, element: Element) -> Floats:
 def outer_edges(cells: Ints, element: Element) -> Ints:
     """Straight segments (e, 2) of the sides that belong to one of the `cells` (n, a) only, the body on their left."""
     sides = np.concatenate([cells[:, list(edge)] for edge in element.edges])
-    _, number, count = np.unique(np.sort(sides[:, :2], axis=1), axis=0, return_inverse=True, return_counts=True)
+    low, high = np.sort(sides[:, :2].astype(np.int64), axis=1).T
+    _, number, count = np.unique(low * (high.max(initial=0) + 1) + high, return_inverse=True, return_counts=True)
     outer = sides[count[number.ravel()] == 1]
     path = [0, *range(2, outer.shape[1]), 1]
     return np.concatenate([outer[:, [a, b]] for a, b in pairwise(path)])

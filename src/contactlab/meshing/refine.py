@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.api import Element, Floats, Ints, Mesh
-from contactlab.meshing.structured import lattice_order, side_nodes
+from contactlab.api.meshing import lattice_order, side_nodes
 
 Indices = NDArray[np.int64]
 """Numbers of a file's points and cells, which may be many."""
@@ -18,7 +18,7 @@ SIDES = ("bottom", "right", "top", "left")
 
 
 class Quads(NamedTuple):
-    """Cells as they were read.
+    """Nodes and cells of a mesh as they were read.
 
     points  (p, 2) [mm]
     cells   (n, 4, 8 or 9) corners counter-clockwise, mid-sides, middle

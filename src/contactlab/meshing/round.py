@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import Element, Floats, Mesh, MeshSource
+from contactlab.api.meshing import Map, renamed, structured
 from contactlab.meshing.blocks import arc_point
 from contactlab.meshing.grading import axis, check_counts, check_ratios
-from contactlab.meshing.structured import Map, renamed, structured, welded
+from contactlab.meshing.structured import welded
 
 CORE = 0.5  # half the diagonal of the inner grid over the radius
 BULGE = 0.06  # rise of the inner grid's sides over the radius: between a square and a circle
@@ -61,7 +62,7 @@ class Disc(MeshSource):
         return arc_point(self._corner(number), self._corner(number + 1), BULGE * self.radius, t[:, None])
 
     def _core(self, s: Floats, t: Floats) -> tuple[Floats, Floats]:
-        """Transfinite interpolation between the four inner sides."""
+        """Fill the core by transfinite interpolation between its four sides."""
         right, left = self._inner_side(0, t), self._inner_side(2, 1.0 - t)
         top, bottom = self._inner_side(1, 1.0 - s), self._inner_side(3, s)
         s, t = s[:, None], t[:, None]

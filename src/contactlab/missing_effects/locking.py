@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import RunWarning
-from contactlab.missing_effects.missing_effect import Known, Looks, needed, per_cent
+from contactlab.missing_effects.missing_effect import Detectors, Known, needed, per_cent
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.model import Model
 
@@ -14,8 +14,8 @@ FLOW = 0.01  # equivalent plastic strain, well beyond elastic strains: volume-pr
 PLASTIC = "equivalent_plastic_strain"
 
 
-def locking_looks(scene: object, model: Model) -> Looks:
-    """Looks at bodies of elements that lock: at the law's Poisson ratio, and at plastic flow."""
+def locking_detectors(scene: object, model: Model) -> Detectors:
+    """Detectors for bodies of elements that lock: by the law's Poisson ratio, and by plastic flow."""
     del scene
     for forces in model.forces:
         body = forces.body
@@ -42,7 +42,7 @@ class PlasticFlow:
         self.forces, self.worst = forces, np.zeros(1)
         self.row = forces.body.material.history_names.index(PLASTIC)
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Keep the largest plastic strain of the last accepted step."""
         strain = max(float(block.history[self.row].max()) for block in self.forces.blocks)
         self.worst[0] = max(self.worst[0], strain)

@@ -1,4 +1,4 @@
-"""How a missing effect is told, and what a look for one must do."""
+"""How a missing effect is told, and what a detector of one must do."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ def needed(code: str, value: float, limit: float, key: str, seen: str, add: str)
     return RunWarning(code, value, limit, key, f"{seen}; {add}")
 
 
-class Look(Protocol):
-    """Looks for one missing effect in one place.
+class Detector(Protocol):
+    """Detects one missing effect in one place.
 
-    worst  (k,) numbers of the worst frame so far: all that a look remembers
+    worst  (k,) numbers of the worst frame so far: all that a detector remembers
     """
 
     worst: Floats
 
-    def look(self) -> None:
-        """Follow the model's present state in `worst`."""
+    def update(self) -> None:
+        """Take the model's present state into `worst`."""
 
     def warning(self) -> RunWarning | None:
-        """What is missing by what was seen so far."""
+        """The warning of what is missing by what was seen so far, None where nothing is."""
 
 
 class Known:
@@ -36,7 +36,7 @@ class Known:
     def __init__(self, warning: RunWarning) -> None:
         self.found, self.worst = warning, np.zeros(0)
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Do nothing: what is missing does not depend on the state."""
 
     def warning(self) -> RunWarning:
@@ -44,11 +44,11 @@ class Known:
         return self.found
 
 
-Looks = Iterator[Look]
+Detectors = Iterator[Detector]
 
 
 def per_cent(share: float) -> str:
-    """0.0523 as "5.2 %"."""
+    """Write a share as a percentage: 0.0523 as "5.2 %"."""
     if share < 0.1:
         return f"{100.0 * share:.2g} %"
     return f"{100.0 * share:.0f} %" if share < 10.0 else f"{share:.0f} times"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from contactlab.api import Floats, Ints, RunWarning
 from contactlab.meshing.mesh import outer_edges
-from contactlab.missing_effects.missing_effect import Looks, needed
+from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
 
@@ -22,8 +22,8 @@ CHUNK = 2_000_000  # pairs of points and segments looked at at a time
 Mask = NDArray[np.bool_]
 
 
-def overlap_looks(scene: Scene, model: Model) -> Looks:
-    """One look at all pairs of bodies, each body with itself as well."""
+def overlap_detectors(scene: Scene, model: Model) -> Detectors:
+    """One detector for all pairs of bodies, each body with itself as well."""
     yield Overlap(scene, model)
 
 
@@ -37,7 +37,7 @@ class Overlap:
         self.scene, self.model, self.worst = scene, model, np.full(4, -1.0)
         self.outlines = [Outline(body, model) for body in model.bodies]
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Boundary nodes of each body inside any body that no contact joins them to."""
         if self.worst[0] >= 0.0:
             return
@@ -109,7 +109,7 @@ class Outline:
         return total / np.maximum(np.hypot(*total.T), 1e-300)[:, None], size
 
     def nearest(self, point: Floats, position: Floats) -> int:
-        """The boundary node nearest to a point."""
+        """Find the boundary node nearest to a point."""
         return int(self.nodes[((position[self.nodes] - point) ** 2).sum(axis=1).argmin()])
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import Floats, Ints, RunWarning, Surface
-from contactlab.missing_effects.missing_effect import Known, Looks, needed
+from contactlab.missing_effects.missing_effect import Detectors, Known, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
 
@@ -19,8 +19,8 @@ STIFFER = 12.0  # ratio of shear moduli: steel on a polymer, not steel on alumin
 COARSER = 2.0  # ratio of segment lengths where the surfaces press
 
 
-def side_looks(scene: Scene, model: Model) -> Looks:
-    """Looks at every contact: at the moduli now, at the segments where and when they press."""
+def side_detectors(scene: Scene, model: Model) -> Detectors:
+    """Detectors for every contact: of moduli, found now, and of segments where and when they press."""
     for pair, spec in zip(model.contact.pairs if model.contact is not None else (), scene.contacts, strict=True):
         slave = _bodies_of(pair.slave.nodes, model.bodies)
         master = _bodies_of(pair.master.nodes, model.bodies)
@@ -43,7 +43,7 @@ class CoarseSlave:
     def __init__(self, pair: Any, spec: Contact, model: Model) -> None:
         self.pair, self.spec, self.model, self.worst = pair, spec, model, np.zeros(1)
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Lengths of the segments at pressed slave nodes and of the master's nearest to each."""
         pair, position = self.pair, self.model.position
         forces = self.model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]

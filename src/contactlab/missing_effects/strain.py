@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from contactlab.api import XX, XY, YY, ZZ, Floats, RunWarning
-from contactlab.missing_effects.missing_effect import Looks, needed, per_cent
+from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
 from contactlab.model.bodies.body import Block, BodyForces
 from contactlab.model.model import Model
 
@@ -15,8 +15,8 @@ STRAIN = 0.05  # largest principal strain of small-strain laws
 ROTATION = math.radians(5.0)  # it adds about 1 - cos(5 degrees) = 0.4 % of false strain
 
 
-def strain_looks(scene: object, model: Model) -> Looks:
-    """Looks at bodies with a small-strain law, and at those whose law knows an elastic limit."""
+def strain_detectors(scene: object, model: Model) -> Detectors:
+    """Detectors for bodies with a small-strain law, and at those whose law knows an elastic limit."""
     for forces in model.forces:
         law = forces.body.material
         key = f"materials.{scene.bodies[forces.body.name].material}"  # type: ignore[attr-defined]
@@ -32,7 +32,7 @@ class LargeStrain:
     def __init__(self, forces: BodyForces, key: str) -> None:
         self.forces, self.key, self.worst = forces, key, np.zeros(2)
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Strain and rotation from the displacement gradients of the last update."""
         for block in self.forces.current():
             np.maximum(self.worst, _strain_and_rotation(block.gradient), out=self.worst)
@@ -69,7 +69,7 @@ class UnusedYieldStress:
     def __init__(self, forces: BodyForces, key: str) -> None:
         self.forces, self.key, self.worst = forces, key, np.zeros(1)
 
-    def look(self) -> None:
+    def update(self) -> None:
         """Keep the largest von Mises stress of the last accepted step."""
         for block in self.forces.current():
             self.worst[0] = max(self.worst[0], float(_von_mises(block).max()))

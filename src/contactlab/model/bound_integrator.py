@@ -23,7 +23,7 @@ class BoundIntegrator:
         self.clock, self.work, self.reaction = state["clock"], state["work"], state["reaction"]
 
     def step(self, dt: float) -> Step:
-        """A step of length dt [s].
+        """Make one step of length dt [s], and check what it says of itself.
 
         Raises WrongAnswer where the integrator does not keep the contract, and SimulationFailure where the clock would
         stand, so that a run never ends.

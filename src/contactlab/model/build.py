@@ -7,20 +7,33 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import WORK, Element, ExplicitIntegrator, Floats, Integrator, Material, Mesh, MeshSource, State
-from contactlab.errors import SceneError
+from contactlab.api import (
+    WORK,
+    Element,
+    ExplicitIntegrator,
+    Floats,
+    Integrator,
+    Ints,
+    Material,
+    Mesh,
+    MeshSource,
+    State,
+)
 from contactlab.meshing.checks import check_mesh
 from contactlab.meshing.mesh import moved, nodal_measure
 from contactlab.model.bodies.body import Body, BodyForces, positions_of
 from contactlab.model.bodies.checked_parts import refuse_wrong_speeds, refuse_wrong_tables
 from contactlab.model.bodies.thread_blocks import in_order
+from contactlab.model.history import history_of
 from contactlab.model.loading.edge_sets import with_parts
 from contactlab.model.loading.held_bodies import check_supported
+from contactlab.model.loading.loading import Loading
 from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import Model
-from contactlab.model.pace import Pace, find_pace
 from contactlab.model.sizes import check_sizes
+from contactlab.model.timing import Timing, find_timing
 from contactlab.parts.error_origin import part_errors
+from contactlab.scene.reading import refused_later
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
@@ -32,7 +45,7 @@ if TYPE_CHECKING:
 
 
 def build(scene: Scene, registry: Registry) -> Model:
-    """The model of a scene with every `auto` resolved.
+    """Build the model of a scene, with every `auto` resolved.
 
     Raises SceneError or PartError, naming file and key, for anything that does not fit together.
     """
@@ -51,43 +64,51 @@ def _built(scene: Scene, registry: Registry) -> Model:
     mass = _masses(bodies, rigid, integrator)
     supports = plan_supports(scene, bodies, rigid, reference)
     check_supported(scene, bodies, supports, integrator)
-    pace = find_pace(scene, bodies, reference, mass, supports, integrator)
-    prescribed = supports.bind(pace.ramp)
-    _refuse_impossible(scene, bodies, rigid, reference, prescribed, pace.end or pace.ramp)
-    state = State(_shapes(len(reference), bodies, integrator, plans, pace))
+    history = history_of(scene, bodies, integrator)
+    timing = find_timing(scene, bodies, reference, mass, supports, integrator)
+    prescribed = supports.bind(timing.ramp)
+    _refuse_impossible(scene, bodies, rigid, reference, prescribed, timing.end or timing.ramp)
+    state = State(_shapes(len(reference), bodies, integrator, plans, timing))
     position, increment = reference.copy(), _increment(bodies, len(reference))
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
     _initial_velocity(scene, bodies, reference, mass, state)
-    contact = _contact(plans, bodies, reference, prescribed.dof, state, pace.ramp)
+    contact = _contact(plans, bodies, reference, prescribed.dof, state, timing.ramp)
     effects = _effects(scene, registry, bodies, rigid, reference, state)
+    loads = _loads(scene, bodies, reference, position, timing.ramp)
     model = model_class(
         reference=reference,
         position=position,
         mass=mass,
         prescribed=prescribed,
         contact=contact,
-        damping=pace.damping,
-        relaxation=pace.relaxation,
         state=state,
         integrator=integrator,
         bodies=bodies,
         forces=forces,
-        supports=supports.sets,
-        pace=pace,
+        timing=timing,
+        history=history,
         updates=_updates(forces, scene.threads),
-        loads=(*_loads(scene, bodies, reference, position, pace.ramp), *effects),
-        effects=effects,
+        loading=Loading(supports.sets, (*loads, *effects), effects),
         increment=increment,
     )
+    model.start.mirror = _mirror(scene, bodies, reference)
     model.internal_force(0.0)
     if model.explicit and any(plan.start.overlap == "ramp" for plan in plans):
         from contactlab.model.contact.initial_gap import check_ramp_steps
 
-        check_ramp_steps(plans, pace.ramp, scene.time.step or scene.time.fraction * model.stable_step())
+        check_ramp_steps(plans, timing.ramp, scene.time.step or scene.time.fraction * model.stable_step())
     return model
 
 
 # --- what a scene may do without is imported where it is declared --------------------------------
+
+
+def _mirror(scene: Scene, bodies: tuple[Body, ...], reference: Floats) -> Ints | None:
+    if scene.symmetry is None:
+        return None
+    from contactlab.model.momentum import mirrored_nodes
+
+    return mirrored_nodes(reference, [slice(body.first, body.first + body.count) for body in bodies])
 
 
 def _rigid_surfaces(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, ...]:
@@ -153,7 +174,7 @@ def _effects(
 
 
 def build_bodies(scene: Scene, registry: Registry) -> tuple[Body, ...]:
-    """All bodies in global node numbers, in scene order."""
+    """Build all bodies in global node numbers, in scene order."""
     materials = {
         name: registry.make("material", spec, scene.where(f"materials.{name}"))
         for name, spec in scene.materials.items()
@@ -184,7 +205,7 @@ def _meshed(source: MeshSource, element: Element, level: int, where: Where) -> M
     try:
         return source.mesh(element, level)
     except ValueError as problem:
-        raise SceneError(f"no mesh can be made: {problem}", where=where) from problem
+        raise refused_later(type(source), "no mesh can be made", str(problem), where) from problem
 
 
 def _masses(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator) -> Floats:
@@ -201,12 +222,12 @@ def masses_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floa
 
 
 def _shapes(
-    nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: tuple[ContactPlan, ...], pace: Pace
+    nodes: int, bodies: tuple[Body, ...], integrator: Integrator, plans: tuple[ContactPlan, ...], timing: Timing
 ) -> Mapping[str, tuple[int, ...]]:
     shapes: dict[str, tuple[int, ...]] = {"clock": (3,), "displacement": (nodes, 2)}
     if integrator.inertia:
         shapes["velocity"] = (nodes, 2)
-    if pace.relaxation and pace.damping:
+    if timing.relaxation and timing.damping:
         shapes["drift"] = (nodes, 2)
     shapes |= {"internal_force": (nodes, 2), "reaction": (nodes, 2), "work": (len(WORK),)}
     if plans:

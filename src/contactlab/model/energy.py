@@ -10,7 +10,7 @@ from contactlab.model.model import Model
 
 
 class EnergyGain(NamedTuple):
-    """Energies [mJ] at one instant.
+    """Energies [mJ] at one instant: what is there, and what nothing accounts for.
 
     energy       kinetic and stored
     gained       of it beyond that of the start and the work done from outside: what contact has made, and what

@@ -12,7 +12,7 @@ import numpy as np
 
 from contactlab.api import Floats, GapConditions, Pieces, Solve
 from contactlab.errors import SimulationFailure, WrongAnswer
-from contactlab.kernels.watch import smallest_jacobian
+from contactlab.kernels.checks import smallest_jacobian
 from contactlab.model.bodies.body import Block, BodyForces
 
 if TYPE_CHECKING:
@@ -72,15 +72,15 @@ def _examine_block(forces: BodyForces, block: Block, begin: int) -> bool:
 def _turned_over(forces: BodyForces, block: Block, cell: int) -> bool:
     """Whether a cell's map from its nodes has no area somewhere: an averaged gradient (F-bar) has no value there."""
     element = forces.body.element
-    slopes = np.ascontiguousarray(element.shape(element.quadrature().points).gradient)
-    return not smallest_jacobian(forces.geometry, block.connectivity[:, cell : cell + 1], slopes)[0] > 0.0
+    derivatives = np.ascontiguousarray(element.shape(element.quadrature().points).gradient)
+    return not smallest_jacobian(forces.geometry, block.connectivity[:, cell : cell + 1], derivatives)[0] > 0.0
 
 
 def examine_effects(model: Model, time: float) -> None:
     """Effects one by one, in the present state."""
     if not all(finite(model.state[name]) for name in ("displacement", "velocity") if name in model.state):
         return
-    for number, effect in enumerate(model.effects):
+    for number, effect in enumerate(model.loading.effects):
         own = np.zeros_like(model.reference)
         effect(time, own)
         if not finite(own):
@@ -97,7 +97,7 @@ def examine_contact(contact: Any) -> None:
 
 
 def examine_pair(pair: ContactPair) -> None:
-    """What a contact algorithm gave last."""
+    """Raise WrongAnswer where what a contact algorithm gave last is no number."""
     pieces, found = getattr(pair, "pieces", None), getattr(pair, "found", None)
     if pieces is not None:
         _examine_pieces(pair, pieces, getattr(pair, "count", 0))
@@ -145,7 +145,7 @@ class Examined:
         return getattr(self._model, name)
 
     def external_force(self, time: float, out: Floats) -> bool:
-        """The loads one by one."""
+        """Evaluate the loads one by one, and name the one whose answer is no number."""
         loaded = self._model.external_force(time, out)
         if loaded and not finite(out):
             examine_effects(self._model, time)
@@ -174,7 +174,7 @@ class _ExaminedContact:
         return getattr(self._contact, name)
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        """The algorithms, then the enforcement."""
+        """Examine what the algorithms give, then solve as the enforcement does."""
         if not finite(predicted):
             _refuse(self._model.integrator, "its step", "a predicted position")
         done = self._contact.solve(predicted, current, compliance, force)

@@ -29,14 +29,14 @@ class ExplicitModel(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         leaps = self.integrator.velocity_lag == LEAPFROG
-        self._before = None if self.increment is None or leaps else self._displacement.copy()
+        self._before = None if self.increment is None or leaps else self.state["displacement"].copy()
 
     def _follow(self, dt: float) -> None:
         if self._before is None:
-            np.multiply(self._velocity, dt, out=self.increment)
+            np.multiply(self.state["velocity"], dt, out=self.increment)
         else:
-            np.subtract(self._displacement, self._before, out=self.increment)
-            self._before[:] = self._displacement
+            np.subtract(self.state["displacement"], self._before, out=self.increment)
+            self._before[:] = self.state["displacement"]
 
     def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
         """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Floats, ImplicitIntegrator
-from contactlab.kernels.watch import smallest_jacobian
+from contactlab.api import Estimate, Floats, ImplicitIntegrator
+from contactlab.kernels.checks import smallest_jacobian
 from contactlab.model.bodies.tangent import Tangent
 from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.model.examination import examine_bodies, examine_effects
@@ -19,10 +20,15 @@ if TYPE_CHECKING:
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
     from contactlab.model.loading.load_stiffness import LoadStiffness
 
+SAME = 1e-9  # of the ramp: times that differ by less are one
+
 
 @dataclass
 class ImplicitModel(Model):
-    """Implements `contactlab.api.ImplicitEquations`."""
+    """Implements `contactlab.api.ImplicitEquations`.
+
+    estimates  states that are expected at times to come, from a coarser mesh
+    """
 
     contact: ImplicitContactSystem | None
     integrator: ImplicitIntegrator
@@ -31,17 +37,18 @@ class ImplicitModel(Model):
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        self.estimates: Sequence[Estimate] = ()
         self._start = None if self.increment is None else np.zeros_like(self.increment)
         self._tangent: Tangent | None = None
         self._load_stiffness: LoadStiffness | None = None
-        self._slopes = [
+        self._derivatives = [
             np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
         ]
 
     def internal_force(self, dt: float) -> None:
         """As every model's; a part whose answer is no number is named at once."""
         super().internal_force(dt)
-        if not np.isfinite(self._internal.sum()):
+        if not np.isfinite(self.state["internal_force"].sum()):
             examine_bodies(self)
 
     def external_force(self, time: float, out: Floats) -> bool:
@@ -51,17 +58,17 @@ class ImplicitModel(Model):
             examine_effects(self, time)
         return loaded
 
-    def begin(self, dt: float) -> None:
+    def begin_step(self, dt: float) -> None:
         """The state as it is becomes the start of a step of length dt [s]."""
-        np.add(self.reference, self._displacement, out=self.position)
+        np.add(self.reference, self.state["displacement"], out=self.position)
         if self._start is not None:
-            self._start[:] = self._displacement
+            self._start[:] = self.state["displacement"]
         if self.contact is not None:
-            self.contact.begin(self.position, self.state.time + dt)
+            self.contact.begin_step(self.position, self.state.time + dt)
 
     def _follow(self, dt: float) -> None:
         if self.increment is not None and self._start is not None:
-            np.subtract(self._displacement, self._start, out=self.increment)
+            np.subtract(self.state["displacement"], self._start, out=self.increment)
 
     def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
         """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""
@@ -83,7 +90,7 @@ class ImplicitModel(Model):
 
     def add_load_stiffness(self, time: float, stiffness: Any, share: float, rate: float) -> None:
         """Add minus the derivative of the loads; see `contactlab.api.ImplicitEquations`."""
-        if not self.loads:
+        if not self.loading.loads:
             return
         if self._load_stiffness is None:
             from contactlab.model.loading.load_stiffness import LoadStiffness
@@ -92,11 +99,16 @@ class ImplicitModel(Model):
             self._load_stiffness = LoadStiffness(self, self._tangent.pattern.place_of)
         self._load_stiffness.add(time, share, rate, stiffness.data)
 
+    def estimate(self, time: float) -> Estimate | None:
+        """That of `estimates` which is of this time; see `contactlab.api.ImplicitEquations`."""
+        near = SAME * self.timing.ramp
+        return next((known for known in self.estimates if abs(known.time - time) <= near), None)
+
     def folded(self) -> bool:
         """Whether a cell has a point with det <= 0."""
         return any(
-            not smallest_jacobian(forces.geometry, block.connectivity, slopes)[0] > 0.0
-            for forces, slopes in zip(self.forces, self._slopes, strict=True)
+            not smallest_jacobian(forces.geometry, block.connectivity, derivatives)[0] > 0.0
+            for forces, derivatives in zip(self.forces, self._derivatives, strict=True)
             for block in forces.blocks
         )
 

@@ -14,8 +14,11 @@ from contactlab.api import Floats, Integrator, State, Warnings
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.bodies.stable_step import StableStep
 from contactlab.model.bound_integrator import BoundIntegrator
-from contactlab.model.loading.supports import Prescribed, SupportedSet
-from contactlab.model.pace import Pace
+from contactlab.model.history import History
+from contactlab.model.loading.loading import Loading
+from contactlab.model.loading.supports import Prescribed
+from contactlab.model.momentum import start_of
+from contactlab.model.timing import Timing
 
 if TYPE_CHECKING:
     from contactlab.model.contact.explicit_system import ContactSystem
@@ -26,11 +29,11 @@ if TYPE_CHECKING:
 class Model(ABC):
     """What `build` makes of a scene: an `ExplicitModel` or an `ImplicitModel`. Implements `contactlab.api.Equations`.
 
-    Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator and
-    the supports by name. `updates` are the bound block calls of all bodies, `loads` those of loads and effects,
-    `effects` the latter alone.
-    `seconds` counts the wall time spent on stresses and internal forces. Whoever sees something doubtful adds it to
-    `warnings`.
+    Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator, the loading and the
+    times of the run. `updates` are the bound block calls of all bodies. `seconds` counts the wall time spent on
+    stresses and internal forces. Whoever sees something doubtful adds it to `warnings`. `way_followed` is False once a
+    step has skipped what the end does not depend on: work along the way is not known then. `start` is what the end is
+    compared with.
     """
 
     reference: Floats
@@ -38,37 +41,47 @@ class Model(ABC):
     mass: Floats
     prescribed: Prescribed
     contact: ContactSystem | ImplicitContactSystem | None
-    damping: float
-    relaxation: float
     state: State
     integrator: Integrator
     bodies: tuple[Body, ...]
     forces: tuple[BodyForces, ...]
-    supports: tuple[SupportedSet, ...]
     updates: tuple[Callable[[float], None], ...]
-    loads: tuple[Callable[[float, Floats], None], ...]
-    effects: tuple[Callable[[float, Floats], None], ...]
+    loading: Loading
     increment: Floats | None
-    pace: Pace
+    timing: Timing
+    history: History
     warnings: Warnings = field(default_factory=Warnings)
+    way_followed: bool = True
 
     explicit: ClassVar[bool]
 
     def __post_init__(self) -> None:
-        self._internal = self.state["internal_force"]
-        self._displacement: Floats = self.state["displacement"]
-        self._velocity: Any = self.state.fields.get("velocity")  # None in statics, which asks for none of its uses
         self._limits: list[StableStep] | None = None
         self.seconds = 0.0
-        self.initial_energy = self.kinetic_energy() if "velocity" in self.state else 0.0
+        self.start = start_of(self)
+
+    @property
+    def initial_energy(self) -> float:
+        """Kinetic energy of the start [mJ]."""
+        return self.start.energy
+
+    @property
+    def damping(self) -> float:
+        """Mass-proportional damping [1/s] of velocities beside the state's `drift`."""
+        return self.timing.damping
+
+    @property
+    def relaxation(self) -> float:
+        """Time [s] in which `drift` follows velocities; 0 where damping acts on all motion."""
+        return self.timing.relaxation
 
     def internal_force(self, dt: float) -> None:
         """Positions, stresses, history and `internal_force` at the state's displacement."""
         began = perf_counter()
-        np.add(self.reference, self._displacement, out=self.position)
+        np.add(self.reference, self.state["displacement"], out=self.position)
         if self.increment is not None:
             self._follow(dt)
-        self._internal[:] = 0.0
+        self.state["internal_force"][:] = 0.0
         for update in self.updates:
             update(dt)
         self.seconds += perf_counter() - began
@@ -86,13 +99,8 @@ class Model(ABC):
         """Work of the stresses [mJ] between the time of the velocities and that of the positions."""
 
     def external_force(self, time: float, out: Floats) -> bool:
-        """Fill `out` with all loads; False where the scene has none."""
-        if not self.loads:
-            return False
-        out[:] = 0.0
-        for load in self.loads:
-            load(time, out)
-        return True
+        """Fill `out` (N, 2) with all loads [N]; False where the scene has none."""
+        return self.loading.external_force(time, out)
 
     def stable_step(self) -> float:
         """Largest explicit step [s] at the present geometry."""
@@ -107,10 +115,9 @@ class Model(ABC):
 
     def kinetic_energy(self) -> float:
         """1/2 v M v [mJ] with the state's velocity."""
-        v = self._velocity
+        v = self.state["velocity"]
         return float(0.5 * (self.mass @ (v[:, 0] ** 2 + v[:, 1] ** 2)))
 
     def reactions(self) -> dict[str, Floats]:
         """Force of each support on its body (2,) [N]; a degree of freedom that several hold counts for the first."""
-        reaction = self.state["reaction"]
-        return {support.on: support.force(reaction) for support in self.supports}
+        return self.loading.reactions(self.state["reaction"])

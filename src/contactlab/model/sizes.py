@@ -5,20 +5,21 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from contactlab.errors import SceneError
+from contactlab.meshing.room import CELL_BYTES, in_gib, machine_memory
 
 if TYPE_CHECKING:
     from contactlab.errors import Location
     from contactlab.scene.scene import Scene
 
-CELL_BYTES = 600.0  # of a model, per linear cell: 741 MiB were measured for a million, libraries included
 SEGMENT_BYTES = 200.0  # of a rigid surface: positions, edges and what a contact keeps for each
+FRAME_BYTES = 12.0  # that a frame keeps in memory until the run ends, per node: positions and a value to show
 THREADS_PER_CORE = 4
+FEWER = "fewer cells, a smaller level, or longer segments"
 
 
 def check_sizes(scene: Scene) -> None:
@@ -37,20 +38,36 @@ def check_sizes(scene: Scene) -> None:
         _fits(CELL_BYTES * total, scene.where(f"bodies.{name}.mesh.cells"), _mesh_words(body.mesh, scene.level, total))
 
 
+def estimated_bytes(scene: Scene) -> float:
+    """Bytes that the model of a scene will take, by its cells; 0 where a mesh does not say how many it will have."""
+    cells = [_cells(body.mesh, scene.level) for body in scene.bodies.values()]
+    return CELL_BYTES * sum(cells) if all(cells) else 0.0
+
+
+def check_frame_size(frames: int, nodes: int, where: Location) -> None:
+    """Raise SceneError where the stored frames of a run are more than this machine can hold.
+
+    frames  that will be stored at most: as many as the scene asks for, but no more than steps
+    """
+    _fits(FRAME_BYTES * frames * nodes, where, f"{frames} frames of {nodes} nodes", "fewer frames, or a coarser mesh")
+
+
 def check_rigid_size(points: float, where: Location, segment: float) -> None:
     """Raise SceneError where a rigid surface has more segments than this machine can hold."""
     _fits(SEGMENT_BYTES * points, where, f"{points:.3g} segments of {segment:.3g} mm")
 
 
-def _fits(size: float, where: Location, got: str) -> None:
+def _fits(
+    size: float, where: Location, got: str, hint: str = "fewer cells, a smaller level, or longer segments"
+) -> None:
     limit = machine_memory()
     if size > limit:
         raise SceneError(
             "this needs more memory than there is",
             where=where,
-            got=f"{got}: about {_in_words(size)}",
-            allowed=f"what fits into {_in_words(limit)}",
-            hint="fewer cells, a smaller level, or longer segments",
+            got=f"{got}: about {in_gib(size)}",
+            allowed=f"what fits into {in_gib(limit)}",
+            hint=hint,
         )
 
 
@@ -70,21 +87,3 @@ def _sum(count: Any) -> float:
     if isinstance(count, list | tuple):
         return sum(_sum(part) for part in count)
     return float(count) if isinstance(count, int | float | np.integer) and not isinstance(count, bool) else 0.0
-
-
-def machine_memory() -> float:
-    """Bytes of memory that this process may use: of the machine, or of the group that it runs in."""
-    try:
-        total = float(os.sysconf("SC_PHYS_PAGES")) * float(os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, ValueError, OSError):
-        return math.inf
-    for name in ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"):
-        try:
-            total = min(total, float(Path(name).read_text()))
-        except (OSError, ValueError):
-            continue  # no such group, or no limit ("max")
-    return total
-
-
-def _in_words(size: float) -> str:
-    return f"{size / 2.0**30:.3g} GiB"

@@ -36,15 +36,18 @@ def contactlab_parts() -> Sequence[Part]:  # type: ignore[empty-body]
 
 @hookspec
 def contactlab_scenes() -> Mapping[str, Path]:  # type: ignore[empty-body]
-    """Bundled scenes: kebab-case name and the path of its TOML file."""
+    """Bundled scenes: kebab-case name and the absolute path of its TOML file.
+
+    A name that the core or another plugin uses is refused, and so is a path where there is no file.
+    """
 
 
 @hookspec
 def contactlab_commands() -> Mapping[str, str]:  # type: ignore[empty-body]
-    """Commands: kebab-case name and "package.module:function".
+    """Return further commands: kebab-case name and "package.module:function".
 
     The function takes the list of the remaining command-line words and returns the exit status.
-    It is imported when the command is typed. A name the core uses is refused.
+    It is imported when the command is typed. A name that the core or another plugin uses is refused.
     """
 
 

@@ -6,11 +6,11 @@ import importlib.util
 import os
 import re
 import sys
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from types import FunctionType, ModuleType
+from types import FunctionType, ModuleType, SimpleNamespace
 from typing import Any
 
 import pluggy
@@ -49,10 +49,11 @@ class Broken:
 
 @dataclass(frozen=True)
 class Plugin:
-    """A loaded plugin: where it comes from and its hooks."""
+    """A loaded plugin: where it comes from, its hooks, and the name of the module that has them."""
 
     origin: Origin
     hooks: Any
+    module: str
 
 
 def installed(group: str = GROUP) -> list[EntryPoint]:
@@ -99,45 +100,57 @@ def load(origin: Origin, importer: Callable[[], Any]) -> Plugin | Broken:
     except (Exception, SystemExit) as error:
         return Broken(origin, f"its import failed: {one_line(error)}")
     try:
-        return Plugin(origin, _register(module))
+        hooks = _register(module)
+        return Plugin(origin, hooks, getattr(module, "__name__", type(module).__module__))
     except Exception as error:
         return Broken(origin, one_line(error, name=False))
 
 
 def _register(module: object) -> Any:
     # a manager per plugin: what pluggy refuses in one then cannot touch another
+    manager = _manager()
+    hooks = {
+        name: impl["specname"] or name for name in dir(module) if (impl := manager.parse_hookimpl_opts(module, name))
+    }
+    wrong = [*_wrong_hooks(module, hooks), *_unmarked(module, hooks)]
+    if not hooks and not wrong and isinstance(module, ModuleType):
+        wrong = [RequestError(f"{module.__name__} implements no hook", allowed=", ".join(_hook_names()))]
+    if wrong:
+        raise RequestError("; ".join(one_line(error, name=False) for error in wrong))
+    manager.register(module)
+    return manager.hook
+
+
+def _manager() -> pluggy.PluginManager:
     manager = pluggy.PluginManager(hookspecs.PROJECT)
     manager.add_hookspecs(hookspecs)
-    manager.register(module)
-    for name in _unknown_hooks(manager, module):
-        choices = _hook_names()
-        raise RequestError(f"unknown hook {name}", allowed=", ".join(choices), hint=did_you_mean(name, choices))
-    manager.check_pending()
-    _refuse_unmarked(manager, module)
-    return manager.hook
+    return manager
 
 
 def _hook_names() -> list[str]:
     return [name for name in vars(hookspecs) if name.startswith(f"{hookspecs.PROJECT}_")]
 
 
-def _unknown_hooks(manager: pluggy.PluginManager, module: object) -> Iterator[str]:
-    for caller in manager.get_hookcallers(module) or []:
-        if not caller.has_spec():
-            yield caller.name
+def _wrong_hooks(module: object, hooks: Mapping[str, str]) -> Iterator[Exception]:
+    """Marked functions, given with the hook that each is for, that are no hook or have other arguments."""
+    choices = _hook_names()
+    for function, hook in hooks.items():
+        if hook not in choices:
+            yield RequestError(f"unknown hook {hook}", allowed=", ".join(choices), hint=did_you_mean(hook, choices))
+            continue
+        try:
+            # each alone: pluggy stops at the first that it refuses
+            _manager().register(SimpleNamespace(**{function: getattr(module, function)}), name=str(module))
+        except pluggy.PluginValidationError as error:
+            yield error
 
 
-def _refuse_unmarked(manager: pluggy.PluginManager, module: object) -> None:
-    """A plugin without any hook does nothing, which nobody wants: say what is missing."""
-    marked = {caller.name for caller in manager.get_hookcallers(module) or []}
-    if not isinstance(module, ModuleType):
-        return
-    for name, value in vars(module).items():
-        own = isinstance(value, FunctionType) and value.__module__ == module.__name__
-        if own and name.startswith(f"{hookspecs.PROJECT}_") and name not in marked:
-            raise RequestError(f"{name} is not marked as a hook", hint="write @hookimpl above it")
-    if not marked:
-        raise RequestError(f"{module.__name__} implements no hook", allowed=", ".join(_hook_names()))
+def _unmarked(module: object, hooks: Mapping[str, str]) -> Iterator[Exception]:
+    """Functions with the name of a hook that lack its mark."""
+    for name, value in vars(module).items() if isinstance(module, ModuleType) else ():
+        own = isinstance(value, FunctionType) and value.__module__ == getattr(module, "__name__", "")
+        if own and name.startswith(f"{hookspecs.PROJECT}_") and name not in hooks:
+            yield RequestError(f"{name} is not marked as a hook", hint="write @hookimpl above it")
 
 
 def call(plugin: Plugin, hook: str, **arguments: Any) -> list[Any] | Broken:

@@ -1,4 +1,4 @@
-"""Which parts and versions a scene runs with."""
+"""Which parts and versions a scene runs with, and on what."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import platform
 from collections.abc import Iterator
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING
+
+from contactlab.parts.machine import blas_kernels, processor
 
 if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
@@ -39,8 +41,8 @@ def parts_of(scene: Scene, registry: Registry) -> dict[str, str]:
 
 
 def versions(scene: Scene, registry: Registry) -> dict[str, str]:
-    """Versions of Python, of the libraries below, and of every distribution that gave a part."""
-    found = {"python": platform.python_version()}
+    """Versions of Python, of the libraries below, and of every distribution that gave a part; processor and BLAS."""
+    found = {"python": platform.python_version(), "processor": processor(), "BLAS": blas_kernels()}
     origins = {registry.offer(kind, name).origin.distribution for _, kind, name in part_specs(scene)}
     for name in (*LIBRARIES, *sorted(origins)):
         try:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import importlib
+import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib.metadata import EntryPoint
@@ -16,9 +18,10 @@ from contactlab.errors import NOTHING, PartError, RequestError, SceneError, Wher
 from contactlab.parts import contract
 from contactlab.parts import loading as plugins
 from contactlab.parts.loading import Broken, Origin, Plugin
-from contactlab.scene.fields import PartSpec, as_data, read_table
+from contactlab.parts.scenes_and_commands import KEBAB, commands_of, scenes_of
+from contactlab.scene.fields import PartSpec, as_data
+from contactlab.scene.reading import read_table
 
-_KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 _TARGET = re.compile(r"[\w.-]+:\w+")
 
 
@@ -35,24 +38,40 @@ class Registry:
 
     entry_points  plugins to load; all installed ones by default
     files         Python files with hooks, given by hand
+    classes       parts and their classes, given by a program
     """
 
-    def __init__(self, entry_points: Iterable[EntryPoint] | None = None, files: Sequence[Path | str] = ()) -> None:
+    def __init__(
+        self,
+        entry_points: Iterable[EntryPoint] | None = None,
+        files: Sequence[Path | str] = (),
+        classes: Sequence[tuple[Part, type]] = (),
+    ) -> None:
         self._plugins: list[Plugin] = []
         self._broken: list[Broken] = []
         self._offers: dict[tuple[str, str], list[Offer]] = {}
         self.files: tuple[Path, ...] = ()
+        self.classes: tuple[tuple[Part, type], ...] = ()
         for point in plugins.installed() if entry_points is None else entry_points:
             self._add(plugins.load(plugins.origin_of(point), point.load))
         for path in files:
             self.add_file(path)
+        for part, target in classes:
+            self.add_class(part, target)
 
     def __reduce__(self) -> tuple[Any, ...]:
         # another process finds the same installed plugins by itself
-        return Registry, (None, self.files)
+        hidden = [part.name for part, target in self.classes if target.__module__ == "__main__"]
+        if hidden:
+            raise PartError(
+                "other processes cannot import a class of the program that is running",
+                got=", ".join(hidden),
+                hint="write it into a file of its own; contactlab.use takes the file, too",
+            )
+        return Registry, (None, self.files, self.classes)
 
     def add_file(self, path: Path | str) -> None:
-        """Register the hooks in a Python file. Raises PartError where it offers nothing usable.
+        """Register the hooks in a Python file. Raises PartError with all its faults; nothing of it stays then.
 
         A target in the file itself is written "file_stem:ClassName".
         """
@@ -60,12 +79,31 @@ class Registry:
         if path in self.files:
             return
         module = plugins.file_module(path)
-        loaded = plugins.load(Origin(path.stem, str(path)), lambda: module)
-        before = len(self._broken)
-        self._add(loaded)
-        if len(self._broken) > before:
-            raise PartError(self._broken[-1].reason, where=str(path))
+        origin = Origin(path.stem, str(path))
+        before = list(self._plugins), list(self._broken), {key: list(offers) for key, offers in self._offers.items()}
+        self._add(plugins.load(origin, lambda: module))
+        wrong = [item for item in self.broken() if item.origin == origin]
+        if wrong:
+            wrong += self._incomplete_in(path.stem)
+            self._plugins, self._broken, self._offers = before
+            raise PartError(_all_of(wrong), where=str(path))
         self.files = (*self.files, path)
+
+    def _incomplete_in(self, module: str) -> list[Broken]:
+        """Those of `incomplete` whose class is in this module; none where it was not imported."""
+        here = self.parts() if module in sys.modules else []
+        return _incomplete(offer for offer in here if offer.part.target.partition(":")[0] == module)
+
+    def add_class(self, part: Part, target: type) -> None:
+        """Register a class of the running program. Raises PartError where it does not keep the contract."""
+        wrong = _fault_of(part) or "; ".join(contract.faults(part.kind, target))
+        if wrong:
+            raise PartError(f"{target.__name__} cannot be used: {wrong}", where=target.__module__, got=part.name)
+        others = [(known, its) for known, its in self.classes if known != part]
+        if len(others) == len(self.classes) and self._offers.get((part.kind, part.name)):
+            raise PartError(f"there is a {part.kind} of this name already", where=target.__module__, got=part.name)
+        self._offers[part.kind, part.name] = [Offer(part, Origin(target.__module__, "this program"))]
+        self.classes = (*others, (part, target))  # a cell of a notebook that is run again defines the class anew
 
     def _add(self, loaded: Plugin | Broken) -> None:
         if isinstance(loaded, Broken):
@@ -102,7 +140,12 @@ class Registry:
 
     def broken(self) -> list[Broken]:
         """Everything that was left out, with the reason."""
-        return [*self._broken, *self._duplicates()]
+        named = (scenes_of(self._plugins), commands_of(self._plugins))
+        return [*self._broken, *self._duplicates(), *(item for kind in named for item in kind.broken)]
+
+    def reason_against(self, item: str) -> str:
+        """What to mend where "scene NAME" or "command NAME" was left out; nothing where none was offered."""
+        return "; ".join(f"mend {broken.origin}: {broken.reason}" for broken in self.broken() if broken.item == item)
 
     def _duplicates(self) -> list[Broken]:
         found = []
@@ -114,13 +157,7 @@ class Registry:
 
     def incomplete(self) -> list[Broken]:
         """Parts whose class cannot be imported or does not keep the contract. Imports every target."""
-        found = []
-        for offer in self.parts():
-            try:
-                _checked_class(offer)
-            except PartError as error:
-                found.append(Broken(offer.origin, error.problem, item=_label(offer.part)))
-        return found
+        return _incomplete(self.parts())
 
     def offer(self, kind: str, name: str, where: Where = "") -> Offer:
         """The part of this kind and name. Raises PartError with the nearest name where there is none."""
@@ -143,7 +180,7 @@ class Registry:
             where=where,
             got=name,
             allowed=", ".join(names) if names else f"no {kind} is installed at all",
-            hint=did_you_mean(name, names) or self._other_reason(name),
+            hint=self.missing_from(name) or did_you_mean(name, names) or self._other_reason(name),
         )
 
     def _other_reason(self, name: str) -> str:
@@ -155,6 +192,19 @@ class Registry:
             return f"contactlab parts (plugins that could not be loaded: {', '.join(broken)})"
         return "install the plugin that brings it; contactlab parts lists what there is"
 
+    def missing_from(self, name: str) -> str:
+        """What to install for a part that a usual plugin brings; nothing where no such part is known."""
+        import json
+
+        known = json.loads((Path(__file__).parents[1] / "data" / "known_parts.json").read_text(encoding="utf-8"))
+        here = {plugin.origin.distribution for plugin in self._plugins}
+        bringing = [package for package, names in known.items() if name in names and package not in here]
+        if not bringing:
+            return ""
+        hidden = os.environ.get(plugins.RESTRICT)
+        also = f", or leave {plugins.RESTRICT} away, which lets {hidden} through alone" if hidden else ""
+        return f"{bringing[0]} brings it: pip install {bringing[0]}{also}"
+
     def part_class(self, kind: str, name: str, where: Where = "") -> type[Any]:
         """The class of a part, imported now and checked against the contract.
 
@@ -165,7 +215,11 @@ class Registry:
             return _checked_class(offer)
         except PartError as error:
             message = f"the {kind} {name} cannot be used: {error.problem}"
-            raise PartError(message, where=where, hint=f"mend or update {error.where}") from error
+            others = [
+                b for b in self._incomplete_in(offer.part.target.partition(":")[0]) if b.item != _label(offer.part)
+            ]
+            also = "".join(f"; its {b.item}, too: {b.reason}" for b in others)
+            raise PartError(message, where=where, hint=f"mend or update {error.where}{also}") from error
 
     def make(self, kind: str, spec: Any, where: Where = "") -> Any:
         """An instance of the part that `spec` names: a string, or a table with `use` and fields.
@@ -188,36 +242,25 @@ class Registry:
         return {"use": split_spec(kind, spec, where)[0], **as_data(self.make(kind, spec, where))}
 
     def scenes(self) -> dict[str, Path]:
-        """Paths of the scenes that the core and all plugins bring, by name."""
-        found: dict[str, Path] = {}
-        for plugin in self._plugins:
-            offered = self._called(plugin, "contactlab_scenes")
-            for scenes in offered:
-                found |= {str(name): Path(path) for name, path in dict(scenes).items()}
-        return found
+        """Paths of the scenes that plugins bring, by name; `broken` tells which were left out."""
+        return {name: Path(path) for name, (path, _) in scenes_of(self._plugins).usable.items()}
 
     def commands(self) -> dict[str, tuple[str, Origin]]:
-        """Further commands by name: "module:function" and where it comes from."""
-        found: dict[str, tuple[str, Origin]] = {}
-        for plugin in self._plugins:
-            for commands in self._called(plugin, "contactlab_commands"):
-                found |= {str(name): (str(target), plugin.origin) for name, target in dict(commands).items()}
+        """Further commands by name: "module:function" and where it comes from; `broken` tells which were left out."""
+        return commands_of(self._plugins).usable
+
+    def packages(self) -> dict[str, Origin]:
+        """Import names of the packages, or modules, that plugins and their parts lie in, and whose they are."""
+        found = {plugin.module.partition(".")[0]: plugin.origin for plugin in self._plugins}
+        for offers in self._offers.values():
+            for offer in offers:
+                found.setdefault(re.split("[.:]", offer.part.target, maxsplit=1)[0], offer.origin)
         return found
 
     def run_finished(self, summary: Mapping[str, Any], folder: Path | None) -> list[Broken]:
         """Tell every plugin that a run is over; gives back those that raised."""
         answers = [plugins.call(p, "contactlab_run_finished", summary=summary, folder=folder) for p in self._plugins]
         return [answer for answer in answers if isinstance(answer, Broken)]
-
-    def _called(self, plugin: Plugin, hook: str) -> list[Any]:
-        answer = plugins.call(plugin, hook)
-        if not isinstance(answer, Broken):
-            if all(isinstance(item, Mapping) for item in answer):
-                return answer
-            answer = Broken(plugin.origin, f"{hook} gave no table of names", item=hook)
-        if answer not in self._broken:
-            self._broken.append(answer)
-        return []
 
 
 @cache
@@ -249,19 +292,39 @@ def _use_hint(fields: Mapping[str, Any]) -> str:
 def _fault_of(part: Any) -> str:
     if not isinstance(part, Part):
         return f"contactlab_parts lists {type(part).__name__}; allowed: Part"
+    return "; ".join(_faults_of(part))
+
+
+def _faults_of(part: Part) -> Iterator[str]:
     if part.api != CONTRACT_VERSION:
-        return (
+        yield (
             f"it was written for version {part.api} of the contract, this is version {CONTRACT_VERSION}; to change: "
             f"{what_to_change(str(part.kind), part.api)}"
         )
     if part.kind not in KINDS:
         hint = did_you_mean(str(part.kind), KINDS)
-        return f'there is no kind "{part.kind}"; allowed: {", ".join(KINDS)}' + (f"; {hint}" if hint else "")
-    if not isinstance(part.name, str) or not _KEBAB.fullmatch(part.name):
-        return f'the name "{part.name}" is not lower-case words joined by -'
+        yield f'there is no kind "{part.kind}"; allowed: {", ".join(KINDS)}' + (f"; {hint}" if hint else "")
+    if not isinstance(part.name, str) or not KEBAB.fullmatch(part.name):
+        yield f'the name "{part.name}" is not lower-case words joined by -'
     if not isinstance(part.target, str) or not _TARGET.fullmatch(part.target):
-        return f'the target "{part.target}" is not of the form package.module:ClassName'
-    return ""
+        yield f'the target "{part.target}" is not of the form package.module:ClassName'
+
+
+def _all_of(wrong: Sequence[Broken]) -> str:
+    """All reasons as a text, one a line where there are several."""
+    told = [b.reason if b.item in b.reason else f"{b.item}: {b.reason}" for b in wrong]
+    return told[0] if len(told) == 1 else "\n  ".join([f"{len(told)} things are wrong with it", *told])
+
+
+def _incomplete(offers: Iterable[Offer]) -> list[Broken]:
+    """Those whose class cannot be imported or does not keep the contract."""
+    found = []
+    for offer in offers:
+        try:
+            _checked_class(offer)
+        except PartError as error:
+            found.append(Broken(offer.origin, error.problem, item=_label(offer.part)))
+    return found
 
 
 def _label(part: Any) -> str:

@@ -106,7 +106,7 @@ def _error_label(value: float, _: object) -> str:
 
 
 def _regions(axes: Axes) -> None:
-    """What the four corners mean."""
+    """Label the four corners of the plot with what they mean."""
     axes.axhline(100.0 * NEEDED, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)), zorder=0)
     axes.axvline(100.0 * DEAR, color=MUTED, linewidth=0.8, linestyle=(0, (4, 3)), zorder=0)
     for x, y, across, text in (

@@ -42,7 +42,7 @@ def cells(cost: EffectCost, breakdown: CostBreakdown) -> tuple[str, ...]:
 
 
 def reasons(effects: Sequence[EffectCost]) -> list[str]:
-    """Why runs did not come to their end."""
+    """Say why runs did not come to their end."""
     return [f"{'without' if p.declared else 'with'} {p.effect}: {p.status}: {p.reason}" for p in effects if p.reason]
 
 

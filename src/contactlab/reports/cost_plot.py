@@ -93,7 +93,7 @@ def _scales(axes: Axes, rows: Sequence[Row]) -> None:
 
 
 def _subdivisions(values: Sequence[float]) -> tuple[float, ...]:
-    """Enough labels on an axis that spans little."""
+    """Put enough labels on an axis that spans little."""
     decades = math.log10(max(values) / min(values)) if values else 1.0
     return (1.0,) if decades > 2.5 else (1.0, 2.0, 5.0)
 
@@ -133,7 +133,7 @@ def _legend(axes: Axes, table: Table, chosen: dict[str, Style], slaves: Sequence
 
 
 def _list_missing(axes: Axes, rows: Sequence[Row]) -> None:
-    """Runs without a point, named below the plot."""
+    """Name runs without a point below the plot."""
     if rows:
         names = "; ".join(f"{row.algorithm}, slave {row.slave}, level {row.level}: {row.status}" for row in rows)
         axes.set_title(textwrap.fill(f"without a point: {names}", 110), fontsize=8.5, fontweight="normal", color=ALARM)

@@ -18,7 +18,7 @@ _ASSETS = Path(__file__).parent.parent / "data" / "report"
 
 
 def document(title: str, sections: Iterable[str]) -> str:
-    """A whole page that needs no other file."""
+    """Write a whole page that needs no other file."""
     style, script = ((_ASSETS / name).read_text(encoding="utf-8") for name in ("page.css", "page.js"))
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
@@ -44,7 +44,7 @@ def figure_section(figures: dict[str, Figure], name: str, title: str, caption: s
 
 
 def plain_table(heads: Iterable[str], rows: Iterable[Iterable[str]], texts: int) -> str:
-    """A table whose first `texts` columns are words."""
+    """Write a table whose first `texts` columns are words."""
 
     def line(cells: Iterable[str], tag: str) -> str:
         kinds = (' class="text"' if k < texts else "" for k in range(100))
@@ -55,13 +55,13 @@ def plain_table(heads: Iterable[str], rows: Iterable[Iterable[str]], texts: int)
 
 
 def facts_list(facts: dict[str, Any]) -> str:
-    """A list of names with their values."""
+    """Write a list of names with their values."""
     rows = "".join(f"<dt>{escape(str(name))}</dt><dd>{escape(str(value))}</dd>\n" for name, value in facts.items())
     return f'<dl class="facts">\n{rows}</dl>'
 
 
 def scene_section(table: Table) -> str:
-    """The study and the scene, to be unfolded."""
+    """Write the study and the scene as a section that unfolds."""
     study = f"<details><summary>The study</summary><pre>{escape(write_toml(table.study.as_data()))}</pre></details>"
     heading = "<summary>The scene, all defaults written out</summary>"
     return section("What was run", f"{study}<details>{heading}<pre>{escape(table.scene_text)}</pre></details>")

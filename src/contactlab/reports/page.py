@@ -44,7 +44,7 @@ def write_report(table: Table, folder: Path) -> None:
 
 
 def draw(table: Table) -> dict[str, Figure]:
-    """All figures by the name of their files."""
+    """Draw all figures; returns them by the name of their files."""
     figures = {"pressure": pressure_figure(table), "error-against-cost": cost_figure(table)}
     bodies = body_figure(table)
     return figures if bodies is None else {**figures, "bodies": bodies}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -39,10 +40,14 @@ def _progress(console: Console) -> Progress:
 class _Lines:
     def __init__(self, console: Console, total: int) -> None:
         self._console, self._total, self._done = console, total, 0
+        self._said = ""
 
     def say(self, text: str) -> None:
-        if text:
-            self._console.print(text)
+        """What counts up is said once: "compiling kernel" and not each of its numbers."""
+        head = re.split(r"\s+\d", text)[0]
+        if head and head != self._said:
+            self._said = head
+            self._console.print(head)
 
     def advance(self, name: str, fraction: float, step: int) -> None:
         pass

@@ -14,6 +14,7 @@ from rich.text import Text
 from contactlab.api.drawing.units import Units
 from contactlab.reports.numbers import percent, significant
 from contactlab.results.results import Results
+from contactlab.results.summary import THE_END_ONLY
 from contactlab.studies.measure_run import reaction_against_pressure
 from contactlab.studies.measures import mirror_asymmetry
 from contactlab.studies.profile import FoldedSurfaceError, Profile
@@ -81,6 +82,10 @@ def _run_lines(summary: Mapping[str, Any], units: Units) -> Iterator[Line]:
         yield "sweeps per step", significant(sweeps / max(1, steps), 3), ""
     if summary.get("iterations"):
         yield "iterations per step", significant(summary["iterations"] / max(1, steps), 3), ""
+    if summary.get("history", {}).get("curve") == THE_END_ONLY:
+        yield "the way to the end", "not followed: history.csv is no force-displacement curve", ""
+    for level in summary.get("nested", ()):
+        yield f"level {level['level']} before", f"{level['iterations']} iterations", ""
     for key, value in summary.get("resolved", {}).items():
         unit = f"1/{units.time}" if key == "damping" else units.time
         yield f"{key}, chosen", significant(float(value), 4), unit
@@ -132,14 +137,15 @@ def _energy_lines(balance: Mapping[str, Any], units: Units) -> Iterator[Line]:
     names = {"kinetic": "kinetic", "stored": "stored", "internal": "work of stresses", "external": "work of supports"}
     names |= {"damping": "lost to damping", "friction": "lost to friction", "plastic": "lost to plastic flow"}
     for key, name in names.items():
-        if key in ("kinetic", "stored", "internal", "external") or balance.get(key):
+        # no work is known where the way was not followed
+        if balance.get(key) or (key in ("kinetic", "stored", "internal", "external") and balance.get(key) is not None):
             yield name, significant(_float(balance.get(key)), 5), units.line_energy
     kinetic, internal = _float(balance.get("kinetic")), abs(_float(balance.get("internal")))
     if internal > 0.0:
         yield "kinetic over work of stresses", _short(kinetic / internal), ""
-    if "ledger_error" in balance:
+    if balance.get("ledger_error") is not None:
         yield "energy error: ledger", _short(balance["ledger_error"]), ""
-    if "stored_against_work" in balance:
+    if balance.get("stored_against_work") is not None:
         yield "energy error: stored against work", _short(balance["stored_against_work"]), ""
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from rich import box
 from rich.console import Console, Group, RenderableType
@@ -31,6 +33,9 @@ USUAL = (
     "cpu_s",
 )
 
+ESSENTIAL = ("pressure_error", "reaction_error", "cpu_s")
+"""Error and cost: the last to go where there is little room."""
+
 _SHORT = {
     "reaction_against_pressure": "reaction\nvs ∫p",
     "pressure_error": "p error\nL2",
@@ -54,23 +59,55 @@ _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _COLOURS = {"finished": "green", "not-converged": "yellow"}
 
 
+@dataclass(frozen=True)
+class _Shown:
+    """A column as it is drawn: heading, a cell for each row, and what to call it where it is left out."""
+
+    heading: Text
+    cells: Sequence[Text]
+    title: str
+    unit: str = ""
+    number: bool = True
+    essential: bool = False
+
+    @property
+    def constant(self) -> bool:
+        """Whether every row has the same value in a column."""
+        return len(self.cells) > 1 and len({cell.plain for cell in self.cells}) == 1
+
+
 def print_table(table: Table, console: Console | None = None) -> None:
-    """Print the table; where there is no terminal, as wide as it needs to be."""
+    """Print the table; where nobody says how wide it may be, as wide as it needs to be."""
     console = console or Console()
-    if not console.is_terminal:
+    if not console.is_terminal and "COLUMNS" not in os.environ:
         console = Console(file=console.file, width=max(WIDTH, console.width))
     console.print(render(table, console.width))
 
 
 def render(table: Table, width: int = WIDTH) -> RenderableType:
-    """The table and the notes below it. Columns that do not fit into `width` stay in `table.csv`."""
-    columns = [BY_NAME[name] for name in table.study.measures or USUAL]
-    keys = list(dict.fromkeys(key for row in table.rows for key in row.choices))
-    for shown in range(len(columns), 0, -1):
-        drawn = _draw(table, columns[:shown], keys)
-        if Console(width=1000).measure(drawn).maximum <= width:
+    """The table and the notes below it. What does not fit into `width` stays in `table.csv`.
+
+    First those columns go that say the same in every row, which then stands below; then numbers, error and cost last.
+    """
+    columns, empty = _columns(table)
+    same: list[_Shown] = []
+    left_out: list[_Shown] = []
+    for column in _least_important_first(columns):
+        if Console(width=1000).measure(_draw(table, columns)).maximum <= width:
             break
-    return Group(*_nothing_finished(table), drawn, *_notes(table, [c.title for c in columns[shown:]]))
+        columns.remove(column)
+        if column.constant:
+            same.append(column)
+        else:
+            left_out.insert(0, column)
+    return Group(*_nothing_finished(table), _draw(table, columns), *_notes(table, same, left_out, empty))
+
+
+def _least_important_first(columns: Sequence[_Shown]) -> list[_Shown]:
+    constant = [c for c in columns if c.constant]
+    rest = [c for c in columns if not c.constant and c.number]
+    usual = [c for c in reversed(rest) if not c.essential]
+    return [*constant, *usual, *(c for c in reversed(rest) if c.essential)]
 
 
 def _nothing_finished(table: Table) -> list[Text]:
@@ -81,8 +118,27 @@ def _nothing_finished(table: Table) -> list[Text]:
     return [Text(f"not one of {len(table)} runs came to its end; {kinds}", style="bold red")]
 
 
-def _draw(table: Table, columns: Sequence[Column], keys: Sequence[str]) -> RichTable:
+def _columns(table: Table) -> tuple[list[_Shown], list[str]]:
+    """All columns in the order of the table, and titles of measures that no run has."""
     units = Units.of_label(table.scene.get("units"))
+    keys = list(dict.fromkeys(key for row in table.rows for key in row.choices))
+    numbers = {row.name: number for number, row in enumerate(table.failed, start=1)}
+    words = {"algorithm": [row.algorithm for row in table.rows], "slave": [row.slave for row in table.rows]}
+    words |= {key: [str(row.choices.get(key, "")) for row in table.rows] for key in keys}
+    words["level"] = [str(row.level) for row in table.rows]
+    shown = [_Shown(Text(name), [Text(cell) for cell in cells], name, number=False) for name, cells in words.items()]
+    status = [_status(row, numbers.get(row.name)) for row in table.rows]
+    shown.append(_Shown(Text("status"), status, "status", number=False))
+    measures = [BY_NAME[name] for name in table.study.measures or USUAL]
+    missing = {c.name for c in measures if all(row[c.name] != row[c.name] for row in table.rows)}
+    for column in (c for c in measures if c.name not in missing):
+        cells = [Text(quantity(row[column.name], column.unit, column.digits)) for row in table.rows]
+        unit = heading_unit(column.unit, units[column.unit] if column.unit else "")
+        shown.append(_Shown(_heading(column, unit), cells, column.title, unit, essential=column.name in ESSENTIAL))
+    return shown, [column.title for column in measures if column.name in missing]
+
+
+def _draw(table: Table, columns: Sequence[_Shown]) -> RichTable:
     drawn = RichTable(
         box=box.SIMPLE_HEAD,
         padding=(0, 1),
@@ -91,24 +147,15 @@ def _draw(table: Table, columns: Sequence[Column], keys: Sequence[str]) -> RichT
         title=table.study.name,
         title_justify="left",
     )
-    for heading in ("algorithm", "slave", *keys):
-        drawn.add_column(heading, no_wrap=True)
-    drawn.add_column("level", justify="right")
-    drawn.add_column("status", no_wrap=True)
     for column in columns:
-        drawn.add_column(_heading(column, units), justify="right", no_wrap=True)
-    numbers = {row.name: number for number, row in enumerate(table.failed, start=1)}
-    for row, following in zip(table.rows, [*table.rows[1:], None], strict=True):
-        cells = [quantity(row[column.name], column.unit, column.digits) for column in columns]
-        chosen = [str(row.choices.get(key, "")) for key in keys]
-        status = _status(row, numbers.get(row.name))
+        drawn.add_column(column.heading, no_wrap=True, justify="right" if column.number else "left")
+    for number, (row, following) in enumerate(zip(table.rows, [*table.rows[1:], None], strict=True)):
         ends = following is not None and following.refines != row.refines
-        drawn.add_row(row.algorithm, row.slave, *chosen, str(row.level), status, *cells, end_section=ends)
+        drawn.add_row(*(column.cells[number] for column in columns), end_section=ends)
     return drawn
 
 
-def _heading(column: Column, units: Units) -> Text:
-    unit = heading_unit(column.unit, units[column.unit] if column.unit else "")
+def _heading(column: Column, unit: str) -> Text:
     text = Text(_SHORT.get(column.name, column.title))
     return text.append(f"\n{unit}", style="dim") if unit else text
 
@@ -119,15 +166,20 @@ def _status(row: Row, number: int | None) -> Text:
     return status.append(" !", style="bold yellow") if row.warnings else status
 
 
-def _notes(table: Table, left_out: Sequence[str]) -> list[Text]:
-    notes = [
+def _notes(table: Table, same: Sequence[_Shown], left_out: Sequence[_Shown], empty: Sequence[str]) -> list[Text]:
+    constants = ", ".join(f"{c.title} {c.cells[0].plain} {c.unit}".strip() for c in same)
+    notes = [Text(f"in every row: {constants}")] if same else []
+    notes += [
         Text.assemble((f"{number} ".translate(_RAISED), "bold"), f"{_who(row)}, {row.status}: {row.reason}")
         for number, row in enumerate(table.failed, start=1)
     ]
     notes += _warnings(table)
     notes.append(_reference_note(table))
+    if empty:
+        notes.append(Text("no run has: " + ", ".join(empty), style="dim"))
     if left_out:
-        notes.append(Text("not shown for lack of width: " + ", ".join(left_out), style="dim"))
+        titles = ", ".join(column.title for column in left_out)
+        notes.append(Text(f"not shown for lack of width: {titles}", style="dim"))
     return notes
 
 

@@ -37,7 +37,7 @@ class Checkpoint:
 
 
 class Slots:
-    """The group `contactlab/checkpoint` of an open file."""
+    """Two slots for checkpoints: the group `contactlab/checkpoint` of an open file."""
 
     def __init__(self, group: h5py.Group) -> None:
         self.group = group
@@ -54,7 +54,7 @@ class Slots:
 
     @classmethod
     def create(cls, own: h5py.Group, memory: Mapping[str, Floats]) -> Slots:
-        """Empty slots for arrays of these names and shapes."""
+        """Make empty slots for arrays of these names and shapes."""
         group = own.create_group("checkpoint")
         group.attrs["arrays"] = json.dumps({name: list(array.shape) for name, array in memory.items()})
         size = sum(array.size for array in memory.values())

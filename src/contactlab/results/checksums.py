@@ -63,7 +63,7 @@ def is_sealed(dataset: h5py.Dataset) -> bool:
 
 
 def sealed(group: h5py.Group, name: str) -> Any:
-    """The content of a sealed dataset. Raises Damage."""
+    """Read a sealed dataset. Raises Damage where its checksum does not fit."""
     dataset = group[name]
     if not is_sealed(dataset):
         raise Damage(f"{name} is damaged")
@@ -94,7 +94,7 @@ class FrameSums:
         self.column.dataset.attrs["names"] = list(names)
 
     def write(self, row: int, sums: Sequence[int]) -> None:
-        """Those of the frame `row`."""
+        """Write the checksums of the frame `row`."""
         values = np.array(sums, np.uint32)
         self.column.write(row, np.append(values, np.uint32(of_array(values))))
 

@@ -98,7 +98,7 @@ def _slots(pair: ContactPair, values: Floats) -> Floats:
 
 
 def _per_node(pair: ContactPair, values: Floats) -> Floats:
-    """Multipliers of several slots of a node add up."""
+    """Add up multipliers of several slots of a node."""
     return np.asarray(_slots(pair, values).sum(axis=0))
 
 

@@ -60,7 +60,7 @@ def _is_whole(file: Any, layout: Layout, sums: StoredSums, number: int) -> bool:
 
 
 def _slab(file: Any, layout: Layout, name: str, number: int) -> np.ndarray:
-    """Array `name` of one frame, as it was written."""
+    """Read array `name` of one frame, as it was written."""
     grid, own = file["VTKHDF"], file["contactlab"]
     if name == "history":
         return np.asarray(own["history"][number])

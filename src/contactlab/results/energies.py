@@ -6,9 +6,11 @@ import numpy as np
 
 from contactlab.model.model import Model
 
+ALONG_THE_WAY = ("internal", "external", "damping", "contact", "friction", "numerical", "slip", "error")
+
 
 def energies(model: Model) -> dict[str, float]:
-    """Energies and works [mJ] so far.
+    """Energies and works [mJ] since the start of the run, by name.
 
     kinetic   with velocities half a step back (explicit)
     stored    strain energy of the laws that have one; nan if any law has none
@@ -18,6 +20,8 @@ def energies(model: Model) -> dict[str, float]:
               work is booked with that of the stresses and taken out of `internal` here
     external, damping, contact, friction: as in `contactlab.api.WORK`
     error     closure of the ledger over the largest energy in it
+
+    Works along a way that was not followed are nan: of a step that skips it both ends are known, and nothing between.
     """
     work = model.state["work"]
     kinetic = model.kinetic_energy() if "velocity" in model.state else 0.0
@@ -27,7 +31,7 @@ def energies(model: Model) -> dict[str, float]:
     stabilising = sum(forces.numerical_energy() for forces in model.forces)
     total = kinetic + work[0] + work[2] + work[5] - work[1] - work[3] - work[4] - start
     scale = max(abs(kinetic) + abs(work[0]) + abs(work[1]), abs(start), 1e-300)
-    return {
+    found = {
         "kinetic": kinetic,
         "stored": stored,
         "plastic": plastic,
@@ -40,3 +44,4 @@ def energies(model: Model) -> dict[str, float]:
         "slip": float(work[6]),
         "error": float(np.abs(total) / scale),
     }
+    return found if model.way_followed else found | dict.fromkeys(ALONG_THE_WAY, np.nan)

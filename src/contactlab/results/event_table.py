@@ -30,7 +30,7 @@ class EventTable:
         return len(self.group["step"])
 
     def add(self, event: Event) -> None:
-        """Append one event."""
+        """Append one event to the table."""
         count = self.count
         self.growing.reserve(len(event.text.encode()))
         self.cut(count + 1)
@@ -50,7 +50,7 @@ def _stored(event: Event) -> tuple[int, float, str, str]:
 
 
 def read_events(own: h5py.Group, count: int, salvage: bool = False) -> list[Event]:
-    """The first `count` events of the group `contactlab`.
+    """Read the first `count` events of the group `contactlab`.
 
     Raises Damage where one is not as it was written; with `salvage` such events are left out.
     """

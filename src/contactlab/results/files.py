@@ -32,7 +32,7 @@ class HistoryFile:
         _claim(self.file, folder)
         self.writer: csv.DictWriter[str] | None = None
 
-    def begin(self, rows: Sequence[Mapping[str, float]]) -> None:
+    def replace_rows(self, rows: Sequence[Mapping[str, float]]) -> None:
         """Replace the content of the file by these rows."""
         self.file.truncate(0)
         for row in rows:
@@ -106,7 +106,7 @@ def _unwritable(folder: Path, error: OSError) -> RequestError:
 
 
 def write_contacts(folder: Path, contacts: Mapping[str, ContactHistory]) -> None:
-    """`contact.csv`: the last stored curve of every contact."""
+    """Write `contact.csv`: the last stored curve of every contact."""
     with (folder / "contact.csv").open("w", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(("contact", *ContactCurve.COLUMNS))

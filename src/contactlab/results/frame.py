@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 def layout_of(model: Model, scene: Scene, parts: Mapping[str, str], versions: Mapping[str, str]) -> Layout:
     """Everything that stays the same during a run: bodies, contacts, parts, versions."""
     pairs = model.contact.pairs if model.contact is not None else ()
-    supports = tuple(support.on for support in model.supports)
+    supports = tuple(support.on for support in model.loading.supports)
     return Layout(
         scene=scene.toml(),
         title=scene.name,
@@ -81,7 +81,7 @@ def frame_of(model: Model, sample: Sample) -> Frame:
 
 
 def _cells(forces: BodyForces) -> dict[str, Floats]:
-    """Means over the points of each cell."""
+    """Take means over the points of each cell."""
     points, names = forces.body.points, forces.body.material.history_names
     shown = [i for i, name in enumerate(names) if not name.startswith("stress_")]
     stress = [_mean(block.stress, points).T for block in forces.current()]

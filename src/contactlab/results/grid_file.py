@@ -82,7 +82,7 @@ class GridFile:
 
     @property
     def fields(self) -> dict[str, Column]:
-        """What a frame fills, by name."""
+        """Arrays of the file that a frame fills, by name."""
         return {"points": self.points, **self.point_fields, **self.cell_fields}
 
     @property
@@ -91,7 +91,7 @@ class GridFile:
         return self.points.room
 
     def fill_offsets(self, begin: int, end: int) -> None:
-        """Where frames `begin` to `end` lie in the arrays."""
+        """Write where frames `begin` to `end` lie in the arrays."""
         rows = np.arange(begin, end)
         for column, stride in self.offsets:
             column.write(begin, np.ones_like(rows) if stride is None else stride * rows, len(rows))
@@ -110,7 +110,7 @@ class GridFile:
         self._write_cells(row, frame)
 
     def cut(self, frames: int) -> None:
-        """Have exactly `frames` frames, and no room for more."""
+        """Cut the file to exactly `frames` frames, and no room for more."""
         self.times.cut(frames)
         for column in self.columns:
             column.resize(frames)

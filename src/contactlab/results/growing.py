@@ -66,11 +66,11 @@ class GrowingFile:
         self.file.flush()
 
     def flush(self) -> None:
-        """Everything written so far is what a reader sees."""
+        """Make everything written so far what a reader sees."""
         h5py.h5f.flush(self.file.id)
 
     def close(self) -> None:
-        """Close; nothing is lost if that fails half-way."""
+        """Close the file; nothing is lost if that fails half-way."""
         try:
             self.file.close()
         finally:
@@ -131,7 +131,7 @@ class Number:
         return int(self._value)
 
     def write(self, value: int) -> None:
-        """Write another number."""
+        """Write another number in its place."""
         self._value[...] = value
         self.attribute.write(self._value)
 

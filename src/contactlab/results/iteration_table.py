@@ -49,7 +49,7 @@ class IterationTable:
         self.shown.write(self.count)
 
     def cut(self, count: int) -> None:
-        """Have exactly `count` rows, and no spare room."""
+        """Cut the table to exactly `count` rows, without spare room."""
         for column in (self.numbers, self.notes, self.sums):
             column.resize(count)
         self.count = count

@@ -55,7 +55,7 @@ class Journal:
             self._take_up(past)
         self.history_file = history_file
         if history_file is not None:
-            history_file.begin(self.rows)
+            history_file.replace_rows(self.rows)
 
     @property
     def every_step(self) -> tuple[StepSample, ...]:

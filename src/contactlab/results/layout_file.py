@@ -30,7 +30,7 @@ def write_layout(own: h5py.Group, layout: Layout) -> None:
 
 
 def _words(layout: Layout) -> dict[str, Any]:
-    """Everything that is no array."""
+    """Everything of a layout that is no array, as plain data."""
     bodies = [
         {"name": b.name, "element": b.element, "material": b.material, "internal_variables": b.internal_variables}
         for b in layout.bodies

@@ -4,26 +4,27 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar, overload
+from typing import Any, TypeVar
 
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.api.frame import BodyLayout, ContactCurve, Frame, Layout
 from contactlab.errors import RequestError, one_line
 from contactlab.results.checkpoint_slots import Checkpoint, Slots
 from contactlab.results.checksums import Damage, StoredSums, sealed
-from contactlab.results.damage import BROKEN, TABLES, check_all, damage_told, whole_frames, whole_steps
+from contactlab.results.damage import BROKEN, TABLES, check_all, damage_told, whole_frames
 from contactlab.results.event_table import read_events
+from contactlab.results.final_fields import FinalFields
 from contactlab.results.iteration_table import read_iterations
-from contactlab.results.layout_file import FORMAT, read_layout
+from contactlab.results.layout_file import read_layout
 from contactlab.results.results import ContactHistory, Results
+from contactlab.results.stored_file import FILE, opened
+from contactlab.results.stored_frames import StoredFrames, curve_of
+from contactlab.results.stored_steps import StoredSteps
 
-FILE = "results.vtkhdf"
 T = TypeVar("T")
-STEPS_AT_ONCE = 65536
 
 
 def load_results(folder: str | Path, salvage: bool = False) -> Results:
@@ -58,42 +59,6 @@ def load_checkpoint(folder: Path) -> tuple[Results, Checkpoint] | None:
         reader.limit(reader.checkpoint)
         check_all(file, reader.layout, reader.frames, reader.steps)
         return reader.results(), reader.checkpoint
-
-
-def opened(folder: Path) -> Any:
-    """The file in `folder`, open for reading. Raises RequestError where that is not possible."""
-    import h5py
-
-    path = folder / FILE
-    if not path.is_file():
-        found = "the folder has no results.vtkhdf" if folder.is_dir() else "there is no such folder"
-        raise RequestError(
-            found, where=str(folder), allowed="the folder of a run whose record.recorders include vtkhdf (the default)"
-        )
-    try:
-        file = h5py.File(path, "r", locking=False)
-    except OSError as error:
-        raise RequestError(f"the file cannot be read: {error}", where=str(path), hint=TABLES) from error
-    try:
-        ours = "contactlab" in file and "VTKHDF" in file
-        version = file["contactlab"].attrs.get("format") if ours else None
-    except BROKEN:
-        ours = False
-    if not ours:
-        file.close()
-        raise RequestError(
-            "the file was not written by contactlab, or its headers are damaged", where=str(path), hint=TABLES
-        )
-    if version != FORMAT:
-        file.close()
-        raise RequestError(
-            "the file was written by another version of contactlab",
-            where=str(path),
-            got=f"format {version}",
-            allowed=f"format {FORMAT}",
-            hint="read it with the version in its summary.json, or make the run again from its scene.toml",
-        )
-    return file
 
 
 class _Reader:
@@ -144,10 +109,10 @@ class _Reader:
         self.last_step = float(checkpoint.memory["state.clock"][1])
 
     def results(self) -> Results:
-        """All of it."""
+        """Read all that the file holds into one `Results`."""
         contact = self._contacts()
         frames = StoredFrames(self.folder, self.layout, self.numbers)
-        end = _End(self.layout, self.checkpoint, frames)
+        end = FinalFields(self.layout, self.checkpoint, frames)
         steps = StoredSteps(self.folder, self.steps, self.salvage)
         if self.salvage and self.steps and (missing := self.steps - sum(len(block) for block in steps)):
             self.lost.append(f"{missing} of {self.steps} steps")
@@ -214,7 +179,7 @@ class _Reader:
         found = {}
         for contact in self.layout.contacts:
             table = self._rows(f"curves of {contact.name}", self.own[f"contacts/{contact.name}/curves"])
-            found[contact.name] = ContactHistory(list(times), [_curve(values) for values in table])
+            found[contact.name] = ContactHistory(list(times), [curve_of(values) for values in table])
         return found
 
 
@@ -231,162 +196,3 @@ def _frame_count(file: Any, salvage: bool) -> int:
 def _times(own: Any, count: int) -> Floats:
     table = own["history"]
     return np.asarray(table[:count, [str(name) for name in table.attrs["columns"]].index("time")])
-
-
-def _curve(values: Floats) -> ContactCurve:
-    columns: dict[str, Any] = {name: values[:, i].copy() for i, name in enumerate(ContactCurve.COLUMNS)}
-    return ContactCurve(**columns | {name: columns[name].astype(np.int32) for name in ("state", "chain")})
-
-
-class _End:
-    """Fields at the end of a run: from the newest checkpoint, which has them at every point."""
-
-    def __init__(self, layout: Layout, checkpoint: Checkpoint | None, frames: StoredFrames) -> None:
-        memory: Mapping[str, Floats] = checkpoint.memory if checkpoint is not None else {}
-        last = frames[-1] if not memory and len(frames) else None
-        self.displacement = last.displacement if last else memory.get("state.displacement", _no_field(layout)).copy()
-        self.velocity = last.velocity if last else memory.get("state.velocity", np.zeros((0, 2))).copy()
-        self.stress = {body.name: _points(memory, "stress", body) for body in layout.bodies} if memory else {}
-        self.internal_variables = {
-            body.name: _variables(memory, body) for body in layout.bodies if body.internal_variables and memory
-        }
-
-
-def _no_field(layout: Layout) -> Floats:
-    return np.zeros_like(layout.nodes)
-
-
-def _blocks(memory: Mapping[str, Floats], what: str, body: BodyLayout) -> list[Floats]:
-    found: list[Floats] = []
-    while (name := f"{what}.{body.name}.{len(found)}") in memory:
-        found.append(memory[name])
-    return found
-
-
-def _points(memory: Mapping[str, Floats], what: str, body: BodyLayout) -> Floats:
-    """(n, q, components) from blocks (components, q B), point-major."""
-    blocks = _blocks(memory, what, body)
-    points = sum(block.shape[1] for block in blocks) // len(body.cells)
-    return np.concatenate([b.reshape(len(b), points, -1).transpose(2, 1, 0) for b in blocks])
-
-
-def _variables(memory: Mapping[str, Floats], body: BodyLayout) -> dict[str, Floats]:
-    stress, flat = _blocks(memory, "stress", body), memory[f"state.history.{body.name}"].ravel()
-    points = sum(block.shape[1] for block in stress) // len(body.cells)
-    count, begin = len(flat) // (points * len(body.cells)), 0
-    parts: list[Floats] = []
-    for block in stress:
-        size = count * block.shape[1]
-        parts.append(flat[begin : begin + size].reshape(count, points, -1).transpose(2, 1, 0))
-        begin += size
-    values = np.concatenate(parts)
-    return {name: values[:, :, i].copy() for i, name in enumerate(body.internal_variables)}
-
-
-class StoredFrames(Sequence[Frame]):
-    """The stored frames of a run with these numbers, each read from the file when it is asked for."""
-
-    def __init__(self, folder: Path, layout: Layout, numbers: Sequence[int]) -> None:
-        self.folder, self.layout, self.numbers = folder, layout, numbers
-        self.total = len(numbers)
-
-    def __len__(self) -> int:
-        return self.total
-
-    @overload
-    def __getitem__(self, number: int) -> Frame: ...
-    @overload
-    def __getitem__(self, number: slice) -> list[Frame]: ...
-    def __getitem__(self, number: int | slice) -> Frame | list[Frame]:
-        """Frame `number`, negative ones from the end. Raises RequestError where it is damaged."""
-        if isinstance(number, slice):
-            return [self[k] for k in range(*number.indices(self.total))]
-        if not -self.total <= number < self.total:
-            raise IndexError(f"frame {number} of {self.total}")
-        with opened(self.folder) as file, damage_told(self.folder):
-            return self._read(file, StoredSums(file["contactlab"]), self.numbers[number])
-
-    def __iter__(self) -> Iterator[Frame]:
-        with opened(self.folder) as file:
-            with damage_told(self.folder):
-                sums = StoredSums(file["contactlab"]) if self.total else None
-            for number in self.numbers:
-                with damage_told(self.folder):
-                    frame = self._read(file, sums, number)
-                yield frame
-
-    def _read(self, file: Any, sums: StoredSums | None, number: int) -> Frame:
-        assert sums is not None
-        grid, own = file["VTKHDF"], file["contactlab"]
-        points = slice(number * len(self.layout.nodes), (number + 1) * len(self.layout.nodes))
-        names = [str(name) for name in own["history"].attrs["columns"]]
-        row = sums.check(number, "history", own["history"][number])
-        scalars = dict(zip(names, row.tolist(), strict=True))
-        fields = ("displacement", *(("velocity",) if self.layout.has_velocity else ()))
-        vectors = {name: sums.check(number, name, grid["PointData"][name][points])[:, :2] for name in fields}
-        return Frame(
-            number=number,
-            step=int(scalars["step"]),
-            time=scalars["time"],
-            scalars=scalars,
-            curves={c.name: _curve(self._curve(own, sums, c.name, number)) for c in self.layout.contacts},
-            displacement=np.ascontiguousarray(vectors["displacement"]),
-            velocity=np.ascontiguousarray(vectors.get("velocity", np.zeros((0, 2)))),
-            cells=self._cells(grid["CellData"], sums, number),
-        )
-
-    def _curve(self, own: Any, sums: StoredSums, contact: str, number: int) -> Floats:
-        values: Floats = sums.check(number, f"curves of {contact}", own[f"contacts/{contact}/curves"][number])
-        return values
-
-    def _cells(self, data: Any, sums: StoredSums, number: int) -> dict[str, dict[str, Floats]]:
-        total = sum(len(body.cells) for body in self.layout.bodies)
-        here = slice(number * total, (number + 1) * total)
-        shown = dict.fromkeys(name for body in self.layout.bodies for name in body.shown_variables)
-        fields = {name: sums.check(number, name, data[name][here]) for name in ("stress", "von_mises", *shown)}
-        found, begin = {}, 0
-        for body in self.layout.bodies:
-            part = slice(begin, begin + len(body.cells))
-            begin = part.stop
-            names = ("von_mises", *body.shown_variables)
-            found[body.name] = {"stress": fields["stress"][part, :4]} | {name: fields[name][part] for name in names}
-        return found
-
-
-class StoredSteps(Sequence[Floats]):
-    """Scalars of every step in blocks (b, columns), read when they are asked for; `salvage`: those that are whole."""
-
-    def __init__(self, folder: Path, count: int, salvage: bool = False) -> None:
-        self.folder, self.total, self.salvage = folder, count, salvage
-
-    def __len__(self) -> int:
-        return -(-self.total // STEPS_AT_ONCE)
-
-    @overload
-    def __getitem__(self, number: int) -> Floats: ...
-    @overload
-    def __getitem__(self, number: slice) -> list[Floats]: ...
-    def __getitem__(self, number: int | slice) -> Floats | list[Floats]:
-        """Block `number`. Raises RequestError where it is damaged."""
-        if isinstance(number, slice):
-            return [self[k] for k in range(*number.indices(len(self)))]
-        if not 0 <= number < len(self):
-            raise IndexError(f"block {number} of {len(self)}")
-        begin = number * STEPS_AT_ONCE
-        end = min(begin + STEPS_AT_ONCE, self.total)
-        with opened(self.folder) as file:
-            if self.salvage:
-                return self._whole(file, begin, end)
-            with damage_told(self.folder):
-                block: Floats = file["contactlab/steps"][begin:end]
-                good = whole_steps(file, begin, end)
-                if not good.all():
-                    raise Damage(f"{np.count_nonzero(~good)} of {self.total} steps are damaged")
-                return block
-
-    def _whole(self, file: Any, begin: int, end: int) -> Floats:
-        try:
-            block: Floats = np.asarray(file["contactlab/steps"][begin:end])
-            return np.asarray(block[whole_steps(file, begin, end)])
-        except BROKEN:
-            return np.zeros((0, file["contactlab/steps"].shape[1]))

@@ -12,7 +12,7 @@ _runs = 0
 _STATUS, _RESET = Path("/proc/self/status"), Path("/proc/self/clear_refs")
 
 
-def begin_peak() -> None:
+def reset_peak() -> None:
     """Forget the peak so far and give back what the process holds but does not use; on Linux alone."""
     global _runs
     _runs += 1
@@ -25,7 +25,7 @@ def begin_peak() -> None:
 
 
 def peak_memory_mib() -> float:
-    """Largest memory of this process since `begin_peak` [MiB]; elsewhere than on Linux since it began."""
+    """Largest memory of this process since `reset_peak` [MiB]; elsewhere than on Linux since it began."""
     try:
         lines = _STATUS.read_text().splitlines()
         (peak,) = (line.split()[1] for line in lines if line.startswith("VmHWM:"))

@@ -12,11 +12,12 @@ import numpy as np
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout
 from contactlab.api.warning import RunWarning
+from contactlab.views import view
 
 __all__ = ["ContactCurve", "ContactHistory", "Results"]
 
 
-@dataclass
+@dataclass(repr=False)
 class ContactHistory:
     """The stored curves of one contact: `times` (frames,) [s] and the curves."""
 
@@ -30,8 +31,11 @@ class ContactHistory:
             raise LookupError("no frame was stored for this contact")
         return self.curves[-1]
 
+    def __repr__(self) -> str:
+        return f"ContactHistory({len(self.curves)} curves)"
 
-@dataclass(eq=False)
+
+@dataclass(eq=False, repr=False)
 class Results:
     """A finished, failed or interrupted run.
 
@@ -117,6 +121,40 @@ class Results:
     def step_blocks(self) -> Iterator[Floats]:
         """The same (b, len(layout.steps)), some steps at a time."""
         yield from self.step_source
+
+    def __repr__(self) -> str:
+        return str(view("texts.results_text")(self))
+
+    def _repr_html_(self) -> str:
+        return str(view("html.results_html")(self))
+
+    def plot(self, field: str = "von_mises", frame: int = -1) -> Any:
+        """A matplotlib figure of the deformed bodies, coloured by a field, at a stored frame (the last one).
+
+        Fields: von_mises, pressure (hydrostatic), stress_xx, stress_yy, stress_zz, stress_xy, displacement and velocity
+        and their _x and _y, and what the laws remember, such as plastic_strain. Raises RequestError for another one.
+        """
+        return view("pictures.field_figure")(self, field, frame)
+
+    def animate(self, field: str = "von_mises", stride: int = 1) -> Any:
+        """A matplotlib animation of every `stride`th stored frame; in a notebook show `to_jshtml()` of it."""
+        return view("pictures.field_animation")(self, field, stride)
+
+    def to_frame(self) -> Any:
+        """`history` as a pandas frame, time as index."""
+        return view("frames.history_frame")(self)
+
+    def to_xarray(self) -> Any:
+        """All that is stored over time as an xarray data set: histories, contact curves, fields."""
+        return view("frames.results_dataset")(self)
+
+    def mesh(self, frame: int = -1) -> Any:
+        """The deformed cells and their fields at a stored frame as a PyVista mesh."""
+        return view("grid.grid")(self, frame)
+
+    def view(self) -> Any:
+        """The timeline in the viewer: inline where a notebook can show it, else in a window of its own."""
+        return view("grid.show_timeline")(self)
 
     def __eq__(self, other: object) -> bool:
         """The same run to the last bit, wherever its files are."""

@@ -57,7 +57,7 @@ def take_sample(model: Model, number: int, sweeps: float) -> Sample:
         number=number,
         step=state.step,
         time=state.time,
-        prescribed={s.on: displacement[s.nodes].mean(axis=0) for s in model.supports},
+        prescribed={s.on: displacement[s.nodes].mean(axis=0) for s in model.loading.supports},
         reactions=model.reactions(),
         energies=energies(model),
         contacts=_contacts(model),

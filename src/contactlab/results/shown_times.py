@@ -46,7 +46,7 @@ class ShownTimes:
 
     @property
     def count(self) -> int:
-        """Frames that readers see."""
+        """Number of frames that readers see."""
         return self.numbers[self.shown].value
 
     def append(self, time: float) -> None:
@@ -57,7 +57,7 @@ class ShownTimes:
         self._show(np.append(times, time))
 
     def cut(self, count: int) -> None:
-        """Show exactly `count` frames."""
+        """Let readers see exactly `count` frames."""
         self._show(self.values[self.shown][:count])
 
     def _show(self, times: Floats) -> None:

@@ -116,7 +116,7 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
 
 
 def _conditions_of(conditions: Any, pair: ContactPair) -> tuple[int, int, float]:
-    """Active, sticking and penetration of one pair."""
+    """Count active and sticking conditions of one pair, and find its penetration."""
     c, own = conditions, slice(pair.first_slot, pair.first_slot + pair.slots)
     pressed, pulled = c.force[0, own], np.abs(c.force[-1, own]) if len(c.force) > 1 else np.zeros(pair.slots)
     active = (pressed > 0.0) | (pulled > 0.0)
@@ -154,6 +154,6 @@ def _places(model: Model) -> np.ndarray:
 
 def _support_dofs(model: Model) -> tuple[np.ndarray, np.ndarray]:
     """Where each support begins, and the degrees of freedom of all of them one after another."""
-    dofs = [support.dof for support in model.supports]
+    dofs = [support.dof for support in model.loading.supports]
     starts = np.cumsum([0, *(len(part) for part in dofs)]).astype(np.int64)
     return starts, np.concatenate([np.zeros(0, np.int64), *dofs]).astype(np.int64)

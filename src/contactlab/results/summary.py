@@ -14,13 +14,16 @@ from contactlab.api.compiled.kernel import COMPILATION
 from contactlab.api.frame import Layout
 from contactlab.model.held_arrays import held_arrays
 from contactlab.model.model import Model
+from contactlab.results.invariants import invariants
 from contactlab.results.peak_memory import peak_memory_mib
+from contactlab.results.reaction_balance import reaction_mismatch
 from contactlab.results.sample import Sample
 
 if TYPE_CHECKING:
     from contactlab.results.contact_report import ContactReport
 
 FORMAT = 1
+IN_TIME, QUASI_STATIC, THE_END_ONLY = "in time", "quasi-static", "the end only"
 
 
 @dataclass
@@ -41,7 +44,7 @@ class Clock:
     arrays_mib: float | None = None
 
     def start(self) -> None:
-        """Start the clocks: the steps begin now."""
+        """Start the clocks, as the steps begin now."""
         self.wall, self.cpu, self.compiled = perf_counter(), process_time(), COMPILATION.seconds
 
     @property
@@ -69,23 +72,24 @@ class Counts:
     sweeps: int = 0
     sweeps_stored: int = 0
 
-    def memory(self) -> dict[str, Floats]:
+    def saved(self) -> dict[str, Floats]:
         """The counts as an array, for a checkpoint."""
         return {"counts": np.array([self.steps, self.iterations, self.sweeps, self.sweeps_stored], np.float64)}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
-        """Back to where `memory` was taken."""
+        """Go back to where `memory` was saved."""
         self.steps, self.iterations, self.sweeps, self.sweeps_stored = (int(n) for n in memory["counts"])
 
 
 def summarise(
     layout: Layout, model: Model, sample: Sample | None, status: str, reason: str, counts: Counts, clock: Clock
 ) -> dict[str, Any]:
-    """Everything of `summary.json` (docs/scene-format.md)."""
+    """Gather everything of `summary.json` (docs/scene-format.md)."""
     return {
         "format": FORMAT,
         "scene": layout.title,
-        "resolved": model.pace.resolved(),
+        "resolved": model.timing.resolved(),
+        "history": _history(model),
         "status": status,
         "reason": reason,
         "parts": dict(layout.parts),
@@ -98,33 +102,26 @@ def summarise(
         "reaction_mismatch": reaction_mismatch(model),
         "contacts": {}
         if sample is None
-        else {name: _contact(c) | _derived(model, name) for name, c in sample.contacts.items()},
+        else {name: _contact(c) | _derived(model, name) | _start(model, name) for name, c in sample.contacts.items()},
         "balance": {} if sample is None else _balance(sample),
+        "invariants": [] if sample is None else [one.as_data() for one in invariants(model, sample)],
     }
 
 
-def reaction_mismatch(model: Model) -> float:
-    """|sum of all support reactions and loads| over the largest of them: zero in statics; nan without two of them.
-
-    nan, too, where none is more than what the round-off of positions brings: a body that moves freely is at rest.
-    A load counts by the sum of its nodal forces' magnitudes, so that one that balances itself has a size, too.
-    """
-    reactions = list(model.reactions().values())
-    sizes = [float(np.hypot(*force)) for force in reactions]
-    applied = np.zeros_like(model.reference)
-    if model.external_force(model.state.time, applied):
-        sizes.append(float(np.hypot(*applied.T).sum()))
-    largest = max(sizes, default=0.0)
-    if largest <= _round_off(model) or len(sizes) < 2:
-        return float("nan")
-    total = np.sum(reactions, axis=0) + applied.sum(axis=0)
-    return float(np.hypot(*total) / largest)
+def _history(model: Model) -> dict[str, Any]:
+    """Whether the end depends on the way there, by which keys, and what `history.csv` is a curve of."""
+    return {
+        "matters": bool(model.history),
+        "because": list(model.history.because),
+        "curve": curve_of(model),
+    }
 
 
-def _round_off(model: Model) -> float:
-    """Force [N] that is as good as none: of a strain of 1e-12 over the size of the scene."""
-    extent = float(np.ptp(model.reference, axis=0).max())
-    return 1e-12 * extent * max(body.dilatational_modulus for body in model.bodies)
+def curve_of(model: Model) -> str:
+    """What stored states are on the way to the end: of a motion in time, in equilibrium, or no way at all."""
+    if model.history.motion:
+        return IN_TIME
+    return QUASI_STATIC if model.way_followed else THE_END_ONLY
 
 
 def _contact(report: ContactReport) -> dict[str, Any]:
@@ -152,6 +149,14 @@ def _derived(model: Model, name: str) -> dict[str, Any]:
     own = slice(pair.first_slot, pair.first_slot + pair.slots)
     stiffness = conditions.stiffness[own][conditions.present[own]]
     return {"stiffness": [float(stiffness.min()), float(stiffness.max())] if len(stiffness) else []}
+
+
+def _start(model: Model, name: str) -> dict[str, Any]:
+    """Least and largest distance of the start [mm] that counts as a gap of zero, where the contact asks for that."""
+    pairs = () if model.contact is None else model.contact.pairs
+    of_pairs = [pair.start_distance for pair in pairs if pair.name == name]
+    found = [distance for distance in of_pairs if distance is not None]
+    return {"start_distance": [float(found[0].min()), float(found[0].max())]} if found else {}
 
 
 def _balance(sample: Sample) -> dict[str, float]:

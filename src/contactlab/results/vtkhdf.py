@@ -28,7 +28,7 @@ from contactlab.results.grid_file import GridFile, write_grid
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.iteration_table import GROUP, IterationTable
 from contactlab.results.layout_file import FORMAT, write_layout
-from contactlab.results.load import FILE
+from contactlab.results.stored_file import FILE
 
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
 STEP_ROWS = 1024  # steps by which their room grows, at least
@@ -163,7 +163,7 @@ class VtkHdfRecording(Recording):
         self.growing.flush()
 
     def _show_steps(self) -> None:
-        """Readers see the steps and iterations so far."""
+        """Let readers see the steps and iterations so far."""
         self.step_count.write(self.steps_written)
         if self.newton is not None:
             self.newton.show()

@@ -35,7 +35,7 @@ def main(folder: str, scene: str, trace: str) -> None:
 
 
 def described(text: str) -> str:
-    """What happened and where, from what `faulthandler` wrote."""
+    """Say what happened and where, from what `faulthandler` wrote."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     if not lines:
         return KILLED

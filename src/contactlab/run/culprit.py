@@ -34,7 +34,7 @@ class KeptState:
         self.near = [None if pair.near is None else (pair.near.slave, pair.near.master) for pair in pairs]
 
     def bring_back(self, model: Model) -> None:
-        """The state, positions and near lists as they were."""
+        """Bring back the state, positions and near lists as they were."""
         for name, field in self.fields.items():
             np.copyto(model.state[name], field)
         np.add(model.reference, model.state["displacement"], out=model.position)

@@ -22,20 +22,20 @@ class GuardedStep:
 
     def __call__(self, dt: float) -> Step:
         """One step of length dt [s], accepted only where positions at its end make sense."""
-        model, memory = self.model, self.guards.memory()
+        model, memory = self.model, self.guards.saved()
         start = model.state.snapshot()
         step = self.advance(dt)
         if step.status is not StepStatus.accepted:
             return step
         try:
-            self.guards.look_at_positions()
+            self.guards.check_positions()
         except SimulationFailure as failure:
             self.objections += 1
             if self.objections > MOST:
                 raise
             self.guards.restore(memory)
             model.state.restore(start)
-            model.begin(0.0)
+            model.begin_step(0.0)
             model.internal_force(0.0)
             # forces of that evaluation may differ from those that were reached by a step, in their last digits
             model.state.restore(start)

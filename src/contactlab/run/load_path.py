@@ -23,24 +23,25 @@ class LoadPath:
     """Fraction of the loading (0 to 1) as a function of time, and back.
 
     Between two times the loading advances by the largest change of any prescribed displacement, over the range
-    of that displacement, of any load, over the largest one, or of what is left of overlaps that are eased out.
+    of that displacement, of any load, over the largest one, or of what is left of overlaps that are relaxed.
     Inertia plays no part in statics: what counts for the accuracy of a step is how much is loaded in it, not how
     long it takes. Laws that depend on rate are the exception: time then counts as much as load.
 
     Where the loading turns a corner a step must end: what is reached there depends on the path (friction, flow).
 
-    follows  what steps are equal parts of, in words
+    parameter
+             what steps are equal parts of, in words
     """
 
     def __init__(self, model: Model, scene: Scene, end: float) -> None:
         rated = rate_dependent(model)
-        self.follows = f"loading and time: the law of {', '.join(rated)} depends on rate" if rated else "loading"
-        self.corners = corners(scene, model.pace.ramp, end)
+        self.parameter = f"loading and time: the law of {', '.join(rated)} depends on rate" if rated else "loading"
+        self.corners = corners(scene, model.timing.ramp, end)
         self.times: Floats = np.linspace(0.0, end, SAMPLES + 1)
         change = np.full(SAMPLES, (1.0 if rated else LEAST) / SAMPLES)
         np.maximum(change, _motion(model, self.times), out=change)
         np.maximum(change, _loads(model, self.times), out=change)
-        for duration in eased(scene, model.pace.ramp):
+        for duration in relaxed_overlaps(scene, model.timing.ramp):
             np.maximum(change, np.diff([smooth(duration)(float(time)) for time in self.times]), out=change)
         self.fractions: Floats = np.concatenate([[0.0], np.cumsum(change)])
         self.fractions /= self.fractions[-1]
@@ -60,9 +61,9 @@ class LoadPath:
 
 
 class EvenPath:
-    """Time itself, for runs in which it matters."""
+    """The loading of runs in which time matters: time itself."""
 
-    follows = "time"
+    parameter = "time"
 
     def __init__(self, end: float) -> None:
         self.end = end
@@ -85,8 +86,8 @@ def rate_dependent(model: Model) -> list[str]:
     return [body.name for body in model.bodies if body.material.rate_dependent]
 
 
-def eased(scene: Scene, ramp_time: float) -> list[float]:
-    """Durations [s] over which contacts ease out overlaps of the start."""
+def relaxed_overlaps(scene: Scene, ramp_time: float) -> list[float]:
+    """Durations [s] over which contacts relax overlaps of the start."""
     return [spec.start.duration or ramp_time for spec in scene.contacts if spec.start.overlap == "ramp"]
 
 
@@ -98,7 +99,7 @@ def corners(scene: Scene, ramp_time: float, end: float) -> list[float]:
     values = [value for spec in moved for value in (spec.ux, spec.uy, spec.turn)]
     values += [value for spec in scene.loads for value in (spec.pressure, spec.shear, spec.tx, spec.ty)]
     times = {time for value in values if value is not None for time in course_of(value).corners(ramp_time)}
-    times |= set(eased(scene, ramp_time))
+    times |= set(relaxed_overlaps(scene, ramp_time))
     return [*sorted(time for time in times if NEARLY * end < time < (1.0 - NEARLY) * end), end]
 
 

@@ -13,8 +13,8 @@ from contactlab.model.loading.held_bodies import free_motions
 from contactlab.run.load_path import EvenPath, LoadPath
 from contactlab.run.schedule import Schedule
 
-CUT = 0.5  # of the step that failed
-GROW = 2.0  # after a step that converged easily
+CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
+FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it
 EASY = 8  # iterations of a step after which a longer one is tried
 SHORTEST = 2.0**-12  # of the wished step: below it the run is given up
 MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
@@ -27,18 +27,16 @@ class LoadSchedule(Schedule):
 
     Without inertia steps are equal parts of the loading (`LoadPath`) that end where it turns a corner, unless the scene
     fixes their length; otherwise of time. `wished` and `part` are the wished and the present step as fractions of the
-    whole.
+    whole. Where the end does not depend on the way there and the integrator nests, steps go from corner to corner at
+    once (`part` is 1), until one of them fails.
     """
 
     def _first_step(self) -> float:
-        total = self.pace.end or self.pace.ramp
-        statics = not self.model.integrator.inertia and self.fixed is None
+        integrator = cast(ImplicitIntegrator, self.model.integrator)
+        total = self.timing.end or self.timing.ramp
+        statics = not integrator.inertia and self.fixed is None
         self.path = LoadPath(self.model, self.scene, total) if statics else EvenPath(total)
-        self.wished = (
-            1.0 / cast(ImplicitIntegrator, self.model.integrator).wished_steps()
-            if self.fixed is None
-            else float(self.fixed) / total
-        )
+        self.wished = 1.0 / integrator.wished_steps() if self.fixed is None else float(self.fixed) / total
         if self.wished * MOST < 1.0:
             raise SceneError(
                 f"steps this short would be {1.0 / self.wished:.0f}",
@@ -47,7 +45,10 @@ class LoadSchedule(Schedule):
                 allowed=f"at least {total / MOST:.3g}",
                 hint="leave it out: implicit integrators say by `steps` how many they take, and find their length",
             )
-        self.part = self.wished
+        skips = statics and not self.model.history and integrator.for_coarser_levels() is not None
+        self.part = 1.0 if skips else self.wished
+        flows = any(body.material.history_size for body in self.model.bodies)
+        self.cut_to, self.grow = FLOWING if flows else (CUT, GROW)
         self.failed: Step | None = None  # the last attempt, where it failed
         return self._length()
 
@@ -57,27 +58,39 @@ class LoadSchedule(Schedule):
         return (self._took,)
 
     @property
-    def follows(self) -> str:
+    def parameter(self) -> str:
         """What steps are equal parts of, in words."""
-        return self.path.follows
+        return f"{self.path.parameter}, from corner to corner" if self.skips else self.path.parameter
+
+    @property
+    def skips(self) -> bool:
+        """Whether steps go from corner to corner of the loading: nothing between them is asked for."""
+        return self.part >= 1.0 > self.wished
+
+    def follow_the_way(self) -> None:
+        """Take load steps from here on: the end cannot be found at once."""
+        self.part = min(self.part, self.wished)
+        self.dt = self._length()
 
     def estimated_steps(self) -> int:
         """Those that the scene wishes, leg by leg of the loading."""
-        if self.pace.end is None:
+        if self.timing.end is None:
             return super().estimated_steps()
         time, count = 0.0, 0
-        while time < self.pace.end:
+        while time < self.timing.end:
             stop = self.path.stop(time)
             leg = self.path.fraction(stop) - self.path.fraction(time)
-            count += max(1, int(np.ceil(leg / self.wished * (1.0 - NEARLY))))
+            count += max(1, int(np.ceil(leg / max(self.part, self.wished) * (1.0 - NEARLY))))
             time = stop
         return count
 
     def _took(self, step: Step, dt: float) -> None:
         """Follow an accepted step: longer again where it was easy."""
         self.failed = None
-        if step.iterations <= EASY:
-            self.part = min(self.wished, GROW * self.part)
+        if self.skips:
+            self.model.way_followed = False
+        elif step.iterations <= EASY:
+            self.part = min(self.wished, self.grow * self.part)
         self.dt = self._length()
 
     def cut(self, step: Step) -> str:
@@ -87,11 +100,16 @@ class LoadSchedule(Schedule):
         """
         tried, before, time = self.dt, self.failed, self.state.time
         # of the step that was taken, which a corner of the loading may have made shorter than it might have been
-        self.part = CUT * min(self.part, self.path.fraction(time + tried) - self.path.fraction(time))
+        if self.skips:
+            self.part = self.wished
+        else:
+            self.part = self.cut_to * min(self.part, self.path.fraction(time + tried) - self.path.fraction(time))
         if before is not None and repeats(before, step):
             raise self._failure(tried, f"as the longer one before it, iteration by iteration: {step.reason}")
         if self.part < SHORTEST * self.wished:
-            raise self._failure(tried, f"1/{CUT * self.wished / self.part:.0f} of the wished one: {step.reason}")
+            raise self._failure(
+                tried, f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one: {step.reason}"
+            )
         self.failed, self.dt = step, self._length()
         loose = self._loose() if before is None else ""
         return (
@@ -114,8 +132,8 @@ class LoadSchedule(Schedule):
         return f"; held by contact and effects alone: {', '.join(told)}" if told else ""
 
     def _advice(self) -> str:
-        """What to try after the shortest step failed."""
-        if not self.model.integrator.inertia and not self.state.step and self.model.loads:
+        """Say what to try after the shortest step failed."""
+        if not self.model.integrator.inertia and not self.state.step and self.model.loading.loads:
             return (
                 "nothing was in equilibrium yet, and loads push already: hold every body by supports, or let it begin "
                 "in touch with what is to hold it; a body that moves freely needs an integrator with inertia "
@@ -129,13 +147,13 @@ class LoadSchedule(Schedule):
             )
         return StepStatus.gave_up.value
 
-    def follow(self) -> None:
-        """Nothing limits an implicit step but its convergence."""
+    def adapt(self) -> None:
+        """Do nothing: only its convergence limits an implicit step."""
 
     def _length(self) -> float:
         """The step in time; the last before a corner of the loading or the end meets it, without a sliver before."""
         time = self.state.time
-        if self.pace.end is None:
+        if self.timing.end is None:
             return self.path.time(self.part)  # until it settles: there is no end to meet
         done = self.path.fraction(time)
         stop = self.path.stop(time)
@@ -151,16 +169,17 @@ class LoadSchedule(Schedule):
     def _over(self, limit: float) -> bool:
         if self._reached(limit):
             return True
-        return super()._over(np.inf) if self.pace.settle else False
+        return super()._over(np.inf) if self.timing.until_settled else False
 
-    def memory(self) -> dict[str, Floats]:
+    def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
-        return super().memory() | {"schedule.load": np.array([self.part])}
+        return super().saved() | {"schedule.load": np.array([self.part, self.model.way_followed])}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
-        """Back to where `memory` was taken."""
+        """Go back to where `memory` was saved."""
         super().restore(memory)
-        self.part = float(memory["schedule.load"][0])
+        self.part, followed = memory["schedule.load"].tolist()
+        self.model.way_followed = bool(followed)
 
 
 def repeats(before: Step, step: Step) -> bool:

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 from contactlab.api import Floats, IterationRow, Layout, RunWarning, Step, StepStatus
 from contactlab.errors import SimulationFailure
-from contactlab.missing_effects.monitor import Watch
+from contactlab.missing_effects.monitor import EffectMonitor
 from contactlab.model.memory import model_memory, restore_model
 from contactlab.model.model import Model
+from contactlab.model.sizes import check_frame_size
 from contactlab.parts.provenance import parts_of, versions
 from contactlab.results.files import HistoryFile, write_scene
 from contactlab.results.frame import layout_of
@@ -34,12 +35,13 @@ if TYPE_CHECKING:
     from contactlab.model.bound_integrator import BoundIntegrator
     from contactlab.parts.registry import Registry
     from contactlab.results.checkpoint_slots import Checkpoint
+    from contactlab.run.nested import NestedStart
     from contactlab.scene.scene import Scene
 
 SAVE_EVERY = 1.0  # seconds of wall time between saved states, at least
 SAVE_SHARE = 100.0  # and so many times what one costs: saving never takes more than a hundredth of a run
 ENDS = ("finished", "diverged", "not-converged")  # runs that cannot go on: what is saved is their end
-OF_THE_LAST_STEP = ("reactions", "reaction_mismatch", "contacts", "balance")  # of a summary
+OF_THE_LAST_STEP = ("reactions", "reaction_mismatch", "contacts", "balance", "invariants")  # of a summary
 KILLED = "the run ended without a word (killed, or still going on)"
 
 
@@ -50,7 +52,7 @@ class Run:
     model: Model
     schedule: Schedule
     guards: Guards | NoGuards
-    watch: Watch
+    monitor: EffectMonitor
     watching: Watching | None = None
     work_limit: WorkLimit | None = None
     counts: Counts = field(default_factory=Counts)
@@ -62,13 +64,27 @@ class Run:
     attempt: int = 1
     kept: KeptState = field(default_factory=KeptState)
     journal: Journal = field(init=False)
+    nested: NestedStart | None = None
 
-    def begin(self) -> None:
+    def store_start(self) -> None:
         """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
         if not self.journal.frames:
             self.store()
         self.keep()
         self.save()
+
+    def solve_coarser_levels(self) -> None:
+        """Where the end lies, for a scene that skips the way; a fine mesh that knows nothing of it follows the way."""
+        nested = self.nested
+        if nested is None or not self.schedule.skips or self.schedule.done():
+            return
+        nested.prepare()
+        known = {event.text for event in self.journal.events}  # of a run that is taken up before its first step
+        for level in nested.levels:
+            if str(level) not in known:
+                self.journal.tell("warning" if level.reason else "info", str(level))
+        if nested.levels and not nested.model.estimates:
+            self.schedule.follow_the_way()
 
     def guarded(self, integrator: BoundIntegrator) -> Callable[[float], Step]:
         """The function that makes one step; steps that can be taken back are judged by the guards, too."""
@@ -97,8 +113,10 @@ class Run:
         """Go on with a shorter step. Raises SimulationFailure where there is none."""
         self.counts.iterations += step.iterations
         if self.work_limit is not None:
-            self.work_limit.look()
+            self.work_limit.check()
         self.journal.tell("warning", self.schedule.cut(step))
+        if self.nested is not None:
+            self.nested.model.estimates = ()
 
     def store(self) -> None:
         """Store the present state as a frame."""
@@ -106,12 +124,12 @@ class Run:
         mean = (counts.sweeps - counts.sweeps_stored) / max(1, self.model.state.step - last)
         counts.sweeps_stored = counts.sweeps
         self.journal.add(take_sample(self.model, self.journal.frames, mean))
-        self.watch.look()
+        self.monitor.examine_frame()
         self.tell_warnings()
         self.clock.recording_s += perf_counter() - began
 
     def judge(self) -> None:
-        """Look at the end of the run; see `contactlab.run.judgement`."""
+        """Judge the end of the run; see `contactlab.run.judgement`."""
         known = list(self.model.warnings) if self.journal.last is None else []
         self._look_again()
         self.guards.judge(self.journal.last)
@@ -126,7 +144,7 @@ class Run:
     def conclude(self) -> None:
         """Verdicts on a run whose time is over. Raises SimulationFailure where its answer is none."""
         self.guards.at_the_end()
-        self.schedule.follow()
+        self.schedule.adapt()
         self.schedule.verdict()
         self.judge()
 
@@ -145,7 +163,7 @@ class Run:
         began = perf_counter()
         if self.journal.restartable:
             reason = f"{KILLED}; its state at step {self.model.state.step} is saved"
-            self.journal.save(self.memory(), self.summary("interrupted", reason))
+            self.journal.save(self.saved(), self.summary("interrupted", reason))
         now = perf_counter()
         self.save_after = now + max(SAVE_EVERY, SAVE_SHARE * (now - began))
         self.clock.recording_s += now - began
@@ -176,21 +194,21 @@ class Run:
         kept = "its state is saved" if self.journal.restartable else "nothing was written to take it up again"
         return f"{why} after step {self.model.state.step}; {kept}"
 
-    def memory(self) -> dict[str, Floats]:
+    def saved(self) -> dict[str, Floats]:
         """Arrays by name: of the model, and of everything that follows it."""
         memory = model_memory(self.model)
         for part in self._followers:
-            memory |= part.memory()
+            memory |= part.saved()
         return memory
 
     @property
     def _followers(self) -> tuple[Any, ...]:
         more = (self.watching,) if self.watching is not None else ()
-        return self.schedule, self.guards, self.counts, self.watch, *more
+        return self.schedule, self.guards, self.counts, self.monitor, *more
 
     def restore(self, checkpoint: Checkpoint, folder: Path) -> None:
         """Back to a checkpoint. Raises RequestError where it is not one of this model."""
-        check_memory(checkpoint.memory, self.memory(), folder)
+        check_memory(checkpoint.memory, self.saved(), folder)
         restore_model(self.model, checkpoint.memory)
         for part in self._followers:
             part.restore(checkpoint.memory)
@@ -206,13 +224,18 @@ class Run:
         return self.journal.last.energies["error"] if self.journal.last is not None else 0.0
 
     def summary(self, status: str, reason: str) -> dict[str, Any]:
-        """The content of `summary.json` if the run ended now."""
+        """Gather the content of `summary.json`, as if the run ended now."""
         journal = self.journal
         summary = summarise(journal.layout, self.model, journal.last, status, reason, self.counts, self.clock)
         summary["warnings"] = [warning.as_data() for warning in self.model.warnings]
         if self.counts.steps == self.first_step:
             # taken up and not stepped yet: what a step leaves in the model beside the state is not there
             summary |= {name: self.taken_up[name] for name in OF_THE_LAST_STEP if name in self.taken_up}
+        if self.nested is not None and self.nested.levels:
+            summary["nested"] = self.nested.summary()
+            summary["cost"]["coarser_levels_s"] = sum(level.cpu_s for level in self.nested.levels)
+        elif "nested" in self.taken_up:
+            summary["nested"] = self.taken_up["nested"]
         return summary | ({"resumed_at_steps": self.resumed_at} if self.resumed_at else {})
 
     def finish(self, status: str, reason: str) -> Results:
@@ -230,7 +253,7 @@ class Run:
         return stored_results(folder, results) if complete and folder is not None else results
 
 
-def begin_run(
+def prepare_run(
     model: Model,
     scene: Scene,
     registry: Registry,
@@ -242,12 +265,19 @@ def begin_run(
 
     Raises RequestError where the folder cannot be used or holds something else.
     """
-    run = Run(model, schedule_of(model, scene), Guards(model, scene.time.step), Watch(scene, model), watching)
+    run = Run(model, schedule_of(model, scene), Guards(model, scene.time.step), EffectMonitor(scene, model), watching)
+    if run.schedule.skips:
+        from contactlab.model.implicit_model import ImplicitModel
+        from contactlab.run.nested import NestedStart
+
+        assert isinstance(model, ImplicitModel)
+        run.nested = NestedStart(scene, registry, model, run.schedule.stopped)
     recorders = recorders_of(scene, registry) if folder is not None else {}
     used = _with_recorders(scene, recorders)
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
     # there is never a frame without a step: room for more would be taken for nothing
     layout = replace(layout, frames=min(layout.frames, run.schedule.estimated_steps()))
+    check_frame_size(layout.frames, len(layout.nodes), scene.where("record.frames"))
     every_step = frozenset(name for name, recorder in recorders.items() if recorder.every_step)
     if folder is None:
         run.journal = Journal(model, layout, {}, every_step)

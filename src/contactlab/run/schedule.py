@@ -11,14 +11,14 @@ import numpy as np
 from contactlab.api import Floats, RunWarning, Step
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.model import Model
-from contactlab.results.summary import reaction_mismatch
+from contactlab.results.reaction_balance import reaction_mismatch
 
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 SETTLED_MISMATCH = 2e-4  # of support reactions, over the last period
 SETTLED_KINETIC = 1e-3  # kinetic over internal energy
-SAMPLES = 40  # looks per period while waiting to settle
+SAMPLES = 40  # samples per period while waiting to settle
 ROUND_OFF = 1.0 + 1e-6  # of the stable step: what a step may be longer that was meant to be as long
 SHORTEST = 1e-3  # of the first step: a stable step below it means that cells are collapsing
 
@@ -31,13 +31,13 @@ class Schedule:
     """
 
     def __init__(self, model: Model, scene: Scene) -> None:
-        self.model, self.scene, self.pace, self.state = model, scene, model.pace, model.state
+        self.model, self.scene, self.timing, self.state = model, scene, model.timing, model.state
         self.fraction_of_limit, self.fixed = scene.time.fraction, scene.time.step
         self.dt = self.first = self._first_step()
-        self.limit = self.end = self.pace.end if self.pace.end is not None else self.pace.ramp + self.pace.hold
-        self.frame_every = (self.pace.end or self.pace.ramp) / max(1, scene.record.frames)
+        self.limit = self.end = self.timing.end if self.timing.end is not None else self.timing.ramp + self.timing.hold
+        self.frame_every = (self.timing.end or self.timing.ramp) / max(1, scene.record.frames)
         self.next_frame = self.frame_every
-        self.next_sample = self.pace.ramp
+        self.next_sample = self.timing.ramp
         self.samples: deque[tuple[float, float]] = deque(maxlen=SAMPLES + 1)
         self.settled = False
 
@@ -57,12 +57,12 @@ class Schedule:
 
     def _even(self, dt: float) -> float:
         """A step of at most dt that meets a fixed end exactly."""
-        if self.pace.end is None:
+        if self.timing.end is None:
             return dt
-        rest = self.pace.end - self.state.time
+        rest = self.timing.end - self.state.time
         return rest / max(1, -int(-rest // dt)) if rest > 0.0 else dt
 
-    def follow(self) -> None:
+    def adapt(self) -> None:
         """Shorten the step when the stable one has become shorter."""
         stable = self.model.stable_step()
         if self.fixed is not None:
@@ -79,7 +79,7 @@ class Schedule:
             self.dt = self._even(safe)
 
     @property
-    def follows(self) -> str:
+    def parameter(self) -> str:
         """What steps are equal parts of, in words."""
         return "time"
 
@@ -94,11 +94,11 @@ class Schedule:
 
     def estimated_steps(self) -> int:
         """Steps of the whole run if nothing changes their length; a run that settles is taken to do so in a period."""
-        pace = self.pace
-        return max(1, round((pace.end if pace.end is not None else pace.ramp + pace.period) / self.first))
+        timing = self.timing
+        return max(1, round((timing.end if timing.end is not None else timing.ramp + timing.period) / self.first))
 
     def _smallest(self) -> str:
-        """The cell that sets the step."""
+        """Name the cell that sets the stable step."""
         limit = min(self.model.step_limits, key=lambda limit: limit.latest)
         return f"cell {limit.cell} of body {limit.body.name}"
 
@@ -114,6 +114,18 @@ class Schedule:
     def stop(self) -> None:
         """End the run after the present step, as if its time were over; may be called at any moment."""
         self.limit = -np.inf
+
+    @property
+    def skips(self) -> bool:
+        """Whether steps skip the way between the corners of the loading."""
+        return False
+
+    def follow_the_way(self) -> None:
+        """Skip nothing from here on."""
+
+    def stopped(self) -> bool:
+        """Whether `stop` was called."""
+        return self.limit == -np.inf
 
     def frame_due(self) -> bool:
         """Whether the state just reached is to be stored: now and then, and at the end of the run."""
@@ -140,8 +152,8 @@ class Schedule:
     def _over(self, limit: float) -> bool:
         if self._reached(limit):
             return True
-        if self.pace.settle and self.state.time >= self.next_sample:
-            self.next_sample += self.pace.period / SAMPLES
+        if self.timing.until_settled and self.state.time >= self.next_sample:
+            self.next_sample += self.timing.period / SAMPLES
             self.settled = self._settled()
         return self.settled
 
@@ -159,9 +171,9 @@ class Schedule:
 
     def fraction(self) -> float:
         """How much of the run is done, 0 to 1; a run that waits to settle counts its ramp."""
-        return min(1.0, self.state.time / (self.pace.end or self.pace.ramp))
+        return min(1.0, self.state.time / (self.timing.end or self.timing.ramp))
 
-    def memory(self) -> dict[str, Floats]:
+    def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
         samples = np.full((SAMPLES + 1, 2), np.nan)
         samples[: len(self.samples)] = list(self.samples) or np.zeros((0, 2))
@@ -169,7 +181,7 @@ class Schedule:
         return {"schedule": np.array(numbers, np.float64), "schedule.samples": samples}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
-        """Back to where `memory` was taken."""
+        """Go back to where `memory` was saved."""
         numbers = memory["schedule"].tolist()
         self.dt, self.first, self.next_frame, self.next_sample = numbers[:4]
         self.settled = bool(numbers[4])
@@ -178,12 +190,12 @@ class Schedule:
 
     def verdict(self) -> None:
         """Raise SimulationFailure("not-converged") for an `auto` run that did not settle."""
-        if not self.pace.settle or self.settled or not self.samples:
+        if not self.timing.until_settled or self.settled or not self.samples:
             return
         mismatch, kinetic = self.worst()
         raise SimulationFailure(
             "not-converged",
-            f"the run did not settle within {self.pace.hold:.3g} s after the ramp: over the last period reactions "
+            f"the run did not settle within {self.timing.hold:.3g} s after the ramp: over the last period reactions "
             f"differ by {mismatch:.1e} (allowed {SETTLED_MISMATCH:.0e}) and kinetic energy is {kinetic:.1e} of "
             f"internal (allowed {SETTLED_KINETIC:.0e}); contact that opens and closes for ever does this, or try a "
             "longer time.ramp",

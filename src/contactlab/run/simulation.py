@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
@@ -13,16 +14,18 @@ from contactlab.api import Watch
 from contactlab.errors import ContactlabError, NotFiniteError, RequestError, SimulationFailure, WrongAnswer, one_line
 from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault, part_errors
-from contactlab.results.peak_memory import begin_peak
+from contactlab.parts.machine import with_one_blas_thread
+from contactlab.results.peak_memory import reset_peak
 from contactlab.results.results import Results
 from contactlab.run.culprit import wrong_answer
 from contactlab.run.folders import run_folder
 from contactlab.run.guards import EVERY
 from contactlab.run.interruption import Interrupted, Interruption
 from contactlab.run.restart import finished_results
-from contactlab.run.run import Run, begin_run
+from contactlab.run.run import Run, prepare_run
 from contactlab.run.steps import steps
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
+from contactlab.views import view
 
 if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
@@ -37,6 +40,7 @@ Progress = Callable[[float, int, float, float], None]
 """Called with fraction done, step, time [s] and energy error."""
 
 
+@with_one_blas_thread
 def simulate(
     scene: Scene,
     out: str | Path | None = None,
@@ -55,21 +59,23 @@ def simulate(
     after which the run ends as "timed-out". Without `guards` nothing stops a run whose numbers go wild.
     A run that fails is a result too: see `Results.status` and `Results.reason`. Raises RequestError
     (scene, part or folder wrong) before the first step, and Interrupted, which carries the results,
-    after Ctrl-C or SIGTERM.
+    after Ctrl-C or SIGTERM. BLAS has one thread meanwhile, so that bits do not depend on their number.
     """
     from contactlab.scene.scene import load_scene
 
     scene = load_scene(scene) if isinstance(scene, str | Path) else scene
     registry = registry or scene.registry
+    if progress is None and "ipykernel" in sys.modules and view("bar.in_notebook")():
+        progress = view("bar.notebook_bar")(scene.name)
     folder = run_folder(out, resume)
     if resume and not watch and folder is not None and (over := finished_results(folder, scene)) is not None:
         return over
     began = perf_counter()
-    begin_peak()
+    reset_peak()
     model = build(scene, registry)
     with part_errors(registry):
         watching = Watching(model, watch) if watch else None
-        run = begin_run(model, scene, registry, folder, resume, watching)
+        run = prepare_run(model, scene, registry, folder, resume, watching)
     if work < math.inf:
         run.work_limit = WorkLimit(run.counts, work)
     if not guards:
@@ -87,7 +93,7 @@ def simulate(
 
 
 def _guarded(run: Run, registry: Registry, interruption: Interruption, progress: Progress | None) -> tuple[str, str]:
-    """Run the loop; how it ended and why."""
+    """Run the loop; returns how it ended and why."""
     try:
         run.clock.start()
         _advance(run, progress)
@@ -119,14 +125,15 @@ def _advance(run: Run, progress: Progress | None) -> None:
     model, schedule, guards, counts = run.model, run.schedule, run.guards, run.counts
     integrator = model.bound_integrator()
     save_every, save = run.saves
-    run.begin()
+    run.solve_coarser_levels()
+    run.store_start()
     for _ in steps(run, integrator):
         if counts.steps % EVERY == 0:
-            guards.look()
-            schedule.follow()
+            guards.check()
+            schedule.adapt()
             run.keep()
         if schedule.frame_due():
-            guards.look()
+            guards.check()
             run.store()
             if progress is not None:
                 progress(schedule.fraction(), model.state.step, model.state.time, run.energy_error)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class ModelView:
-    """A model looked at between two steps. Implements `contactlab.api.StepView`."""
+    """What a watch may see of a model between two steps. Implements `contactlab.api.StepView`."""
 
     def __init__(self, model: Model) -> None:
         self._model, self._state = model, model.state
@@ -30,16 +30,16 @@ class ModelView:
         self.time = model.state.time
 
     def took(self, step: Step, dt: float) -> None:
-        """Follow an accepted step."""
+        """Take in an accepted step: its reactions, work and length."""
         self.time, self.dt, self.step = self._state.time, dt, self._state.step
         self.sweeps, self.iterations = step.sweeps, step.iterations
 
     def field(self, name: str) -> Floats:
-        """A field of the state."""
+        """A field of the state by name, read-only."""
         return self._fields[name]
 
     def nodes(self, body: str) -> slice:
-        """The nodes of a body."""
+        """Numbers of the nodes of a body."""
         return self._nodes[body]
 
     def slave(self, contact: int = 0) -> Ints:
@@ -51,11 +51,11 @@ class ModelView:
         return self._pairs[contact].master.nodes
 
     def segment(self, contact: int = 0) -> float:
-        """Length of the slave's segments."""
+        """Length [mm] of the slave's segments."""
         return self._lengths[contact]
 
     def normal_forces(self, contact: int = 0) -> Floats:
-        """Nodal contact forces."""
+        """Nodal normal forces [N] of a contact."""
         return self._fields["multipliers"][0, self._slots(contact)]
 
     def _slots(self, contact: int) -> slice:
@@ -83,22 +83,22 @@ class ModelView:
         return out.reshape(-1, 2)
 
     def external_force(self) -> Floats:
-        """Nodal forces of loads and effects."""
+        """Nodal forces (N, 2) [N] of loads and effects."""
         self._load[:] = 0.0
         self._model.external_force(self._state.time, self._load)
         return self._load
 
     def kinetic_energy(self) -> float:
-        """1/2 v M v."""
+        """Kinetic energy 1/2 v M v [mJ]."""
         return self._model.kinetic_energy()
 
     def stored_energy(self) -> float:
-        """Strain energy."""
+        """Strain energy [mJ] of all bodies."""
         return float(sum(forces.stored_energy() for forces in self._model.forces))
 
 
 def _sealed(values: Floats) -> Floats:
-    """A view that cannot be written to."""
+    """Make a view that cannot be written to."""
     view = values.view()
     view.flags.writeable = False
     return view

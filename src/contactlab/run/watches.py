@@ -31,24 +31,24 @@ class Watching:
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
         """What to call after each accepted step."""
-        return (self._look,)
+        return (self._call_watches,)
 
-    def _look(self, step: Step, dt: float) -> None:
+    def _call_watches(self, step: Step, dt: float) -> None:
         self.view.took(step, dt)
         for name, watch in self.watches.items():
             watch.step(self.view, self.memories[name])
 
-    def memory(self) -> dict[str, Floats]:
+    def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
         return {f"watch.{name}.{key}": a for name, own in self.memories.items() for key, a in own.items()}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
-        """Back to where `memory` was taken."""
-        for name, values in self.memory().items():
+        """Go back to where `memory` was saved."""
+        for name, values in self.saved().items():
             values[...] = memory[name]
 
     def found(self) -> dict[str, dict[str, Floats]]:
-        """What the watches have to say, by their names."""
+        """Gather what the watches have found, by their names."""
         return {
             name: {key: np.array(values) for key, values in watch.end(self.memories[name]).items()}
             for name, watch in self.watches.items()
@@ -62,10 +62,10 @@ class WorkLimit:
         self.counts, self.most = counts, most
 
     def __call__(self, step: Step, dt: float) -> None:
-        """Look at the counts after a step."""
-        self.look()
+        """Check the counts after a step."""
+        self.check()
 
-    def look(self) -> None:
+    def check(self) -> None:
         """Raise SimulationFailure("timed-out") where there were too many."""
         if self.counts.steps + self.counts.iterations > self.most:
             raise SimulationFailure(
@@ -79,23 +79,23 @@ class NoGuards:
     """In place of guards, for a run that means to do what they stop."""
 
     def after_step(self, step: Step) -> None:
-        """Let it pass."""
+        """Do nothing, whatever the step was."""
 
-    def look(self) -> None:
-        """Let it pass."""
+    def check(self) -> None:
+        """Do nothing, whatever the state is."""
 
-    def look_at_positions(self) -> None:
-        """Let it pass."""
+    def check_positions(self) -> None:
+        """Do nothing, wherever the nodes are."""
 
     def at_the_end(self) -> None:
-        """Let it pass."""
+        """Do nothing at the end of the run."""
 
     def judge(self, sample: Sample | None) -> None:
-        """Let it pass."""
+        """Do not judge the finished run."""
 
-    def memory(self) -> dict[str, Floats]:
-        """Nothing is remembered."""
+    def saved(self) -> dict[str, Floats]:
+        """Nothing that a checkpoint would keep."""
         return {}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
-        """There is nothing to bring back."""
+        """Do nothing: nothing was saved."""

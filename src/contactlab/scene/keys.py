@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Literal
 
 from contactlab.scene.fields import PartSpec, key, part
@@ -46,6 +47,11 @@ class Time:
         unit="s",
         least=0.0,
         says="with auto, time in which motion that damping leaves alone follows velocities; 0: all motion is damped",
+    )
+    history: bool = key(
+        False,
+        says="true: every stored state is quasi-static, also where the end does not depend on the way there; "
+        "false: the way is followed where laws or friction remember it",
     )
 
 
@@ -93,12 +99,21 @@ class Start:
         above=0.0,
         says="with ramp, time in which it is pushed out; not written: the ramp time of [time]",
     )
-    gap: float = key(0.0, unit="mm", least=0.0, says="with adjust, gaps up to this are closed as well")
+    gap: float | Literal["zero"] = key(
+        0.0,
+        unit="mm",
+        least=0.0,
+        says="with adjust, gaps up to this are closed as well; zero: the distance that the meshes have before the run, "
+        "open or overlapping, is taken as a gap of zero all the time, for surfaces that fit and slide little",
+    )
 
     def __post_init__(self) -> None:
         if self.duration is not None and self.overlap != "ramp":
             raise ValueError(f'duration: got {self.duration}, allowed: only beside overlap = "ramp"')
-        if self.gap > 0.0 and self.overlap != "adjust":
+        if self.gap == "zero":
+            if self.overlap != "refuse":
+                raise ValueError(f'gap: got "zero" beside overlap = "{self.overlap}", allowed: one of them')
+        elif self.gap > 0.0 and self.overlap != "adjust":
             raise ValueError(f'gap: got {self.gap}, allowed: only beside overlap = "adjust"')
 
 
@@ -216,6 +231,31 @@ class Rigid:
 
 
 @dataclass(frozen=True, kw_only=True)
+class LoadProfile:
+    """How a load varies along its edges: `{ by = "x", cosine = [mean, amplitude, period] }`."""
+
+    by: Literal["x", "y", "angle"] = key(
+        says="what it varies with, where the mesh stands at the start; angle: in degrees from the x axis, -180 to 180"
+    )
+    centre: Vector = key((0.0, 0.0), unit="mm", says="of the angle")
+    cosine: tuple[float, float, float] | None = key(
+        None, says="mean, amplitude and period [mm or degrees]: the factor is mean + amplitude cos(2 pi by/period)"
+    )
+    table: tuple[Vector, ...] | None = key(
+        None, says="pairs of [by, factor], rising; linear between them, constant beyond"
+    )
+    file: Path | None = key(None, says="CSV file with such pairs, without a head")
+
+    def __post_init__(self) -> None:
+        if sum(value is not None for value in (self.cosine, self.table, self.file)) != 1:
+            raise ValueError("one of these three says how the load varies: cosine, table, file")
+        if self.cosine is not None and not self.cosine[2] > 0.0:
+            raise ValueError(f"cosine: got {list(self.cosine)}, allowed: a period > 0")
+        if self.table is not None and (len(self.table) < 2 or any(b[0] <= a[0] for a, b in pairwise(self.table))):
+            raise ValueError("table: got pairs that do not rise, allowed: two or more with rising first numbers")
+
+
+@dataclass(frozen=True, kw_only=True)
 class Load:
     """`[[loads]]`: forces spread over an edge set."""
 
@@ -225,6 +265,7 @@ class Load:
     shear: float | Ramp | None = key(None, unit="MPa", says="along the edges, positive with the body on the left")
     tx: float | Ramp | None = key(None, unit="MPa", says="dead load along x, per undeformed length")
     ty: float | Ramp | None = key(None, unit="MPa", says="dead load along y, per undeformed length")
+    profile: LoadProfile | None = key(None, says="how all of these vary along the edges; not written: they are uniform")
     follower: bool = key(
         True,
         says="pressure and shear follow the deformed edges; false: they keep the undeformed directions and lengths",

@@ -89,7 +89,11 @@ def _step(holder: Any, name: str, path: list[str]) -> Any:
         return inner
     key = ".".join(path)
     raise SceneError(
-        "this key holds a value and has no keys inside", where=key, got=inner, hint=f"set {key} as a whole: {{ ... }}"
+        "this key holds a value and has no keys inside",
+        where=key,
+        got=inner,
+        allowed="a table or a list, for keys inside it",
+        hint=f"set {key} as a whole: {{ ... }}",
     )
 
 
@@ -102,7 +106,7 @@ def _no_such_entry(path: list[str], entries: Mapping[str, Any]) -> SceneError:
         f"the scene declares no {path[-1]} under [{path[0]}]",
         where=key,
         got=path[-1],
-        allowed=", ".join(entries),
+        allowed=", ".join(entries) or "none: nothing is declared there",
         hint=did_you_mean(path[-1], entries) or f"set a new one as a whole: {key}={{ ... }}",
     )
 

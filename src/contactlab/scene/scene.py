@@ -6,20 +6,22 @@ import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, Literal
 
 from contactlab.errors import Location, SceneError, did_you_mean
 from contactlab.parts.registry import Registry, default_registry
+from contactlab.parts.scenes_and_commands import core_scenes
 from contactlab.scene import checks as scene_checks
-from contactlab.scene.fields import PartSpec, as_data, hidden, is_required, key, keys_of, kind_at, part, read_table
+from contactlab.scene.fields import PartSpec, as_data, hidden, is_required, key, keys_of, kind_at, part
 from contactlab.scene.keys import Body, Contact, Load, Record, Rigid, Support, Time
 from contactlab.scene.overrides import changed
+from contactlab.scene.reading import read_table
 from contactlab.scene.toml_text import read_toml, write_toml
+from contactlab.views import view
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Scene:
     """A checked scene. Its fields are the top of the file, `data` is all of it as plain tables.
 
@@ -71,6 +73,16 @@ class Scene:
         """The scene as a file that reads back as exactly this scene."""
         return write_toml(self.data)
 
+    def __repr__(self) -> str:
+        return str(view("texts.scene_text")(self))
+
+    def _repr_html_(self) -> str:
+        return str(view("html.scene_html")(self))
+
+    def plot(self) -> Any:
+        """A matplotlib figure of the meshes before the run."""
+        return view("pictures.scene_figure")(self)
+
     def where(self, key: str) -> Location:
         """The place of a dotted key, for errors."""
         return self.origin.at(key)
@@ -116,9 +128,7 @@ def load_scene(name_or_path: str | Path, registry: Registry | None = None) -> Sc
 
 def bundled_scenes(registry: Registry | None = None) -> dict[str, Path]:
     """Scenes that come with the core and with plugins, by name."""
-    folder = Path(str(files("contactlab") / "data" / "scenes"))
-    own = {path.stem: path for path in sorted(folder.glob("*.toml"))}
-    return {**(registry or default_registry()).scenes(), **own}
+    return {**(registry or default_registry()).scenes(), **core_scenes()}
 
 
 def find_scene(name_or_path: str | Path, registry: Registry) -> tuple[Path, str]:
@@ -138,5 +148,5 @@ def find_scene(name_or_path: str | Path, registry: Registry) -> tuple[Path, str]
         where=str(name_or_path),
         got=str(name_or_path),
         allowed=f"the path of a TOML file, or a bundled scene: {', '.join(bundled)}",
-        hint=did_you_mean(path.stem, bundled),
+        hint=registry.reason_against(f"scene {name_or_path}") or did_you_mean(path.stem, bundled),
     )

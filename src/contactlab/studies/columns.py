@@ -8,7 +8,7 @@ from typing import Final
 
 @dataclass(frozen=True)
 class Column:
-    """One column of numbers.
+    """One column of numbers of a table: its name, title, unit and meaning.
 
     name     as in `table.csv`
     title    heading of tables and plots

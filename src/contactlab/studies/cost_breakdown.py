@@ -27,7 +27,7 @@ INSTANTS = 201  # of the loading, at which histories are compared
 
 @dataclass(frozen=True)
 class EffectCost:
-    """One effect.
+    """What one effect costs, and what it changes in the answer.
 
     declared   False: the scene leaves it out, and it was added to be measured
     step_s     what it costs in each step, CPU [s]; nan where the runs cannot be compared step by step
@@ -58,7 +58,7 @@ class EffectCost:
 
 @dataclass(frozen=True)
 class CostBreakdown:
-    """Prices in the order of the variants, beside what the scene costs as it is declared.
+    """Costs of effects in the order of the variants, beside what the scene costs as it is declared.
 
     step_s, run_s CPU time [s]; memory_mib of its arrays; status, reason of the run as declared
     """
@@ -104,7 +104,7 @@ def plan_breakdown(
 
 
 def _job(name: str, scene: Scene, label: str) -> Job:
-    """The run of one variant; it has no partner."""
+    """Make the job of one variant; it has no partner."""
     contact = scene.contacts[0] if scene.contacts else None
     algorithm = contact.algorithm["use"] if contact is not None else "no contact"
     slave = contact.sides[0].partition(".")[0] if contact is not None else ""

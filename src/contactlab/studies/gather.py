@@ -13,13 +13,12 @@ from contactlab.studies.measures import mutual_difference, relative_difference
 from contactlab.studies.plan import Job, Plan
 from contactlab.studies.reference import Reference, load_reference, matching_reference
 from contactlab.studies.run_job import Outcome
-from contactlab.studies.system import system_facts
 from contactlab.studies.table import COMPLETE, Row
 
 
 def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Reference | None) -> list[Row]:
     """A row per job. Pairs of rows that differ in the swap alone share their asymmetry."""
-    rows = [_row(plan, job, outcomes[job.name], named) for job in plan.jobs]
+    rows = [row_of(plan, job, outcomes[job.name], named) for job in plan.jobs]
     partners: dict[str, list[Row]] = {}
     for job, row in zip(plan.jobs, rows, strict=True):
         partners.setdefault(job.partner, []).append(row)
@@ -27,7 +26,8 @@ def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Reference | None)
     return [_with_measures(row, shared[row.name]) for row in rows]
 
 
-def _row(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> Row:
+def row_of(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> Row:
+    """The row of one job, without the measures that it shares with its partner."""
     data = job.scene.data
     reference, why = fitting_reference(data, named)
     final = outcome.curve if outcome.status in COMPLETE else None
@@ -48,7 +48,7 @@ def _row(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> Row
         reason=outcome.reason,
         measures=measures,
         notes=[*notes, *([why] if why else [])],
-        system=system_facts(),
+        system=outcome.system,
         parts=outcome.summary.get("parts", {}),
         warnings=[RunWarning.from_data(data) for data in outcome.summary.get("warnings", ())],
         reference=reference.name if reference else "",

@@ -216,7 +216,7 @@ def _flat(prefix: str, table: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def main() -> int:
-    """The command line of this module."""
+    """Run the command line of this module."""
     parser = argparse.ArgumentParser(prog="python -m contactlab.studies.make_reference", description=__doc__)
     parser.add_argument("recipe", help="name of a bundled recipe, or a study file")
     parser.add_argument("--out", default=".", help="folder for NAME.csv and NAME.json")

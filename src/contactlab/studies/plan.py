@@ -43,7 +43,7 @@ class Job:
 
 @dataclass(frozen=True)
 class Plan:
-    """All runs of a study.
+    """All runs of a study, in the order in which they are made.
 
     scene    the common scene, nothing varied
     contact  number of the contact that is compared

@@ -19,6 +19,7 @@ import tempfile
 import threading
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 from contactlab.studies import worker as far_end
@@ -81,7 +82,7 @@ class Worker:
     def call(
         self, function: Callable[..., Any], arguments: tuple[Any, ...], report: Report, limit: float | None = None
     ) -> Any:
-        """function(*arguments, report) over there. Raises RaisedError, ProcessDiedError or TimedOutError."""
+        """Run function(*arguments, report) over there. Raises RaisedError, ProcessDiedError or TimedOutError."""
         if limit is None:
             return self._answer(function, arguments, report)
         timers = [self._timer(PREPARATION + limit)]
@@ -195,6 +196,8 @@ def _environment() -> dict[str, str]:
 class WorkerPool:
     """`jobs` processes behind the interface of `concurrent.futures`."""
 
+    elsewhere = False
+
     def __init__(self, jobs: int) -> None:
         self._threads = ThreadPoolExecutor(max_workers=jobs, thread_name_prefix="contactlab-compare")
         self._idle: queue.SimpleQueue[Worker] = queue.SimpleQueue()
@@ -208,11 +211,13 @@ class WorkerPool:
         *arguments: Any,
         report: Report = lambda message: None,
         limit: float | None = None,
+        folder: Path | None = None,
     ) -> Future[Any]:
         """function(*arguments, report) in a process; `report` is called in a thread of this one.
 
         `limit` is the time that the call may take [s], from when it reports `BEGUN`. The future raises RaisedError,
-        ProcessDiedError or TimedOutError; other calls are not touched by any of them.
+        ProcessDiedError or TimedOutError; other calls are not touched by any of them. `folder`, what the call writes,
+        is on this machine's disk and needs no care here.
         """
         return self._threads.submit(self._run, function, arguments, report, limit)
 

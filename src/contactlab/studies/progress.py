@@ -12,7 +12,7 @@ class Named(Protocol):
 
     @property
     def name(self) -> str:
-        """Shown beside the bar."""
+        """Text shown beside the bar."""
         ...
 
 
@@ -34,7 +34,7 @@ MakeBars = Callable[[Sequence[Named]], AbstractContextManager[Bars]]
 
 
 class Silence:
-    """Bars that show nothing."""
+    """A progress display that shows nothing."""
 
     def say(self, text: str) -> None:
         """Show nothing."""
@@ -47,5 +47,5 @@ class Silence:
 
 
 def no_bars(runs: Sequence[Named]) -> AbstractContextManager[Bars]:
-    """Bars that show nothing, for callers that want none."""
+    """Make bars that show nothing, for callers that want none."""
     return nullcontext(Silence())

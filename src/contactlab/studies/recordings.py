@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.errors import RequestError, one_line
-from contactlab.results.load import FILE, load_results
+from contactlab.results.load import load_results
 from contactlab.results.results import Results
+from contactlab.results.stored_file import FILE
 from contactlab.run.recorders import recorders_of
 from contactlab.scene.toml_text import parse_toml
 
@@ -87,7 +88,7 @@ def _title(results: Results, scene: Mapping[str, Any], different: Iterable[str])
 
 
 def _flat(data: Any, key: str = "") -> dict[str, Any]:
-    """Values of nested tables by dotted key."""
+    """Flatten nested tables to values by dotted key."""
     if isinstance(data, Mapping):
         return {k: v for name, value in data.items() for k, v in _flat(value, f"{key}.{name}".strip(".")).items()}
     if isinstance(data, list) and data and all(isinstance(item, Mapping) for item in data):

@@ -35,7 +35,7 @@ _ABSENT = object()
 
 @dataclass(frozen=True)
 class Reference:
-    """A reference solution.
+    """A reference solution of a scene: curves, forces, and where they come from.
 
     profile         pressure [MPa] over deformed x [mm]
     spread          of the runs behind it [MPa], at the nodes of `profile`
@@ -105,7 +105,7 @@ def _shown(value: Any) -> str:
 
 
 def bundled() -> dict[str, Path]:
-    """Bundled references by name."""
+    """Paths of the bundled references by name."""
     return {path.stem: path for path in sorted(FOLDER.glob("*.json"))}
 
 

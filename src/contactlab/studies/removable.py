@@ -24,7 +24,7 @@ class Variant(NamedTuple):
 
     @property
     def label(self) -> str:
-        """ "without friction", "with quadratic shape functions"."""
+        """The variant in words, such as "without friction" or "with quadratic shape functions"."""
         return f"{'without' if self.declared else 'with'} {self.effect}"
 
 

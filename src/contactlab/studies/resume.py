@@ -55,7 +55,7 @@ def resume_line(
     folder: Path,
     time_limit: float | None = None,
 ) -> str:
-    """The command that takes a comparison up again."""
+    """Write the command that takes a comparison up again."""
     words = [word for text in vary for word in ("--vary", text)]
     words += [word for text in settings for word in ("--set", text)]
     words += [word for text in files for word in ("--with", text)]

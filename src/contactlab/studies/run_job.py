@@ -17,6 +17,7 @@ from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve, Results
 from contactlab.scene.scene import Scene
 from contactlab.studies.shape import Shape, shapes_of
+from contactlab.studies.system import machine, system_facts
 from contactlab.studies.worker import BEGUN
 
 Report = Callable[[Any], None]
@@ -40,6 +41,8 @@ class Outcome:
     shapes     deformed bodies at the end, by name
     history    columns of `history.csv` by name
     traceback  of what was raised, for authors of parts
+    system     facts about the machine that made it
+    machine    its name
     """
 
     status: str
@@ -49,6 +52,8 @@ class Outcome:
     shapes: dict[str, Shape] = field(default_factory=dict)
     history: dict[str, Floats] = field(default_factory=dict)
     traceback: str = ""
+    system: dict[str, str | int] = field(default_factory=system_facts)
+    machine: str = field(default_factory=machine)
 
 
 def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Report) -> Outcome:
@@ -101,10 +106,11 @@ def outcome_of(results: Results, contact: int, costs: Sequence[Mapping[str, Any]
 
 
 def warm_up(scene: Scene, report: Report) -> None:
-    """A few tiny steps, so that every kernel of the scene is compiled and in the cache on disk."""
+    """A few tiny steps, so that every kernel of the scene is compiled and in the cache on disk; tells which one."""
+    from contactlab.run.compiling import compilation_told
     from contactlab.run.simulation import simulate
 
-    with TemporaryDirectory() as folder:
+    with TemporaryDirectory() as folder, compilation_told(scene, report):
         simulate(scene.with_(_WARM_UP), out=Path(folder) / "run", registry=scene.registry)
     _ready.add(composition(scene))
 

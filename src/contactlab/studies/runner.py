@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, Future, as_completed
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -18,19 +19,23 @@ from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies import run_job
 from contactlab.studies.cost_breakdown import BreakdownPlan, breakdown_of, plan_breakdown
-from contactlab.studies.gather import common_reference, gather
+from contactlab.studies.gather import common_reference, gather, row_of
 from contactlab.studies.plan import Job, Plan, Vary, make_plan
-from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
+from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
 from contactlab.studies.progress import Bars, MakeBars, no_bars
 from contactlab.studies.recordings import record_comparison
 from contactlab.studies.reference import Reference, load_reference
 from contactlab.studies.resume import sigterm_as_ctrl_c, stored_outcomes
 from contactlab.studies.run_job import Outcome
+from contactlab.studies.scheduler import LOCAL, Pool, checked_scheduler, open_pool
 from contactlab.studies.study import Study
 from contactlab.studies.system import usable_cores
-from contactlab.studies.table import Table
+from contactlab.studies.table import Row, Table
 from contactlab.studies.table_files import write_table
 from contactlab.studies.worker import BEGUN
+
+Keep = Callable[[Row, Scene, str], None]
+"""Called with a row, its scene and the name of the machine that made it."""
 
 
 def run_study(
@@ -44,20 +49,27 @@ def run_study(
     effects: bool = False,
     resume: bool = False,
     time_limit: float | None = None,
+    scheduler: str = LOCAL,
+    keep: Keep = lambda row, scene, machine: None,
 ) -> Table:
     """Run every combination, and write what was measured into `out`; see `contactlab.comparison.compare`.
 
-    `bars` shows the progress; `time_limit` is the wall time that one run may take [s]. After Ctrl-C or SIGTERM the
+    `bars` shows the progress; `time_limit` is the wall time that one run may take [s]; `keep` is given each row
+    as soon as its run is over, without the measures that need its partner. After Ctrl-C or SIGTERM the
     table holds what there is, and `interrupted` is True. Raises RequestError when the request itself is wrong.
     """
     plan = _limited(_plan(scene_or_study, vary, registry, changes, effects), time_limit)
     named = _named_reference(plan.study)
-    workers = _checked_jobs(jobs)
+    pool_of = partial(open_pool, checked_scheduler(scheduler), _checked_jobs(jobs))
     folder = _folder(out, resume)
     done = stored_outcomes(plan, folder) if resume and folder is not None else {}
     began = perf_counter()
+
+    def over(job: Job, outcome: Outcome) -> None:
+        keep(row_of(plan, job, outcome, named), job.scene, outcome.machine)
+
     with bars(plan.jobs) as shown, sigterm_as_ctrl_c():
-        outcomes, interrupted = _run_all(plan, done, folder, workers, shown)
+        outcomes, interrupted = _run_all(plan, done, folder, partial(pool_of, folder), shown, over)
     if interrupted and folder is not None:
         outcomes |= stored_outcomes(plan, folder)  # over, but its answer was still on the way
     rows = gather(plan, outcomes, named)
@@ -136,7 +148,12 @@ def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Pa
 
 
 def _run_all(
-    plan: Plan, done: Mapping[str, Outcome], folder: Path | None, workers: int, bars: Bars
+    plan: Plan,
+    done: Mapping[str, Outcome],
+    folder: Path | None,
+    pool_of: Callable[[], Pool],
+    bars: Bars,
+    over: Callable[[Job, Outcome], None],
 ) -> tuple[dict[str, Outcome], bool]:
     """Outcomes by job name, those that are `done` among them, and whether the user stopped it."""
     outcomes = dict(done)
@@ -146,22 +163,24 @@ def _run_all(
     if not rest:
         return outcomes, False
     futures: dict[Future[Outcome], Job] = {}
-    with WorkerPool(min(workers, len(rest))) as pool:
+    with pool_of() as pool:
         try:
             _warm_up(pool, plan, rest, bars)
             # the study's own runs, then the longest first, so that no core waits at the end
             queue = sorted(rest, key=lambda job: (job.refines, -job.scene.level))
             futures = {_submit(pool, plan, job, folder, bars): job for job in queue}
             for future in as_completed(futures):
-                outcomes[futures[future].name] = _outcome(future)
-                bars.finish(futures[future].name, outcomes[futures[future].name].status)
+                job, outcome = futures[future], _outcome(future)
+                outcomes[job.name] = outcome
+                over(job, outcome)
+                bars.finish(job.name, outcome.status)
         except KeyboardInterrupt:
             stopped = {job.name: Outcome("interrupted", "stopped before it began") for job in rest}
             return {**stopped, **_stop(pool, futures), **outcomes}, True
     return outcomes, False
 
 
-def _stop(pool: WorkerPool, futures: Mapping[Future[Outcome], Job]) -> dict[str, Outcome]:
+def _stop(pool: Pool, futures: Mapping[Future[Outcome], Job]) -> dict[str, Outcome]:
     """What becomes of the runs after Ctrl-C: they save their state, or are ended at once after another one."""
     running = [job.name for future, job in futures.items() if future.running()]
     try:
@@ -181,17 +200,17 @@ def _waiting_for(names: Sequence[str]) -> str:
     return f"contactlab: stopping, once {runs} saved the state: {shown} (Ctrl-C again ends what runs at once)"
 
 
-def _warm_up(pool: WorkerPool, plan: Plan, jobs: Sequence[Job], bars: Bars) -> None:
+def _warm_up(pool: Pool, plan: Plan, jobs: Sequence[Job], bars: Bars) -> None:
     """Compile once, in one process, before several would compile the same side by side."""
     first = {run_job.composition(job.scene): job for job in reversed(jobs)}
     bars.say("compiling kernels")
     for job in first.values():
         # Whatever is wrong here is wrong in the run itself, and told there.
-        pool.submit(run_job.warm_up, job.scene, limit=_call_limit(plan)).exception()
+        pool.submit(run_job.warm_up, job.scene, report=bars.say, limit=_call_limit(plan)).exception()
     bars.say("")
 
 
-def _submit(pool: WorkerPool, plan: Plan, job: Job, folder: Path | None, bars: Bars) -> Future[Outcome]:
+def _submit(pool: Pool, plan: Plan, job: Job, folder: Path | None, bars: Bars) -> Future[Outcome]:
     place = None if folder is None else (folder / "runs" / job.name).resolve()
 
     def report(message: Any) -> None:
@@ -199,7 +218,9 @@ def _submit(pool: WorkerPool, plan: Plan, job: Job, folder: Path | None, bars: B
             bars.advance(job.name, *message)
 
     repeat = plan.study.repeat
-    return pool.submit(run_job.run, job.scene, place, plan.contact, repeat, report=report, limit=_call_limit(plan))
+    return pool.submit(
+        run_job.run, job.scene, place, plan.contact, repeat, report=report, limit=_call_limit(plan), folder=place
+    )
 
 
 def _call_limit(plan: Plan) -> float | None:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any, Literal
 
 from contactlab.errors import Location, RequestError, Where, below, did_you_mean
-from contactlab.scene.fields import key, read_table
+from contactlab.scene.fields import key
+from contactlab.scene.reading import read_table
 from contactlab.scene.toml_text import location, parse_value, read_toml
 from contactlab.studies.columns import BY_NAME
 
@@ -68,7 +69,7 @@ class Study:
 
 
 def bundled_studies() -> dict[str, Path]:
-    """Bundled studies by name."""
+    """Paths of the bundled studies by name."""
     return {path.stem: path for path in sorted(FOLDER.glob("*.toml"))}
 
 
@@ -84,7 +85,7 @@ def read_study(path: Path) -> Study:
 
 
 def study_from(data: Mapping[str, Any], where: Location, path: Path | None = None) -> Study:
-    """A study from TOML data. Raises RequestError."""
+    """Make a study from TOML data. Raises RequestError."""
     tables = dict(data)
     vary = checked_vary(_flat(tables.pop("vary", {}), below(where, "vary")))
     tables.setdefault("name", path.stem if path else "")

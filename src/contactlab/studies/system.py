@@ -6,7 +6,8 @@ import os
 import platform
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
+
+from contactlab.parts.machine import processor_name
 
 _LIBRARIES = ("contactlab", "numpy", "numba")
 
@@ -15,7 +16,7 @@ _LIBRARIES = ("contactlab", "numpy", "numba")
 def system_facts() -> dict[str, str | int]:
     """Processor, cores on offer, operating system, versions of Python and of what computes."""
     return {
-        "processor": _processor(),
+        "processor": processor_name(),
         "cores": usable_cores(),
         "system": f"{platform.system()} {platform.machine()}",
         "python": platform.python_version(),
@@ -23,20 +24,16 @@ def system_facts() -> dict[str, str | int]:
     }
 
 
+def machine() -> str:
+    """Name and kind of this machine, as rows of an archive carry it."""
+    return f"{platform.node()} {platform.system()} {platform.machine()}"
+
+
 def usable_cores() -> int:
-    """Cores that this process may use."""
+    """Number of cores that this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
-
-
-def _processor() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    except OSError:
-        return platform.processor() or platform.machine()
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.machine()
 
 
 def _version(name: str) -> str:

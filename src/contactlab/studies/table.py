@@ -14,6 +14,7 @@ from contactlab.results.results import ContactCurve
 from contactlab.studies.columns import MEASURES
 from contactlab.studies.profile import FoldedSurfaceError, Profile
 from contactlab.studies.shape import Shape
+from contactlab.views import view
 
 if TYPE_CHECKING:
     from contactlab.studies.cost_breakdown import CostBreakdown
@@ -25,9 +26,9 @@ COMPLETE = ("finished", "not-converged")
 """Statuses of runs that carried the load to its end, settled or not."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Row:
-    """One run.
+    """One run of a study as a row of its table.
 
     name       of its folder, unique in the table
     algorithm  contact algorithm of the compared contact
@@ -90,8 +91,11 @@ class Row:
         """A value by the name of its column in `table.csv`."""
         return self.record()[name]
 
+    def __repr__(self) -> str:
+        return f"Row({self.name}: {self.status}{f', {self.reason}' if self.reason else ''})"
+
     def record(self) -> dict[str, Any]:
-        """Everything but the curve, flat, by column name."""
+        """Everything of the run but its curve, flat, by column name."""
         return {
             "name": self.name,
             "algorithm": self.algorithm,
@@ -108,7 +112,7 @@ class Row:
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Table:
     """All rows of a comparison, in the order of the study.
 
@@ -131,6 +135,24 @@ class Table:
     folder: Path | None = None
     breakdown: CostBreakdown | None = None
     interrupted: bool = False
+
+    def __repr__(self) -> str:
+        return str(view("texts.table_text")(self))
+
+    def _repr_html_(self) -> str:
+        return str(view("html.table_html")(self))
+
+    def plot_cost(self) -> Any:
+        """A matplotlib figure of error against CPU time."""
+        return view("html.cost_plot")(self)
+
+    def plot_pressures(self) -> Any:
+        """A matplotlib figure of the contact pressure of every run beside the reference."""
+        return view("html.pressure_plot")(self)
+
+    def to_frame(self) -> Any:
+        """A pandas frame with a row for each run."""
+        return view("frames.table_frame")(self)
 
     def __iter__(self) -> Iterator[Row]:
         return iter(self.rows)

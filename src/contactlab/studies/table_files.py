@@ -24,7 +24,7 @@ def write_table(table: Table, folder: Path) -> None:
 
 
 def _write_breakdown(breakdown: CostBreakdown, path: Path) -> None:
-    """A row per effect."""
+    """Write `bill.csv`: a row for each effect."""
     rows = [asdict(cost) for cost in breakdown.effects]
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, list(rows[0]))

@@ -6,12 +6,26 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 from unittest import SkipTest
+from warnings import warn
 
 import numpy as np
 
 
 class NotApplicable(SkipTest):
     """The part declares that it does not offer what a check is about; the text is the reason."""
+
+
+class Expected(SkipTest):
+    """The part misses what it never promised: the text is what was found, and what the part declares."""
+
+
+class Undeclared(UserWarning):
+    """A part is better than it says."""
+
+
+def tell(fact: str) -> None:
+    """Tell of a fact that the part does not declare; the check goes on."""
+    warn(fact, Undeclared, stacklevel=2)
 
 
 def require(condition: object, message: str) -> None:

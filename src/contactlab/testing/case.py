@@ -27,7 +27,7 @@ def setups(case: Case) -> Iterator[Setup]:
 
 
 def failed(job: Job) -> Record:
-    """The record of a run that went nowhere."""
+    """Make the record of a run that failed."""
     return Record("diverged", "step 1: it was made to", {"status": "diverged", "guards": job.guards})
 
 

@@ -31,7 +31,7 @@ class Cells:
         return replace(self, connectivity=np.ascontiguousarray(self.connectivity[:, begin:end]))
 
     def gradient(self, field: Floats) -> Floats:
-        """d(field)/d(position) (4, P)."""
+        """Derivative d(field)/d(position) (4, P) of nodal values."""
         return self._gradient_and_scratch(field)[0]
 
     def force(self, stress: Floats) -> Floats:
@@ -68,7 +68,7 @@ class Cells:
 
     @property
     def points(self) -> int:
-        """P, points of all cells."""
+        """Number of points of all cells."""
         return len(self.element.quadrature().weights) * int(self.connectivity.shape[1])
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from contactlab.api import ContactMethod, ContactView, GapConditions, Pieces, SurfacePositions
 from contactlab.kernels.contact.search import near_segments
 from contactlab.model.contact.near_list import REACH
-from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
+from contactlab.testing import contact_derivatives, contact_inputs
+from contactlab.testing.assertions import Check, Expected, NotApplicable, agree, identical, require, tell, untouched
 from contactlab.testing.surfaces import (
     HIGH,
     LOW,
@@ -119,18 +120,21 @@ def measures_sum_to_the_cover(algorithm: ContactMethod) -> None:
 
 
 def patch_test(algorithm: ContactMethod) -> None:
-    """A uniform pressure is transmitted between meshes that do not match if, and only if, the part declares so."""
+    """A uniform pressure is transmitted between meshes that do not match, if the part declares so."""
     cases = {"full cover": flat(), "partial cover": flat(full=False), "finer master": flat(edges=(4, 11))}
     worst = {name: _patch_error(algorithm, at) for name, at in cases.items()}
     if algorithm.passes_patch_test:
         for name, error in worst.items():
             require(error < 1e-11, f"patch test, {name}: nodal forces off by {error:.1e} of the load, allowed 1e-11")
+    elif max(worst.values()) <= 1e-6:
+        tell("the patch test is passed; declare passes_patch_test = True")
     else:
-        require(max(worst.values()) > 1e-6, "the patch test is passed; declare passes_patch_test = True")
+        off = ", ".join(f"{name}: {error:.1e}" for name, error in worst.items())
+        raise Expected(f"nodal forces off by ({off}) of the load; passes_patch_test is False")
 
 
 def patch_test_on_quadratic_edges(algorithm: ContactMethod) -> None:
-    """The same with three nodes to an edge."""
+    """Make the patch test with three nodes to an edge."""
     if not algorithm.passes_patch_test:
         raise NotApplicable("the part declares that it fails the patch test")
     for full in (True, False):
@@ -191,7 +195,7 @@ def slip_is_objective(algorithm: ContactMethod) -> None:
 def _slip(algorithm: ContactMethod, before: Chains, after: Chains) -> float:
     """The slip of largest size between two positions."""
     pair, memory = pair_of(algorithm, after, friction=True)
-    pair.begin(before.nodes, memory)
+    pair.compute_start_normals(before.nodes, memory)
     rows = rows_of_pair(pair, before, friction=True)
     slip = rows.slip[: rows.count]
     return float(slip[np.argmax(np.abs(slip))])
@@ -241,6 +245,7 @@ def same_answer_twice(algorithm: ContactMethod) -> None:
 
 
 CHECKS: tuple[Check, ...] = (
+    pieces_keep_their_bounds,
     some_conditions,
     forces_cancel,
     moments_cancel_on_a_flat,
@@ -256,6 +261,7 @@ CHECKS: tuple[Check, ...] = (
     only_facing_surfaces,
     rigid_motion_leaves_gaps,
     slip_is_objective,
-    pieces_keep_their_bounds,
     same_answer_twice,
+    *contact_inputs.CHECKS,
+    *contact_derivatives.CHECKS,
 )

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import Effect, EffectView, Floats, Ints
-from contactlab.testing.assertions import Check, agree, identical, require, untouched
+from contactlab.testing.assertions import Check, agree, identical, require, tell, untouched
+from contactlab.testing.other_values import others
 
 TIMES = (0.0, 0.3, 0.7)  # s
 ROUND_OFF = 1e-12  # of the largest force
+PARTS = 40  # of each leg of a path
 
 
 @dataclass(frozen=True)
@@ -93,8 +95,74 @@ def leaves_the_view_alone(effect: Effect) -> None:
         Scenery(view).forces(effect)
 
 
+def numbers_count(effect: Effect) -> None:
+    """A number that a scene must give changes some force."""
+    for name, other in others(effect):
+        for one, changed in zip(Scenery.moving(7).forces(effect), Scenery.moving(7).forces(other), strict=True):
+            if not np.array_equal(one, changed):
+                break
+        else:
+            raise AssertionError(f"the field {name} changes no force, whatever it is")
+
+
+def work_around_a_path_is_declared(effect: Effect) -> None:
+    """Around closed paths of displacements the forces take no work, if the part says that it is `conservative`."""
+    scenery = Scenery.moving(8)
+    view, rng = scenery.view, np.random.default_rng(9)
+    view.velocity[:] = 0.0
+    add, corners = effect.bind(view), [rng.uniform(-0.1, 0.1, view.reference.shape) for _ in range(3)]
+    work, size = 0.0, 0.0
+    for start, end in zip(corners, [*corners[1:], corners[0]], strict=True):
+        for part in range(PARTS):
+            view.displacement[:] = start + (part + 0.5) / PARTS * (end - start)
+            force = np.zeros_like(view.reference)
+            add(TIMES[1], force)
+            done = float((force * (end - start)).sum()) / PARTS
+            work, size = work + done, size + abs(done)
+    still = size > 0.0 and abs(work) <= 1e-3 * size  # midpoint sums err by the square of a part
+    _declared(
+        effect.conservative, still, "conservative", f"a closed path takes a work of {work:.2e}, of {size:.2e} in all"
+    )
+
+
+def power_is_declared(effect: Effect) -> None:
+    """Forces never drive the motion, if the part says that it `dissipates`."""
+    powers = []
+    for seed in range(10, 16):
+        scenery = Scenery.moving(seed)
+        powers += [float((force * scenery.view.velocity).sum()) for force in scenery.forces(effect)]
+    most = max(abs(power) for power in powers)
+    takes = most > 0.0 and max(powers) <= ROUND_OFF * most
+    _declared(effect.dissipates, takes, "dissipates", f"a motion is driven with a power of {max(powers):.2e}")
+
+
+def resultants_are_declared(effect: Effect) -> None:
+    """Forces have neither a resultant nor a moment, if the part says that it is `internal`."""
+    worst = 0.0
+    for seed in range(10, 13):
+        scenery = Scenery.moving(seed)
+        x = scenery.view.reference + scenery.view.displacement
+        for force in scenery.forces(effect):
+            size = max(float(np.abs(force).sum()), 1e-300)
+            moment = float((x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]).sum())
+            worst = max(worst, float(np.abs(force.sum(axis=0)).max()) / size, abs(moment) / size)
+    within = worst <= 1e3 * ROUND_OFF
+    _declared(effect.internal, within, "internal", f"a resultant or moment of {worst:.1e} of the forces")
+
+
+def _declared(says: bool, fact: bool, tag: str, found: str) -> None:
+    """A promise that is not kept fails; a fact that is not declared is told."""
+    require(fact or not says, f"{tag} is True: {found}")
+    if fact and not says:
+        tell(f"declare {tag} = True")
+
+
 CHECKS: tuple[Check, ...] = (
     gives_forces,
+    work_around_a_path_is_declared,
+    power_is_declared,
+    resultants_are_declared,
+    numbers_count,
     adds_to_what_is_there,
     follows_the_state,
     remembers_nothing,

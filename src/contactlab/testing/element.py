@@ -10,7 +10,7 @@ import numpy as np
 from contactlab.api import Element, Floats, Ints, Kinematics
 from contactlab.meshing.mesh import cell_measures, jacobians
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
-from contactlab.testing.cells import cell_stiffness, distorted_cells, gauss
+from contactlab.testing.cells import Cells, cell_stiffness, distorted_cells, gauss
 
 KINEMATICS: tuple[Kinematics, ...] = get_args(Kinematics)
 ROUND_OFF = 1e-12  # some thousand roundings of numbers of order one
@@ -99,24 +99,29 @@ def trace_is_the_shape(element: Element) -> None:
     """On a side the edge's own functions are the shape functions, and all others vanish there."""
     s = np.linspace(-1.0, 1.0, 7)
     nodes = np.asarray(element.nodes)
-    value, slope = element.edge_shape(s)
+    value, derivative = element.edge_shape(s)
     for edge in element.edges:
         start, end = nodes[edge[0]], nodes[edge[1]]
         on_edge = 0.5 * np.outer(1.0 - s, start) + 0.5 * np.outer(1.0 + s, end)
         shape = element.shape(on_edge)
         agree(value, shape.value[:, edge], ROUND_OFF, f"edge_shape on edge {edge}")
-        agree(slope, shape.gradient[:, edge] @ (0.5 * (end - start)), ROUND_OFF, f"slope of edge_shape on edge {edge}")
+        agree(
+            derivative,
+            shape.gradient[:, edge] @ (0.5 * (end - start)),
+            ROUND_OFF,
+            f"derivative of edge_shape, edge {edge}",
+        )
         others = [k for k in range(len(nodes)) if k not in edge]
         agree(shape.value[:, others], np.zeros((len(s), len(others))), ROUND_OFF, f"other nodes' shapes on edge {edge}")
 
 
 def linear_field_is_exact(element: Element) -> None:
     """The kernels give the exact gradient of a linear field on distorted cells, for laws of all kinematics."""
-    slope = np.array([[0.3, -1.1], [0.7, 0.4]])
+    imposed = np.array([[0.3, -1.1], [0.7, 0.4]])
     for kinematics in KINEMATICS:
         cells = distorted_cells(element, 7, kinematics=kinematics)
-        got = cells.gradient(cells.nodes @ slope.T)
-        expected = np.repeat(slope.reshape(4, 1), cells.points, axis=1)
+        got = cells.gradient(cells.nodes @ imposed.T)
+        expected = np.repeat(imposed.reshape(4, 1), cells.points, axis=1)
         agree(got, expected, 1e-11, f"{kinematics}: gradient of a linear field (round-off over half sides of 0.4)")
 
 
@@ -137,11 +142,11 @@ def constant_stress_is_balanced(element: Element) -> None:
 def _exact_force(element: Element, nodes: Floats, connectivity: Ints, stress: Floats) -> Floats:
     """Integral of grad N . stress by a fine rule."""
     points, weights = gauss()
-    slopes = element.shape(points).gradient
+    derivatives = element.shape(points).gradient
     tensor = np.array([[stress[0], stress[3]], [stress[3], stress[1]]])
     x = nodes[connectivity.T]
-    j = np.einsum("qak,nai->nqik", slopes, x)
-    gradient = np.einsum("qak,nqki->nqai", slopes, np.linalg.inv(j))
+    j = np.einsum("qak,nai->nqik", derivatives, x)
+    gradient = np.einsum("qak,nqki->nqai", derivatives, np.linalg.inv(j))
     by_cell = np.einsum("q,nq,nqai,ij->naj", weights, np.linalg.det(j), gradient, tensor)
     force = np.zeros_like(nodes)
     np.add.at(force, connectivity.T, by_cell)
@@ -224,6 +229,18 @@ def kernels_leave_inputs_alone(element: Element) -> None:
         cells.force(stress)
 
 
+def kernels_are_at_the_points(element: Element) -> None:
+    """On parallelograms kernels give the gradient at the points of the rule; its trace may be averaged."""
+    turn = np.array([[1.2, 0.3], [-0.2, 0.8]])
+    cell = Cells(element, np.asarray(element.nodes) @ turn.T, np.arange(len(element.nodes), dtype=np.int32)[:, None])
+    field = np.random.default_rng(12).normal(size=cell.nodes.shape)
+    shape = element.shape(element.quadrature().points).gradient @ np.linalg.inv(turn)
+    xx, xy, yx, yy = np.einsum("ai,qaj->ijq", field, shape).reshape(4, -1)
+    got = cell.gradient(field)
+    for name, one, other in (("xx - yy", got[0] - got[3], xx - yy), ("xy", got[1], xy), ("yx", got[2], yx)):
+        agree(one, other, 1e-11, f"{name} of the gradient by the kernels, and by shape functions at the points")
+
+
 CHECKS: tuple[Check, ...] = (
     reference_nodes,
     edges_of_the_cell,
@@ -234,6 +251,7 @@ CHECKS: tuple[Check, ...] = (
     quadrature_exactness,
     trace_is_the_shape,
     linear_field_is_exact,
+    kernels_are_at_the_points,
     constant_stress_is_balanced,
     rigid_motion_is_free,
     lumped_mass,

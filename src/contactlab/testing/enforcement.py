@@ -1,10 +1,11 @@
-"""What every enforcement for explicit integrators must do."""
+"""What every enforcement must do; here for explicit integrators, `enforcement_implicit` has the others."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from contactlab.api import Enforcement, Floats, Rows
+from contactlab.testing import enforcement_implicit
 from contactlab.testing.assertions import Check, agree, require, untouched
 from contactlab.testing.gap_rows import coupled_normals, direct_forces, operator, rows_from, solved, turned
 
@@ -146,4 +147,5 @@ CHECKS: tuple[Check, ...] = (
     correction_is_reported,
     friction_keeps_its_bound,
     inputs_untouched,
+    *enforcement_implicit.CHECKS,
 )

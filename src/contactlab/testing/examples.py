@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from contactlab.parts.registry import Registry
@@ -41,9 +42,14 @@ USUAL: dict[str, Any] = {
 
 def example(registry: Registry, kind: str, name: str) -> Any:
     """The part of this kind and name with usual values. Raises NotApplicable naming a field without one."""
-    fields = keys_of(registry.part_class(kind, name))
-    needed = [field for field in fields if is_required(fields[field])]
+    return registry.make(kind, example_spec(registry, kind, name))
+
+
+def example_spec(registry: Registry, kind: str, name: str, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Write an example of a part as a scene names it; fields that are `given` need no usual value."""
+    fields, given = keys_of(registry.part_class(kind, name)), given or {}
+    needed = [field for field in fields if is_required(fields[field]) and field not in given]
     unknown = [field for field in needed if field not in USUAL]
     if unknown:
         raise NotApplicable(f"no usual value is known for {', '.join(unknown)}; check an instance of your own")
-    return registry.make(kind, {"use": name, **{field: USUAL[field] for field in needed}})
+    return {"use": name, **{field: USUAL[field] for field in needed}, **given}

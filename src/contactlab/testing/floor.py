@@ -36,7 +36,7 @@ class ExplicitFloor:
         return Solve(1, 0.0, 0, float((compliance[:, 1] * pressed).max(initial=0.0)))
 
     def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
-        """Of the last solve's tangential forces; see `contactlab.api.ContactEquations`."""
+        """Work of the last solve's tangential forces; see `contactlab.api.ContactEquations`."""
         return dt * float(force[:, 0] @ mean_velocity[:, 0]), -float(force[:, 0] @ self.slip)
 
 
@@ -59,13 +59,13 @@ class ImplicitFloor:
             stiffness=np.ones(n),
         )
 
-    def begin(self, position: Floats) -> None:
-        """A step starts at `position` (N, 2)."""
+    def begin_step(self, position: Floats) -> None:
+        """Begin a step at `position` (N, 2)."""
         self.start[:] = position[:, 0]
         self.conditions.anchor[:] = self.conditions.force
 
     def evaluate(self, position: Floats) -> None:
-        """Gaps and slips at trial positions (N, 2)."""
+        """Compute gaps and slips at trial positions (N, 2)."""
         self.conditions.gap[:] = position[:, 1] - self.level
         if len(self.conditions.slip):
             self.conditions.slip[:] = position[:, 0] - self.start
@@ -84,7 +84,7 @@ class ImplicitFloor:
         self.conditions.present[:] = ~held
 
     def linearise(self, chosen: Ints) -> ContactDerivatives:
-        """Constant directions: the floor is flat."""
+        """Derivatives of the conditions; directions are constant, as the floor is flat."""
         from scipy.sparse import csr_array
 
         size, one, rows = 2 * len(self.level), np.ones(len(chosen)), np.arange(len(chosen))

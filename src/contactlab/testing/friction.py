@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.api import FrictionBound, FrictionLaw
 from contactlab.testing.assertions import Check, require
+from contactlab.testing.other_values import others
 
 FORCES = np.linspace(0.0, 100.0, 21)  # N, normal forces on a node
 LENGTH = 0.5  # mm, what the node stands for
@@ -57,4 +58,10 @@ def same_bound_twice(law: FrictionLaw) -> None:
     require(copy.bound() == law.bound(), "an equal law gives another bound")
 
 
-CHECKS: tuple[Check, ...] = (numbers_in_range, bound_grows_with_pressure, rubs_at_all, same_bound_twice)
+def numbers_count(law: FrictionLaw) -> None:
+    """A number that a scene must give changes the bound."""
+    for name, other in others(law):
+        require(other.bound() != law.bound(), f"the field {name} changes nothing: {law.bound()} whatever it is")
+
+
+CHECKS: tuple[Check, ...] = (numbers_in_range, bound_grows_with_pressure, rubs_at_all, same_bound_twice, numbers_count)

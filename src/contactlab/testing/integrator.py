@@ -11,6 +11,7 @@ from contactlab.testing.integrator_contact import (
     contact_stops_what_falls,
     friction_takes_the_energy_of_what_slides,
     pressed_masses_rest,
+    statics_are_in_equilibrium,
 )
 from contactlab.testing.oscillator import AnyIntegrator, Oscillator, Ramp
 
@@ -273,7 +274,12 @@ DUTIES: dict[int, tuple[Check, ...]] = {
     3: (forces_belong_to_the_end_of_the_step,),
     4: (prescribed_motion_is_exact,),
     5: (loads_act_at_their_time,),
-    6: (pressed_masses_rest, contact_stops_what_falls, friction_takes_the_energy_of_what_slides),
+    6: (
+        pressed_masses_rest,
+        contact_stops_what_falls,
+        friction_takes_the_energy_of_what_slides,
+        statics_are_in_equilibrium,
+    ),
     7: (ledger_closes,),
     8: (reaction_balances,),
     9: (the_clock_is_left_alone,),

@@ -87,6 +87,20 @@ def friction_takes_the_energy_of_what_slides(integrator: AnyIntegrator) -> None:
     agree(model.unexplained_energy(), 0.0, CLOSES, "energy ledger")
 
 
+def statics_are_in_equilibrium(integrator: AnyIntegrator) -> None:
+    """After a load step internal forces are loads, contact forces with their friction, and reactions."""
+    if integrator.inertia:
+        raise NotApplicable("with inertia forces need not balance")
+    load = LOAD[:, None] * np.array([0.1, -1.0])
+    model = Oscillator(integrator, MASS, STIFFNESS, force=load, clearance=NONE, friction=0.3)
+    model.run(2, 0.5)
+    state = model.state
+    left = state["internal_force"] - load - state["contact_force"] - state["reaction"]
+    agree(left, 0.0 * left, 1e-6 * LOAD.max(), "internal forces less loads, contact forces and reactions")
+    borne = state["contact_force"][:, 0]
+    require(float(np.abs(borne).max()) > 0.01, "friction bears nothing of a load along the floor")
+
+
 def _moving(integrator: AnyIntegrator) -> None:
     if not integrator.inertia:
         raise NotApplicable("the integrator has no inertia: nothing falls")

@@ -6,10 +6,14 @@ import numpy as np
 
 from contactlab.api import Floats, Material
 from contactlab.api.differences import tangent_by_differences
+from contactlab.testing import material_states
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
+from contactlab.testing.other_values import others, switched_on
 from contactlab.testing.points import (
     DT,
     at_rest,
+    conjugate,
+    deformation,
     gradients,
     matrices,
     modulus,
@@ -142,7 +146,7 @@ def energy_belongs_to_the_stress(law: Material) -> None:
     # laws with history store what they do not dissipate: there the elastic range close to rest is taken
     size, step, allowed = (1e-4, 1e-6, 1e-9) if law.history_size else (0.01, 1e-5, 1e-7)
     gradient = gradients(law, POINTS, size if law.kinematics == "small" or law.history_size else STRAIN)
-    work, base = _work_conjugate(law, gradient), _deformation(law, gradient)
+    work, base = _work_conjugate(law, gradient), deformation(law, gradient)
     for i in range(2):
         for j in range(2):
             shift = np.zeros((2, 2))
@@ -159,11 +163,6 @@ def _require_energy(law: Material) -> None:
         raise NotApplicable("the energy of a rate law is no function of the gradient")
 
 
-def _deformation(law: Material, gradient: Floats) -> Floats:
-    """F (P, 2, 2) for "finite", du/dX for "small"."""
-    return np.asarray(np.linalg.inv(matrices(gradient))) if law.kinematics == "finite" else matrices(gradient)
-
-
 def _energy(law: Material, gradient: Floats) -> Floats:
     out = np.full(len(gradient), np.nan)
     law.energy(rows_of(gradient), no_history(law, len(gradient)), out)
@@ -178,12 +177,8 @@ def _energy_of(law: Material, deformation: Floats) -> Floats:
 
 
 def _work_conjugate(law: Material, gradient: Floats) -> Floats:
-    """P = J sigma F^-T for "finite", sigma for "small"."""
-    stress = tensors(respond(law, gradient, no_history(law, gradient.shape[1]))[0])
-    if law.kinematics == "small":
-        return stress
-    inverse = matrices(gradient)
-    return np.asarray((stress @ inverse.transpose(0, 2, 1)) / np.linalg.det(inverse)[:, None, None])
+    """P = J sigma F^-T for "finite", sigma for "small", from rest."""
+    return conjugate(law, gradient, respond(law, gradient, no_history(law, gradient.shape[1]))[0])
 
 
 def stiffening_bounds_the_waves(law: Material) -> None:
@@ -207,7 +202,7 @@ def stiffening_bounds_the_waves(law: Material) -> None:
 
 def _acoustic_moduli(law: Material, gradient: Floats) -> Floats:
     """Largest J-scaled acoustic eigenvalue (directions, P): the moduli that current geometry and fixed mass see."""
-    base, step = _deformation(law, gradient), 1e-5
+    base, step = deformation(law, gradient), 1e-5
     derivative = np.empty((len(base), 2, 2, 2, 2))
     for k in range(2):
         for m in range(2):
@@ -276,6 +271,18 @@ def same_answer_twice(law: Material) -> None:
     identical(again[1], first[1], "history of the same arguments after another call")
 
 
+def other_values_are_right(law: Material) -> None:
+    """With other numbers than usual, tangent, wave speeds and energy still belong to the stress."""
+    for name, other in (*others(law), *switched_on(law)):
+        for check in (speeds_belong_to_the_tangent, tangent_is_the_derivative, energy_belongs_to_the_stress):
+            try:
+                check(other)
+            except NotApplicable:
+                continue
+            except AssertionError as failure:
+                raise AssertionError(f"with another value of {name}: {failure}") from failure
+
+
 CHECKS: tuple[Check, ...] = (
     declarations,
     no_stress_at_rest,
@@ -291,4 +298,6 @@ CHECKS: tuple[Check, ...] = (
     inputs_untouched,
     history_in_place,
     same_answer_twice,
+    other_values_are_right,
+    *material_states.CHECKS,
 )

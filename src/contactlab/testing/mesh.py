@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from contactlab.api import Element, Floats, Mesh, MeshSource, Quadrature, Shape
 from contactlab.meshing.mesh import inverted_cells, nodal_measure, surface_from_edges
 from contactlab.testing.assertions import Check, agree, require
 
 _SIDES = ((0, 1), (1, 2), (2, 3), (3, 0))
+SLIT = 0.05  # of the shortest side: nodes nearer than this were meant to be one
 _CORNERS = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
 
 
@@ -30,11 +32,11 @@ class FourNodes(Element):
         return Shape(0.25 * xi * eta, 0.25 * np.stack([_CORNERS[:, 0] * eta, _CORNERS[:, 1] * xi], axis=-1))
 
     def quadrature(self) -> Quadrature:
-        """2x2 Gauss points."""
+        """Rule of 2x2 Gauss points."""
         return Quadrature(_CORNERS / np.sqrt(3.0), np.ones(4))
 
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Linear."""
+        """Values and derivatives (n, 2) of the two linear functions of an edge at s."""
         return np.stack([0.5 * (1.0 - s), 0.5 * (1.0 + s)], axis=1), np.tile([-0.5, 0.5], (len(s), 1))
 
 
@@ -52,7 +54,10 @@ def cells_are_sound(source: MeshSource) -> None:
     require(len(np.unique(mesh.cells)) == len(mesh.nodes), "a node belongs to no cell")
     folded = inverted_cells(mesh, FourNodes())
     require(not len(folded), f"cells {folded[:5].tolist()} are inverted")
-    require(len(np.unique(mesh.nodes.round(12), axis=0)) == len(mesh.nodes), "two nodes coincide: the mesh has a slit")
+    sides = np.array(sorted(_sides_of(mesh)))
+    shortest = float(np.hypot(*(mesh.nodes[sides[:, 1]] - mesh.nodes[sides[:, 0]]).T).min())
+    near = cKDTree(mesh.nodes).query_pairs(SLIT * shortest)
+    require(not near, f"two nodes coincide, or nearly so, at {_place(mesh, near)}: the mesh has a slit")
 
 
 def edges_are_the_boundary(source: MeshSource) -> None:
@@ -84,4 +89,27 @@ def same_mesh_twice(source: MeshSource) -> None:
     agree(two.cells, one.cells, 0, "cells of a second call")
 
 
-CHECKS: tuple[Check, ...] = (cells_are_sound, edges_are_the_boundary, level_multiplies_cells, same_mesh_twice)
+def _place(mesh: Mesh, near: set[tuple[int, int]]) -> str:
+    return str(mesh.nodes[min(near)[0]].round(4).tolist()) if near else ""
+
+
+def the_boundary_is_named(source: MeshSource) -> None:
+    """Every side at the boundary belongs to an edge set, so that it can be supported, loaded and touched."""
+    mesh = source.mesh(FourNodes(), 1)
+    sides = _sides_of(mesh)
+    boundary = {(a, b) for a, b in sides if (b, a) not in sides}
+    named = {(int(a), int(b)) for edges in mesh.edges.values() for a, b in edges[:, :2]}
+    left = boundary - named
+    where = mesh.nodes[min(left)[0]].round(4).tolist() if left else ""
+    require(
+        not left, f"{len(left)} of {len(boundary)} sides at the boundary belong to no edge set, one of them at {where}"
+    )
+
+
+CHECKS: tuple[Check, ...] = (
+    cells_are_sound,
+    edges_are_the_boundary,
+    level_multiplies_cells,
+    the_boundary_is_named,
+    same_mesh_twice,
+)

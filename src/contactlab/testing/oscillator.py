@@ -7,7 +7,17 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import WORK, ExplicitIntegrator, Floats, ImplicitIntegrator, Ints, PrescribedMotion, State, Step
+from contactlab.api import (
+    WORK,
+    Estimate,
+    ExplicitIntegrator,
+    Floats,
+    ImplicitIntegrator,
+    Ints,
+    PrescribedMotion,
+    State,
+    Step,
+)
 from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.testing.floor import ExplicitFloor, ImplicitFloor, floor_shapes
 
@@ -103,20 +113,20 @@ class Oscillator:
             self.state["internal_force"][:] = np.nan
 
     def external_force(self, time: float, out: Floats) -> bool:
-        """The force, if one was given."""
+        """Fill in the force, if one was given."""
         if self._force is None:
             return False
         out[:] = self._force(time) if callable(self._force) else self._force
         return True
 
     def stable_step(self) -> float:
-        """2/w_max."""
+        """Longest stable step 2/w_max [s] of central differences."""
         return float(2.0 / np.sqrt((self.springs / self.mass).max()))
 
-    def begin(self, dt: float) -> None:
+    def begin_step(self, dt: float) -> None:
         """Springs remember nothing: every step may be tried again from the state."""
         if self.contact is not None:
-            self.contact.begin(self.reference + self.state["displacement"])
+            self.contact.begin_step(self.reference + self.state["displacement"])
 
     def stiffness(self, dt: float) -> Any:
         """That of the springs, diagonal, CSC; springs of no stiffness have an entry as well."""
@@ -126,19 +136,23 @@ class Oscillator:
         return csc_array((np.repeat(self.springs, 2), np.arange(n), np.arange(n + 1)), (n, n))
 
     def add_load_stiffness(self, time: float, stiffness: Any, share: float, rate: float) -> None:
-        """No load depends on positions or velocities."""
+        """Add nothing: no load depends on positions or velocities."""
+
+    def estimate(self, time: float) -> Estimate | None:
+        """None: nothing is known of where a step ends before it is made."""
+        return None
 
     def folded(self) -> bool:
-        """There are no cells; while `broken` none is whole."""
+        """Whether it is `broken`, as there are no cells that could fold."""
         return self.broken
 
     def accept(self) -> None:
-        """Nothing but the state changes."""
+        """Do nothing: all that changes is the state."""
 
     # --- what checks see ------------------------------------------------------------------------
 
     def kinetic_energy(self) -> float:
-        """With the state's velocities; 0 in statics."""
+        """Kinetic energy [mJ] of the state's velocities; 0 in statics."""
         if not self.integrator.inertia:
             return 0.0
         return float(0.5 * self.mass @ (self.state["velocity"] ** 2).sum(axis=1))

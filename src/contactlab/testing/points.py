@@ -8,6 +8,8 @@ from contactlab.api import Floats, Material
 
 DT = 1e-6  # s; a law of rate form sees it, its stress over a step must not depend on it alone
 
+YIELDING = 0.08  # of the steps that made a history: usual laws have yielded by then
+
 IDENTITY = np.array([[1.0], [0.0], [0.0], [1.0]])
 
 
@@ -30,12 +32,12 @@ def some_history(law: Material, count: int) -> Floats:
     """A history (h, P) that the law itself made in three random steps."""
     history = no_history(law, count)
     for seed in range(3):
-        _, history = respond(law, gradients(law, count, 0.02, 100 + seed), history)
+        _, history = respond(law, gradients(law, count, YIELDING, 100 + seed), history)
     return history
 
 
 def respond(law: Material, gradient: Floats, history: Floats) -> tuple[Floats, Floats]:
-    """Stress (4, P) and new history (h, P)."""
+    """Compute stress (4, P) and new history (h, P)."""
     stress, new = np.full((4, gradient.shape[1]), np.nan), np.full_like(history, np.nan)
     law.stress(np.ascontiguousarray(gradient), np.ascontiguousarray(history), DT, stress, new)
     return stress, new
@@ -57,6 +59,19 @@ def tensors(stress: Floats) -> Floats:
     return np.stack([xx, xy, xy, yy], axis=-1).reshape(-1, 2, 2)
 
 
+def deformation(law: Material, gradient: Floats) -> Floats:
+    """F (P, 2, 2) for "finite", du/dX for "small"."""
+    return np.asarray(np.linalg.inv(matrices(gradient))) if law.kinematics == "finite" else matrices(gradient)
+
+
+def conjugate(law: Material, gradient: Floats, stress: Floats) -> Floats:
+    """First Piola stress P = J sigma F^-T (P, 2, 2) for "finite", sigma for "small"."""
+    if law.kinematics == "small":
+        return tensors(stress)
+    inverse = matrices(gradient)
+    return np.asarray((tensors(stress) @ inverse.transpose(0, 2, 1)) / np.linalg.det(inverse)[:, None, None])
+
+
 def rotations(count: int, seed: int = 5) -> Floats:
     """Rotation matrices (P, 2, 2) by any angle."""
     angle = np.random.default_rng(seed).uniform(-np.pi, np.pi, count)
@@ -64,5 +79,5 @@ def rotations(count: int, seed: int = 5) -> Floats:
 
 
 def modulus(law: Material) -> float:
-    """density c_p^2 [MPa], to scale stresses."""
+    """Modulus density c_p^2 [MPa], by which stresses are scaled."""
     return float(law.density * law.wave_speeds()[0] ** 2)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 from contactlab.api import Event, Floats, Frame, IterationRow, Layout, Recorder, Recording
 from contactlab.api.frame import BodyLayout
 from contactlab.results.step_columns import step_columns
-from contactlab.testing.assertions import Check, require, untouched
+from contactlab.testing.assertions import Check, NotApplicable, require, untouched
 
 STEPS_PER_FRAME = 5
 SUMMARY: dict[str, Any] = {"format": 1, "status": "finished", "reason": "", "steps": 3 * STEPS_PER_FRAME}
@@ -43,7 +44,7 @@ class SmallRun:
         return (len(self.frames) - 1) * STEPS_PER_FRAME
 
     def step_blocks(self) -> Iterator[Floats]:
-        """The steps before each frame."""
+        """Blocks of steps as a run gives them to a recorder before each frame."""
         for frame in self.frames[1:]:
             yield _steps(frame.number)
 
@@ -87,6 +88,8 @@ def leaves_something(recorder: Recorder) -> None:
         recording = recorder.open(folder, run.layout)
         record(recorder, recording, run)
         recording.close(SUMMARY)
+        left_open = _open_in(Path(place))
+        require(not left_open, f"closed, and still open: {', '.join(left_open)}")
         require(
             any(file.stat().st_size for file in folder.rglob("*") if file.is_file()),
             "the folder of the run has no file with anything in it",
@@ -95,6 +98,15 @@ def leaves_something(recorder: Recorder) -> None:
         require(not beside, f"files outside the folder of the run: {', '.join(beside)}")
         shown = recorder.shown_file
         require(not shown or (folder / shown).is_file(), f"shown_file is {shown}, which was not written")
+
+
+def _open_in(folder: Path) -> list[str]:
+    """Files below a folder that this process has open, where the system tells."""
+    links = Path("/proc/self/fd")
+    if not links.is_dir():
+        return []
+    targets = (os.path.realpath(link) for link in links.iterdir())
+    return sorted(Path(target).name for target in targets if Path(folder).resolve() in Path(target).parents)
 
 
 def changes_nothing(recorder: Recorder) -> None:
@@ -135,5 +147,62 @@ def records_twice(recorder: Recorder) -> None:
             require(abs(left[1][name] - size) <= 0.05 * size + 64, f"{name}: {size} and {left[1][name]} bytes")
 
 
-CHECKS: tuple[Check, ...] = (leaves_something, changes_nothing, closes_after_a_failure, records_twice)
+def everything_leaves_a_trace(recorder: Recorder) -> None:
+    """Every frame, and every step where they are asked for, changes what is written, beside time stamps."""
+    for number in range(4):
+        _told(recorder, f"time, scalars and displacements of frame {number}", number, None)
+    if recorder.every_step:
+        for step in (0, STEPS_PER_FRAME - 1):
+            _told(recorder, f"the scalars of step {step + 1} of a frame", None, step)
+
+
+def _told(recorder: Recorder, what: str, frame: int | None, step: int | None) -> None:
+    """Other numbers in a frame or step are other bytes. Stamps tick: equal before and after, they are none."""
+    other = SmallRun()
+    if frame is not None:
+        was = other.frames[frame]
+        was.displacement[2, 1] += 0.5
+        scalars = {name: value + 0.25 for name, value in was.scalars.items()}
+        other.frames[frame] = replace(was, time=was.time + 0.01, scalars=scalars)
+    runs = ((SmallRun(), None), (other, step), (other, step), (SmallRun(), None))
+    before, one, two, after = (_written(recorder, run, spoilt) for run, spoilt in runs)
+    if _sizes(before) != _sizes(after):
+        raise NotApplicable("two recordings of a run have other files or sizes by themselves")
+    if _sizes(one) != _sizes(before):
+        return
+    steady = [(_bytes(before[n]) == _bytes(after[n])) & (_bytes(one[n]) == _bytes(two[n])) for n in before]
+    changed = (np.any(same & (_bytes(one[n]) != _bytes(before[n]))) for n, same in zip(before, steady, strict=True))
+    require(any(changed), f"{what} are not in what is written")
+
+
+def _sizes(files: dict[str, bytes]) -> dict[str, int]:
+    return {name: len(content) for name, content in files.items()}
+
+
+def _bytes(data: bytes) -> np.ndarray:
+    return np.frombuffer(data, np.uint8)
+
+
+def _written(recorder: Recorder, run: SmallRun, spoilt: int | None = None) -> dict[str, bytes]:
+    """Contents of the files of a recording; `spoilt` is a step whose scalars are others."""
+    with TemporaryDirectory() as place:
+        recording = recorder.open(Path(place), run.layout)
+        for frame in run.frames:
+            if recorder.every_step and frame.number:
+                block = _steps(frame.number)
+                if spoilt is not None:
+                    block[spoilt, 2:] += 0.25
+                recording.steps(block)
+            recording.frame(frame)
+        recording.close(SUMMARY)
+        return {str(p.relative_to(place)): p.read_bytes() for p in Path(place).rglob("*") if p.is_file()}
+
+
+CHECKS: tuple[Check, ...] = (
+    leaves_something,
+    changes_nothing,
+    closes_after_a_failure,
+    records_twice,
+    everything_leaves_a_trace,
+)
 """All checks of recorders."""

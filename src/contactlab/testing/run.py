@@ -3,20 +3,26 @@
 from __future__ import annotations
 
 import importlib
+import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from contactlab.api.part import KINDS
-from contactlab.testing.assertions import Check, NotApplicable
+from contactlab.errors import RequestError, one_line
+from contactlab.testing.assertions import Check, Expected, NotApplicable, Undeclared
+
+Status = Literal["passed", "failed", "not applicable", "expected"]
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """One check of one part: `says` is what it proves, `reason` why it failed or was left out."""
+    """One check of one part: `says` is what it proves, `reason` why it failed, was left out or was expected to be
+    missed; of one that passed, what the part could declare."""
 
     check: str
     says: str
-    status: Literal["passed", "failed", "not applicable"]
+    status: Status
     reason: str = ""
 
 
@@ -34,15 +40,29 @@ def run_checks(kind: str, part: object) -> list[Outcome]:
 
 
 def run_check(check: Check, part: object) -> Outcome:
-    """One check on one part."""
+    """Run one check on one part; returns what it found."""
     name = getattr(check, "__name__", str(check))
-    says = (check.__doc__ or name).strip().partition("\n")[0]
+    says = " ".join((check.__doc__ or name).strip().partition("\n\n")[0].split())
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("always", Undeclared)
+        status, reason = _ended(check, part)
+    if status == "passed":
+        reason = "; ".join(str(fact.message) for fact in told)
+    return Outcome(name, says, status, reason)
+
+
+def _ended(check: Callable[[Any], None], part: object) -> tuple[Status, str]:
     try:
         check(part)
     except NotApplicable as reason:
-        return Outcome(name, says, "not applicable", str(reason))
+        return "not applicable", str(reason)
+    except Expected as reason:
+        return "expected", str(reason)
     except AssertionError as failure:
-        return Outcome(name, says, "failed", str(failure))
-    except Exception as error:
-        return Outcome(name, says, "failed", f"the part raised {type(error).__name__}: {error}")
-    return Outcome(name, says, "passed")
+        return "failed", str(failure)
+    except RequestError as error:
+        return "failed", f"the part was refused: {one_line(error, name=False)}"
+    except (Exception, SystemExit) as error:
+        return "failed", f"the part raised {type(error).__name__}: {error}"
+    return "passed", ""

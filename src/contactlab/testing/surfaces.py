@@ -99,17 +99,18 @@ def curved() -> Chains:
     return chains(np.stack([s, 0.5 * s**2 - 0.02], axis=1), np.stack([m, 0.1 * m**2], axis=1))
 
 
-class _Rough(FrictionLaw):
+class Rough(FrictionLaw):
     """Friction, so that tangential rows are made."""
 
     def bound(self) -> FrictionBound:
+        """Coulomb's, with a coefficient of one."""
         return FrictionBound(1.0, 0.0, 0.0)
 
 
 def pair_of(algorithm: ContactMethod, at: Chains, friction: bool = False) -> tuple[Any, Floats]:
     """The core's pair for the algorithm at its positions, and the algorithm's memory after that."""
     memory = np.zeros((algorithm.memory_size, len(at.slave.nodes)))
-    free, law = np.zeros(len(at.slave.nodes), np.bool_), _Rough() if friction else None
+    free, law = np.zeros(len(at.slave.nodes), np.bool_), Rough() if friction else None
     pair = contact_pair("contact", algorithm, (at.slave, at.master), at.nodes, 0, law, free)
     try:
         pair.update(at.nodes, memory)
@@ -129,7 +130,7 @@ def conditions(algorithm: ContactMethod, at: Chains, *, tangent: bool = False) -
     """The finished gap conditions that the core makes of either kind of algorithm."""
     pair, memory = pair_of(algorithm, at, tangent)
     if tangent:
-        pair.begin(at.nodes, memory)
+        pair.compute_start_normals(at.nodes, memory)
     rows = rows_of_pair(pair, at, tangent)
     k, z = rows.count, rows.start[rows.count]
     return GapConditions(

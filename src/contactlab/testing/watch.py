@@ -51,9 +51,9 @@ def _stepped(watch: Watch, restart_at: int | None) -> dict[str, Any]:
     advance, watching = model.bound_integrator().step, Watching(model, {"watch": watch})
     for number in range(STEPS):
         if number == restart_at:
-            saved = {name: values.copy() for name, values in watching.memory().items()}
+            saved = {name: values.copy() for name, values in watching.saved().items()}
             watching = Watching(model, {"watch": pickle.loads(pickle.dumps(watch))})
-            shapes = {name: values.shape for name, values in watching.memory().items()}
+            shapes = {name: values.shape for name, values in watching.saved().items()}
             require(shapes == {n: v.shape for n, v in saved.items()}, "shapes of its memory change while it runs")
             watching.restore(saved)
         step: Step = advance(DT)

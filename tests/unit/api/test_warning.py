@@ -10,7 +10,7 @@ from pathlib import Path
 from contactlab.api import RunWarning, Warnings
 
 ROOT = Path(__file__).parents[3]
-MAKERS = {"RunWarning": 0, "needed": 0, "_slower": 2}
+MAKERS = {"Invariant": 1, "RunWarning": 0, "needed": 0, "_slower": 2}
 """Functions that make a warning, and the place of the code among their arguments."""
 
 

@@ -9,7 +9,7 @@ from types import ModuleType
 
 import pytest
 
-from contactlab.matrix.archive import FILE, Archive
+from contactlab.archive.archive import FILE, Archive
 
 ROOT = Path(__file__).parents[3]
 CHOICES = {

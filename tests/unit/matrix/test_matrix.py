@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
+from contactlab.archive.archive import FILE, Archive
 from contactlab.cases.verdict import WORST
 from contactlab.cli import main
-from contactlab.matrix.archive import FILE, Archive
 from contactlab.matrix.files import COLUMNS, against, verdicts
 from contactlab.matrix.plan import Request, plan
 from contactlab.matrix.run import Matrix

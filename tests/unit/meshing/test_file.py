@@ -13,7 +13,7 @@ from contactlab_quads.q2_lagrange import Q2Lagrange
 
 from contactlab.api import Mesh
 from contactlab.errors import SceneError
-from contactlab.meshing import Disc, MeshFile, QuadBlock
+from contactlab.meshing import Disc, MeshFile, QuadBlock, room
 from contactlab.meshing.mesh import nodal_measure
 from contactlab.scene.scene import load_scene
 from contactlab.scene.toml_text import write_toml
@@ -118,3 +118,35 @@ def test_paths_start_from_the_folder_of_the_scene(gmsh: Path, monkeypatch: pytes
         load_scene(file)
     assert "bodies.disc.mesh.path" in str(caught.value)
     assert "other.msh" in str(caught.value)
+
+
+@pytest.mark.parametrize("node", [-1, 15, 10**9])
+def test_cells_of_nodes_that_are_not_there_are_refused(tmp_path: Path, node: int) -> None:
+    """A negative number used to be counted from the end, in silence."""
+    mesh = QuadBlock(((0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)), (4, 2)).mesh(Q1(), 1)
+    cells = mesh.cells.copy()
+    cells[3, 1] = node
+    meshio.write(tmp_path / "lost.vtu", meshio.Mesh(flat(mesh.nodes), [("quad", cells)]))
+    with pytest.raises(ValueError, match="in cell 3, allowed: the 15 nodes"):
+        MeshFile(tmp_path / "lost.vtu").mesh(Q1(), 1)
+
+
+def test_a_file_too_large_for_the_machine_is_refused_before_it_is_cut(
+    gmsh: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(ValueError, match=r"64 cells at level 1000000, 6.4e.13 cells: about .* GiB, allowed: what fits"):
+        MeshFile(gmsh).mesh(Q1(), 1_000_000)
+    monkeypatch.setattr(room, "machine_memory", lambda: 1000.0)
+    with pytest.raises(ValueError, match=r"path: got disc.msh: about .* allowed: what fits"):
+        MeshFile(gmsh).mesh(Q1(), 1)
+
+
+def test_what_is_wrong_with_a_file_is_told_at_its_key(gmsh: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from contactlab.model.build import build
+
+    monkeypatch.setattr(room, "machine_memory", lambda: 1000.0)
+    scene = load_scene("disc-on-block").with_({"bodies.disc.mesh": {"use": "file", "path": str(gmsh)}})
+    with pytest.raises(SceneError) as caught:
+        build(scene, scene.registry)
+    assert "bodies.disc.mesh.path" in str(caught.value)
+    assert caught.value.allowed.startswith("what fits")

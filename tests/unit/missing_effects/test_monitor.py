@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from contactlab.api import RunWarning
-from contactlab.missing_effects.monitor import Watch
+from contactlab.missing_effects.monitor import EffectMonitor
 from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
@@ -155,13 +155,13 @@ def test_a_sound_scene_has_no_warning() -> None:
 # --- overlaps ---------------------------------------------------------------------------------------
 
 
-def look_at(data: dict[str, Any], displacement: Any) -> list[str]:
+def codes_of(data: dict[str, Any], displacement: Any) -> list[str]:
     """Codes of the warnings of a model in a state that no run has to reach."""
     scene = Scene.from_data(data)
     model = build(scene, default_registry())
     model.state["displacement"][:] = displacement(model.reference) - model.reference
     np.add(model.reference, model.state["displacement"], out=model.position)
-    Watch(scene, model).look()
+    EffectMonitor(scene, model).examine_frame()
     return [warning.code for warning in model.warnings]
 
 
@@ -180,7 +180,7 @@ def coiled(turns: float) -> Any:
 def test_a_body_that_runs_into_itself_is_named(turns: float, named: bool) -> None:
     strip = block({"use": "neo-hookean", **ELASTIC})
     strip["bodies"] = {"low": body((0.0, 0.5), (40, 2), (0.0, 10.0))}
-    assert ("contact" in look_at(strip, coiled(turns))) is named
+    assert ("contact" in codes_of(strip, coiled(turns))) is named
 
 
 @pytest.mark.parametrize(("depth", "named"), [(-0.5, False), (0.0, False), (0.001, False), (0.02, True), (0.9, True)])
@@ -189,18 +189,18 @@ def test_bodies_touch_where_one_lies_a_hundredth_of_an_edge_deep(depth: float, n
         return x - np.where(np.arange(len(x)) >= 16, depth, 0.0)[:, None] * [0.0, 1.0]
 
     # edges of `high` are 0.2 mm long: and their corners' normals lean: nodes at 0.0014 mm are on the brink
-    assert ("contact" in look_at(colliding(contacts=False), lowered)) is named
+    assert ("contact" in codes_of(colliding(contacts=False), lowered)) is named
 
 
 def test_the_contact_to_add_joins_the_edges_that_met_first() -> None:
     """Also when the body has come nearer to the other one's far side since."""
     scene = Scene.from_data(colliding(contacts=False))
     model = build(scene, default_registry())
-    watch = Watch(scene, model)
+    monitor = EffectMonitor(scene, model)
     for depth in (0.05, 0.9):
         np.copyto(model.position, model.reference)
         model.position[16:, 1] -= depth
-        watch.look()
+        monitor.examine_frame()
     (found,) = [warning for warning in model.warnings if warning.code == "contact"]
     assert set(re.findall(r'"([^"]+)"', found.text)) == {"high.bottom", "low.top"}
 
@@ -210,4 +210,4 @@ def test_surfaces_with_a_contact_may_press_into_each_other() -> None:
         return x - np.where(np.arange(len(x)) >= 16, 0.02, 0.0)[:, None] * [0.0, 1.0]
 
     # high's bottom corners belong to the contact; its sides do not, and stay out
-    assert "contact" not in look_at(colliding(contacts=True), lowered)
+    assert "contact" not in codes_of(colliding(contacts=True), lowered)

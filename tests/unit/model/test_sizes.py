@@ -66,3 +66,16 @@ def test_room_is_made_for_no_more_frames_than_steps(tmp_path: Any) -> None:
     results = simulate(load_scene("disc-on-block").with_(changes), tmp_path / "run", progress=look)
     assert len(results.frames) == 101
     assert max(sizes_seen) < 20e6  # it was 2 GB
+
+
+def test_frames_that_cannot_be_kept_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A million frames of 91 nodes are a gigabyte; a tenth of the steps is not."""
+    scene = load_scene("disc-on-block").with_(
+        {"bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "time.end": 1.0, "time.step": 1e-8,
+         "record.frames": 1_000_000}
+    )  # fmt: skip
+    monkeypatch.setattr(sizes, "machine_memory", lambda: 0.5 * 2.0**30)
+    with pytest.raises(RequestError, match="more memory than there is") as error:
+        simulate(scene)
+    assert "record.frames" in str(error.value)
+    assert error.value.got == "1000000 frames of 66 nodes: about 0.738 GiB"

@@ -7,13 +7,16 @@ import pickle
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import ClassVar
 
 import pytest
 
-from contactlab.cli import main
+from contactlab.cli import _COMMANDS, main
+from contactlab.commands.doctor import _plugins as plugin_facts
 from contactlab.errors import PartError, RequestError, SceneError
 from contactlab.parts.loading import Broken
 from contactlab.parts.registry import Registry
+from contactlab.parts.scenes_and_commands import CORE_COMMANDS
 
 Install = Callable[..., None]
 HEAD = "from contactlab.api.plugin import Part, hookimpl\n"
@@ -256,6 +259,94 @@ class TestFiles:
         assert name in str(caught.value)
         assert "my_part" not in sys.modules or sys.modules.pop("my_part")
 
+    MANY = f"""
+{HEAD}
+from dataclasses import dataclass
+from contactlab.api import FrictionLaw
+
+@dataclass(frozen=True)
+class Half(FrictionLaw):
+    mu: float
+
+@hookimpl
+def contactlab_parts():
+    return [
+        Part("friction", "Law", "my_part.Law", "two faults in one part"),
+        Part("frictoin", "law", "my_part:Law", "no such kind"),
+        Part("friction", "half", "my_part:Half", "no bound"),
+        Part("contact", "mortar-p0", "my_part:Half", "a name that is taken"),
+    ]
+
+@hookimpl
+def contactlab_scenes():
+    return {{"gone": "/no/such/gone.toml", "disc-on-block": __file__}}
+
+@hookimpl
+def contactlab_commands():
+    return {{"run": "my_part:run"}}
+"""
+
+    def test_every_fault_of_a_file_is_told_at_once(self, tmp_path: Path) -> None:
+        path = tmp_path / "my_part.py"
+        path.write_text(self.MANY)
+        with pytest.raises(PartError) as caught:
+            Registry(files=[path])
+        sys.modules.pop("my_part")
+        first, *rest = str(caught.value).splitlines()
+        assert "my_part.py: 7 things are wrong" in first
+        expected = [
+            ("friction Law", "lower-case", "package.module:ClassName"),
+            ("frictoin law", 'did you mean "friction"'),
+            ("contact mortar-p0", "more than once", "contactlab-mortar"),
+            ("scene gone", "/no/such/gone.toml"),
+            ("scene disc-on-block", "the core has a scene"),
+            ("command run", "the core has a command"),
+            ("friction half", "it has no bound"),
+        ]
+        assert len(rest) == len(expected)
+        for line, words in zip(rest, expected, strict=True):
+            assert all(word in line for word in words), line
+
+    def test_every_incomplete_class_of_a_file_is_told_where_one_is_asked_for(self, tmp_path: Path) -> None:
+        """The file is loaded all the same, so that its parts can be checked."""
+        path = tmp_path / "my_part.py"
+        text = f"{HEAD}\nfrom dataclasses import dataclass\nfrom contactlab.api import FrictionLaw\n"
+        text += "".join(f"@dataclass(frozen=True)\nclass {name}(FrictionLaw):\n    mu: float\n" for name in "AB")
+        parts = "Part('friction', 'a', 'my_part:A', 's'), Part('friction', 'b', 'my_part:B', 's')"
+        path.write_text(f"{text}\n@hookimpl\ndef contactlab_parts():\n    return [{parts}]\n")
+        registry = Registry(files=[path])
+        with pytest.raises(PartError) as caught:
+            registry.part_class("friction", "b")
+        sys.modules.pop("my_part")
+        assert "the friction b cannot be used" in str(caught.value)
+        assert "its friction a, too: my_part:A is incomplete: it has no bound" in str(caught.value)
+
+    def test_every_wrong_hook_of_a_file_is_told_at_once(self, tmp_path: Path) -> None:
+        path = tmp_path / "my_part.py"
+        hooks = "@hookimpl\ndef contactlab_part():\n    return []\n\n"
+        hooks += "@hookimpl\ndef contactlab_scenes(folder):\n    return {}\n\n"
+        hooks += "@hookimpl\ndef contactlab_commands(words):\n    return {}\n\n"
+        path.write_text(f"{HEAD}\n{hooks}def contactlab_run_finished(summary):\n    pass\n")
+        with pytest.raises(PartError) as caught:
+            Registry(files=[path])
+        sys.modules.pop("my_part")
+        for words in ("unknown hook contactlab_part;", "folder", "words", "contactlab_run_finished is not marked"):
+            assert words in str(caught.value)
+
+    def test_a_refused_file_leaves_no_trace(self, tmp_path: Path) -> None:
+        path = tmp_path / "my_part.py"
+        path.write_text(self.MANY)
+        registry = Registry()
+        before = registry.parts()
+        with pytest.raises(PartError):
+            registry.add_file(path)
+        assert registry.parts() == before
+        assert registry.broken() == []
+        path.write_text(self.SOURCE)  # mended
+        registry.add_file(path)
+        sys.modules.pop("my_part")
+        assert "test-coulomb" in registry.names("friction")
+
 
 class TestMake:
     @pytest.fixture
@@ -318,16 +409,18 @@ def raise_as_text(registry: Registry, kind: str, spec: str) -> None:
 
 
 class TestOtherHooks:
-    def test_scenes_and_commands_of_plugins(self, install: Install, capsys: pytest.CaptureFixture[str]) -> None:
+    def test_scenes_and_commands_of_plugins(self, install: Install, tmp_path: Path) -> None:
+        scene = tmp_path / "my-scene.toml"
+        scene.write_text("")
         install(
             "more-plugin",
             f"{HEAD}\nfrom pathlib import Path\n"
-            "@hookimpl\ndef contactlab_scenes():\n    return {'my-scene': Path('/a/my-scene.toml')}\n"
+            f"@hookimpl\ndef contactlab_scenes():\n    return {{'my-scene': Path({str(scene)!r})}}\n"
             "@hookimpl\ndef contactlab_commands():\n    return {'greet': 'more_plugin:greet'}\n"
             "def greet(words):\n    print('hello', *words)\n    return 5\n",
         )
         registry = Registry()
-        assert registry.scenes()["my-scene"] == Path("/a/my-scene.toml")
+        assert registry.scenes()["my-scene"] == scene
         assert registry.commands()["greet"][1].distribution == "more-plugin"
 
     @pytest.mark.parametrize("hook", ["contactlab_scenes", "contactlab_commands"])
@@ -340,6 +433,68 @@ class TestOtherHooks:
         assert "no table" in only(registry, "odd-plugin").reason
         registry.scenes(), registry.commands()
         assert only(registry, "bad-plugin")
+
+    LEFT_OUT: ClassVar = {
+        "missing file": ("scenes", "'gone': '/no/such/gone.toml'", "scene gone", "/no/such/gone.toml"),
+        "relative path": ("scenes", "'near': 'near.toml'", "scene near", "Path(__file__).parent"),
+        "no path": ("scenes", "'odd': 3", "scene odd", "int"),
+        "scene of the core": ("scenes", "'disc-on-block': __file__", "scene disc-on-block", "the core has a scene"),
+        "name of a scene": ("scenes", "'My Scene': __file__", "scene My Scene", "lower-case"),
+        "command of the core": ("commands", "'run': 'bad_plugin:f'", "command run", "the core has a command"),
+        "no function": ("commands", "'greet': 'bad_plugin.f'", "command greet", "package.module:function"),
+        "name of a command": ("commands", "'--greet': 'bad_plugin:f'", "command --greet", "lower-case"),
+    }
+
+    @pytest.mark.parametrize("case", LEFT_OUT)
+    def test_a_scene_or_command_that_cannot_be_used_is_listed_and_the_rest_works(
+        self, case: str, install: Install
+    ) -> None:
+        hook, entry, item, reason = self.LEFT_OUT[case]
+        right = "'right': __file__" if hook == "scenes" else "'right': 'bad_plugin:f'"
+        install("bad-plugin", f"{HEAD}\n@hookimpl\ndef contactlab_{hook}():\n    return {{{entry}, {right}}}\n")
+        registry = Registry()
+        broken = only(registry, "bad-plugin")  # known before anyone asks for scenes or commands
+        assert broken.item == item
+        assert reason in broken.reason
+        assert registry.reason_against(item) == f"mend bad-plugin 1.0: {broken.reason}"
+        assert set(registry.scenes() if hook == "scenes" else registry.commands()) == {"right"}
+
+    @pytest.mark.parametrize(("hook", "value"), [("scenes", "__file__"), ("commands", "'a:b'")])
+    def test_a_name_that_two_plugins_offer_is_used_by_neither(self, hook: str, value: str, install: Install) -> None:
+        for distribution in ("one-plugin", "two-plugin"):
+            install(distribution, f"{HEAD}\n@hookimpl\ndef contactlab_{hook}():\n    return {{'same': {value}}}\n")
+        registry = Registry()
+        assert "same" not in {**registry.scenes(), **registry.commands()}
+        for distribution in ("one-plugin", "two-plugin"):
+            assert "one-plugin 1.0 and two-plugin 1.0" in only(registry, distribution).reason
+
+    def test_what_is_left_out_is_told_by_doctor_and_parts_and_where_it_is_asked_for(
+        self, install: Install, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        install(
+            "bad-plugin",
+            f"{HEAD}\n@hookimpl\ndef contactlab_scenes():\n    return {{'gone': '/no/such/gone.toml'}}\n"
+            "@hookimpl\ndef contactlab_commands():\n    return {'scenes': 'bad_plugin:f', 'greet': 'f'}\n",
+        )
+        monkeypatch.setenv("COLUMNS", "200")  # whatever the terminal: no cell is wrapped
+        registry = Registry()
+        for place in ("commands.common", "commands.doctor", "parts.registry", "scene.scene"):
+            monkeypatch.setattr(f"contactlab.{place}.default_registry", lambda: registry)
+        facts = [fact.value for fact in plugin_facts(registry)]
+        assert main(["parts"]) == 0
+        shown = capsys.readouterr().out
+        for word in ("scene gone", "command scenes", "command greet"):
+            assert any(fact.startswith(f"bad-plugin 1.0 {word}: ") for fact in facts)
+            assert word in shown
+        assert main(["scenes"]) == 0
+        assert "disc-on-block" in capsys.readouterr().out
+        assert main(["greet"]) == 2
+        assert "package.module:function" in capsys.readouterr().err
+        assert main(["run", "gone"]) == 2
+        assert 'there is no file "/no/such/gone.toml"' in capsys.readouterr().err
+
+    def test_names_of_the_cores_commands_are_all_reserved(self) -> None:
+        assert set(CORE_COMMANDS) == set(_COMMANDS)
 
     def test_run_finished_reaches_all_plugins_and_gives_back_those_that_raise(self, install: Install) -> None:
         hook = f"{HEAD}\nseen = []\n@hookimpl\ndef contactlab_run_finished(summary):\n    "

@@ -69,6 +69,9 @@ class OneNode:
         self.position[:] = self.state["displacement"]
         self.state["internal_force"][:] = self.state["displacement"] @ STIFFNESS
 
+    def estimate(self, time: float) -> None:
+        """Nothing is known of where a step ends."""
+
     def folded(self) -> bool:
         return False
 

@@ -16,7 +16,7 @@ from contactlab.api.drawing.units import Units
 from contactlab.reports.findings import findings, sentence, span
 from contactlab.reports.numbers import percent, significant, uncertain
 from contactlab.reports.run import render_run
-from contactlab.reports.table import WIDTH, print_table, render
+from contactlab.reports.table import USUAL, WIDTH, print_table, render
 from contactlab.results.results import ContactCurve, ContactHistory, Results
 from contactlab.studies.table import Row, Table
 
@@ -105,10 +105,28 @@ class TestComparison:
         assert max(map(len, text.splitlines())) <= WIDTH
 
     def test_a_narrow_terminal_loses_columns_but_no_digits(self, table: Table) -> None:
-        text = shown(render(table, 80), 80)
-        assert "666.7" in text
+        text = shown(render(table, 60), 60)
         assert "not shown for lack of width" in text
         assert "…" not in text
+
+    def test_what_is_the_same_in_every_row_goes_first_and_stands_below(self, table: Table) -> None:
+        rows = [replace(row, level=2, measures={**row.measures, "reaction": 666.7}) for row in table.rows]
+        text = shown(render(replace(table, rows=rows), 60), 60)
+        assert "in every row: level 2, reaction 666.7" in " ".join(text.split())
+        assert "not shown" not in text
+
+    def test_error_and_cost_are_the_last_to_go(self, table: Table) -> None:
+        rows = [replace(row, measures=dict.fromkeys(USUAL, 1.0 + 0.1 * n)) for n, row in enumerate(table.rows)]
+        text = shown(render(replace(table, rows=rows), 80), 80)
+        assert max(map(len, text.splitlines())) <= 80
+        heads = text.split("─")[0]
+        assert "p error" in heads
+        assert "CPU" in heads
+        assert "sideways force" in text.split("not shown for lack of width")[1]
+
+    def test_a_measure_that_no_run_has_is_named_and_not_drawn(self, table: Table) -> None:
+        text = " ".join(shown(render(table)).split())
+        assert "no run has: reaction vs pressure" in text
 
     def test_a_pipe_gets_the_whole_table(self, table: Table) -> None:
         file = io.StringIO()

@@ -17,7 +17,9 @@ from contactlab.model.build import build
 from contactlab.model.model import Model
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.load import load_results
-from contactlab.run.guards import CHATTER, LASTING, PATIENCE, Guards
+from contactlab.run.contact_guard import CHATTER, PATIENCE
+from contactlab.run.energy_guard import LASTING
+from contactlab.run.guards import Guards
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, bundled_scenes, load_scene
 
@@ -151,7 +153,7 @@ def test_a_number_that_nobody_gave_is_told_with_its_node() -> None:
     model = model_of()
     model.state["velocity"][7] = np.nan
     with pytest.raises(SimulationFailure, match=r"node 7 of body upper has the velocity \(nan, nan\)"):
-        Guards(model).look()
+        Guards(model).check()
 
 
 def test_a_cell_that_folds() -> None:
@@ -271,10 +273,10 @@ def test_what_a_half_held_node_does_freely_is_not_what_goes_in(seeded: Registry)
     assert re.search(r"node \d+ of body slab (moves at|has the)", reason), reason
     model = build(scene(**pad()), default_registry())
     guards = Guards(model)
-    top = next(support.nodes for support in model.supports if support.on == "slab.top")
+    top = next(support.nodes for support in model.loading.supports if support.on == "slab.top")
     model.state["velocity"][top[0]] = (5.0 * SOUND, 0.0)
     with pytest.raises(SimulationFailure, match="moves at"):
-        guards.look()
+        guards.check()
 
 
 @pytest.mark.parametrize(("share", "status"), [(0.5, "diverged"), (1.0, "finished")])
@@ -293,13 +295,13 @@ def test_what_may_still_go_away_is_told_at_the_end() -> None:
     model = build(scene(**pad()), default_registry())
     guards = Guards(model)
     model.state["velocity"][:] = 1.0
-    guards.largest_energy = 20.0 * model.kinetic_energy()
-    model.state["work"][0] = -0.02 * guards.largest_energy  # 2 % stored that no work explains
+    guards.energy.largest = 20.0 * model.kinetic_energy()
+    model.state["work"][0] = -0.02 * guards.energy.largest  # 2 % stored that no work explains
     guards.at_the_end()
     (warning,) = model.warnings
     assert warning.code == "energy-at-end"
     assert warning.value == pytest.approx(0.02, rel=1e-3)
-    model.state["work"][0] = -0.06 * guards.largest_energy
+    model.state["work"][0] = -0.06 * guards.energy.largest
     with pytest.raises(SimulationFailure, match=r"6\.0% of the largest"):
         guards.at_the_end()
 
@@ -400,11 +402,11 @@ def model_of() -> Model:
 def test_prescribed_speeds_are_no_runaway() -> None:
     model = model_of()
     guards = Guards(model)
-    model.state["velocity"][model.supports[0].nodes] = (0.0, 3.0 * SOUND)
-    guards.look()
+    model.state["velocity"][model.loading.supports[0].nodes] = (0.0, 3.0 * SOUND)
+    guards.check()
     model.state["velocity"][0] = (0.0, 31.0 * SOUND)
     with pytest.raises(SimulationFailure, match="node 0 of body upper"):
-        guards.look()
+        guards.check()
 
 
 @pytest.mark.parametrize(("body", "side"), [("upper", "slave"), ("lower", "master")])
@@ -416,11 +418,11 @@ def test_half_a_segment_deep_on_either_side(body: str, side: str) -> None:
     node = (pair.slave if body == "upper" else pair.master).nodes[2]
     into = -1.0 if body == "upper" else 1.0
     model.position[node, 1] = 0.2 * into
-    guards.look()
+    guards.check()
     model.position[node, 1] = 0.3 * into
     first = next(b.first for b in model.bodies if b.name == body)
     with pytest.raises(SimulationFailure, match=f"node {node - first} of body {body} of the {side} lies 0.3 deep"):
-        guards.look()
+        guards.check()
 
 
 def test_loose_steps_must_follow_each_other() -> None:
@@ -463,17 +465,17 @@ def test_a_point_that_alternates_is_no_chatter() -> None:
 def test_a_gain_of_energy_must_last() -> None:
     """12 % too much for less than a hundred steps is borrowed; from then on it is made."""
     model = model_of()
-    model.initial_energy = 1.0
+    model.start.energy = 1.0
     guards, velocity = Guards(model), model.state["velocity"]
     free = slice(0, model.bodies[0].count)
     for energy, steps in ((1.12, LASTING - 1), (1.0, 3 * LASTING), (1.12, LASTING)):
         velocity[free, 0] = np.sqrt(2.0 * energy / float(model.mass[free].sum()))
         for _ in range(steps):
             model.state["clock"][1] += 1.0
-            guards._energy()
+            guards.energy.check()
     model.state["clock"][1] += 1.0
     with pytest.raises(SimulationFailure, match=r"the energy 1\.12 is 0\.12 above"):
-        guards._energy()
+        guards.energy.check()
 
 
 def test_round_off_is_no_gain() -> None:
@@ -483,7 +485,7 @@ def test_round_off_is_no_gain() -> None:
     model.state["velocity"][: model.bodies[0].count] = 1e-14 * SOUND
     for _ in range(2 * LASTING):
         model.state["clock"][1] += 1.0
-        guards._energy()
+        guards.energy.check()
 
 
 def test_the_energy_of_a_loaded_body_is_that_which_was_supplied() -> None:
@@ -504,11 +506,12 @@ def test_guards_remember_across_a_restart() -> None:
     guards = Guards(model)
     model.state["multipliers"][0, :4] = 1.0
     guards.after_step(Step(residual=1.0))
-    guards.since[1] = 3.0
+    guards.energy.since[1] = 3.0
     fresh = Guards(model)
-    fresh.restore({name: array.copy() for name, array in guards.memory().items()})
-    for name in ("loose", "flickering", "input_speed", "largest_energy"):
-        assert getattr(fresh, name) == getattr(guards, name)
-    assert fresh.since.tolist() == [-1.0, 3.0, -1.0]
-    assert fresh.loose == fresh.flickering == 1
-    assert fresh.pressed.tolist() == guards.pressed.tolist()
+    fresh.restore({name: array.copy() for name, array in guards.saved().items()})
+    assert fresh.motion.input_speed == guards.motion.input_speed
+    assert fresh.energy.largest == guards.energy.largest
+    assert fresh.energy.since.tolist() == [-1.0, 3.0, -1.0]
+    assert fresh.contact.loose == 1
+    assert fresh.contact.flickering == guards.contact.flickering == 1
+    assert fresh.contact.pressed.tolist() == guards.contact.pressed.tolist()

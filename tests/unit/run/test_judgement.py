@@ -59,17 +59,15 @@ def test_a_contact_that_closed_and_opened_again_is_not_open() -> None:
     assert "open-contact" not in [w.code for w in results.warnings]
 
 
-@pytest.mark.parametrize(("share", "ends"), [(0.01, "told nothing"), (0.1, "told"), (0.3, "stopped")])
-def test_a_pressure_of_another_force(share: float, ends: str) -> None:
-    model = build(pressed(0.12), default_registry())
+@pytest.mark.parametrize("share", [0.1, 0.3])
+def test_a_pressure_of_another_force_stops_a_run(share: float) -> None:
     force, integral = np.array([3.0, 4.0]), (1.0 - share) * np.array([3.0, 4.0])
-    if ends == "stopped":
-        with pytest.raises(SimulationFailure, match=r"step 7: contacts.0: the pressure .* differs by 30%") as stopped:
-            judgement._judge_pressure(model, "contacts.0", force, integral, 7)
-        assert stopped.value.status == "not-converged"
+    if share < judgement.WRONG:
+        judgement._judge_pressure("contacts.0", force, integral, 7)
         return
-    judgement._judge_pressure(model, "contacts.0", force, integral, 7)
-    assert [warning.value for warning in model.warnings] == ([pytest.approx(share)] if ends == "told" else [])
+    with pytest.raises(SimulationFailure, match=r"step 7: contacts.0: the pressure .* differs by 30%") as stopped:
+        judgement._judge_pressure("contacts.0", force, integral, 7)
+    assert stopped.value.status == "not-converged"
 
 
 def test_friction_that_nobody_delivers_is_an_error() -> None:

@@ -13,8 +13,8 @@ from contactlab.model.build import build
 from contactlab.results.results import Results
 from contactlab.run.guarded_step import MOST
 from contactlab.run.guards import Guards
-from contactlab.run.load_steps import LoadSchedule, repeats
-from contactlab.run.run import begin_run
+from contactlab.run.load_steps import CUT, LoadSchedule, repeats
+from contactlab.run.run import prepare_run
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 
@@ -60,14 +60,14 @@ def test_attempts_are_compared_by_their_residuals() -> None:
 
 
 def test_a_step_that_a_corner_shortens_is_cut_from_its_own_length() -> None:
-    """A tenth of a wished step before a corner: half of the wished one would be the same length again."""
+    """A tenth of a wished step before a corner: a part of the wished one would be longer than that."""
     uy = {"ramp": "table", "to": -0.01, "points": [[0.0, 0.0], [0.5, 0.1], [1.0, 1.0]]}
     scene = disc(**{"time.end": 1.0, "integrator": {"use": "newton", "steps": 1}, "supports.1.uy": uy})
     schedule = LoadSchedule(build(scene, scene.registry), scene)
     assert schedule.dt == pytest.approx(0.5)
     for number, left in enumerate((0.5, 0.4)):
         schedule.cut(attempt(left))
-        assert schedule.dt == pytest.approx(0.5 ** (number + 2), rel=0.01)
+        assert schedule.dt == pytest.approx(0.5 * CUT ** (number + 1), rel=0.01)
 
 
 @pytest.mark.parametrize("factor", [0.8, 0.95])
@@ -96,7 +96,7 @@ def test_nothing_costs_no_iteration() -> None:
 
 def test_a_step_that_a_guard_objects_to_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
     """Steps over 0.03 end in positions that a guard stops the run for; shorter ones do not."""
-    look, begun = Guards.look_at_positions, [0.0]
+    look, begun = Guards.check_positions, [0.0]
 
     def strict(guards: Guards) -> None:
         look(guards)
@@ -107,7 +107,7 @@ def test_a_step_that_a_guard_objects_to_is_cut(monkeypatch: pytest.MonkeyPatch) 
 
     scene = disc(**{"integrator": {"use": "newton", "steps": 10}, "supports.1.uy": {"ramp": "linear", "to": -0.01}})
     expected = simulate(scene)
-    monkeypatch.setattr(Guards, "look_at_positions", strict)
+    monkeypatch.setattr(Guards, "check_positions", strict)
     results = simulate(scene)
     assert results.status == "finished"
     assert "too far at once" in taken_back(results)[0]
@@ -121,7 +121,7 @@ def test_a_guard_that_no_cut_contents_has_the_last_word(monkeypatch: pytest.Monk
     def never(guards: Guards) -> None:
         raise SimulationFailure("diverged", "never content")
 
-    monkeypatch.setattr(Guards, "look_at_positions", never)
+    monkeypatch.setattr(Guards, "check_positions", never)
     results = simulate(disc(**{"supports.1.uy.to": -0.01}))
     assert (results.status, results.reason) == ("diverged", "never content")
     assert len(taken_back(results)) == MOST
@@ -140,9 +140,9 @@ def test_a_guard_that_no_cut_contents_has_the_last_word(monkeypatch: pytest.Monk
 def test_advice_names_a_key_of_this_run(changes: dict[str, Any], key: str) -> None:
     scene = disc(**changes)
     model = build(scene, scene.registry)
-    run = begin_run(model, scene, scene.registry, None, resume=False)
+    run = prepare_run(model, scene, scene.registry, None, resume=False)
     model.state["displacement"][3] = np.nan
     with pytest.raises(SimulationFailure, match=key) as told:
-        run.guards.look()
+        run.guards.check()
     for other in ("integrator.steps", "time.step", "time.fraction"):
         assert (other in told.value.reason) is (other in key)

@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from contactlab.results.peak_memory import begin_peak, peak_memory_mib
+from contactlab.results.peak_memory import peak_memory_mib, reset_peak
 
 
 @pytest.mark.skipif(not Path("/proc/self/clear_refs").exists(), reason="peaks can be begun anew on Linux alone")
 def test_peak_is_begun_anew() -> None:
-    begin_peak()
+    reset_peak()
     base = peak_memory_mib()
     large = np.ones(64 * 2**20 // 8)
     assert peak_memory_mib() > base + 55.0
     del large
-    begin_peak()
+    reset_peak()
     assert peak_memory_mib() < base + 16.0  # 64 MiB were there and are gone

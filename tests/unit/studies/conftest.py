@@ -52,6 +52,12 @@ FAKE_RUNS = """
 """
 
 
+@pytest.fixture(scope="session")
+def fake_source() -> str:
+    """The module of functions that stand for runs, for processes that find it by themselves."""
+    return textwrap.dedent(FAKE_RUNS)
+
+
 @pytest.fixture
 def fake_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     """node-on-segment dies or raises; others give a parabola, unsettled at level 2, diverged at level 9."""

@@ -73,7 +73,7 @@ def labels(changes: dict[str, Any]) -> set[str]:
         ),
     ],
 )
-def test_a_scene_is_priced_by_what_it_declares(changes: dict[str, Any], more: set[str], less: set[str]) -> None:
+def test_a_scene_is_broken_down_by_what_it_declares(changes: dict[str, Any], more: set[str], less: set[str]) -> None:
     assert labels(changes) == USUAL - less | more
 
 
@@ -124,7 +124,7 @@ def named(plan: BreakdownPlan, label: str) -> str:
     return next(name for name, variant in plan.shown.items() if variant.label == label)
 
 
-def test_the_price_of_an_effect_is_the_difference_of_two_runs(triangle: Callable[[float], ContactCurve]) -> None:
+def test_the_cost_of_an_effect_is_the_difference_of_two_runs(triangle: Callable[[float], ContactCurve]) -> None:
     wished = plan()
     runs = {job.name: outcome(1.0, curve=triangle(1.0)) for job in wished.jobs}
     runs[named(wished, "without friction")] = outcome(0.75, force=0.9, curve=triangle(0.8))
@@ -183,7 +183,7 @@ def test_the_dearest_effect_comes_first_and_reasons_below() -> None:
     assert "friction" in shown[shown.index("would not miss") :]
 
 
-def test_the_plot_has_a_point_for_every_priced_effect_and_names_the_rest() -> None:
+def test_the_plot_has_a_point_for_every_measured_effect_and_names_the_rest() -> None:
     wished = plan()
     runs = {job.name: outcome(1.0, force=0.9) for job in wished.jobs}
     runs[wished.jobs[0].name] = outcome(2.0)
@@ -198,7 +198,7 @@ def test_the_plot_has_a_point_for_every_priced_effect_and_names_the_rest() -> No
 
 
 @pytest.mark.usefixtures("fake_runs")
-def test_a_bill_is_one_table_one_plot_and_a_page(tmp_path: Path) -> None:
+def test_a_cost_breakdown_is_one_table_one_plot_and_a_page(tmp_path: Path) -> None:
     table = compare(scene(COULOMB), out=tmp_path / "out", jobs=2, effects=True)
     assert table.breakdown is not None
     # the stand-in for a run looks at the first contact: without one it fails, and the row stays

@@ -42,7 +42,7 @@ class BlockOnIncline(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """Sliding, at rest, turned, thrown."""
+        """Four jobs: the block slides, stays at rest, slides in the scene turned level, and is thrown."""
         pull = [GRAVITY * math.sin(ANGLE), -GRAVITY * math.cos(ANGLE)]
         thrown = {
             **LEVEL, "bodies.block.velocity": [SPEED, 0.0], "effects.0.ramp": 0.0,
@@ -63,7 +63,7 @@ class BlockOnIncline(Case):
         return Job(name, "block-on-incline", {**base, **changes}, (watch,), work=WORK)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Coulomb's law, and that nothing creeps."""
+        """Ways and times against Coulomb's law, and how far a block at rest creeps."""
         exact = GRAVITY * (math.sin(ANGLE) - self.mu * math.cos(ANGLE))
         why = "vibrations of the start are a thousandth of the weight, over a time of 0.05 s"
         fraction = 0.005 * max(1.0, 600.0 / exact)
@@ -76,7 +76,7 @@ class BlockOnIncline(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Means by mass over the block."""
+        """Compute the measures from motions of the block's centre of mass."""
         sliding, rest, turned, thrown = (table(done[name]) for name in ("sliding", "at rest", "turned", "thrown"))
         speed = _along(sliding, "velocity")
         late = sliding["time"] >= BEGIN

@@ -80,7 +80,7 @@ class BouncingBar(Case):
         ]  # fmt: skip
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """In energies of the fall."""
+        """Compute the measures, energies as shares of the energy of the fall."""
         width = WIDTH * CELLS / (self.cells * setup.level)
         fall = width * LENGTH * GRAVITY * HEIGHT
         return (self._explicit if setup.integrator == "central-difference" else self._implicit)(

@@ -17,7 +17,7 @@ DEPTH = 0.0322
 
 @dataclass(frozen=True)
 class Cgs1(Case):
-    """`segments` of both bodies in a half-width."""
+    """Cylinder on a block with `segments` of both bodies in a half-width."""
 
     segments: float = 8.0
 
@@ -30,7 +30,7 @@ class Cgs1(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1", "q2")
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """One job: the cylinder pressed on the block."""
         h = HALF_WIDTH / self.segments / setup.level
         return (disc_on_block(setup, RADIUS, (STEEL, ALUMINIUM), DEPTH, h, growth=1.0, zone=0.25),)
 
@@ -41,5 +41,5 @@ class Cgs1(Case):
         return hertz_measures(0.03, 1.0, 0.032 + 0.03 * size, why)
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """At the measured force."""
+        """Compare the pressure with Hertz's at the measured force."""
         return hertz_values(only(done), RADIUS, 1.0 / (0.91 / STEEL + 0.91 / ALUMINIUM))

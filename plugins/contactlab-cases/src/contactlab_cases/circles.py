@@ -112,6 +112,6 @@ def hertz_values(record: Record, radius: float, modulus: float, support: str = "
 
 
 def only(done: Mapping[str, Record]) -> Record:
-    """The record of a case with one run."""
+    """Return the record of a case that has one run."""
     (record,) = done.values()
     return record

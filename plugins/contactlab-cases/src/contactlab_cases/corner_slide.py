@@ -43,7 +43,7 @@ class CornerSlide(Case):
     margin: ClassVar[tuple[str, float] | None] = ("kink", 10.0)
 
     def applies(self, setup: Setup) -> str:
-        """A zigzag is rigid."""
+        """Leave out deformable masters with a zigzag, which is rigid."""
         return "a rigid surface cannot be the slave" if self.kink and setup.swap else ""
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
@@ -65,7 +65,7 @@ class CornerSlide(Case):
         }  # fmt: skip
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Forces until the overhang; where it tips."""
+        """Forces until the overhang is reached, and where the block tips."""
         why = "vibrations have died to a thousandth of the load"
         found = [
             at_most("normal force until the edge, largest deviation", 0.01, why),

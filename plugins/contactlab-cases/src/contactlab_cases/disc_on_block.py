@@ -54,7 +54,7 @@ class DiscOnBlock(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Vertical reactions of the block."""
+        """Compute the measures from the vertical reactions of the block."""
         force = {name: float(r.reaction("block.bottom")[1]) for name, r in done.items() if r.finished}
         return {
             "reaction against a mesh twice as fine": force["pressed"] / force["finer"] - 1.0,

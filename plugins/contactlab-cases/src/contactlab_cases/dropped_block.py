@@ -40,7 +40,7 @@ class DroppedBlock(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run; the last fifth is taken as rest."""
+        """One job, whose last fifth is taken as rest."""
         changes = {
             **setup.changes("block"), "bodies.block.mesh.cells": [5 * setup.level, 4 * setup.level],
             "bodies.block.shift": [0.0, self.fall],
@@ -48,7 +48,7 @@ class DroppedBlock(Case):
         return (Job("dropped", "dropped-block", changes, ("contact-changes",), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Rest, and no energy from contact."""
+        """Whether the block comes to rest, and the energy that contact has made."""
         return (
             near("force at rest", WEIGHT, 1e-3, "vibrations have died", "N"),
             invariant(f"{GAIN} over that of the fall", 1e-9, TAKES),
@@ -87,7 +87,7 @@ class PressedBlock(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """One job, whose last fifth is taken as rest."""
         points = _zigzag(self.cycles)
         top = {"on": "block.top", "ux": 0.0, "uy": {"ramp": "table", "to": -0.2, "points": points}}
         changes = {

@@ -15,12 +15,12 @@ WORK = 60_000
 
 
 def strip(x: tuple[float, float], y: tuple[float, float], cells: list[int], **more: Any) -> dict[str, Any]:
-    """A rectangle of the material m."""
+    """Data of a rectangular body of the material m, meshed evenly."""
     return {"material": "m", "mesh": {"use": "rectangle", "x": list(x), "y": list(y), "cells": cells}, **more}
 
 
 def largest(values: Floats) -> float:
-    """Largest magnitude."""
+    """Largest magnitude among the values, 0 where there are none."""
     return float(np.abs(values).max())
 
 
@@ -41,11 +41,11 @@ class ContactChanges(Watch):
     most: int = 40000
 
     def begin(self, view: StepView) -> Memory:
-        """Nothing is closed."""
+        """Start with no closed condition and no row."""
         return {"count": np.zeros(1), "rows": np.zeros((self.most, 5)), "closed": np.zeros(len(view.normal_forces()))}
 
     def step(self, view: StepView, memory: Memory) -> None:
-        """One row."""
+        """Keep one row: changes of status, sums of forces, and energies of the step."""
         y, work = view.normal_forces(), view.field("work")
         closed = (y > 0.0).astype(float)
         changes = float(np.count_nonzero(closed != memory["closed"]))
@@ -54,7 +54,7 @@ class ContactChanges(Watch):
         memory["closed"][:], memory["count"][0] = closed, count + 1
 
     def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
-        """Columns by name."""
+        """Return the kept rows as columns by name."""
         rows = memory["rows"][: int(memory["count"][0])].T
         return dict(zip(("changes", "push", "pull", "work.contact", "work.internal"), rows, strict=True))
 
@@ -66,11 +66,11 @@ class Slips(Watch):
     begin_time: float = 0.0
 
     def begin(self, view: StepView) -> Memory:
-        """No slip."""
+        """Start with no slip."""
         return {"total": np.zeros(len(view.normal_forces())), "largest": np.zeros(1)}
 
     def step(self, view: StepView, memory: Memory) -> None:
-        """Add the slips of a step."""
+        """Add the slips of an accepted step to their sums."""
         if view.time > self.begin_time + 0.5 * view.dt:
             memory["total"] += view.slips()
             memory["largest"][0] = max(memory["largest"][0], largest(memory["total"]))
@@ -84,11 +84,11 @@ class Overlap(Watch):
     points: int = 2001
 
     def begin(self, view: StepView) -> Memory:
-        """None."""
+        """Start with no overlap."""
         return {"largest": np.zeros(1)}
 
     def step(self, view: StepView, memory: Memory) -> None:
-        """Where the lower one stands above the upper one."""
+        """Find by how much the lower body stands above the upper one."""
         x = np.linspace(-self.reach, self.reach, self.points)
         sides = sorted((view.position[nodes] for nodes in (view.slave(), view.master())), key=lambda p: p[:, 1].mean())
         lower, upper = (np.interp(x, *side[np.argsort(side[:, 0])].T) for side in sides)
@@ -103,17 +103,17 @@ class Tip(Watch):
     most: int = 20000
 
     def begin(self, view: StepView) -> Memory:
-        """No row."""
+        """Start without a row."""
         return {"count": np.zeros(1), "rows": np.zeros((self.most, 3))}
 
     def step(self, view: StepView, memory: Memory) -> None:
-        """One row."""
+        """Keep one row of the step."""
         count = int(memory["count"][0])
         energy = view.kinetic_energy() + view.stored_energy()
         memory["rows"][count] = view.time, view.field("displacement")[view.slave()[0], 0], energy
         memory["count"][0] = count + 1
 
     def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
-        """Columns by name."""
+        """Return the kept rows as columns by name."""
         rows = memory["rows"][: int(memory["count"][0])].T
         return {**dict(zip(("time", "tip", "energy"), rows, strict=True)), "left out": np.zeros(1)}

@@ -16,7 +16,7 @@ HALF_WIDTH = 0.0175  # radii, at this depth
 
 @dataclass(frozen=True)
 class Hertz(Case):
-    """R = 10 on a block 40 x 40.
+    """A cylinder of R = 10 pressed on a block of 40 x 40.
 
     segments  of the block in a half-width
     ratio     of the disc's cells to the block's
@@ -35,7 +35,7 @@ class Hertz(Case):
     margin: ClassVar[tuple[str, float] | None] = ("ratio", 10.0)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """One job: the cylinder pressed on the block."""
         h = HALF_WIDTH / self.segments / setup.level
         return (disc_on_block(setup, RADIUS, (YOUNG, YOUNG), DEPTH, h, self.ratio, growth=1.03 + 0.03 / setup.level),)
 
@@ -46,5 +46,5 @@ class Hertz(Case):
         return hertz_measures(0.03 * size, 1.0, 0.06 * size, why)
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """At the measured force."""
+        """Compare pressure and half-width with Hertz's at the measured force."""
         return hertz_values(only(done), RADIUS, plane_strain(YOUNG) / 2.0)

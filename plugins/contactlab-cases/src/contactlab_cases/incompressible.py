@@ -32,7 +32,7 @@ class Incompressible(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """One job: the nearly incompressible bodies pressed together."""
         h = 0.1 / setup.level
         rows = graded_count(20.0, h, 1.15)
         mesh = {
@@ -62,7 +62,7 @@ class Incompressible(Case):
         return [*hertz_measures(peak, inf, inf, why), smooth if judged else reported("oscillation")]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """At the measured force."""
+        """Compare the pressure with Hertz's at the measured force."""
         curve = only(done).curve()
         p = ordered(curve.x, curve.pressure)[1]
         values = hertz_values(only(done), RADIUS, plane_strain(YOUNG, self.poisson))

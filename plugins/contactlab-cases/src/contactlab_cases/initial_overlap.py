@@ -35,7 +35,7 @@ class InitialOverlap(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"initial overlap", "patch test"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """Two treatments and three gaps."""
+        """Five jobs: two treatments of an overlap, and three gaps."""
         wide = self.overlap * SEGMENT
         return (
             self._job("ramped", setup, {"bodies.upper.shift": [0.0, -wide]}),
@@ -60,7 +60,7 @@ class InitialOverlap(Case):
         )
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """A ramp is so slow that nothing swings."""
+        """Forces and gaps against exact ones; a slow ramp must not make anything swing."""
         wide, slow = self.overlap * SEGMENT, "vibrations have died to a ten-thousandth"
         return (
             at_most("ramped: largest kinetic energy over that stored later", 1e-6, "a ramp of 40 periods"),

@@ -41,7 +41,7 @@ class MeshRatio(Case):
         )
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Force, depth and pressure."""
+        """Force, depth and pressure against those of matching meshes."""
         fine_slave = (self.ratio > 1.0) == setup.swap
         why = "weak conditions on the fine side close the gap everywhere; on the coarse one only in the mean"
         deep = "penetration in short cells"
@@ -54,7 +54,7 @@ class MeshRatio(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """At the measured force."""
+        """Compare the pressure with Hertz's at the measured force."""
         unlike, alike, modulus = done["unlike"], done["alike"], plane_strain(YOUNG) / 2.0
         a, _, _ = hertz(force_of(unlike), RADIUS, modulus)
         short = a / (8.0 * setup.level * max(self.ratio, 1.0 / self.ratio))

@@ -79,7 +79,7 @@ class Mindlin(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Loading, half-way back, and full reversal."""
+        """Compare shear tractions when loaded, half-way back, and fully reversed."""
         record = only(done)
         fy, fx = (record.history[f"block.bottom.{axis}"] for axis in ("fy", "fx"))
         contact = record.summary["contacts"]["contacts.0"]

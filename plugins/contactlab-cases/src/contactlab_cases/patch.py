@@ -35,7 +35,7 @@ class Patch(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1", "q2-lagrange", "q1-fbar")
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run in one step."""
+        """One job of a single load step."""
         angle = np.radians(self.turn)
         push = {"ux": float(DEPTH * np.sin(angle)), "uy": float(-DEPTH * np.cos(angle))}
         mesh = {"use": "rectangle", "x": [0.0, 1.0]}
@@ -60,7 +60,7 @@ class Patch(Case):
         return error("displacement", 1e-10, why), error("stress", 1e-10, why), reported("iterations")
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Largest errors over the largest exact values."""
+        """Largest errors of stresses and pressures over the largest exact values."""
         record, angle = only(done), np.radians(self.turn)
         axis = np.array([-np.sin(angle), np.cos(angle)])
         exact = -DEPTH * (record.nodes @ axis)[:, None] * axis

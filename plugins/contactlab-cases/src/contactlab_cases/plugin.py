@@ -24,6 +24,10 @@ CASES = (
     ("rigid-punch", "rigid_punch:RigidPunch", "rigid flat punch", "Johnson 1985"),
     ("elastic-punch", "elastic_punch:ElasticPunch", "exponent at the corners of a square punch", "Dundurs & Lee 1972"),
     ("mindlin", "mindlin:Mindlin", "partial slip and its reversal", "Mindlin 1949"),
+    ("two-rings", "two_rings:RingsPressed", "two rings pressed together", "Michell 1899"),
+    ("shrink-fit", "shrink_fit:ShrinkFit", "a ring shrunk onto another", "Lame 1852"),
+    ("westergaard", "westergaard:Westergaard", "a rigid wave on a half plane", "Westergaard 1939"),
+    ("blunt-wedge", "wedge:BluntWedge", "a blunt wedge on a half plane", "Johnson 1985"),
     ("rough-plate", "rough_plate:RoughPlate", "plate on a rough plane", "Code_Aster SSNV128"),
     ("pulled-block", "pulled_block:PulledBlock", "block that only friction holds", ""),
     ("tresca-block", "tresca_block:TrescaBlock", "block with Tresca friction", "Baillet & Sassi 2005"),
@@ -48,6 +52,6 @@ CASES = (
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """One file per case."""
+    """Offer the cases, one file each, and the watches that they use."""
     watches = [Part("watch", name, f"{PACKAGE}.{target}", says) for name, target, says in WATCHES]
     return watches + [Part("case", name, f"{PACKAGE}.{target}", says, ref) for name, target, says, ref in CASES]

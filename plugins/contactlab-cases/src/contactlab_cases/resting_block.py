@@ -32,7 +32,7 @@ class RestingBlock(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """400 steps."""
+        """One job of 400 steps, in which the block falls and comes to rest."""
         block = strip((0.0, 2.0), (0.0, 1.0), [4 * setup.level, 2 * setup.level], shift=[0.0, self.fall])
         scene = {
             "name": "rest", "time": {"end": 400 * STEP, "step": STEP, "damping": 20.0}, "integrator": setup.integrator,
@@ -46,7 +46,7 @@ class RestingBlock(Case):
         return (Job("dropped", scene, watch=(series("energy", "force.block.y", "displacement.block.y"),), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Rest, and no energy from contact."""
+        """Whether the block comes to rest, and the energy that contact has made."""
         return (
             invariant("largest rise of energy in a step", 1e-9, "damping and contact only take"),
             error("reaction at rest", 0.001, "vibrations have died"),
@@ -56,7 +56,7 @@ class RestingBlock(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """The weight counts by its potential."""
+        """Compute the measures; the weight's energy is its potential."""
         found = table(done["dropped"])
         force = found["force.block.y"]
         changes = np.flatnonzero(np.diff((force > 0.0).astype(int)))

@@ -30,7 +30,7 @@ class RigidPunch(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """One job: the rigid punch pressed into the block."""
         cells = self.cells * setup.level
         mesh = {
             "use": "rectangle", "x": [-10.0, -1.5, 1.5, 10.0], "y": [-20.0, 0.0],

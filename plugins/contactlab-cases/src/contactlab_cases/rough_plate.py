@@ -39,7 +39,7 @@ class RoughPlate(Case):
     margin: ClassVar[tuple[str, float] | None] = ("mu", 1000.0)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """One job: the plate pressed and sheared on the rough plane."""
         cells = self.cells * setup.level
         mesh = {"use": "rectangle", "x": [0.0, 0.04], "y": [0.0, 0.04], "cells": [cells, cells]}
         job = (
@@ -64,7 +64,7 @@ class RoughPlate(Case):
         return "with so much friction there are several solutions" if self.mu >= ROUND_IN_CIRCLES else ""
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Published values are for mu = 1."""
+        """Displacements against published ones, which are for mu = 1."""
         published = [error(_at(x), 0.05, "the tolerance of the published test") for x in PUBLISHED]
         return [
             *(published if self.mu == 1.0 else []),
@@ -75,7 +75,7 @@ class RoughPlate(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Along the plane, and the three zones."""
+        """Take displacements along the plane, and the three zones of contact."""
         record = only(done)
         own = np.unique(record.cells["plate"])
         bottom = own[np.isclose(record.nodes[own, 1], 0.0)]

@@ -106,7 +106,7 @@ class Series(Watch):
         return {"count": np.zeros(1), "rows": np.zeros((self.most, len(self.quantities)))}
 
     def step(self, view: StepView, memory: Memory) -> None:
-        """One more row."""
+        """Append one row: the quantities after the step, if it is one that is kept."""
         if view.step % self.every or not self.begin_time - 0.5 * view.dt <= view.time <= self.end_time + 0.5 * view.dt:
             return
         count = int(memory["count"][0])
@@ -115,7 +115,7 @@ class Series(Watch):
         memory["count"][0] = count + 1
 
     def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
-        """The rows there are, by quantity."""
+        """Return the rows that were kept, by quantity."""
         count = int(memory["count"][0])
         rows = memory["rows"][: min(count, self.most)]
         found = {name: rows[:, k] for k, name in enumerate(self.quantities)}
@@ -123,7 +123,7 @@ class Series(Watch):
 
 
 def series(*quantities: str, **fields: Any) -> dict[str, Any]:
-    """A series as a job names it."""
+    """Write a series as a job names it."""
     return {"use": "series", "quantities": list(quantities), **fields}
 
 
@@ -146,14 +146,14 @@ class LeapfrogEnergy(Watch):
     most: int = 40000
 
     def begin(self, view: StepView) -> Memory:
-        """The weight, and what the last step left."""
+        """Keep the weight, and what the last step left."""
         return {
             "count": np.zeros(1), "rows": np.zeros((self.most, 3)), "weight": view.external_force(),
             "force": view.field("internal_force"), "moved": view.field("displacement"),
         }  # fmt: skip
 
     def step(self, view: StepView, memory: Memory) -> None:
-        """Time, force and energy."""
+        """Append time, force and energy of the step."""
         now, force = view.field("displacement"), view.field("contact_force")[view.nodes(self.body)].sum(axis=0)
         stored = 0.5 * float((memory["force"] * now).sum() - (memory["weight"] * (now + memory["moved"])).sum())
         count = int(memory["count"][0])
@@ -162,6 +162,6 @@ class LeapfrogEnergy(Watch):
         memory["force"][:], memory["moved"][:] = view.field("internal_force"), now
 
     def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
-        """Columns by name."""
+        """Return the kept rows as columns by name."""
         rows = memory["rows"][: int(memory["count"][0])]
         return {"time": rows[:, 0], "force": rows[:, 1], "energy": rows[:, 2], "left out": np.zeros(1)}

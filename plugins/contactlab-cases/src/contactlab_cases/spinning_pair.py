@@ -64,7 +64,7 @@ class SpinningPair(Case):
         ]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Since damping has ended."""
+        """Compute the measures from the motion after damping has ended."""
         found = table(done["free"])
         spin, energy = found["angular-momentum"], found["energy"]
         values = {

@@ -68,7 +68,7 @@ class Stack(Case):
         return sides | {"algorithm": setup.algorithm, "swap": setup.swap and k > 0}
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Equilibrium, and nothing that grows."""
+        """Forces against the weights above, and how much any motion grows."""
         return (
             at_most("force under each block, largest error", 1e-3, "the weight comes in 40 periods of the stack"),
             at_most("sideways drift in segments", 1e-6, "nothing pushes sideways: round-off", "h"),

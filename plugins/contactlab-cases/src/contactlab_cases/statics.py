@@ -31,7 +31,7 @@ def static_job(
 
 
 def plane_strain(young: float, poisson: float = 0.3) -> float:
-    """E/(1 - nu^2) [MPa]."""
+    """Modulus E/(1 - nu^2) [MPa] of plane strain."""
     return young / (1.0 - poisson**2)
 
 
@@ -41,7 +41,7 @@ def graded_count(length: float, first: float, growth: float) -> int:
 
 
 def ordered(x: Floats, *values: Any) -> tuple[Floats, ...]:
-    """By increasing x."""
+    """Sort a curve by increasing x."""
     order = np.argsort(x)
     return x[order], *(np.asarray(v)[order] for v in values)
 
@@ -54,12 +54,12 @@ def l2_error(x: Floats, values: Floats, exact: Callable[[Floats], Floats], reach
 
 
 def force_of(record: Record, support: str = "block.bottom") -> float:
-    """What the block is pressed with [N/mm]."""
+    """Force [N/mm] that the block is pressed with."""
     return float(record.reaction(support)[1])
 
 
 def iterations(record: Record) -> float:
-    """Newton iterations of the run."""
+    """Number of Newton iterations of the run."""
     return float(record.summary["iterations"])
 
 
@@ -67,3 +67,13 @@ def cell_size(curve: ContactCurve, reach: float) -> float:
     """Mean length of the slave's segments over |x| < reach."""
     x = np.sort(curve.x[np.abs(curve.x) < reach])
     return float(np.diff(x).mean())
+
+
+def projected(at: Floats, values: Floats, cells: int) -> Floats:
+    """L2 projection of `values` (n,) at equal distances onto piecewise linear functions on so many equal cells."""
+    nodes = np.linspace(at[0], at[-1], cells + 1)
+    shapes = np.stack([np.interp(at, nodes, unit) for unit in np.eye(cells + 1)], axis=1)
+    weights = np.ones(len(at))
+    weights[[0, -1]] = 0.5
+    mass = (shapes.T * weights) @ shapes
+    return np.asarray(shapes @ np.linalg.solve(mass, (shapes.T * weights) @ values))

@@ -31,16 +31,16 @@ class StiffnessContrast(Case):
     margin: ClassVar[tuple[str, float] | None] = ("contrast", 1e9)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """One job: two bodies of unlike stiffness pressed together."""
         h = HALF_WIDTH / self.segments / setup.level
         return (disc_on_block(setup, RADIUS, (self.contrast * SOFT, SOFT), 8e-4, h, self.ratio, growth=1.04),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Tolerances for sixteen segments on the coarser side."""
+        """Errors of the pressure, with tolerances for sixteen segments on the coarser side."""
         size = 16.0 / self.segments / setup.level * max(1.0, self.ratio)
         why = "exact nodal values are off by 2 % at 16 segments and by 6 % at 5; facets of a coarse stiff side press"
         return hertz_measures(0.03 * size, 1.0 if self.ratio <= 1.0 else float("inf"), 0.04 * size, why)
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """At the measured force."""
+        """Compare the pressure with Hertz's at the measured force."""
         return hertz_values(only(done), RADIUS, 1.0 / (0.91 / (self.contrast * SOFT) + 0.91 / SOFT))

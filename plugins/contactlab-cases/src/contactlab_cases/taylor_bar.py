@@ -18,7 +18,7 @@ HEIGHT, WIDTH, SPEED = 32.4, 3.2, 227000.0
 
 @dataclass(frozen=True)
 class TaylorBar(Case):
-    """32.4 x 3.2 in plane strain; `cells` across."""
+    """A bar of 32.4 x 3.2 in plane strain that hits a wall, `cells` across."""
 
     cells: int = 3
 
@@ -33,7 +33,7 @@ class TaylorBar(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """80 microseconds."""
+        """One job: the first 80 microseconds of the impact."""
         cells = self.cells * setup.level
         law = {
             "use": "linear-hardening", "young": 117000.0, "poisson": 0.35, "density": 8.93e-9,
@@ -62,7 +62,7 @@ class TaylorBar(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Of the deformed shape."""
+        """Compute the measures from the deformed shape."""
         record = only(done)
         x, cells = record.nodes + record.displacement, record.cells["bar"]
         top = np.isclose(record.nodes[:, 1], HEIGHT) & np.isin(np.arange(len(x)), cells)

@@ -35,7 +35,7 @@ class TrescaBlock(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """The bundled scene."""
+        """One job: the bundled scene."""
         changes = {
             **setup.changes("block"), "contacts.0.swap": False, "contacts.0.friction.where": self.where,
             "level": 4 * setup.level,
@@ -43,7 +43,7 @@ class TrescaBlock(Case):
         return (Job("pressed", "tresca-block", changes, work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Allowed is one segment beside the published place."""
+        """The end of contact, within one segment of the published place."""
         h, (least, most, lift) = 1.3 / (104 * setup.level), ENDS[self.where]
         answer = Answer(0.5 * (least + most), "other-code", (most - least) / least, "independent active-set code")
         return (
@@ -57,7 +57,7 @@ class TrescaBlock(Case):
         )  # fmt: skip
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Along the undeformed sole."""
+        """Compute the measures along the undeformed sole of the block."""
         record = only(done)
         curve = record.curve()
         start = np.linspace(0.0, 1.3, len(curve.x))

@@ -33,7 +33,7 @@ class TwoBeams(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"impact"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """One job: one beam hits the other."""
         cells, steps = self.cells * setup.level, self.steps * setup.level
         free = strip((0.0, 1.0), (0.0, 0.01), [cells, 1], velocity=[-1.0, 0.0], shift=[1e-5, 0.0])
         scene = {
@@ -51,12 +51,12 @@ class TwoBeams(Case):
         return (Job("hit", scene, watch=({"use": "tip"},), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Published values, and energy."""
+        """Forces and displacements against published values, and the balance of energy."""
         found = [error(_at(time), 0.05, "the tolerance of the published test") for time in PUBLISHED]
         return [*found, invariant("largest rise of energy in a step", 1e-9, "round-off; contact conditions only take")]
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """The tip of the free beam at five instants."""
+        """Take the tip of the free beam at five instants."""
         found = table(done["hit"], "tip")
         tips = {
             _at(t): float(np.interp(t, found["time"], found["tip"])) / exact - 1.0 for t, exact in PUBLISHED.items()

@@ -34,7 +34,7 @@ class VertexToVertex(Case):
     proves: ClassVar[frozenset[str]] = frozenset({"symmetry", "momentum", "corners"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One fall, or one each way."""
+        """One job, or one for each choice of the slave."""
         ways = (1.0, -1.0) if self.offset else (1.0,)
         return tuple(self._job(setup, way * self.offset, "right" if way > 0.0 else "left") for way in ways)
 
@@ -53,7 +53,7 @@ class VertexToVertex(Case):
         return Job(name, "vertex-to-vertex", changes, (momenta, overlap), work=WORK, fields=True)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Symmetry and momentum to round-off."""
+        """Mirror symmetry and momentum, which must hold to round-off, and the overlap."""
         why = "nothing in the scene prefers a side: round-off, grown by the instability of corners"
         return (
             at_most("mirror symmetry, largest error in segments", 1e-8, why, "h"),

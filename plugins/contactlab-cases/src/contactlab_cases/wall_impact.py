@@ -36,7 +36,7 @@ class WallImpact(Case):
     margin: ClassVar[tuple[str, float] | None] = ("courant", 20.0)
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run."""
+        """One job: the bar hits the wall and leaves it."""
         cells = self.cells * setup.level
         dt = self.courant * LENGTH / cells / SOUND
         arrival = (round(0.5 / dt) - self.phase) * dt
@@ -62,7 +62,7 @@ class WallImpact(Case):
         )
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
-        """Against 300 of force, and the kinetic energy."""
+        """Compare with a force of 300, and with the kinetic energy."""
         found, cells = table(done["hit"]), self.cells * setup.level
         time, force, energy = found["time"], found["force.bar.x"], found["energy"]
         active, middle = np.flatnonzero(force > 1.0), force[(time > 0.55) & (time < 1.1)]

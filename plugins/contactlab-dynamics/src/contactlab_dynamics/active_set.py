@@ -24,7 +24,7 @@ BEYOND = 1e-2  # of the tolerance: how far a pass more or less may leave the gap
 
 
 class Search(NamedTuple):
-    """One direction after another, (k,) each.
+    """Direction of conjugate gradients and what goes with it, (k,) each.
 
     active     conditions that are closed
     direction  forces whose effect on the gaps is asked for next, `change` their effect

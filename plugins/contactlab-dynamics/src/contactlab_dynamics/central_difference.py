@@ -33,7 +33,7 @@ class CentralDifference(ExplicitIntegrator):
 
 
 class _Leapfrog:
-    """One run's arrays, bound once."""
+    """Steps of the central difference scheme on one run's arrays, bound once."""
 
     def __init__(self, equations: ExplicitEquations, state: State) -> None:
         nodes = len(equations.reference)
@@ -54,7 +54,7 @@ class _Leapfrog:
         self.bound: BoundArrays | None = None
 
     def step(self, dt: float) -> Step:
-        """Advance the state by dt."""
+        """Advance the state in place by one step of length dt [s]."""
         equations = self.equations
         bound = self.bound or self._bind()
         time = float(self.clock[0])

@@ -31,7 +31,7 @@ class Touched(NamedTuple):
 
 
 class Compliances(NamedTuple):
-    """How touched nodes and conditions give way.
+    """How far touched nodes and conditions move under a unit force.
 
     soft (L, 2) [mm/N] nodes, band (1 or 2, diagonals, k) B C B^T, stiff (k,) [mm/N] share of the own nodes,
     scale (k,) [mm/N] estimate for each row as a whole
@@ -107,7 +107,7 @@ def spread(rows, touched, y, carried, nodal):
 
 @kernel
 def _through_nodes(rows, touched, soft, y, scratch, out):
-    """A y by the motions of all touched nodes."""
+    """Product A y (k,), by way of the motions of all touched nodes."""
     nodal, above, inverse = scratch.nodal, rows.above, rows.inverse
     spread(rows, touched, y, scratch.carried, nodal)
     for n in range(nodal.shape[0]):
@@ -143,7 +143,7 @@ def _weighed(count, band, moved, out):
 
 @section
 def _by_band(rows, compliances, y, scratch, out):
-    """A y by the band."""
+    """Product A y (k,), from the stored band of A."""
     band, above, inverse = compliances.band, rows.above, rows.inverse
     half = band.shape[1] // 2 - 1
     cx, cy, wx, wy = scratch.padded[0], scratch.padded[1], scratch.carried[0], scratch.carried[1]

@@ -39,7 +39,7 @@ def _add_force(begin, end, node, weight, amount, force):
 
 @section
 def _finish(count, rows, multipliers, force):
-    """Multipliers to their slots and forces to the nodes."""
+    """Write multipliers to their slots, and forces to the nodes."""
     force[:] = 0.0
     multipliers[:] = 0.0
     for k in range(count):
@@ -74,7 +74,7 @@ def solve_dense(count, bound, compliance, multipliers, force, tolerance, limit):
 
 @kernel
 def solve_sparse(count, bound, compliance, multipliers, force, tolerance, limit):
-    """As `solve_dense`, without its matrix."""
+    """Solve as `solve_dense` does, without a dense matrix."""
     rows = unpack(bound, RowsTable)
     row_diagonals(count, rows, compliance)
     rigid = _warm_start(count, rows, multipliers)

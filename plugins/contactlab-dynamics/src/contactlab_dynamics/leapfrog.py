@@ -76,7 +76,7 @@ def _advance(trial, velocity, displacement, dt):
 
 @kernel
 def move(bound, loaded, alpha, dt, mean_dt):
-    """The whole step where nothing is in contact."""
+    """Make the whole step where nothing is in contact."""
     _trial(bound, loaded, alpha, dt, mean_dt)
     found = unpack(bound, ARRAYS)
     u, v, dof, before, trial = found[1], found[2], found[7], found[11], found[12]

@@ -21,6 +21,8 @@ class Attraction(Effect):
     """
 
     needs_mass: ClassVar[bool] = True
+    conservative: ClassVar[bool] = True
+    internal: ClassVar[bool] = True
 
     between: tuple[str, str]
     force: float

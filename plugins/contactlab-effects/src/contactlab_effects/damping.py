@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -22,6 +23,9 @@ class VibrationDamping(Effect):
     on     bodies that are damped; empty: all
     until  end of the damping [s]
     """
+
+    dissipates: ClassVar[bool] = True
+    internal: ClassVar[bool] = True
 
     rate: float
     on: tuple[str, ...] = ()

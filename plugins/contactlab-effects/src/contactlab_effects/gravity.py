@@ -22,6 +22,7 @@ class Gravity(Effect):
     """
 
     needs_mass: ClassVar[bool] = True
+    conservative: ClassVar[bool] = True
 
     acceleration: tuple[float, float]
     on: tuple[str, ...] = ()
@@ -32,7 +33,7 @@ class Gravity(Effect):
             raise ValueError(f"ramp: got {self.ramp}, allowed: a time of at least 0 [s]")
 
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
-        """Weights are computed once."""
+        """Compute the weights once; a step adds them."""
         nodes = np.concatenate([view.nodes(name) for name in self.on or view.bodies])
         # of all nodes, also those without weight: picking some out costs twenty times the sum
         weight = np.zeros((len(view.mass), 2))

@@ -34,7 +34,7 @@ def damp_vibration(first, last, reference, displacement, mass, velocity, rate, f
 
 @section
 def _centre(nodes, reference, displacement, mass):
-    """Centre of mass [mm] and mass."""
+    """Centre of mass [mm] and mass [t] of a body."""
     total, x, y = 0.0, 0.0, 0.0
     for n in nodes:
         total += mass[n]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -19,6 +20,8 @@ class Spring(Effect):
     stiffness  along x and y, of all nodes together [N/mm]
     """
 
+    conservative: ClassVar[bool] = True
+
     on: str
     stiffness: tuple[float, float]
 
@@ -27,7 +30,7 @@ class Spring(Effect):
             raise ValueError(f"stiffness: got {list(self.stiffness)}, allowed: numbers of at least 0 [N/mm]")
 
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
-        """The springs are without force at the undeformed positions."""
+        """Attach the springs, which are without force at the undeformed positions."""
         nodes, displacement = view.nodes(self.on), view.displacement
         each = np.asarray(self.stiffness) / len(nodes)
 

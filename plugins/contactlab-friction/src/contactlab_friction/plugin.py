@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Coulomb's and Tresca's law."""
+    """Offer the friction laws of Coulomb and Tresca."""
     return [
         Part(
             "friction",

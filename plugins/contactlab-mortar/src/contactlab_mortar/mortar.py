@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from contactlab.api.compiled.late import late
 
 DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
 
-_BOUND, _GRADIENTS = BoundCache(), BoundCache()
+_BOUND, _GRADIENTS, _DERIVATIVES = BoundCache(), BoundCache(), BoundCache()
 
 
 @dataclass(frozen=True)
@@ -77,50 +77,22 @@ class _Mortar(ContactAlgorithm):
 
     def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
         """Derivatives of overlaps, integrals and normals."""
-        from contactlab_mortar.derivatives import mortar_derivatives
-        from contactlab_mortar.segments import inward_normals
-
-        slave, master, at, near = view.slave, view.master, view.at, view.near
-        averaged = np.empty_like(pieces.normal)
-        inward_normals(at.slave, slave.segments, slave.node_segments, averaged)
-        out.count, out.normal_count = mortar_derivatives(
-            (slave.segments, slave.node_segments, slave.edges, slave.segment_edge),
-            (master.segments, master.edges, master.segment_edge),
-            at.slave,
-            at.master,
-            (near.start, near.master),
-            self.linear,
+        address, vertices = (
+            _DERIVATIVES.of(pieces, _bound_derivatives, view, out).address,
             self.multipliers == "vertices",
-            (count, pieces.multiplier, pieces.master, averaged),
-            (out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT,
-             out.normal_of, out.normal_moved, out.dnormal),
-        )  # fmt: skip
-        if not np.array_equal(averaged, pieces.normal):
-            self._turned_derivatives(view, pieces, count, averaged, out)
-        return True
-
-    def _turned_derivatives(
-        self, view: ContactView, pieces: Pieces, count: int, averaged: Floats, out: PieceDerivatives
-    ) -> None:
-        """Derivatives of the normals at vertices, in place of those of averaged ones."""
-        from contactlab_mortar.vertex_derivatives import vertex_derivatives
-
-        out.normal_count = vertex_derivatives(
-            (count, pieces.multiplier, pieces.master, pieces.T),
-            (out.count, out.multiplier, out.master, out.moved, out.dT),
-            (view.slave.segments, view.slave.node_segments),
-            view.at.slave,
-            view.at.master,
-            averaged,
-            out.normal_count,
-            (out.normal_of, out.normal_moved, out.dnormal),
         )
+        kernel = late("contactlab_mortar.derivatives").mortar_derivatives
+        out.count, out.normal_count, smooth = kernel(address, count, self.linear, vertices)
+        if not smooth:
+            kernel = late("contactlab_mortar.vertex_derivatives").vertex_derivatives
+            out.normal_count = kernel(address, count, out.count, out.normal_count)
+        return True
 
     def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         """Averaged slave normals, turned to point away from the master; with their own overlaps at vertices."""
-        segments, vertices = late("contactlab_mortar.segments"), late("contactlab_mortar.vertices")
+        slave_normals, vertices = late("contactlab_mortar.normals"), late("contactlab_mortar.vertices")
         slave, at = view.slave, view.at
-        segments.inward_normals(at.slave, slave.segments, slave.node_segments, out)
+        slave_normals.inward_normals(at.slave, slave.segments, slave.node_segments, out)
         arrays = pieces.multiplier, pieces.master, pieces.T
         if vertices.turn_at_vertices(count, arrays, (slave.segments, slave.node_segments), at.slave, at.master, out):
             super().normals(view, pieces, count, out)
@@ -128,11 +100,7 @@ class _Mortar(ContactAlgorithm):
 
 def _bound(out: Pieces, view: ContactView) -> BoundArrays:
     """The arrays that pieces are made from and written to."""
-    return BoundArrays(
-        late("contactlab_mortar.segments").MortarTable, _surface(view.slave), _surface(view.master), *view.at,
-        view.near.start, view.near.master,
-        PiecesTable(out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
-    )  # fmt: skip
+    return BoundArrays(late("contactlab_mortar.tables").MortarTable, *_sides(view), *_arrays(out))
 
 
 def _bound_gradients(
@@ -140,14 +108,28 @@ def _bound_gradients(
 ) -> BoundArrays:
     """The arrays that gradients are made from and written to."""
     return BoundArrays(
-        late("contactlab_mortar.gradients").GradientTable, _surface(view.slave), _surface(view.master), *view.at,
-        view.near.start, view.near.master, pieces.multiplier, pieces.master, pieces.normal, owner, separation,
+        late("contactlab_mortar.tables").SeparationsTable, *_sides(view), *_arrays(pieces),
+        np.empty_like(pieces.normal), owner, separation,
         GradientsTable(out.multiplier, out.node, out.value, out.normal_of, out.normal_moved, out.dnormal),
     )  # fmt: skip
 
 
-def _surface(of: Surface) -> SurfaceTable:
-    return SurfaceTable(of.segments, of.node_segments, of.edges, of.segment_edge)
+def _bound_derivatives(pieces: Pieces, view: ContactView, out: PieceDerivatives) -> BoundArrays:
+    """The arrays that derivatives are made from and written to."""
+    return BoundArrays(
+        late("contactlab_mortar.tables").DerivativesTable, *_sides(view), *_arrays(pieces),
+        np.empty_like(pieces.normal), out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT,
+        out.normal_of, out.normal_moved, out.dnormal,
+    )  # fmt: skip
+
+
+def _arrays(of: Pieces) -> PiecesTable:
+    return PiecesTable(of.slave, of.multiplier, of.master, of.D, of.M, of.T, of.normal)
+
+
+def _sides(view: ContactView) -> tuple[Any, ...]:
+    surfaces = (SurfaceTable(s.segments, s.node_segments, s.edges, s.segment_edge) for s in (view.slave, view.master))
+    return (*surfaces, *view.at, view.near.start, view.near.master)
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Mortar contact with constant and with linear multipliers."""
+    """Offer mortar contact with constant and with linear multipliers."""
     return [
         Part(
             "contact",

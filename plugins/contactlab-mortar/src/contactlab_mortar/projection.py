@@ -1,23 +1,65 @@
-"""Overlap of a slave and a master segment along the continuous field of averaged slave normals.
+"""Where two segments see each other, along the continuous field of averaged slave normals.
 
-The slave segment is x(xi) = a + xi (b - a), the normal there n(xi) = n_a + xi (n_b - n_a), xi in
-[0, 1]; the master segment is y(eta) = c + eta (d - c). A point y is seen from x(xi) where
-(x(xi) - y) x n(xi) = 0, a quadratic in xi.
+The slave segment is x(xi) = a + xi e, the normal there n(xi) = n + xi m, xi in [0, 1]; the master segment is
+y(eta) = c + eta (d - c). A point y is seen from x(xi) where (x(xi) - y) x n(xi) = 0, a quadratic in xi.
 """
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 
 from contactlab.api.compiled.kernel import point
 
 
-@point
-def slave_parameter(ax, ay, ex, ey, nx, ny, mx, my, px, py):
-    """xi of the slave point that sees (px, py): the root that continues the flat case; nan if none.
+class SlaveSegment(NamedTuple):
+    """A slave segment: start a, edge vector e, outward normal n at the start and its change m to the end."""
 
-    (ax, ay) start, (ex, ey) edge vector, (nx, ny) normal at the start, (mx, my) its change to the end.
-    """
+    ax: float
+    ay: float
+    ex: float
+    ey: float
+    nx: float
+    ny: float
+    mx: float
+    my: float
+
+
+class MasterSegment(NamedTuple):
+    """A master segment from c to d."""
+
+    cx: float
+    cy: float
+    dx: float
+    dy: float
+
+
+@point
+def slave_segment(s, at, segments, inward):
+    """Segment s of the slave at positions (m, 2), with the inward normals (m, 2) of its nodes."""
+    i, j = segments[s, 0], segments[s, 1]
+    ax, ay, nx, ny = at[i, 0], at[i, 1], -inward[i, 0], -inward[i, 1]
+    return SlaveSegment(ax, ay, at[j, 0] - ax, at[j, 1] - ay, nx, ny, -inward[j, 0] - nx, -inward[j, 1] - ny)
+
+
+@point
+def master_segment(m, at, segments):
+    """Segment m of the master at positions (l, 2)."""
+    i, j = segments[m, 0], segments[m, 1]
+    return MasterSegment(at[i, 0], at[i, 1], at[j, 0], at[j, 1])
+
+
+@point
+def edge_vector(master):
+    """d - c of a master segment."""
+    return master.dx - master.cx, master.dy - master.cy
+
+
+@point
+def slave_parameter(slave, px, py):
+    """xi of the slave point that sees (px, py): the root that continues the flat case; nan if none."""
+    ax, ay, ex, ey, nx, ny, mx, my = slave
     rx, ry = ax - px, ay - py
     constant = rx * ny - ry * nx
     linear = (ex * ny - ey * nx) + (rx * my - ry * mx)
@@ -29,17 +71,28 @@ def slave_parameter(ax, ay, ex, ey, nx, ny, mx, my, px, py):
 
 
 @point
-def master_parameter(xi, ax, ay, ex, ey, nx, ny, mx, my, cx, cy, fx, fy):
-    """eta where the normal at x(xi) meets the master segment (start c, edge vector f)."""
+def master_parameter(xi, slave, master):
+    """eta where the normal at x(xi) meets the master segment."""
+    ax, ay, ex, ey, nx, ny, mx, my = slave
+    fx, fy = edge_vector(master)
     px, py = ax + xi * ex, ay + xi * ey
     qx, qy = nx + xi * mx, ny + xi * my
-    return -((cx - px) * qy - (cy - py) * qx) / (fx * qy - fy * qx)
+    return -((master.cx - px) * qy - (master.cy - py) * qx) / (fx * qy - fy * qx)
 
 
 @point
-def opening(xi, eta, ax, ay, ex, ey, nx, ny, mx, my, cx, cy, fx, fy):
+def opening(xi, eta, slave, master):
     """Gap [mm] between x(xi) and y(eta) along the slave normal, positive when open."""
-    qx, qy = nx + xi * mx, ny + xi * my
-    dx = cx + eta * fx - ax - xi * ex
-    dy = cy + eta * fy - ay - xi * ey
-    return (dx * qx + dy * qy) / np.sqrt(qx * qx + qy * qy)
+    qx, qy = slave.nx + xi * slave.mx, slave.ny + xi * slave.my
+    x, y = across(xi, eta, slave, master)
+    return (x * qx + y * qy) / np.sqrt(qx * qx + qy * qy)
+
+
+@point
+def across(xi, eta, slave, master):
+    """y(eta) - x(xi)."""
+    fx, fy = edge_vector(master)
+    return (
+        master.cx + eta * fx - slave.ax - xi * slave.ex,
+        master.cy + eta * fy - slave.ay - xi * slave.ey,
+    )

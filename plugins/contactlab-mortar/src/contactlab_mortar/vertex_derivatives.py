@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.compiled.kernel import kernel, point
+from contactlab.api.compiled.kernel import kernel, point, section
+from contactlab.api.compiled.unpack import unpack
+from contactlab_mortar.tables import DerivativesTable
 from contactlab_mortar.vertices import LEAN, TURN, _ramp, facing_sums, slave_turn
 
 
@@ -18,126 +20,114 @@ def _ramp_derivative(value, low, high):
     return 6.0 * t * (1.0 - t) / (high - low) if 0.0 < t < 1.0 else 0.0
 
 
-@kernel
+@section
 def _state(k, a, sums, turn, out):
-    """What the derivatives of multiplier k need into out (9,); False where its normal is the averaged one.
+    """What the derivatives of multiplier k need into out[k] (9,), zeros where its normal is the averaged one.
 
-    out = s, R(turn) R'(lean) with the sign of a x f, R(lean) R'(turn), f, |F|, n, 1/|u|
+    out[k] = s, R(turn) R'(lean) with the sign of a x f, R(lean) R'(turn), f, |F|, n, 1/|u|
     """
     size = np.sqrt(sums[k, 0] * sums[k, 0] + sums[k, 1] * sums[k, 1])
-    if size == 0.0:
-        return False
-    fx, fy = sums[k, 0] / size, sums[k, 1] / size
-    cross = a[k, 0] * fy - a[k, 1] * fx
-    lean, bend = _ramp(abs(cross), LEAN[0], LEAN[1]), _ramp(turn, TURN[0], TURN[1])
-    share = lean * bend
-    if share == 0.0:
-        return False
-    ux, uy = a[k, 0] + share * (fx - a[k, 0]), a[k, 1] + share * (fy - a[k, 1])
-    length = np.sqrt(ux * ux + uy * uy)
-    out[0] = share
-    out[1] = bend * _ramp_derivative(abs(cross), LEAN[0], LEAN[1]) * np.copysign(1.0, cross)
-    out[2] = lean * _ramp_derivative(turn, TURN[0], TURN[1])
-    out[3], out[4], out[5] = fx, fy, size
-    out[6], out[7], out[8] = ux / length, uy / length, 1.0 / length
-    return True
+    bend = _ramp(turn, TURN[0], TURN[1])
+    if size > 0.0 and bend > 0.0:
+        fx, fy = sums[k, 0] / size, sums[k, 1] / size
+        cross = a[k, 0] * fy - a[k, 1] * fx
+        lean = _ramp(abs(cross), LEAN[0], LEAN[1])
+        share = lean * bend
+        if share > 0.0:
+            ux, uy = a[k, 0] + share * (fx - a[k, 0]), a[k, 1] + share * (fy - a[k, 1])
+            length = np.sqrt(ux * ux + uy * uy)
+            out[k, 0] = share
+            out[k, 1] = bend * _ramp_derivative(abs(cross), LEAN[0], LEAN[1]) * np.copysign(1.0, cross)
+            out[k, 2] = lean * _ramp_derivative(turn, TURN[0], TURN[1])
+            out[k, 3], out[k, 4], out[k, 5] = fx, fy, size
+            out[k, 6], out[k, 7], out[k, 8] = ux / length, uy / length, 1.0 / length
 
 
-@kernel
-def _put(at, k, moved, state, a, change, kind, normal_of, normal_moved, dnormal):
-    """Entry `at`: what a change of the averaged normal (0), of the sum F (1) or of the turn (2) does to n."""
-    x, y, fx, fy = change[0], change[1], state[3], state[4]
-    dx, dy = fx - a[k, 0], fy - a[k, 1]
-    if kind == 0:
-        grown = state[1] * (x * fy - y * fx)
-        x, y = (1.0 - state[0]) * x + grown * dx, (1.0 - state[0]) * y + grown * dy
-    elif kind == 1:
-        along = x * fx + y * fy
-        x, y = (x - along * fx) / state[5], (y - along * fy) / state[5]
-        grown = state[1] * (a[k, 0] * y - a[k, 1] * x)
-        x, y = state[0] * x + grown * dx, state[0] * y + grown * dy
-    else:
-        x, y = state[2] * change[0] * dx, state[2] * change[0] * dy
-    along = x * state[6] + y * state[7]
-    normal_of[at], normal_moved[at] = k, moved
-    dnormal[at, 0], dnormal[at, 1] = (x - along * state[6]) * state[8], (y - along * state[7]) * state[8]
+@section
+def _put(at, k, moved, state, averaged, change, out):
+    """Entry `at`: what a change (2,) of the averaged normal, of the sum F or of the turn of node k does to n.
 
-
-@kernel
-def _master_normal(nodes, p, master_at, out):
-    """Outward unit normal of the edge of piece p into out (2,); returns its length [mm]."""
-    c, d = master_at[nodes[p, 0]], master_at[nodes[p, 1]]
-    x, y = d[1] - c[1], c[0] - d[0]
-    size = np.sqrt(x * x + y * y)
-    out[0], out[1] = x / size, y / size
-    return size
-
-
-@kernel
-def vertex_derivatives(pieces, entries, slave, slave_at, master_at, averaged, given, normals):
-    """Mend and add to the `given` derivatives of averaged normals (m, 2); returns the number of entries.
-
-    pieces = (count, multipliers, master nodes, T)
-    entries = (count, multiplier, master, moved, dT) of `mortar_derivatives`
-    slave = (segments, node_segments), normals = (normal_of, normal_moved, dnormal)
+    change = (which of the three: 0, 1 or 2, x, y)
     """
-    count, multiplier, master_nodes, T = pieces
-    entry_count, e_multiplier, e_master, e_moved, dT = entries
-    segments, node_segments = slave
-    normal_of, normal_moved, dnormal = normals
-    m, at = averaged.shape[0], given
-    sums, state, turned = np.empty((m, 2)), np.empty((m, 9)), np.zeros(m, np.bool_)
-    facing_sums(count, multiplier, master_nodes, T, master_at, np.ones(sums.shape[0]), sums)
-    for k in range(m):
-        turned[k] = _state(k, averaged, sums, slave_turn(k, slave_at, segments, node_segments), state[k])
-    change, normal = np.empty(2), np.empty(2)
-    for e in range(given):
-        k = normal_of[e]
-        if turned[k]:
-            change[0], change[1] = dnormal[e, 0], dnormal[e, 1]
-            _put(e, k, normal_moved[e], state[k], averaged, change, 0, normal_of, normal_moved, dnormal)
-    for e in range(entry_count):
+    which, x, y = change
+    fx, fy, ax, ay = state[k, 3], state[k, 4], averaged[k, 0], averaged[k, 1]
+    dx, dy = fx - ax, fy - ay
+    if which == 0:
+        grown = state[k, 1] * (x * fy - y * fx)
+        x, y = (1.0 - state[k, 0]) * x + grown * dx, (1.0 - state[k, 0]) * y + grown * dy
+    elif which == 1:
+        along = x * fx + y * fy
+        x, y = (x - along * fx) / state[k, 5], (y - along * fy) / state[k, 5]
+        grown = state[k, 1] * (ax * y - ay * x)
+        x, y = state[k, 0] * x + grown * dx, state[k, 0] * y + grown * dy
+    else:
+        x, y = state[k, 2] * x * dx, state[k, 2] * x * dy
+    along = x * state[k, 6] + y * state[k, 7]
+    out.normal_of[at], out.normal_moved[at] = k, moved
+    out.dnormal[at, 0] = (x - along * state[k, 6]) * state[k, 8]
+    out.dnormal[at, 1] = (y - along * state[k, 7]) * state[k, 8]
+
+
+@point
+def _master_normal(master, p, master_at):
+    """Outward unit normal of the edge of entry p of master nodes, and its length [mm]."""
+    c, d = master[p, 0], master[p, 1]
+    x, y = master_at[d, 1] - master_at[c, 1], master_at[c, 0] - master_at[d, 0]
+    size = np.sqrt(x * x + y * y)
+    return x / size, y / size, size
+
+
+@section
+def _by_lengths(table, count, state, at):
+    """Entries of the lengths over which multipliers see each edge of the master: those that `count` changes have."""
+    out = table.out
+    for e in range(count):
         for j in range(2):
-            k = e_multiplier[e, j]
-            if turned[k]:
-                _master_normal(e_master, e, master_at, normal)
-                weight = dT[e, 0, j] + dT[e, 1, j]
-                change[0], change[1] = weight * normal[0], weight * normal[1]
-                _put(at, k, e_moved[e], state[k], averaged, change, 1, normal_of, normal_moved, dnormal)
+            k = out.multiplier[e, j]
+            if state[k, 0] != 0.0:
+                x, y, _ = _master_normal(out.master, e, table.sides.master_at)
+                weight = out.dT[e, 0, j] + out.dT[e, 1, j]
+                _put(at, k, out.moved[e], state, table.averaged, (1, weight * x, weight * y), out)
                 at += 1
+    return at
+
+
+@section
+def _by_master_normals(table, count, state, at):
+    """Entries of the normals of the master's edges, by both ends of each."""
+    pieces, sides = table.pieces, table.sides
     for p in range(count):
         for j in range(2):
-            k = multiplier[p, j]
-            if not turned[k]:
+            k = pieces.multiplier[p, j]
+            if state[k, 0] == 0.0:
                 continue
-            size = _master_normal(master_nodes, p, master_at, normal)
-            weight = (T[p, 0, j] + T[p, 1, j]) / size
+            nx, ny, size = _master_normal(pieces.master, p, sides.master_at)
+            weight = (pieces.T[p, 0, j] + pieces.T[p, 1, j]) / size
             for end in range(2):
                 for direction in range(2):
                     # the edge vector (x, y) turned by -90 degrees is (y, -x)
                     sign = weight if end == 1 else -weight
                     x, y = (0.0, -sign) if direction == 0 else (sign, 0.0)
-                    along = x * normal[0] + y * normal[1]
-                    change[0], change[1] = x - along * normal[0], y - along * normal[1]
-                    moved = 2 * (slave_at.shape[0] + master_nodes[p, end]) + direction
-                    _put(at, k, moved, state[k], averaged, change, 1, normal_of, normal_moved, dnormal)
+                    along = x * nx + y * ny
+                    moved = 2 * (sides.slave_at.shape[0] + pieces.master[p, end]) + direction
+                    _put(at, k, moved, state, table.averaged, (1, x - along * nx, y - along * ny), table.out)
                     at += 1
-    for k in range(m):
-        if turned[k] and state[k, 2] != 0.0:
-            at = _turn_derivatives(at, k, state, averaged, slave_at, segments, node_segments, normals)
     return at
 
 
-@kernel
-def _turn_derivatives(at, k, state, averaged, slave_at, segments, node_segments, normals):
+@section
+def _by_turn(table, k, state, at):
     """Entries of the turn at node k, an inner one, by its own place and those of its neighbours."""
-    normal_of, normal_moved, dnormal = normals
+    slave_at, segments, node_segments = (
+        table.sides.slave_at,
+        table.sides.slave.segments,
+        table.sides.slave.node_segments,
+    )
     before, after = segments[node_segments[k, 0], 0], segments[node_segments[k, 1], 1]
     ex, ey = slave_at[k, 0] - slave_at[before, 0], slave_at[k, 1] - slave_at[before, 1]
     gx, gy = slave_at[after, 0] - slave_at[k, 0], slave_at[after, 1] - slave_at[k, 1]
     e2, g2, cross = ex * ex + ey * ey, gx * gx + gy * gy, ex * gy - ey * gx
     scale, sign = 1.0 / np.sqrt(e2 * g2), np.copysign(1.0, cross)
-    change = np.empty(2)
     for which in range(3):
         node = before if which == 0 else (k if which == 1 else after)
         de = -1.0 if which == 0 else (1.0 if which == 1 else 0.0)
@@ -145,8 +135,33 @@ def _turn_derivatives(at, k, state, averaged, slave_at, segments, node_segments,
         for direction in range(2):
             own, other = (ex, gx) if direction == 0 else (ey, gy)
             turned = de * gy - dg * ey if direction == 0 else dg * ex - de * gx
-            change[0] = sign * scale * (turned - cross * (own * de / e2 + other * dg / g2))
-            change[1] = 0.0
-            _put(at, k, 2 * node + direction, state[k], averaged, change, 2, normal_of, normal_moved, dnormal)
+            change = sign * scale * (turned - cross * (own * de / e2 + other * dg / g2))
+            _put(at, k, 2 * node + direction, state, table.averaged, (2, change, 0.0), table.out)
             at += 1
+    return at
+
+
+@kernel
+def vertex_derivatives(bound, count, changes, given):
+    """Mend and add to the `given` derivatives of averaged normals; returns the number of entries.
+
+    `bound` is the address of a `DerivativesTable` with `count` pieces and `changes` derivatives of them.
+    """
+    table = unpack(bound, DerivativesTable)
+    pieces, sides, averaged, out = table.pieces, table.sides, table.averaged, table.out
+    m, at = averaged.shape[0], given
+    sums, state = np.empty((m, 2)), np.zeros((m, 9))
+    facing_sums(count, pieces.multiplier, pieces.master, pieces.T, sides.master_at, np.ones(m), sums)
+    for k in range(m):
+        turn = slave_turn(k, sides.slave_at, sides.slave.segments, sides.slave.node_segments)
+        _state(k, averaged, sums, turn, state)
+    for e in range(given):
+        k = out.normal_of[e]
+        if state[k, 0] != 0.0:
+            _put(e, k, out.normal_moved[e], state, averaged, (0, out.dnormal[e, 0], out.dnormal[e, 1]), out)
+    at = _by_lengths(table, changes, state, at)
+    at = _by_master_normals(table, count, state, at)
+    for k in range(m):
+        if state[k, 2] != 0.0:
+            at = _by_turn(table, k, state, at)
     return at

@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Quadrilaterals of first and second degree."""
+    """Offer quadrilaterals of first and second degree."""
     return [
         Part("element", "q1", "contactlab_quads.q1:Q1", "bilinear quadrilateral, 2x2 points", "Hughes 2000, ch. 3"),
         Part(

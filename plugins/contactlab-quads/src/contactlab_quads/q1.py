@@ -28,15 +28,15 @@ class Q1(Element):
         """N_a = (1 + xi_a xi)(1 + eta_a eta)/4."""
         xi = 1.0 + points[:, :1] * self.nodes[:, 0]
         eta = 1.0 + points[:, 1:] * self.nodes[:, 1]
-        slope = np.stack([self.nodes[:, 0] * eta, self.nodes[:, 1] * xi], axis=-1)
-        return Shape(0.25 * xi * eta, 0.25 * slope)
+        derivative = np.stack([self.nodes[:, 0] * eta, self.nodes[:, 1] * xi], axis=-1)
+        return Shape(0.25 * xi * eta, 0.25 * derivative)
 
     def quadrature(self) -> Quadrature:
         """2x2 Gauss points, counter-clockwise like the nodes."""
         return Quadrature(_G * self.nodes, np.ones(4))
 
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Linear trace."""
+        """Values and derivatives (n, 2) of the two linear functions of an edge at s."""
         value = np.stack([0.5 * (1.0 - s), 0.5 * (1.0 + s)], axis=-1)
         return value, np.broadcast_to([-0.5, 0.5], value.shape).copy()
 

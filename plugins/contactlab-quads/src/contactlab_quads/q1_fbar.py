@@ -30,15 +30,15 @@ class Q1Fbar(Element):
     beyond: ClassVar[Mapping[str, str]] = {"quadratic shape functions": "q2"}
 
     def shape(self, points: Floats) -> Shape:
-        """Bilinear, as Q1."""
+        """Bilinear shape functions, those of Q1."""
         return _Q1.shape(points)
 
     def quadrature(self) -> Quadrature:
-        """2x2 Gauss points."""
+        """Rule of 2x2 Gauss points."""
         return _Q1.quadrature()
 
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Linear trace."""
+        """Values and derivatives (n, 2) of the two linear functions of an edge at s."""
         return _Q1.edge_shape(s)
 
     def block_kernels(self, kinematics: Kinematics) -> BlockKernels:

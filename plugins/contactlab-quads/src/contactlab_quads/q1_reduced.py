@@ -38,19 +38,19 @@ class Q1Reduced(Element):
             raise ValueError(f"hourglass: got {self.hourglass}, allowed: a factor > 0, or the element has free modes")
 
     def shape(self, points: Floats) -> Shape:
-        """Bilinear, as Q1."""
+        """Bilinear shape functions, those of Q1."""
         return _Q1.shape(points)
 
     def quadrature(self) -> Quadrature:
-        """The centre, with the whole weight."""
+        """Rule of one point, the centre, with the whole weight."""
         return Quadrature(np.zeros((1, 2)), np.array([4.0]))
 
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Linear trace."""
+        """Values and derivatives (n, 2) of the two linear functions of an edge at s."""
         return _Q1.edge_shape(s)
 
     def block_kernels(self, kinematics: Kinematics) -> BlockKernels:
-        """One-point kernels and the stabilising stage."""
+        """Kernels of one point per cell, and the stage that stabilises hourglass modes."""
         from contactlab_quads import q1_reduced_kernels as kernels
 
         factor = self.hourglass

@@ -29,27 +29,27 @@ class Q2(Element):
     def shape(self, points: Floats) -> Shape:
         """Corners (1 + a)(1 + b)(a + b - 1)/4 with a = xi_a xi, b = eta_a eta; mid-sides (1 - xi^2)(1 + b)/2."""
         xi, eta = points[:, 0], points[:, 1]
-        value, slope = np.empty((len(points), 8)), np.empty((len(points), 8, 2))
+        value, derivative = np.empty((len(points), 8)), np.empty((len(points), 8, 2))
         for k, (x, y) in enumerate(self.nodes):
             a, b = x * xi, y * eta
             if x != 0.0 and y != 0.0:
                 value[:, k] = 0.25 * (1.0 + a) * (1.0 + b) * (a + b - 1.0)
-                slope[:, k, 0] = 0.25 * x * (1.0 + b) * (2.0 * a + b)
-                slope[:, k, 1] = 0.25 * y * (1.0 + a) * (a + 2.0 * b)
+                derivative[:, k, 0] = 0.25 * x * (1.0 + b) * (2.0 * a + b)
+                derivative[:, k, 1] = 0.25 * y * (1.0 + a) * (a + 2.0 * b)
             elif x == 0.0:
                 value[:, k] = 0.5 * (1.0 - xi**2) * (1.0 + b)
-                slope[:, k, 0] = -xi * (1.0 + b)
-                slope[:, k, 1] = 0.5 * y * (1.0 - xi**2)
+                derivative[:, k, 0] = -xi * (1.0 + b)
+                derivative[:, k, 1] = 0.5 * y * (1.0 - xi**2)
             else:
                 value[:, k] = 0.5 * (1.0 - eta**2) * (1.0 + a)
-                slope[:, k, 0] = 0.5 * x * (1.0 - eta**2)
-                slope[:, k, 1] = -eta * (1.0 + a)
-        return Shape(value, slope)
+                derivative[:, k, 0] = 0.5 * x * (1.0 - eta**2)
+                derivative[:, k, 1] = -eta * (1.0 + a)
+        return Shape(value, derivative)
 
     def quadrature(self) -> Quadrature:
-        """3x3 Gauss points."""
+        """Rule of 3x3 Gauss points."""
         return GAUSS_3X3
 
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Parabolic trace."""
+        """Values and derivatives (n, 3) of the three parabolas of an edge at s."""
         return edge_trace(s)

@@ -27,13 +27,13 @@ class Q2Lagrange(Element):
         along_xi, d_xi = parabolas(points[:, 0])
         along_eta, d_eta = parabolas(points[:, 1])
         i, j = np.rint(self.nodes + 1.0).astype(int).T
-        slope = np.stack([d_xi[:, i] * along_eta[:, j], along_xi[:, i] * d_eta[:, j]], axis=-1)
-        return Shape(along_xi[:, i] * along_eta[:, j], slope)
+        derivative = np.stack([d_xi[:, i] * along_eta[:, j], along_xi[:, i] * d_eta[:, j]], axis=-1)
+        return Shape(along_xi[:, i] * along_eta[:, j], derivative)
 
     def quadrature(self) -> Quadrature:
-        """3x3 Gauss points."""
+        """Rule of 3x3 Gauss points."""
         return GAUSS_3X3
 
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Parabolic trace."""
+        """Values and derivatives (n, 3) of the three parabolas of an edge at s."""
         return edge_trace(s)

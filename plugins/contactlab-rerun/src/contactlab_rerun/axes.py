@@ -63,14 +63,14 @@ class Axes:
 
 
 def labels(at: Sequence[np.ndarray], texts: Sequence[str], colour: tuple[int, ...] = INK) -> rr.Points3D:
-    """Texts at points."""
+    """Draw texts at points."""
     return rr.Points3D(np.array(at, np.float32), labels=list(texts), radii=[0.0], colors=[colour], show_labels=True)
 
 
 def log_legend(
     recording: rr.RecordingStream, path: str, names: Sequence[tuple[str, tuple[int, ...]]], hang: float
 ) -> None:
-    """Names in their colours, beside a plot."""
+    """Write names in their colours beside a plot."""
     for number, (name, colour) in enumerate(names):
         at = np.array([WIDTH + 0.42, 1.0 - 2.2 * hang * number, -1.0])
         recording.log(f"{path}/legend/{number}", labels([at], [name], colour), static=True)

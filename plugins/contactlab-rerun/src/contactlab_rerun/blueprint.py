@@ -13,10 +13,11 @@ from contactlab.api.arrays import Floats
 from contactlab.api.drawing.units import Units
 from contactlab_rerun.axes import BOX
 from contactlab_rerun.convergence import PATH as CONVERGENCE
-from contactlab_rerun.gathered import Gathered, Look
+from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.profiles import Profile
 from contactlab_rerun.projection import bounds
 from contactlab_rerun.series import Series
+from contactlab_rerun.stream import Arrangement
 
 LEGEND = np.array([0.75, 0.0])  # room for a legend right of a plot
 PAPER = (16, 18, 22)
@@ -27,24 +28,24 @@ _WHOLE = rrb.TimeAxis(view_range=rr.TimeRange(_EDGE, _EDGE))
 
 @dataclass(frozen=True)
 class Shown:
-    """One run as the arrangement needs it.
+    """One run and what the arrangement of views needs of it.
 
     box     what its mesh view shows
     series  with which of their lines are worth drawing
     """
 
-    look: Look
+    appearance: Appearance
     run: Gathered
     box: tuple[Floats, Floats]
     series: Sequence[tuple[Series, Sequence[bool]]]
 
 
-def blueprint(shown: Sequence[Shown], profiles: Sequence[Profile], converged: bool, timeline: str) -> rrb.Blueprint:
+def arrange(shown: Sequence[Shown], profiles: Sequence[Profile], converged: bool, timeline: str) -> Arrangement:
     """Meshes above; profiles, curves over time, states and events below. `converged`: Newton's iteration is drawn."""
     curves = [_profile_view(profile, shown) for profile in profiles]
     solver = _tabs([*([_convergence_view(shown)] if converged else []), *_solver_views(shown)])
     layout = _one(shown, curves, solver) if len(shown) == 1 else _several(shown, curves, solver)
-    return rrb.Blueprint(
+    return Arrangement(
         layout,
         rrb.TimePanel(state="collapsed", timeline=timeline),
         rrb.BlueprintPanel(state="hidden"),
@@ -98,12 +99,12 @@ def _units(shown: Sequence[Shown]) -> Units:
 
 
 def _mesh_view(one: Shown) -> rrb.Spatial2DView:
-    path = one.look.path
+    path = one.appearance.path
     names = ("view", "mesh", "outline", "wire", "arrows", "bar")
     return rrb.Spatial2DView(
         origin=f"{path}/view",
         contents=[f"+ {path}/{name}/**" for name in names],
-        name=one.look.title,
+        name=one.appearance.title,
         visual_bounds=bounds(*one.box),
         background=PAPER,
     )
@@ -111,7 +112,7 @@ def _mesh_view(one: Shown) -> rrb.Spatial2DView:
 
 def _profile_view(profile: Profile, shown: Sequence[Shown]) -> rrb.Spatial2DView:
     curves = [
-        f"+ {one.look.path}/profile/{contact.name}/**"
+        f"+ {one.appearance.path}/profile/{contact.name}/**"
         for one in shown
         for contact in one.run.layout.contacts
         if contact.slave == profile.slave
@@ -120,7 +121,7 @@ def _profile_view(profile: Profile, shown: Sequence[Shown]) -> rrb.Spatial2DView
 
 
 def _convergence_view(shown: Sequence[Shown]) -> rrb.Spatial2DView:
-    curves = [f"+ {one.look.path}/convergence/**" for one in shown if one.run.iterations]
+    curves = [f"+ {one.appearance.path}/convergence/**" for one in shown if one.run.iterations]
     return _plot_view(CONVERGENCE, curves, "residual: force, contact (dashed)", legend=False)
 
 
@@ -157,7 +158,7 @@ def _series_view(
         for series, varying in one.series:
             lines = [v and (not wanted or n in wanted) for n, v in zip(series.names, varying, strict=True)]
             if series.group == group and any(lines):
-                entities.append(f"{one.look.path}/{series.path}")
+                entities.append(f"{one.appearance.path}/{series.path}")
                 if lines != list(varying):
                     overrides[entities[-1]] = rr.SeriesLines(visible_series=lines)
     return _lines(entities, name, legend, overrides) if entities else None
@@ -195,22 +196,25 @@ def _lines(
 def _states(shown: Sequence[Shown]) -> list[rrb.View]:
     if not any(one.run.layout.contacts for one in shown):
         return []
-    lanes = [f"+ {one.look.path}/state/**" for one in shown]
-    return [rrb.StateTimelineView(origin="/", contents=lanes, name="states of slave nodes", time_view=_WHOLE)]
+    tracks = [f"+ {one.appearance.path}/state/**" for one in shown]
+    return [rrb.StateTimelineView(origin="/", contents=tracks, name="states of slave nodes", time_view=_WHOLE)]
 
 
 def _words(shown: Sequence[Shown]) -> rrb.Container:
     logs = [_log_view(shown, "events")]
     if any(one.run.iterations for one in shown):
         logs.append(_log_view(shown, "iterations"))
-    pages = [rrb.TextDocumentView(origin=f"{one.look.path}/scene", name=f"scene: {one.look.title}") for one in shown]
+    pages = [
+        rrb.TextDocumentView(origin=f"{one.appearance.path}/scene", name=f"scene: {one.appearance.title}")
+        for one in shown
+    ]
     return _tabs([*logs, *pages])
 
 
 def _log_view(shown: Sequence[Shown], name: str) -> rrb.TextLogView:
     return rrb.TextLogView(
         origin="/",
-        contents=[f"+ {one.look.path}/{name}" for one in shown],
+        contents=[f"+ {one.appearance.path}/{name}" for one in shown],
         name=name,
         columns=rrb.TextLogColumns(timeline_columns=["step"], text_log_columns=["Body"]),
     )

@@ -11,7 +11,7 @@ import rerun as rr
 from contactlab.api.drawing.colours import rgb
 from contactlab.api.frame import IterationRow
 from contactlab_rerun.axes import Axes, dashed
-from contactlab_rerun.gathered import Gathered, Look
+from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.projection import line_strips
 from contactlab_rerun.series import times
 
@@ -20,9 +20,9 @@ DASHES = 3  # between two iterations
 FLOOR = 1e-17  # residuals below it are drawn there
 
 
-def log_convergence(recording: rr.RecordingStream, runs: Sequence[tuple[Gathered, Look]], hang: float) -> bool:
+def log_convergence(recording: rr.RecordingStream, runs: Sequence[tuple[Gathered, Appearance]], hang: float) -> bool:
     """The plot for all runs that iterate; False where none does."""
-    found = [(run.iterations, look) for run, look in runs if run.iterations]
+    found = [(run.iterations, appearance) for run, appearance in runs if run.iterations]
     if not found:
         return False
     axes = _axes([rows for rows, _ in found], hang)
@@ -34,8 +34,8 @@ def log_convergence(recording: rr.RecordingStream, runs: Sequence[tuple[Gathered
         [(float(n), str(n)) for n in numbers if n],
         [(float(power), f"1e{power}") for power in powers],
     )
-    for rows, look in found:
-        _log_run(recording, axes, rows, look, rgb(look.colour))
+    for rows, appearance in found:
+        _log_run(recording, axes, rows, appearance, rgb(appearance.colour))
     return True
 
 
@@ -48,7 +48,11 @@ def _axes(runs: Sequence[Sequence[IterationRow]], hang: float) -> Axes:
 
 
 def _log_run(
-    recording: rr.RecordingStream, axes: Axes, rows: Sequence[IterationRow], look: Look, colour: tuple[int, ...]
+    recording: rr.RecordingStream,
+    axes: Axes,
+    rows: Sequence[IterationRow],
+    appearance: Appearance,
+    colour: tuple[int, ...],
 ) -> None:
     steps = [list(of_step) for _, of_step in groupby(rows, key=lambda row: row.step)]
     when = times([of_step[0].step for of_step in steps], [of_step[-1].time + of_step[-1].dt for of_step in steps])
@@ -60,7 +64,7 @@ def _log_run(
             lengths += [len(strip) for strip in strips]
             counts.append(len(strips))
         lines = line_strips(np.concatenate(points), lengths)
-        path = f"{look.path}/convergence/{name}"
+        path = f"{appearance.path}/convergence/{name}"
         recording.send_columns(path, when, rr.LineStrips3D.columns(strips=lines).partition(counts))
         recording.log(path, rr.LineStrips3D.from_fields(colors=[colour], radii=[-1.3]), static=True)
 

@@ -10,7 +10,7 @@ import rerun as rr
 
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.drawing.colours import CLOSED, FIELD, STATES, rgb
-from contactlab_rerun.gathered import Gathered, Instant, Look, Surface
+from contactlab_rerun.gathered import Appearance, Gathered, Instant, Surface
 from contactlab_rerun.mesh_shape import MeshShape
 from contactlab_rerun.projection import ON_MESH, camera, in_plane, line_strips
 from contactlab_rerun.series import times
@@ -50,17 +50,23 @@ class Drawing:
     """Draws the frames of one run."""
 
     def __init__(
-        self, recording: rr.RecordingStream, run: Gathered, look: Look, scale: Scale, outline: str, wire: bool
+        self,
+        recording: rr.RecordingStream,
+        run: Gathered,
+        appearance: Appearance,
+        scale: Scale,
+        outline: str,
+        wire: bool,
     ) -> None:
-        self.recording, self.run, self.look, self.scale = recording, run, look, scale
+        self.recording, self.run, self.appearance, self.scale = recording, run, appearance, scale
         self.outline = outline
         self.shape = MeshShape(run.layout)
         self.wire = wire
         self.when = times([i.step for i in run.instants], [i.time for i in run.instants])
 
     def draw(self) -> None:
-        """Everything."""
-        self.recording.log(f"{self.look.path}/view", camera(self.scale.distance), static=True)
+        """Draw meshes, outlines, arrows and fields of all frames."""
+        self.recording.log(f"{self.appearance.path}/view", camera(self.scale.distance), static=True)
         self._mesh()
         self._outlines()
         if self.wire:
@@ -68,7 +74,7 @@ class Drawing:
         self._arrows()
 
     def _mesh(self) -> None:
-        path = f"{self.look.path}/mesh"
+        path = f"{self.appearance.path}/mesh"
         self.recording.log(path, rr.Mesh3D.from_fields(triangle_indices=self.shape.triangles), static=True)
         nodes = self.shape.nodes
 
@@ -114,7 +120,7 @@ class Drawing:
             vectors=in_plane(longest * pulls[touching]) * _FLAT,
             colors=np.where(frictional, COLOURS[state], CLOSED_COLOUR)[touching],
         )
-        path = f"{self.look.path}/arrows"
+        path = f"{self.appearance.path}/arrows"
         self.recording.send_columns(path, self.when, columns.partition(touching.sum(axis=1)))
         self.recording.log(path, rr.Arrows3D.from_fields(radii=[-1.8]), static=True)
 
@@ -129,7 +135,7 @@ class Drawing:
             made = rr.LineStrips3D.columns(strips=line_strips(points, np.tile(lengths, len(instants))))
             return made.partition(np.full(len(instants), len(lengths)))
 
-        self._in_batches(f"{self.look.path}/{name}", 12 * len(nodes), columns)
+        self._in_batches(f"{self.appearance.path}/{name}", 12 * len(nodes), columns)
 
     def _in_batches(
         self, path: str, frame_bytes: int, columns: Callable[[Sequence[Instant]], rr.ComponentColumnList]
@@ -143,7 +149,7 @@ class Drawing:
 
     def _style(self, name: str, colour: tuple[int, ...], radius: float) -> None:
         style = rr.LineStrips3D.from_fields(colors=[colour], radii=[radius])
-        self.recording.log(f"{self.look.path}/{name}", style, static=True)
+        self.recording.log(f"{self.appearance.path}/{name}", style, static=True)
 
 
 def tractions(surface: Surface, segments: np.ndarray) -> Floats:

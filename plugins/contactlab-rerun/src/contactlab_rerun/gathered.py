@@ -25,7 +25,7 @@ def check_field(name: str, layout: Layout) -> None:
 
 
 @dataclass(frozen=True)
-class Look:
+class Appearance:
     """How a run looks in a recording: `path` begins its entities, `title` tells it from others, `colour` is #rrggbb."""
 
     path: str
@@ -146,12 +146,12 @@ class Gathered:
 
 
 def entity_name(text: str) -> str:
-    """A text as one part of an entity path."""
+    """Make a text usable as one part of an entity path."""
     return re.sub(r"[^\w.=+-]+", "-", text).strip("-") or "run"
 
 
 def nice(value: float) -> float:
-    """The value rounded up to two figures."""
+    """Round a value up to two figures."""
     if not value > 0.0:
         return 1.0
     unit = 10.0 ** (np.floor(np.log10(value)) - 1.0)
@@ -159,12 +159,12 @@ def nice(value: float) -> float:
 
 
 def short(value: Any) -> str:
-    """A number for a label."""
+    """Write a number for a label, with few digits."""
     return f"{value:.0f}" if 1e4 <= abs(value) < 1e6 else f"{value:.4g}"
 
 
 def tint(colour: str, shade: int) -> str:
-    """The colour, paler for every further shade."""
+    """Make the colour paler for every further shade."""
     share = 1.0 - 0.62**shade
     parts = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
     return "#" + "".join(f"{round(part + share * (255 - part)):02x}" for part in parts)

@@ -1,4 +1,4 @@
-"""What is told in words: lanes of contact states, events, and the page about the scene."""
+"""What is told in words: tracks of contact states, events, and the page about the scene."""
 
 from __future__ import annotations
 
@@ -12,47 +12,47 @@ from contactlab.api.arrays import Ints
 from contactlab.api.drawing.colours import CLOSED, rgb
 from contactlab.api.drawing.colours import STATES as COLOURS
 from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow, Layout
-from contactlab_rerun.gathered import Gathered, Instant, Look, Surface, short
+from contactlab_rerun.gathered import Appearance, Gathered, Instant, Surface, short
 from contactlab_rerun.series import times
 
 LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
 
 
-# --- lanes ----------------------------------------------------------------------------------------
+# --- tracks ---------------------------------------------------------------------------------------
 
 
-def log_lanes(recording: rr.RecordingStream, run: Gathered, look: Look, lanes: int) -> None:
-    """A lane of open, stick and slip for some nodes of every contact, evenly spread over what was ever closed.
+def log_state_tracks(recording: rr.RecordingStream, run: Gathered, appearance: Appearance, tracks: int) -> None:
+    """A track of open, stick and slip for some nodes of every contact, evenly spread over what was ever closed.
 
-    A lane is named by the arc length of its node, and by its chain where the surface has several.
+    A track is named by the arc length of its node, and by its chain where the surface has several.
     """
     for contact in run.layout.contacts:
         surface = run.surfaces[contact.name]
-        nodes = watched_nodes(surface, lanes)
-        for node, lane in zip(nodes, lane_names(surface, nodes), strict=True):
-            path = f"{look.path}/state/{contact.name}/{lane}"
-            _log_lane(recording, path, run.instants, surface.state[:, node].tolist(), bool(contact.friction))
+        nodes = watched_nodes(surface, tracks)
+        for node, track in zip(nodes, track_names(surface, nodes), strict=True):
+            path = f"{appearance.path}/state/{contact.name}/{track}"
+            _log_track(recording, path, run.instants, surface.state[:, node].tolist(), bool(contact.friction))
 
 
-def lane_names(surface: Surface, nodes: Sequence[int]) -> list[str]:
-    """A name for the lane of each of the `nodes`, no two alike."""
+def track_names(surface: Surface, nodes: Sequence[int]) -> list[str]:
+    """A name for the track of each of the `nodes`, no two alike."""
     chains = [f"-chain-{surface.chain[node]}" if surface.chain.max(initial=0) else "" for node in nodes]
     apart = np.diff(np.unique(surface.s[nodes]))
     finest = min(0.01 * float(np.ptp(surface.s)), float(apart.min(initial=np.inf)))
-    # as many decimals for all: the viewer sorts lanes by name
+    # as many decimals for all: the viewer sorts tracks by name
     digits = max(0, -int(np.floor(np.log10(max(finest, 1e-300)))))
     return [f"s-{surface.s[node]:.{digits}f}{chain}" for node, chain in zip(nodes, chains, strict=True)]
 
 
-def watched_nodes(surface: Surface, lanes: int) -> list[int]:
+def watched_nodes(surface: Surface, tracks: int) -> list[int]:
     """Positions of the watched nodes among the slave nodes."""
     ever = np.flatnonzero(surface.state.max(axis=0) > OPEN)
     touched = surface.along[np.isin(surface.along, ever)]
-    chosen = np.linspace(0, len(touched) - 1, min(lanes, len(touched))).round().astype(int)
+    chosen = np.linspace(0, len(touched) - 1, min(tracks, len(touched))).round().astype(int)
     return [int(node) for node in touched[chosen]]
 
 
-def _log_lane(
+def _log_track(
     recording: rr.RecordingStream, path: str, instants: Sequence[Instant], states: Sequence[int], frictional: bool
 ) -> None:
     names, colours = (STATES, COLOURS) if frictional else ((*STATES[:SLIP], "closed"), (*COLOURS[:SLIP], CLOSED))
@@ -66,7 +66,7 @@ def _log_lane(
 # --- events ---------------------------------------------------------------------------------------
 
 
-def log_events(recording: rr.RecordingStream, run: Gathered, look: Look, several: bool) -> None:
+def log_events(recording: rr.RecordingStream, run: Gathered, appearance: Appearance, several: bool) -> None:
     """The run's own events and the changes of its contacts between frames, in order of time.
 
     Among `several` runs each line begins with the name of its run.
@@ -74,10 +74,10 @@ def log_events(recording: rr.RecordingStream, run: Gathered, look: Look, several
     events = sorted([*contact_changes(run), *run.events], key=lambda event: event.step)
     if not events:
         return
-    name = f"{look.title}: " if several else ""
+    name = f"{appearance.title}: " if several else ""
     texts, levels = [f"{name}{event.text}" for event in events], [LEVELS[event.level] for event in events]
     when = times([event.step for event in events], [event.time for event in events])
-    recording.send_columns(f"{look.path}/events", when, rr.TextLog.columns(text=texts, level=levels))
+    recording.send_columns(f"{appearance.path}/events", when, rr.TextLog.columns(text=texts, level=levels))
 
 
 def contact_changes(run: Gathered) -> Iterator[Event]:
@@ -119,7 +119,7 @@ def segments_faced(contact: ContactLayout, surface: Surface, frame: int, positio
     return found
 
 
-def log_iterations(recording: rr.RecordingStream, run: Gathered, look: Look) -> None:
+def log_iterations(recording: rr.RecordingStream, run: Gathered, appearance: Appearance) -> None:
     """A line for each Newton iteration; those of steps that were taken back stand out."""
     if not run.iterations:
         return
@@ -127,7 +127,7 @@ def log_iterations(recording: rr.RecordingStream, run: Gathered, look: Look) -> 
     texts = [_iteration_text(row) for row in run.iterations]
     levels = ["INFO" if row.attempt == last[row.step] else "WARN" for row in run.iterations]
     when = times([row.step for row in run.iterations], [row.time + row.dt for row in run.iterations])
-    recording.send_columns(f"{look.path}/iterations", when, rr.TextLog.columns(text=texts, level=levels))
+    recording.send_columns(f"{appearance.path}/iterations", when, rr.TextLog.columns(text=texts, level=levels))
 
 
 def _iteration_text(row: IterationRow) -> str:
@@ -142,16 +142,16 @@ def _iteration_text(row: IterationRow) -> str:
 # --- the page about the scene ---------------------------------------------------------------------
 
 
-def log_page(recording: rr.RecordingStream, layout: Layout, look: Look, summary: Mapping[str, Any]) -> None:
-    """Scene, parts with versions, and what the run cost."""
-    page = rr.TextDocument(page_text(layout, look, summary), media_type=rr.MediaType.MARKDOWN)
-    recording.log(f"{look.path}/scene", page, static=True)
+def log_page(recording: rr.RecordingStream, layout: Layout, appearance: Appearance, summary: Mapping[str, Any]) -> None:
+    """Write the page with scene, parts, versions, and what the run cost."""
+    page = rr.TextDocument(page_text(layout, appearance, summary), media_type=rr.MediaType.MARKDOWN)
+    recording.log(f"{appearance.path}/scene", page, static=True)
 
 
-def page_text(layout: Layout, look: Look, summary: Mapping[str, Any]) -> str:
-    """The page as Markdown."""
+def page_text(layout: Layout, appearance: Appearance, summary: Mapping[str, Any]) -> str:
+    """Write the page about the scene and its end as Markdown."""
     status, reason = summary.get("status", ""), summary.get("reason", "")
-    rows = [f"# {look.title}", f"Scene **{layout.title}**, {status}{': ' + reason if reason else ''}", ""]
+    rows = [f"# {appearance.title}", f"Scene **{layout.title}**, {status}{': ' + reason if reason else ''}", ""]
     warnings = {warning["code"]: warning["text"] for warning in summary.get("warnings", ())}
     rows += _table("warning", "", warnings)
     rows += _table("part", "used", layout.parts) + _table("library", "version", layout.versions)

@@ -13,7 +13,7 @@ from contactlab.api.drawing.colours import rgb
 from contactlab.api.drawing.units import Units
 from contactlab.api.frame import ContactLayout
 from contactlab_rerun.axes import Axes, dashed, dashed_columns, log_legend, solid_columns, ticks
-from contactlab_rerun.gathered import Gathered, Look, Surface, nice
+from contactlab_rerun.gathered import Appearance, Gathered, Surface, nice
 from contactlab_rerun.series import times
 
 MARGIN = 0.08  # of what is ever pressed, on either side
@@ -46,25 +46,29 @@ def profile_of(contact: ContactLayout, runs: Sequence[tuple[str, Gathered]], pat
     return Profile(axes, contact.slave, what, Units.of_label(runs[0][1].layout.units))
 
 
-def log_profile(recording: rr.RecordingStream, profile: Profile, runs: Sequence[tuple[str, Gathered, Look]]) -> None:
+def log_profile(
+    recording: rr.RecordingStream, profile: Profile, runs: Sequence[tuple[str, Gathered, Appearance]]
+) -> None:
     """Axes, curves of all runs, and the names of several."""
     axes, units = profile.axes, profile.units
     titles = f"s along {profile.slave}{_in(units.length)}", f"p{_in(units.pressure)}"
     axes.log(recording, titles, ticks(axes.x0, axes.x1), ticks(axes.low, axes.high))
     if len(runs) > 1:
         body = profile.slave.partition(".")[0]
-        names = [(look.title.removesuffix(f", slave {body}"), rgb(look.colour)) for _, _, look in runs]
+        names = [
+            (appearance.title.removesuffix(f", slave {body}"), rgb(appearance.colour)) for _, _, appearance in runs
+        ]
         log_legend(recording, axes.path, names, axes.hang)
-    for name, run, look in runs:
-        _log_curves(recording, axes, run, look, name)
+    for name, run, appearance in runs:
+        _log_curves(recording, axes, run, appearance, name)
 
 
-def _log_curves(recording: rr.RecordingStream, axes: Axes, run: Gathered, look: Look, contact: str) -> None:
+def _log_curves(recording: rr.RecordingStream, axes: Axes, run: Gathered, appearance: Appearance, contact: str) -> None:
     surface = run.surfaces[contact]
     order = surface.along
     order = order[(surface.s[order] >= axes.x0 - 1e-12) & (surface.s[order] <= axes.x1 + 1e-12)]
     when = times([i.step for i in run.instants], [i.time for i in run.instants])
-    path = f"{look.path}/profile/{contact}"
+    path = f"{appearance.path}/profile/{contact}"
     pressure = axes.points(
         np.broadcast_to(surface.s[order], (len(run.instants), len(order))), surface.pressure[:, order]
     )
@@ -74,7 +78,7 @@ def _log_curves(recording: rr.RecordingStream, axes: Axes, run: Gathered, look: 
         recording.send_columns(f"{path}/shear", when, dashed_columns(_dashed_shear(axes, surface, order)))
         names.append("shear")
     for name in names:
-        style = rr.LineStrips3D.from_fields(colors=[rgb(look.colour)], radii=[-1.3])
+        style = rr.LineStrips3D.from_fields(colors=[rgb(appearance.colour)], radii=[-1.3])
         recording.log(f"{path}/{name}", style, static=True)
 
 

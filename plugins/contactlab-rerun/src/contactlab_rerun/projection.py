@@ -22,7 +22,7 @@ ON_MESH = 1e-3
 
 
 def camera(distance: float = 1.0) -> rr.Pinhole:
-    """What the root of every plane view holds."""
+    """The camera that the root of every plane view holds."""
     return rr.Pinhole(
         focal_length=distance, principal_point=[0.0, 0.0], resolution=[2.0, 2.0], camera_xyz=rr.ViewCoordinates.RUB
     )

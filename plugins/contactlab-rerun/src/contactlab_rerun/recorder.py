@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from contactlab.api.frame import Layout, StoredRun
 from contactlab.api.recorder import Recorder, Recording
@@ -21,7 +21,7 @@ class Rerun(Recorder):
                as plastic_strain, or "none"
     every      1: every stored frame is shown, 2: every other one, ... (the last one always)
     wire       draw the sides of all cells; "auto": where there are few enough to be told apart
-    lanes      slave nodes of each contact whose state has a lane of its own
+    lanes      slave nodes of each contact whose state has a track of its own
     """
 
     by_default: ClassVar[bool] = True
@@ -48,7 +48,7 @@ class Rerun(Recorder):
         return record_run(self, folder, layout)
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:
-        """One file with all runs side by side."""
+        """Write one file with all runs side by side."""
         from contactlab_rerun.recording import write_comparison
 
         write_comparison(self, folder / FILE, runs)
@@ -61,3 +61,9 @@ class Rerun(Recorder):
             viewer.open_window(file)
         else:
             viewer.write_picture(file, png, step)
+
+    def inline(self, file: Path) -> Any:
+        """The viewer in a notebook's cell; None without a notebook or without the package rerun-notebook."""
+        from contactlab_rerun import viewer
+
+        return viewer.in_cell(file)

@@ -12,7 +12,7 @@ from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import STYLES, styles
 from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recording, replay
-from contactlab_rerun.gathered import Gathered, Look, entity_name, tint
+from contactlab_rerun.gathered import Appearance, Gathered, entity_name, tint
 
 if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
@@ -28,19 +28,19 @@ class RunRecording(Recording):
 
     def __init__(
         self,
-        begin: Callable[[Gathered], SeriesWriter],
+        open_run: Callable[[Gathered], SeriesWriter],
         options: Rerun,
         layout: Layout,
         finish: Callable[[Summary], None],
     ) -> None:
-        self.run, self.begin, self.finish = Gathered(layout, options.field, options.every), begin, finish
+        self.run, self.open_run, self.finish = Gathered(layout, options.field, options.every), open_run, finish
         self.series: SeriesWriter | None = None
         self.waiting: list[Floats] = []
 
     def _series(self) -> SeriesWriter:
         """Where steps go, from the first time on that they must: that imports the library and begins the file."""
         if self.series is None:
-            self.series = self.begin(self.run)
+            self.series = self.open_run(self.run)
             for block in self.waiting:
                 self.series.add(block)
             self.waiting.clear()
@@ -58,16 +58,17 @@ class RunRecording(Recording):
             self._series().add(block)
 
     def event(self, event: Event) -> None:
-        """Keep an event."""
+        """Keep an event for the end of the file."""
         self.run.events.append(event)
 
     def iterations(self, rows: Sequence[IterationRow]) -> None:
-        """Keep Newton iterations."""
+        """Keep Newton iterations for the end of the file."""
         self.run.iterations.extend(rows)
 
     def close(self, summary: Summary) -> None:
         """Draw all frames and give the file its name, where this run is the whole of it."""
         self._series()
+        self.series = None  # the file lets go of what it wrote to
         self.finish(summary)
 
 
@@ -75,18 +76,18 @@ def record_run(options: Rerun, folder: Path, layout: Layout) -> RunRecording:
     """The recording of a run that goes on, in a file of its own."""
     algorithms = ", ".join(dict.fromkeys(contact.algorithm for contact in layout.contacts))
     title = f"{layout.title}: {algorithms}" if algorithms else layout.title
-    look = Look(f"/{entity_name(folder.resolve().name)}", title, STYLES[0].colour)
+    appearance = Appearance(f"/{entity_name(folder.resolve().name)}", title, STYLES[0].colour)
     if find_spec("rerun") is None:  # told before the run, though the library is not needed yet
         raise ModuleNotFoundError("No module named 'rerun'")
     files: list[TimelineFile] = []
 
-    def begin(run: Gathered) -> SeriesWriter:
+    def open_run(run: Gathered) -> SeriesWriter:
         from contactlab_rerun.timeline_file import TimelineFile
 
         files.append(TimelineFile(folder / options.shown_file, options, timeline="step"))
-        return files[0].begin(run, look)
+        return files[0].open_run(run, appearance)
 
-    return RunRecording(begin, options, layout, lambda summary: files[0].finish([summary]))
+    return RunRecording(open_run, options, layout, lambda summary: files[0].finish([summary]))
 
 
 def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) -> None:
@@ -97,15 +98,15 @@ def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) 
     from contactlab_rerun.timeline_file import TimelineFile
 
     file = TimelineFile(path, options, timeline="sim_time")
-    for title, look in looks(shown).items():
+    for title, appearance in appearances(shown).items():
         run = shown[title]
-        one = RunRecording(partial(file.begin, look=look), options, run.layout, lambda summary: None)
+        one = RunRecording(partial(file.open_run, appearance=appearance), options, run.layout, lambda summary: None)
         replay(run, one, steps=True)
         one.close(run.summary)
     file.finish([run.summary for run in shown.values()])
 
 
-def looks(runs: Mapping[str, StoredRun]) -> dict[str, Look]:
+def appearances(runs: Mapping[str, StoredRun]) -> dict[str, Appearance]:
     """Colours by algorithm as in the report; runs that share an algorithm have paler and paler shades of it."""
     names = {title: run.layout.contacts[0].algorithm if run.layout.contacts else title for title, run in runs.items()}
     chosen = styles(names.values())
@@ -114,5 +115,5 @@ def looks(runs: Mapping[str, StoredRun]) -> dict[str, Look]:
     for title, name in names.items():
         shade = seen.get(name, 0)
         seen[name] = shade + 1
-        found[title] = Look(f"/{entity_name(title)}", title, tint(chosen[name].colour, shade))
+        found[title] = Appearance(f"/{entity_name(title)}", title, tint(chosen[name].colour, shade))
     return found

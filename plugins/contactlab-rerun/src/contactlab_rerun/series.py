@@ -11,7 +11,7 @@ import rerun as rr
 from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import STYLES, rgb
 from contactlab.api.frame import Layout
-from contactlab_rerun.gathered import Look
+from contactlab_rerun.gathered import Appearance
 
 COUNTS = ("solver", "nodes")
 ROWS = 8192  # steps that are sent together: what a call costs is then shared by many
@@ -32,7 +32,7 @@ class Series:
 
     @property
     def group(self) -> str:
-        """The first word of the path."""
+        """The first word of the path, by which curves share a plot."""
         return self.path.partition("/")[0]
 
 
@@ -65,8 +65,8 @@ def _series(layout: Layout, path: str, names: Sequence[str]) -> Series:
 class SeriesWriter:
     """Collects blocks of steps and sends them in larger ones."""
 
-    def __init__(self, recording: rr.RecordingStream, layout: Layout, look: Look) -> None:
-        self.recording, self.look = recording, look
+    def __init__(self, recording: rr.RecordingStream, layout: Layout, appearance: Appearance) -> None:
+        self.recording, self.appearance = recording, appearance
         self.series = all_series(layout)
         self.waiting = np.empty((ROWS, len(layout.steps)))
         self.rows = 0
@@ -83,7 +83,7 @@ class SeriesWriter:
                 self.flush()
 
     def flush(self) -> None:
-        """Send what waits."""
+        """Send the rows that wait to the file."""
         if not self.rows:
             return
         values, self.rows = self.waiting[: self.rows], 0
@@ -93,7 +93,7 @@ class SeriesWriter:
             columns = rr.Scalars.columns(scalars=values[:, series.columns].ravel())
             if len(series.columns) > 1:
                 columns = columns.partition(np.full(len(values), len(series.columns)))
-            self.recording.send_columns(f"{self.look.path}/{series.path}", when, columns)
+            self.recording.send_columns(f"{self.appearance.path}/{series.path}", when, columns)
 
     def log_styles(self, several: bool) -> None:
         """Names and colours of the lines, among several runs those of their run; what is always zero is hidden."""
@@ -102,8 +102,8 @@ class SeriesWriter:
             names, colours = [], []
             for name in series.names:
                 number = numbers[series.group] = numbers.get(series.group, -1) + 1
-                names.append(self.look.title if several else name)
-                colours.append(rgb(self.look.colour if several else STYLES[number % len(STYLES)].colour))
+                names.append(self.appearance.title if several else name)
+                colours.append(rgb(self.appearance.colour if several else STYLES[number % len(STYLES)].colour))
             style = rr.SeriesLines(
                 names=names,
                 colors=colours,
@@ -112,7 +112,7 @@ class SeriesWriter:
                 # of whole numbers no mean should be drawn where pixels are too few
                 aggregation_policy=rr.components.AggregationPolicy.Max if series.group in COUNTS else None,
             )
-            self.recording.log(f"{self.look.path}/{series.path}", style, static=True)
+            self.recording.log(f"{self.appearance.path}/{series.path}", style, static=True)
 
     def shown(self) -> list[tuple[Series, list[bool]]]:
         """The series, and which of their lines are not zero all the time."""

@@ -8,26 +8,24 @@ import shutil
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from uuid import uuid4
 
 import numpy as np
-import rerun as rr
 
 from contactlab.api.drawing.units import Units
-from contactlab_rerun.blueprint import Shown, blueprint
+from contactlab_rerun.blueprint import Shown, arrange
 from contactlab_rerun.colour_bar import log_colour_bar, log_state_key
 from contactlab_rerun.convergence import log_convergence
 from contactlab_rerun.drawing import FEW_CELLS, OUTLINE, Drawing, Scale, model_box
-from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Gathered, Look, nice
-from contactlab_rerun.notes import log_events, log_iterations, log_lanes, log_page
+from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Appearance, Gathered, nice
+from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks
 from contactlab_rerun.profiles import Profile, log_profile, profile_of
 from contactlab_rerun.series import SeriesWriter
+from contactlab_rerun.stream import drop_streams, stream_to
 
 if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
 
-APPLICATION = "contactlab"
-MOST_LANES = 12  # in the view of a comparison
+MOST_TRACKS = 12  # in the view of a comparison
 ROOM = 1 << 20  # bytes of disk that must be left: the library does not tell when there are none
 
 
@@ -37,14 +35,13 @@ class TimelineFile:
     def __init__(self, path: Path, options: Rerun, timeline: str) -> None:
         self.path, self.options, self.timeline = path, options, timeline
         self.present = path.with_name(path.name + ".new")
-        self.recording = rr.RecordingStream(APPLICATION, recording_id=uuid4())
-        self.recording.save(self.present)
-        self.runs: list[tuple[Gathered, Look, SeriesWriter]] = []
+        self.recording = stream_to(self.present)
+        self.runs: list[tuple[Gathered, Appearance, SeriesWriter]] = []
 
-    def begin(self, run: Gathered, look: Look) -> SeriesWriter:
+    def open_run(self, run: Gathered, appearance: Appearance) -> SeriesWriter:
         """One more run; its steps go to what is given back, its frames to `run`."""
-        writer = SeriesWriter(self.recording, run.layout, look)
-        self.runs.append((run, look, writer))
+        writer = SeriesWriter(self.recording, run.layout, appearance)
+        self.runs.append((run, appearance, writer))
         return writer
 
     def finish(self, summaries: Sequence[Mapping[str, Any]]) -> None:
@@ -57,13 +54,20 @@ class TimelineFile:
         except OSError:
             self.abandon()
             raise
-        self.recording.disconnect()
+        self._close()
         self.present.replace(self.path)
 
     def abandon(self) -> None:
-        """Leave nothing behind."""
-        self.recording.disconnect()
+        """Close the file and delete it."""
+        self._close()
         self.present.unlink(missing_ok=True)
+
+    def _close(self) -> None:
+        """Whoever writes steps must have let go of the stream, or its threads stay until the next file is closed."""
+        self.recording.disconnect()
+        self.runs.clear()
+        del self.recording
+        drop_streams()
 
     def _finish(self, summaries: Sequence[Mapping[str, Any]]) -> None:
         several = len(self.runs) > 1
@@ -72,23 +76,24 @@ class TimelineFile:
             writer.flush()
             writer.log_styles(several)
         shown, profiles = self._draw(), self._profiles()
-        converged = log_convergence(self.recording, [(run, look) for run, look, _ in self.runs], 2.0 * self._hang)
-        for (run, look, _), summary in zip(self.runs, summaries, strict=True):
-            log_lanes(self.recording, run, look, self._lanes())
-            log_events(self.recording, run, look, several)
-            log_iterations(self.recording, run, look)
-            log_page(self.recording, run.layout, look, summary)
+        converged = log_convergence(
+            self.recording, [(run, appearance) for run, appearance, _ in self.runs], 2.0 * self._hang
+        )
+        for (run, appearance, _), summary in zip(self.runs, summaries, strict=True):
+            log_state_tracks(self.recording, run, appearance, self._tracks())
+            log_events(self.recording, run, appearance, several)
+            log_iterations(self.recording, run, appearance)
+            log_page(self.recording, run.layout, appearance, summary)
         self.recording.send_recording_name(self.runs[0][0].layout.title)
-        arranged = blueprint(shown, profiles, converged, self.timeline)
-        self.recording.send_blueprint(arranged, make_active=True, make_default=True)
+        arrange(shown, profiles, converged, self.timeline).send(self.recording)
 
     @property
     def _hang(self) -> float:
         """Labels hang by pixels, and the plots of comparisons are smaller."""
         return 0.035 if len(self.runs) == 1 else 0.07
 
-    def _lanes(self) -> int:
-        return self.options.lanes if len(self.runs) == 1 else max(1, MOST_LANES // len(self.runs))
+    def _tracks(self) -> int:
+        return self.options.lanes if len(self.runs) == 1 else max(1, MOST_TRACKS // len(self.runs))
 
     def _draw(self) -> list[Shown]:
         low, high = model_box([run for run, _, _ in self.runs])
@@ -97,16 +102,16 @@ class TimelineFile:
         pressure = max(run.largest_pressure for run, _, _ in self.runs) or 1.0
         scale = Scale(*field, pressure, float((high - low).max()), float(np.abs([low, high]).max()))
         shown = []
-        for run, look, writer in self.runs:
-            outline = look.colour if len(self.runs) > 1 else OUTLINE
-            Drawing(self.recording, run, look, scale, outline, self._wired(run)).draw()
+        for run, appearance, writer in self.runs:
+            outline = appearance.colour if len(self.runs) > 1 else OUTLINE
+            Drawing(self.recording, run, appearance, scale, outline, self._wired(run)).draw()
             box = np.asarray(low, float), np.asarray(high, float)
             if run.layout.contacts:
-                log_state_key(self.recording, look.path, *box, run.frictional, scale.distance)
+                log_state_key(self.recording, appearance.path, *box, run.frictional, scale.distance)
             if self.options.field != NO_FIELD:
                 label = _label(self.options.field, run.layout.units)
-                box = log_colour_bar(self.recording, look.path, label, field, *box, scale.distance)
-            shown.append(Shown(look, run, box, writer.shown()))
+                box = log_colour_bar(self.recording, appearance.path, label, field, *box, scale.distance)
+            shown.append(Shown(appearance, run, box, writer.shown()))
         return shown
 
     def _wired(self, run: Gathered) -> bool:
@@ -118,8 +123,8 @@ class TimelineFile:
         profiles = []
         for number, slave in enumerate(dict.fromkeys(c.slave for run, _, _ in self.runs for c in run.layout.contacts)):
             these = [
-                (contact.name, run, look)
-                for run, look, _ in self.runs
+                (contact.name, run, appearance)
+                for run, appearance, _ in self.runs
                 for contact in run.layout.contacts
                 if contact.slave == slave
             ]

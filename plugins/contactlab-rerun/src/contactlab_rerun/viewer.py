@@ -33,6 +33,17 @@ NO_DRIVER = (
 )
 
 
+def in_cell(file: Path) -> Any:
+    """A widget with the recording for a notebook's cell; None where there is no notebook, or no such widget."""
+    if "ipykernel" not in sys.modules or find_spec("rerun_notebook") is None:
+        return None
+    from rerun.notebook import Viewer
+
+    widget = Viewer(width=1000, height=640)
+    widget._viewer.send_rrd(file.read_bytes())
+    return widget
+
+
 def open_window(file: Path) -> None:
     """Start the viewer with the recording and leave it running.
 
@@ -79,7 +90,7 @@ def check_recording(file: Path) -> None:
 
 
 def view_errors(client: Any) -> list[str]:
-    """What views could not draw, and why."""
+    """Find what views could not draw, and why."""
     views = client.get_state().views
     return [f"{view.name}: {report.summary}" for view in views for report in view.reports if report.severity == "error"]
 
@@ -135,7 +146,7 @@ def _free_port() -> int:
 
 
 def _connected(process: subprocess.Popen[bytes], client: Any, url: str, words: Any) -> Any:
-    """The client, as soon as the viewer answers."""
+    """Return the client, as soon as the viewer answers."""
     until = monotonic() + PATIENCE
     while monotonic() < until:
         if process.poll() is not None:

@@ -18,6 +18,11 @@ from contactlab.api import (
     Surface,
     SurfacePositions,
 )
+from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache
+from contactlab.api.compiled.contact_tables import PiecesTable, SurfaceTable
+from contactlab.api.compiled.late import late
+
+_BOUND = BoundCache()
 
 ROUND = 1e-9  # sine of an angle that is round-off
 DEPTH = 1.0  # segment lengths: a node deeper than this is on the far side of a thin body
@@ -33,6 +38,7 @@ class NodeOnSegment(ContactAlgorithm):
     """
 
     passes_patch_test: ClassVar[bool] = False
+    keeps_energy: ClassVar[bool] = True
     rows_per_node: ClassVar[int] = 2
     memory_size: ClassVar[int] = 1
     gradient_nodes: ClassVar[int] = 1
@@ -47,37 +53,8 @@ class NodeOnSegment(ContactAlgorithm):
 
     def pieces(self, view: ContactView, out: Pieces) -> int:
         """The nearest segment of every slave node; `memory` keeps its number (plus one)."""
-        from contactlab.api.compiled.chains import nodal_normals, segment_normals
-        from contactlab_segments.pairing import pair_nodes
-        from contactlab_segments.weights import node_lengths
-
-        slave, master, at, near = view.slave, view.master, view.at, view.near
-        slave_normal, slave_length = np.empty((len(slave.segments), 2)), np.empty(len(slave.segments))
-        segment_normals(at.slave, slave.segments, slave_normal, slave_length)
-        outward = np.empty((len(slave.nodes), 2))
-        nodal_normals(slave.node_segments, slave_normal, slave_length, outward)
-        normal, length = np.empty((len(master.segments), 2)), np.empty(len(master.segments))
-        segment_normals(at.master, master.segments, normal, length)
-        tributary = np.empty(len(slave.nodes))
-        node_lengths(
-            at.slave, slave.segments, slave.node_segments, slave.edges, slave.segment_edge, slave_length, tributary
-        )
-        count: int = pair_nodes(
-            at.slave,
-            outward,
-            tributary,
-            slave.node_segments,
-            at.master,
-            (master.segments, master.node_segments, master.edges, master.segment_edge),
-            normal,
-            length,
-            (near.start, near.master),
-            view.reach,
-            DEPTH * length.max(),
-            view.memory[0],
-            (out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
-        )
-        return count
+        address = _BOUND.of(out, _bound, view).address
+        return int(late("contactlab_segments.pairing").pair_nodes(address, view.reach, DEPTH))
 
     def gradients(
         self, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats, out: GapGradients
@@ -115,6 +92,18 @@ class NodeOnSegment(ContactAlgorithm):
         normal = np.stack([along[:, 1], -along[:, 0]], axis=1)[usable] / length[usable, None]
         out[:] = pieces.normal
         out[pieces.multiplier[:count, 0][usable]] = normal
+
+
+def _bound(out: Pieces, view: ContactView) -> BoundArrays:
+    """The arrays that pieces are made from and written to, with room for normals and lengths of both surfaces."""
+    slave, master = (SurfaceTable(s.segments, s.node_segments, s.edges, s.segment_edge) for s in view[:2])
+    nodes = len(view.slave.nodes)
+    own, other = ((np.empty((s, 2)), np.empty(s)) for s in (len(view.slave.segments), len(view.master.segments)))
+    return BoundArrays(
+        late("contactlab_segments.tables").PairingTable, slave, master, *view.at, view.near.start, view.near.master,
+        view.memory, *own, *other, np.empty((nodes, 2)), np.empty(nodes),
+        PiecesTable(out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
+    )  # fmt: skip
 
 
 def _tangents(pieces: Pieces, count: int, at: SurfacePositions) -> tuple[Floats, Floats]:

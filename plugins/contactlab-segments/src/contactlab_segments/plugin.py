@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """One-pass node-on-segment contact."""
+    """Offer one-pass node-on-segment contact."""
     return [
         Part(
             "contact",

@@ -34,7 +34,7 @@ def elastic_limit(yield_stress: float | None) -> float:
 
 @cache
 def lame_constants(young: float, poisson: float) -> Lame:
-    """Lame's constants of an isotropic solid."""
+    """Lame's constants lambda and mu [MPa] of an isotropic solid."""
     return Lame(young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson)))
 
 

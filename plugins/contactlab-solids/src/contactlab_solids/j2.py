@@ -40,7 +40,7 @@ class Moduli(NamedTuple):
 
 @cache
 def moduli(young: float, poisson: float) -> Moduli:
-    """Moduli of the elastic part."""
+    """Shear and bulk modulus [MPa] of the elastic part."""
     lame, shear = lame_constants(young, poisson)
     return Moduli(shear, lame + 2.0 / 3.0 * shear)
 

@@ -81,7 +81,7 @@ def wide_factor(r, det, mean, log_j):
 
 @point
 def mises_squared(s_d, s_x, s_z):
-    """Square of Mises' stress."""
+    """Square of Mises' stress from the stress rows."""
     return 2.25 * s_z * s_z + 3.0 * (s_d * s_d + s_x * s_x)
 
 
@@ -165,7 +165,7 @@ def _weak_cosh(x):
 
 @point
 def _any_cosh(x):
-    """The same for any stress."""
+    """Compute what `_cosh` does, for stresses of any size."""
     s = sqrt(x)
     grown = exp(s)
     inverse = 1.0 / grown
@@ -208,13 +208,13 @@ def _return(p, g, history, stress, det, tau, step, shear, compliance, softness, 
 @kernel
 def linear_return(gradient, history, stress, shear, bulk, yield_stress, hardening):
     """sigma_y = yield_stress + hardening * ep: the return is linear. Returns how many stresses are not weak."""
-    compliance, softness, pace = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
+    compliance, softness, per_stress = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
     left = 0
     for p in range(gradient.shape[1]):
         det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
         tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
         excess = tau[3] - (yield_stress + hardening * history[3, p])
-        step = pace * excess if excess > 0.0 and tau[3] <= WEAK * shear else 0.0
+        step = per_stress * excess if excess > 0.0 and tau[3] <= WEAK * shear else 0.0
         left += 1 if tau[3] > WEAK * shear else 0
         _return(p, gradient, history, stress, det, tau, step, shear, compliance, softness, True)
     return left
@@ -222,14 +222,14 @@ def linear_return(gradient, history, stress, shear, bulk, yield_stress, hardenin
 
 @kernel
 def far_linear_return(gradient, history, stress, shear, bulk, yield_stress, hardening):
-    """The same for stresses that are not weak."""
-    compliance, softness, pace = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
+    """Compute what `linear_return` does, for stresses that are not weak."""
+    compliance, softness, per_stress = 1.0 / shear, THIRD / bulk, 1.0 / (3.0 * shear + hardening)
     for p in range(gradient.shape[1]):
         det = gradient[0, p] * gradient[3, p] - gradient[1, p] * gradient[2, p]
         tau = _kirchhoff(stress[0, p], stress[1, p], stress[2, p], stress[3, p], det)
         excess = tau[3] - (yield_stress + hardening * history[3, p])
         if excess > 0.0 and tau[3] > WEAK * shear:
-            _return(p, gradient, history, stress, det, tau, pace * excess, shear, compliance, softness, False)
+            _return(p, gradient, history, stress, det, tau, per_stress * excess, shear, compliance, softness, False)
 
 
 @point
@@ -240,15 +240,15 @@ def _near_step(mises, start, strong, shear, exponent, b2, b3, b4, b5, b6, b7, b8
     """
     slope = 3.0 * shear * start + exponent * strong
     both = 1.0 / (start * slope)
-    inverse, pace = both * slope, both * start * start
+    inverse, per_stress = both * slope, both * start * start
     excess = mises - strong
-    step = pace * excess
+    step = per_stress * excess
     # the first correction takes two terms of the series, the second all
     x = step * inverse
-    step -= pace * strong * ((b3 * x + b2) * x * x)
+    step -= per_stress * strong * ((b3 * x + b2) * x * x)
     x = step * inverse
     rise = ((((((b8 * x + b7) * x + b6) * x + b5) * x + b4) * x + b3) * x + b2) * x + exponent
-    return step + pace * (excess - 3.0 * shear * step - strong * (rise * x))
+    return step + per_stress * (excess - 3.0 * shear * step - strong * (rise * x))
 
 
 @kernel

@@ -7,7 +7,7 @@ from contactlab.api.compiled.kernel import kernel, log
 
 @kernel
 def linear_elastic(gradient, stress, lame, shear):
-    """Hooke: stress rows from du/dX rows."""
+    """Compute Hooke's stress rows from the rows of du/dX."""
     u_x, u_y, v_x, v_y = gradient[0], gradient[1], gradient[2], gradient[3]
     xx, yy, zz, xy = stress[0], stress[1], stress[2], stress[3]
     for p in range(u_x.size):

@@ -42,11 +42,11 @@ class LinearElastic(Material):
         return elastic_wave_speeds(self.young, self.poisson, self.density)
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
-        """sigma = lambda tr(eps) I + 2 mu eps."""
+        """Compute sigma = lambda tr(eps) I + 2 mu eps."""
         late("contactlab_solids.kernels").linear_elastic(gradient, stress, *lame_constants(self.young, self.poisson))
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
-        """Hooke's constants, the same at every point."""
+        """Fill in Hooke's constants, the same at every point."""
         lame, shear = lame_constants(self.young, self.poisson)
         tangent[:] = 0.0
         tangent[:3, 0] = tangent[:3, 3] = lame

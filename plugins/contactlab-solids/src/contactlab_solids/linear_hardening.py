@@ -49,7 +49,7 @@ class LinearHardening(Material):
         return elastic_wave_speeds(self.young, self.poisson, self.density)
 
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
-        """Bounds of the elastic moduli; yielding only softens."""
+        """Bounds of the elastic moduli, as yielding only softens."""
         j2.stiffening(gradient, stress, j2.moduli(self.young, self.poisson), out)
 
     def flow_stress(self, plastic_strain: Floats) -> Floats:
@@ -57,7 +57,7 @@ class LinearHardening(Material):
         return np.asarray(self.yield_stress + self.hardening * plastic_strain)
 
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
-        """Elastic trial and radial return; `gradient` is F^-1."""
+        """Elastic trial and radial return for `gradient`, which is F^-1."""
         j2_kernels = late("contactlab_solids.j2_kernels")
         if new_history is not history:
             new_history[:] = history

@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Elastic and elastoplastic laws in plane strain."""
+    """Offer elastic and elastoplastic laws in plane strain."""
     return [
         Part(
             "material",

@@ -18,7 +18,7 @@ class Residual(NamedTuple):
 
     @property
     def largest(self) -> float:
-        """The worse of both."""
+        """The larger of the two residuals."""
         return max(self.force, self.contact)
 
 

@@ -21,10 +21,10 @@ from contactlab.api import Floats, ImplicitContact, Response
 STICK = 1
 
 
-def settle(
+def solve_impulses(
     contact: ImplicitContact, response: Response, mobility: Floats, velocity: Floats
 ) -> tuple[Floats, Floats, float]:
-    """Project `velocity` (N, 2) in place.
+    """Change `velocity` (N, 2) in place by the least impulses after which closed contacts do not close further.
 
     Returns normal impulses and those of sticking (N, 2) [N s] on the nodes, and the work that all of them do on the
     nodes and on what moves others by prescription: the energy lost, <= 0. `mobility` (N, 2) is the inverse mass.
@@ -48,8 +48,8 @@ def settle(
 
 def _directions(contact: ImplicitContact, closed: Any, stick: Any) -> tuple[Any, int]:
     """Rows of G (c, 2N): normal ones, then `count` onwards those of sticking."""
-    slopes = contact.linearise(closed.astype(np.int32))
-    rows = [slopes.normal]
+    derivatives = contact.linearise(closed.astype(np.int32))
+    rows = [derivatives.normal]
     if len(stick):
-        rows.append(slopes.tangent[np.searchsorted(closed, stick)])
+        rows.append(derivatives.tangent[np.searchsorted(closed, stick)])
     return vstack(rows, format="csr"), len(closed)

@@ -18,7 +18,7 @@ class Ledger:
         self.state = state
         self.before: list[Floats] = []
 
-    def begin(self, external: Floats, normal: Floats, tangential: Floats) -> None:
+    def begin_step(self, external: Floats, normal: Floats, tangential: Floats) -> None:
         """Remember forces and positions at the start."""
         state = self.state
         self.displacement = state["displacement"].copy()

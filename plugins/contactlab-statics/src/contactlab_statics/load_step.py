@@ -6,35 +6,43 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Floats, ImplicitEquations, State, Step, StepStatus
+from contactlab.api import Estimate, Floats, ImplicitEquations, State, Step, StepStatus
+from contactlab_statics.contact_forces import ContactForces
 from contactlab_statics.iteration import NewtonIteration, take_back
 from contactlab_statics.ledger import Ledger
+from contactlab_statics.prediction import Prediction
+
+LIMITED = 3  # corrections that may be shortened in a step that goes on as the one before: a shorter step costs less
 
 
 class LoadStep:
-    """Implements `Balance` for statics."""
+    """Makes load steps of one run. Implements `Balance` for statics."""
 
     dynamic = False
 
     def __init__(self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int) -> None:
         self.equations, self.state = equations, state
-        nodes = len(equations.reference)
-        self.external: Floats = np.zeros((nodes, 2))
-        self.normal, self.tangential = np.zeros((nodes, 2)), np.zeros((nodes if _friction(equations) else 0, 2))
+        self.external: Floats = np.zeros((len(equations.reference), 2))
+        self.contact_forces = ContactForces(equations)
         self.time = 0.0
         self.iteration = NewtonIteration(equations, state, self, tolerance, iterations)
         self.ledger = Ledger(state)
+        self.prediction = Prediction(equations, state)
 
     def step(self, dt: float) -> Step:
         """Advance the state by dt of (pseudo-)time, or restore it."""
         equations, state = self.equations, self.state
         start = state.snapshot()
-        equations.begin(dt)
+        equations.begin_step(dt)
         self._start(dt)
         self.time = state.time + dt
         prescribed = equations.prescribed
         target = prescribed.scale * prescribed.values(self.time)[prescribed.ramp]
-        outcome = self.iteration.run(dt, target)
+        expected = equations.estimate(self.time)
+        if expected is not None:
+            self._begin_at(expected, dt, target)
+        predicted = expected is None and self.prediction.start(dt, target)
+        outcome = self.iteration.run(dt, target, LIMITED if predicted else None)
         if outcome.reason:
             take_back(equations, state, start)
             return Step(
@@ -55,22 +63,38 @@ class LoadStep:
         if self.equations.contact is not None:
             self.equations.contact.evaluate(self.equations.position)
         self.unbalanced(np.zeros_like(self.external))
-        self.ledger.begin(self.external, self.normal, self.tangential)
+        self.ledger.begin_step(self.external, self.contact_forces.normal, self.contact_forces.tangential)
+
+    def _begin_at(self, expected: Estimate, dt: float, target: Floats) -> None:
+        """Let the iteration begin at an expected state, unless cells fold over there."""
+        equations, contact, displacement = self.equations, self.equations.contact, self.state["displacement"]
+        before = displacement.copy()
+        displacement[:] = expected.displacement
+        displacement.reshape(-1)[equations.prescribed.dof] = target
+        equations.internal_force(dt)
+        if equations.folded() or not np.isfinite(self.state["internal_force"]).all():
+            displacement[:] = before
+        elif contact is not None:
+            contact.evaluate(equations.position)
+            conditions = contact.conditions
+            np.multiply(expected.pressure, conditions.measure, out=conditions.force)
+            conditions.force[:, ~conditions.present] = 0.0
 
     def _accept(self, dt: float) -> None:
-        state, contact = self.state, self.equations.contact
+        state, contact, own = self.state, self.equations.contact, self.contact_forces
         slip = 0.0
         if contact is not None:
-            state["contact_force"][:] = self.normal
-            if len(self.tangential):
-                state["contact_force"][:] += self.tangential
+            state["contact_force"][:] = own.normal
+            if len(own.tangential):
+                state["contact_force"][:] += own.tangential
                 slip = -float(contact.conditions.force[1] @ contact.conditions.slip)
         held = self.equations.prescribed.dof
         reaction = state["reaction"].reshape(-1)
         reaction[:] = 0.0
         forces = self.external + (state["contact_force"] if contact is not None else 0.0)
         reaction[held] = (state["internal_force"] - forces).reshape(-1)[held]
-        self.ledger.end(self.external, self.normal, self.tangential, slip)
+        self.ledger.end(self.external, own.normal, own.tangential, slip)
+        self.prediction.follow(self.ledger.displacement)
         self.equations.accept()
 
     # --- Balance --------------------------------------------------------------------------------
@@ -79,19 +103,11 @@ class LoadStep:
         """External and contact forces minus internal ones."""
         self.equations.external_force(self.time, self.external)
         np.subtract(self.external, self.state["internal_force"], out=out)
-        if self.equations.contact is not None:
-            self.equations.contact.forces(self.normal, self.tangential)
-            out += self.normal
-            if len(self.tangential):
-                out += self.tangential
-        return self.external, self.state["internal_force"], self.normal
+        self.contact_forces.add_to(out)
+        return self.external, self.state["internal_force"], self.contact_forces.normal
 
     def stiffness(self, dt: float) -> Any:
         """That of the bodies and of loads that follow them."""
         matrix = self.equations.stiffness(dt)
         self.equations.add_load_stiffness(self.time, matrix, 1.0, 0.0)
         return matrix
-
-
-def _friction(equations: ImplicitEquations) -> bool:
-    return equations.contact is not None and len(equations.contact.conditions.slip) > 0

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from contactlab.api import ImplicitEquations, ImplicitIntegrator, State, Step
 from contactlab_statics.limits import refuse_limits
+
+STEPS = 10
+"""Load steps where the way matters and the scene names no number."""
+
+ESTIMATE = 1e-4
+"""Tolerance on coarser levels, whose meshes err by more."""
 
 
 @dataclass(frozen=True)
 class Newton(ImplicitIntegrator):
     """Equilibrium at the end of every load step, without inertia.
 
-    steps       equal load steps to try for the whole loading; failed ones are cut, easy ones grow back
+    steps       equal load steps to try for the whole loading; failed ones are cut, easy ones grow back. Not written:
+                10, or none on the way where the end does not depend on it
+    nested      where the end does not depend on the way there and `steps` is not written, coarser levels of the meshes
+                are solved first, each from the one before, and only the end (and where the loading turns)
     tolerance   largest unbalanced nodal force over the largest nodal force, and largest violation of a contact
                 condition in segment lengths, at which a step is accepted
     iterations  most iterations of a step before it is cut
     """
 
-    steps: int = 10
+    steps: int | None = None
+    nested: bool = True
     tolerance: float = 1e-8
     iterations: int = 25
 
@@ -29,11 +39,21 @@ class Newton(ImplicitIntegrator):
     inertia: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
-        refuse_limits(self.steps, self.tolerance, self.iterations)
+        refuse_limits(self.wished_steps(), self.tolerance, self.iterations)
 
     def wished_steps(self) -> int:
         """The steps that the scene asks for."""
-        return self.steps
+        return STEPS if self.steps is None else self.steps
+
+    def for_coarser_levels(self) -> Newton | None:
+        """As exact as an estimate need be, unless the scene asks for load steps on the way."""
+        if self.steps is not None or not self.nested:
+            return None
+        return replace(self, tolerance=max(self.tolerance, ESTIMATE))
+
+    def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
+        """What the last step moved [mm], from which the next one starts in bodies that flow."""
+        return {"moved": (nodes, 2)}
 
     def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
         """The function that makes one load step."""

@@ -27,13 +27,14 @@ class Penalty(ImplicitEnforcement):
     factor  stiffness over that of the nodes in contact [-]
     """
 
+    exact: ClassVar[bool] = False
     factor: float = 100.0
 
     def __post_init__(self) -> None:
         _refuse_factor(self.factor)
 
     def respond(self, conditions: Conditions, out: Response) -> None:
-        """Springs without memory along the normal."""
+        """Answer gaps and slips with springs, along the normal without memory."""
         springs(conditions, self.factor, np.zeros_like(conditions.gap), out)
 
 
@@ -51,7 +52,7 @@ class AugmentedLagrangian(ImplicitEnforcement):
         _refuse_factor(self.factor)
 
     def respond(self, conditions: Conditions, out: Response) -> None:
-        """Springs that start from the anchor."""
+        """Answer gaps and slips with springs, along the normal without memory."""
         springs(conditions, self.factor, conditions.anchor[0], out)
 
 

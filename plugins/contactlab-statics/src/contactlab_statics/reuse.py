@@ -31,7 +31,7 @@ class ReusedFactor:
         self.factor = None
 
     def solve(self, matrix: Any, right: Floats, kind: tuple[bytes, ...], residual: float) -> Floats:
-        """Solution for one right-hand side (n,).
+        """Solve for one right-hand side (n,).
 
         kind      which forces are unknowns: old factors serve for the same ones only
         residual  relative residual of the equilibrium, which says how exact the solution must be; inf: fully
@@ -76,7 +76,7 @@ def preconditioned(matrix: Any, right: Floats, factor: Factor, accuracy: float) 
         if left <= accuracy:
             combined: Floats = np.einsum("i,ij->j", weights, np.array(steps))
             return combined
-        # at this pace too long
+        # converging this slowly it takes too long
         if length == 0.0 or (j >= 2 and np.log(left) * MOST > np.log(accuracy) * (j + 1)):
             return None
         basis.append(image / length)

@@ -32,21 +32,21 @@ class Elimination:
     normal, tangential  slots (int) whose forces are unknowns
     change              (r, k) corrections of the explicit forces, those of sliding ones without the share of
                         their unknown normal force
-    follow              (k,) d(y_t)/d(y_n) of sliding conditions
+    sliding_shear       (k,) d(y_t)/d(y_n) of sliding conditions
     residual, by_force  (r, k) divided by by_gap; cross (k,) alike, of unknown tangential forces
     """
 
     normal: Indices
     tangential: Indices
     change: Floats
-    follow: Floats
+    sliding_shear: Floats
     residual: Floats
     by_force: Floats
     cross: Floats
 
     @property
     def chosen(self) -> Indices:
-        """Slots whose slopes are needed."""
+        """Slots whose derivatives are needed."""
         moved = np.flatnonzero((self.change != 0.0).any(axis=0))
         return np.unique(np.concatenate([self.normal, self.tangential, moved]))
 
@@ -61,18 +61,18 @@ def eliminate(response: Response) -> Elimination:
     np.divide(r.residual, r.by_gap, out=residual, where=unknown)
     # residuals stay what they are: softness costs a digit in eleven of an iteration, not of the solution
     np.divide(r.by_force + REDUNDANT, r.by_gap, out=by_force, where=unknown)
-    follow, cross = np.zeros(slots), np.zeros(slots)
+    sliding_shear, cross = np.zeros(slots), np.zeros(slots)
     if rows > 1:
         # a multiple of the normal row removes the gap from the tangential one
         share = r.cross_force - r.cross_gap * by_force[0]
         rest = r.residual[1] - r.cross_gap * residual[0] + np.where(unknown[0], 0.0, r.cross_force * change[0])
         share = np.where(unknown[0], share, 0.0)
         np.divide(-rest, r.by_force[1], out=change[1], where=~unknown[1])
-        np.divide(-share, r.by_force[1], out=follow, where=~unknown[1])
+        np.divide(-share, r.by_force[1], out=sliding_shear, where=~unknown[1])
         np.divide(rest, r.by_gap[1], out=residual[1], where=unknown[1])
         np.divide(share, r.by_gap[1], out=cross, where=unknown[1])
     tangential = np.flatnonzero(unknown[1]) if rows > 1 else np.zeros(0, np.int64)
-    return Elimination(np.flatnonzero(unknown[0]), tangential, change, follow, residual, by_force, cross)
+    return Elimination(np.flatnonzero(unknown[0]), tangential, change, sliding_shear, residual, by_force, cross)
 
 
 class SaddleSystem:
@@ -109,13 +109,13 @@ class SaddleSystem:
         lower: list[Floats] = []
         plan = eliminate(response)
         if contact is not None and (len(plan.chosen) or contact.conditions.force.any()):
-            slopes = contact.linearise(plan.chosen.astype(np.int32))
-            self._fill_rigid_rows(plan, slopes, response)
-            matrix += self._border(plan, slopes)
-            right = right + _explicit_forces(plan, slopes)
+            derivatives = contact.linearise(plan.chosen.astype(np.int32))
+            self._fill_rigid_rows(plan, derivatives, response)
+            matrix += self._border(plan, derivatives)
+            right = right + _explicit_forces(plan, derivatives)
             if moving:
-                right = right + slopes.force @ given
-            lower = _conditions_right(plan, slopes, given if moving else None)
+                right = right + derivatives.force @ given
+            lower = _conditions_right(plan, derivatives, given if moving else None)
         kind = plan.normal.tobytes(), plan.tangential.tobytes()
         du, unknown = self._solve(matrix, right, lower, kind, residual)
         du[self.held] = given[self.held]
@@ -149,12 +149,12 @@ class SaddleSystem:
         keep = column >= 0
         return entries.row[keep], column[keep], entries.data[keep]
 
-    def _fill_rigid_rows(self, plan: Elimination, slopes: ContactDerivatives, response: Response) -> None:
+    def _fill_rigid_rows(self, plan: Elimination, derivatives: ContactDerivatives, response: Response) -> None:
         """Where supports decide alone, as the slip of a node that is held along the surface, a force changes nothing.
 
         It answers the violation of its own condition, until a bound gives it, rather than make the system singular.
         """
-        for kind, (slots, rows) in enumerate(((plan.normal, slopes.gap), (plan.tangential, slopes.slip))):
+        for kind, (slots, rows) in enumerate(((plan.normal, derivatives.gap), (plan.tangential, derivatives.slip))):
             if len(slots):
                 row = np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr))
                 weights = np.abs(rows.data)
@@ -164,34 +164,36 @@ class SaddleSystem:
                 rigid = slots[held[np.searchsorted(plan.chosen, slots)]]
                 plan.by_force[kind, rigid] = 1.0 / response.by_gap[kind, rigid]
 
-    def _border(self, plan: Elimination, slopes: ContactDerivatives) -> list[tuple[Indices, Indices, Floats]]:
+    def _border(self, plan: Elimination, derivatives: ContactDerivatives) -> list[tuple[Indices, Indices, Floats]]:
         """Entries of contact: change of forces, columns and rows of the unknown multipliers."""
         first = len(self.free)
         second = first + len(plan.normal)
-        force = slopes.force.tocoo()
+        force = derivatives.force.tocoo()
         row, column = self.number[force.row], self.number[force.col]
         keep = (row >= 0) & (column >= 0)
         parts = [(row[keep], column[keep], -force.data[keep])]
         at = np.searchsorted(plan.chosen, plan.normal)
-        directions = slopes.normal[at]
-        if slopes.tangent is not None:
-            directions = directions + _scaled(plan.follow[plan.normal], slopes.tangent[at])
-        parts += self._both(directions, slopes.gap[at], first, plan.by_force[0, plan.normal])
+        directions = derivatives.normal[at]
+        if derivatives.tangent is not None:
+            directions = directions + _scaled(plan.sliding_shear[plan.normal], derivatives.tangent[at])
+        parts += self._both(directions, derivatives.gap[at], first, plan.by_force[0, plan.normal])
         if len(plan.tangential):
             at = np.searchsorted(plan.chosen, plan.tangential)
-            parts += self._both(slopes.tangent[at], slopes.slip[at], second, plan.by_force[1, plan.tangential])
+            parts += self._both(
+                derivatives.tangent[at], derivatives.slip[at], second, plan.by_force[1, plan.tangential]
+            )
             crossed = np.flatnonzero(plan.cross[plan.tangential])
             place = first + np.searchsorted(plan.normal, plan.tangential[crossed])
             parts.append((second + crossed, place, -plan.cross[plan.tangential[crossed]]))
         return parts
 
     def _both(
-        self, directions: csr_array, slopes: csr_array, first: int, diagonal: Floats
+        self, directions: csr_array, derivatives: csr_array, first: int, diagonal: Floats
     ) -> list[tuple[Indices, Indices, Floats]]:
         """Columns of one kind of multipliers, their rows, and their diagonal."""
         row, column, value = self._inside(directions)
         parts = [(column, first + row, -value)]
-        row, column, value = self._inside(slopes)
+        row, column, value = self._inside(derivatives)
         parts.append((first + row, column, -value))
         place = first + np.arange(len(diagonal))
         parts.append((place, place, -diagonal))
@@ -199,39 +201,39 @@ class SaddleSystem:
 
 
 def _scaled(factors: Floats, matrix: csr_array) -> csr_array:
-    """Rows of a matrix times factors."""
+    """Scale the rows of a matrix by factors."""
     return csr_array(
         (matrix.data * np.repeat(factors, np.diff(matrix.indptr)), matrix.indices, matrix.indptr), matrix.shape
     )
 
 
-def _explicit_forces(plan: Elimination, slopes: ContactDerivatives) -> Floats:
+def _explicit_forces(plan: Elimination, derivatives: ContactDerivatives) -> Floats:
     """Nodal forces (2N,) of the corrections that are known before the solution."""
     chosen = plan.chosen
-    forces = slopes.normal.T @ plan.change[0, chosen]
-    if slopes.tangent is not None:
-        forces = forces + slopes.tangent.T @ plan.change[1, chosen]
+    forces = derivatives.normal.T @ plan.change[0, chosen]
+    if derivatives.tangent is not None:
+        forces = forces + derivatives.tangent.T @ plan.change[1, chosen]
     return np.asarray(forces)
 
 
-def _conditions_right(plan: Elimination, slopes: ContactDerivatives, given: Floats | None) -> list[Floats]:
+def _conditions_right(plan: Elimination, derivatives: ContactDerivatives, given: Floats | None) -> list[Floats]:
     """Right-hand sides of the conditions with unknown forces."""
     lower = [plan.residual[0, plan.normal]]
     if len(plan.tangential):
         lower.append(plan.residual[1, plan.tangential])
     if given is not None:
-        lower[0] = lower[0] + (slopes.gap @ given)[np.searchsorted(plan.chosen, plan.normal)]
+        lower[0] = lower[0] + (derivatives.gap @ given)[np.searchsorted(plan.chosen, plan.normal)]
         if len(plan.tangential):
-            lower[1] = lower[1] + (slopes.slip @ given)[np.searchsorted(plan.chosen, plan.tangential)]
+            lower[1] = lower[1] + (derivatives.slip @ given)[np.searchsorted(plan.chosen, plan.tangential)]
     return lower
 
 
 def _forces(plan: Elimination, unknown: Floats) -> Floats:
-    """Corrections of all multipliers (r, k)."""
+    """Corrections of all multipliers (r, k), found and given ones."""
     change = plan.change.copy()
     normal, tangential = np.split(unknown, [len(plan.normal)])
     change[0, plan.normal] = normal
     if len(change) > 1:
-        change[1] += plan.follow * np.where(np.isin(np.arange(change.shape[1]), plan.normal), change[0], 0.0)
+        change[1] += plan.sliding_shear * np.where(np.isin(np.arange(change.shape[1]), plan.normal), change[0], 0.0)
         change[1, plan.tangential] = tangential
     return change

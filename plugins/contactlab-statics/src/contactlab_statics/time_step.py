@@ -2,7 +2,7 @@
 
     M (v+ - v)/dt + alpha M (v + v+)/2 + (f + f+)/2 + x (f+ - f) = (e + e+)/2 + G+^T y,   u+ - u = dt (v + v+)/2
 
-with gaps complementary to y at the end of the step; then the velocities are settled (impulses.py).
+with gaps complementary to y at the end of the step; then impulses make the velocities fit the contacts (impulses.py).
 """
 
 from __future__ import annotations
@@ -13,14 +13,27 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from contactlab.api import WORK, Floats, ImplicitEquations, State, Step, StepStatus
-from contactlab_statics.impulses import settle
+from contactlab_statics.contact_forces import ContactForces
+from contactlab_statics.impulses import solve_impulses
 from contactlab_statics.iteration import NewtonIteration, take_back
 
 INTERNAL, EXTERNAL, DAMPING, CONTACT, FRICTION, NUMERICAL, SLIP = range(len(WORK))
 
 
+class StepStart:
+    """Displacements, velocities, internal forces and loads (N, 2) at the start of a step."""
+
+    def __init__(self, nodes: int) -> None:
+        self.u, self.v, self.force, self.load = (np.zeros((nodes, 2)) for _ in range(4))
+
+    def take(self, state: State, equations: ImplicitEquations) -> None:
+        """The state as it is is the start of a step."""
+        self.u[:], self.v[:], self.force[:] = state["displacement"], state["velocity"], state["internal_force"]
+        equations.external_force(state.time, self.load)
+
+
 class TimeStep:
-    """Implements `Balance` for dynamics."""
+    """Makes steps in time. Implements `Balance` for dynamics."""
 
     dynamic = True
 
@@ -28,13 +41,11 @@ class TimeStep:
         self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int, dissipation: float
     ) -> None:
         self.equations, self.state, self.lead = equations, state, dissipation
-        nodes, contact = len(equations.reference), equations.contact
+        nodes = len(equations.reference)
         self.u, self.v = state["displacement"], state["velocity"]
         self.drift = state["drift"] if "drift" in state else np.zeros_like(self.v)
-        self.u_start, self.v_start, self.f_start = (np.zeros((nodes, 2)) for _ in range(3))
-        self.load, self.load_start, self.inertia, self.stopping = (np.zeros((nodes, 2)) for _ in range(4))
-        self.normal = np.zeros((nodes, 2))
-        self.tangential = np.zeros((nodes if contact is not None and len(contact.conditions.slip) else 0, 2))
+        self.start, self.contact_forces = StepStart(nodes), ContactForces(equations)
+        self.load, self.inertia, self.stopping = (np.zeros((nodes, 2)) for _ in range(3))
         self.time = self.dt = self.damping = 0.0
         self.mass: Floats = np.repeat(equations.mass, 2).reshape(-1, 2)
         self.held = equations.prescribed.dof
@@ -64,10 +75,9 @@ class TimeStep:
 
     def _start(self, dt: float) -> None:
         equations, state = self.equations, self.state
-        equations.begin(dt)
+        equations.begin_step(dt)
         equations.internal_force(dt)
-        self.u_start[:], self.v_start[:], self.f_start[:] = self.u, self.v, state["internal_force"]
-        equations.external_force(state.time, self.load_start)
+        self.start.take(state, equations)
         self.time, self.dt = state.time + dt, dt
         # the drift is that of the start, and follows until the middle of the step
         following = 0.5 * dt / equations.relaxation if equations.relaxation else 0.0
@@ -79,33 +89,29 @@ class TimeStep:
 
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
         """Mean external, contact and damping forces minus mean internal ones and the rate of momentum."""
-        self._follow()
+        self._update_velocities()
         self._impressed(out)
-        np.multiply(self.mass, (self.v - self.v_start) / self.dt, out=self.inertia)
+        np.multiply(self.mass, (self.v - self.start.v) / self.dt, out=self.inertia)
         out -= self.inertia
         if self.damping:
-            out -= self.damping * self.mass * (0.5 * (self.v_start + self.v) - self.drift)
-        internal = self.state["internal_force"]
-        return self.load, self.load_start, self.f_start, internal, self.normal, self.inertia, self.stopping
+            out -= self.damping * self.mass * (0.5 * (self.start.v + self.v) - self.drift)
+        internal, start, normal = self.state["internal_force"], self.start, self.contact_forces.normal
+        return self.load, start.load, start.force, internal, normal, self.inertia, self.stopping
 
-    def _follow(self) -> None:
+    def _update_velocities(self) -> None:
         """Velocities that lead to the trial displacements; prescribed ones are those of the step."""
-        moved = (self.u - self.u_start) / self.dt
-        np.subtract(2.0 * moved, self.v_start, out=self.v)
+        moved = (self.u - self.start.u) / self.dt
+        np.subtract(2.0 * moved, self.start.v, out=self.v)
         self.v.reshape(-1)[self.held] = moved.reshape(-1)[self.held]
 
     def _impressed(self, out: Floats) -> None:
         """External and contact forces minus internal ones, means over the step."""
         internal = self.state["internal_force"]
         np.multiply(-(0.5 + self.lead), internal, out=out)
-        out -= (0.5 - self.lead) * self.f_start
+        out -= (0.5 - self.lead) * self.start.force
         if self.equations.external_force(self.time, self.load):
-            out += 0.5 * (self.load_start + self.load)
-        if self.equations.contact is not None:
-            self.equations.contact.forces(self.normal, self.tangential)
-            out += self.normal
-            if len(self.tangential):
-                out += self.tangential
+            out += 0.5 * (self.start.load + self.load)
+        self.contact_forces.add_to(out)
 
     def stiffness(self, dt: float) -> Any:
         """Of mean stresses, mean loads and inertia."""
@@ -120,19 +126,19 @@ class TimeStep:
         """Velocities from momentum, so that it is kept to round-off whatever the tolerance; books; clock."""
         state, contact, dt = self.state, self.equations.contact, self.dt
         alpha, impressed = 0.5 * self.damping * dt, np.zeros_like(self.u)
-        self._follow()
+        self._update_velocities()
         self._impressed(impressed)
-        damped = (1.0 - alpha) * self.v_start + 2.0 * alpha * self.drift
+        damped = (1.0 - alpha) * self.start.v + 2.0 * alpha * self.drift
         free = (damped + dt * self.mobility * impressed) / (1.0 + alpha)
         np.copyto(self.v, free, where=self.mobility > 0.0)
         self._support(impressed)
-        moved = self.u - self.u_start
+        moved = self.u - self.start.u
         work = state["work"]
         internal = state["internal_force"]
-        work[INTERNAL] += 0.5 * np.vdot(self.f_start + internal, moved)
-        work[NUMERICAL] += self.lead * np.vdot(internal - self.f_start, moved)
-        work[EXTERNAL] += 0.5 * np.vdot(self.load_start + self.load, moved)
-        beside = 0.5 * (self.v_start + self.v) - self.drift
+        work[INTERNAL] += 0.5 * np.vdot(self.start.force + internal, moved)
+        work[NUMERICAL] += self.lead * np.vdot(internal - self.start.force, moved)
+        work[EXTERNAL] += 0.5 * np.vdot(self.start.load + self.load, moved)
+        beside = 0.5 * (self.start.v + self.v) - self.drift
         work[DAMPING] += self.damping * np.vdot(self.mass * beside, moved)
         if self.equations.relaxation:
             self.drift += dt / (self.equations.relaxation + 0.5 * dt) * (moved / dt - self.drift)
@@ -143,8 +149,8 @@ class TimeStep:
     def _support(self, impressed: Floats) -> None:
         """Mean reactions, and their work: what the prescribed nodes gain and pass on."""
         held, state = self.held, self.state
-        mass, before, after, drift = (a.reshape(-1)[held] for a in (self.mass, self.v_start, self.v, self.drift))
-        moved = (self.u - self.u_start).reshape(-1)[held]
+        mass, before, after, drift = (a.reshape(-1)[held] for a in (self.mass, self.start.v, self.v, self.drift))
+        moved = (self.u - self.start.u).reshape(-1)[held]
         passed = self.damping * mass * (0.5 * (before + after) - drift) - impressed.reshape(-1)[held]
         reaction = state["reaction"].reshape(-1)
         reaction[:] = 0.0
@@ -152,16 +158,17 @@ class TimeStep:
         state["work"][EXTERNAL] += float(0.5 * mass @ (after**2 - before**2) + passed @ moved)
 
     def _book_contact(self, moved: Floats) -> None:
-        """Settle velocities; contact forces with their impulses, and their work."""
+        """Velocities that fit the contacts; contact forces with their impulses, and their work."""
         state, contact, work = self.state, self.equations.contact, self.state["work"]
+        normal, tangential = self.contact_forces.normal, self.contact_forces.tangential
         assert contact is not None
-        pressed, stuck, lost = settle(contact, self.iteration.response, self.mobility, self.v)
+        pressed, stuck, lost = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)
         force = state["contact_force"]
-        force[:] = self.normal + (pressed + stuck) / self.dt
-        work[CONTACT] += np.vdot(self.normal, moved) + lost
-        if len(self.tangential):
-            force += self.tangential
-            work[FRICTION] += np.vdot(self.tangential, moved)
+        force[:] = normal + (pressed + stuck) / self.dt
+        work[CONTACT] += np.vdot(normal, moved) + lost
+        if len(tangential):
+            force += tangential
+            work[FRICTION] += np.vdot(tangential, moved)
             work[SLIP] -= float(contact.conditions.force[1] @ contact.conditions.slip)
         # what the impulses push on prescribed nodes, their supports hold
         held = self.held

@@ -7,6 +7,9 @@ Kernels take contiguous arrays, fill the outputs they are given and allocate not
           not depend on block size; the interpreter lock is released; machine code is cached on disk.
           One whose name begins with an underscore is called by other kernels alone: it has no
           Python entry point, which saves a third of the compile time.
+`table_kernel`  for kernels on the arrays of a table (`unpack`): they count no references to arrays and can make
+          none. Counting costs more than a short loop does, and numba counts whenever it takes an array out of a
+          table; who bound the arrays keeps them.
 `point`   for functions of one point called inside kernels: always inlined, no entry from Python either.
 `section` for pieces of a long kernel: they cost no compilation of their own.
 """
@@ -26,19 +29,27 @@ from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
 from contactlab.api.compiled.cache import cache_folder
+from contactlab.api.compiled.library import KernelCompiler
 
-__all__ = ["exp", "kernel", "log", "point", "power", "section", "summation"]
+__all__ = ["exp", "kernel", "log", "point", "power", "section", "summation", "table_kernel"]
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
 
+# said in so many words, or a kernel would do as the first one that calls it does
+_COUNTED: dict[str, Any] = {**_OPTIONS, "_nrt": True}
 _ENTRY: dict[str, Any] = {"no_cfunc_wrapper": True}
 _NO_ENTRY: dict[str, Any] = {**_ENTRY, "no_cpython_wrapper": True}
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a block kernel; see the module text for what is fixed."""
-    return _compiled(function, _OPTIONS)
+    return _compiled(function, _COUNTED)
+
+
+def table_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a block kernel that counts no references to arrays: it may make none, numba says so where it does."""
+    return _compiled(function, {**_OPTIONS, "_nrt": False})
 
 
 def summation(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -46,7 +57,7 @@ def summation(function: Callable[..., Any]) -> Callable[..., Any]:
 
     The last digits then depend on the processor: for numbers that are looked at, not for those that a run goes on with.
     """
-    return _compiled(function, {**_OPTIONS, "fastmath": {"contract", "reassoc"}})
+    return _compiled(function, {**_COUNTED, "fastmath": {"contract", "reassoc"}})
 
 
 def _compiled(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
@@ -66,7 +77,11 @@ def _dispatcher(
     """What `njit` would make of a function, of a class of ours; the function itself where numba is switched off."""
     if numba.config.DISABLE_JIT:
         return function
-    made = kind(py_func=function, targetoptions={"nopython": True, "boundscheck": None, **options})
+    made = kind(
+        py_func=function,
+        targetoptions={"nopython": True, "boundscheck": None, **options},
+        pipeline_class=KernelCompiler,
+    )
     if cached:
         made.enable_caching()
     return made
@@ -81,10 +96,17 @@ class Compilation:
     """CPU seconds that this process has spent on compiling kernels and on loading them from the cache.
 
     Garbage is not collected meanwhile: the collector would walk through a million short-lived objects in vain.
+    `listener` is called with each kernel that Python calls, before it is compiled or loaded.
     """
 
     def __init__(self) -> None:
         self.seconds, self._depth, self._began, self._collected = 0.0, 0, 0.0, False
+        self.listener: Callable[[Any], None] | None = None
+
+    def tell(self, kernel: Any) -> None:
+        """Say that a kernel is about to be compiled or loaded; those inside it are not told apart."""
+        if self.listener is not None and not self._depth:
+            self.listener(kernel)
 
     def __enter__(self) -> None:
         if not self._depth:
@@ -108,6 +130,7 @@ class Kernel(CPUDispatcher):
 
     def compile(self, sig: Any) -> Any:
         """Called at the first call with arguments of new types."""
+        COMPILATION.tell(self)
         with COMPILATION:
             return super().compile(sig)
 
@@ -121,15 +144,15 @@ class _Inner(CPUDispatcher):
 
     @cached_property
     def with_entry(self) -> Callable[..., Any]:
-        """The same function for Python."""
-        return _dispatcher(Kernel, self.py_func, {**_ENTRY, **_OPTIONS})
+        """Give a compiled function an entry that Python can call."""
+        return _dispatcher(Kernel, self.py_func, {**_ENTRY, **_COUNTED})
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         return self.with_entry(*arguments, **named)
 
 
 class _InnerKernel(_Inner, Kernel):
-    """Both."""
+    """A kernel that Python and other kernels call."""
 
 
 def section(function: Callable[..., Any]) -> Callable[..., Any]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from contactlab.api.compiled.bound_arrays import Ints1
-from contactlab.api.compiled.kernel import kernel
+from contactlab.api.compiled.kernel import kernel, section
 
 JUMP = 2.0  # a change that is larger than that to the other side by this factor is a kink or a jump
 
@@ -261,6 +261,22 @@ def force_derivatives(count, derivatives, owner, wanted, traction, nodes, force,
     return at, given
 
 
+@section
+def weighted_change(e, j, c, derivatives, owner, at, separation):
+    """What entry e changes of component c of the weighted gap D^T x - M^T y - T^T r of its multiplier j."""
+    slave, multiplier, master, _, dD, dM, dT = derivatives
+    slave_at, master_at = at
+    total = 0.0
+    for i in range(slave.shape[1]):
+        total += dD[e, i, j] * slave_at[slave[e, i], c]
+    for i in range(master.shape[1]):
+        total -= dM[e, i, j] * master_at[master[e, i], c]
+    for i in range(multiplier.shape[1]):
+        other = owner[multiplier[e, i]]
+        total -= dT[e, i, j] * separation[other, c] if other >= 0 else 0.0
+    return total
+
+
 @kernel
 def gap_derivatives(count, derivatives, owner, wanted, at, separation, nodes, weight):
     """Derivatives of the weighted gaps D^T x - M^T y - T^T r at fixed positions and separations r (k, 2).
@@ -268,9 +284,7 @@ def gap_derivatives(count, derivatives, owner, wanted, at, separation, nodes, we
     at = positions of slave and master, nodes = their global numbers; weight = (row, column, value) with rows
     2 k + component. Returns the number of entries.
     """
-    slave, multiplier, master, moved, dD, dM, dT = derivatives
-    slave_at, master_at = at
-    given = 0
+    multiplier, moved, given = derivatives[1], derivatives[3], 0
     for e in range(count):
         if not _wanted(e, multiplier, owner, wanted):
             continue
@@ -280,13 +294,6 @@ def gap_derivatives(count, derivatives, owner, wanted, at, separation, nodes, we
             if k < 0:
                 continue
             for c in range(2):
-                gap = 0.0
-                for i in range(slave.shape[1]):
-                    gap += dD[e, i, j] * slave_at[slave[e, i], c]
-                for i in range(master.shape[1]):
-                    gap -= dM[e, i, j] * master_at[master[e, i], c]
-                for i in range(multiplier.shape[1]):
-                    other = owner[multiplier[e, i]]
-                    gap -= dT[e, i, j] * separation[other, c] if other >= 0 else 0.0
-                given = _emit(given, 2 * k + c, column, gap, weight)
+                change = weighted_change(e, j, c, derivatives, owner, at, separation)
+                given = _emit(given, 2 * k + c, column, change, weight)
     return given

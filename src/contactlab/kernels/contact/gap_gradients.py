@@ -11,6 +11,7 @@ import numpy as np
 from contactlab.api.compiled.contact_tables import GradientsTable, RowsTable
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
+from contactlab.kernels.contact.derivatives import weighted_change
 from contactlab.kernels.contact.tables import PairTable
 
 CUT = 1e-14  # a weight below it moves a gap by less than the round-off of the positions
@@ -224,26 +225,19 @@ def allow_motion(first, last, bound_rows, current, predicted, velocity, last_dt,
 
 
 @kernel
-def from_slopes(count, slopes, owner, slave_at, master_at, separation, out):
+def from_derivatives(count, derivatives, owner, at, separation, out):
     """Derivatives of pieces, coordinate by coordinate, as gradients with one node each; returns their number.
 
-    slopes = (slave, multiplier, master, moved, dD, dM, dT), out = (multiplier, node, value)
+    derivatives = (slave, multiplier, master, moved, dD, dM, dT), at = positions of slave and master,
+    out = (multiplier, node, value)
     """
-    slave, multiplier, master, moved, dD, dM, dT = slopes
+    multiplier, moved = derivatives[1], derivatives[3]
     o_multiplier, node, value = out
     for e in range(count):
         node[e, 0] = moved[e] // 2
         for j in range(multiplier.shape[1]):
             o_multiplier[e, j] = multiplier[e, j]
             for c in range(2):
-                total = 0.0
-                for i in range(slave.shape[1]):
-                    total += dD[e, i, j] * slave_at[slave[e, i], c]
-                for i in range(master.shape[1]):
-                    total -= dM[e, i, j] * master_at[master[e, i], c]
-                for i in range(multiplier.shape[1]):
-                    other = owner[multiplier[e, i]]
-                    total -= dT[e, i, j] * separation[other, c] if other >= 0 else 0.0
                 value[e, j, c, 0, 0], value[e, j, c, 0, 1] = 0.0, 0.0
-                value[e, j, c, 0, moved[e] % 2] = total
+                value[e, j, c, 0, moved[e] % 2] = weighted_change(e, j, c, derivatives, owner, at, separation)
     return count

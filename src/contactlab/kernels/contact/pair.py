@@ -79,12 +79,12 @@ def join(bound, count, straight):
         lacking = fill_columns(count, pieces.multiplier, pieces.slave, pieces.D, c.owner, columns.slave)
     missing = fill_columns(count, pieces.multiplier, pieces.master, pieces.M, c.owner, columns.master)
     if lacking == 0 and missing == 0:
-        measure(bound)
+        compute_gaps(bound)
     return kept, lacking, missing
 
 
 @kernel
-def measure(bound):
+def compute_gaps(bound):
     """Separations and gaps of the kept multipliers at the measured positions."""
     pair = unpack(bound, PairTable)
     at, out = pair.places, pair.gaps
@@ -93,7 +93,7 @@ def measure(bound):
 
 
 @kernel
-def measure_at(bound, at, normals, separation, gaps):
+def compute_gaps_at(bound, at, normals, separation, gaps):
     """Separations and gaps (k, 2) of the kept multipliers with other `normals` at = positions of slave and master."""
     pair = unpack(bound, PairTable)
     separations(pair.coupling, pair.columns, at, normals, separation, gaps)

@@ -208,9 +208,9 @@ class BodyForces:
         return self._determinants(self.geometry, block, points)
 
     def _determinants(self, positions: Floats, block: Block, points: Floats) -> Floats:
-        slopes = np.ascontiguousarray(self.body.element.shape(points).gradient)
+        derivatives = np.ascontiguousarray(self.body.element.shape(points).gradient)
         out = np.empty((len(points), block.connectivity.shape[1]))
-        jacobian_determinants(positions, block.connectivity, slopes, out)
+        jacobian_determinants(positions, block.connectivity, derivatives, out)
         return out
 
 

@@ -22,7 +22,7 @@ STEP = 1e-6  # of a cell's size: central differences then err by about 1e-10 of 
 
 
 class StiffnessByDifferences:
-    """Stiffness of one body from forces of its own kernels on cells torn apart."""
+    """Stiffness of one body from forces of its own kernels on cells that share no nodes, by differences."""
 
     def __init__(self, forces: BodyForces) -> None:
         self.forces, self.law = forces, forces.body.material
@@ -58,12 +58,12 @@ class StiffnessByDifferences:
         if kinematics != "finite":
             field[moved, k] += step
         gradient, force, stabilise = self.forces.kernels
-        slopes, stress, out = np.empty_like(block.gradient), np.empty_like(block.stress), np.zeros_like(geometry)
+        strain, stress, out = np.empty_like(block.gradient), np.empty_like(block.stress), np.zeros_like(geometry)
         scratch = np.zeros((6 * nodes + 6, cells))
-        gradient(geometry, field, connectivity, slopes, scratch)
+        gradient(geometry, field, connectivity, strain, scratch)
         if kinematics == "rate":
-            midpoint(slopes)
-        self.law.stress(slopes, block.history, dt, stress, np.empty_like(block.history))
+            midpoint(strain)
+        self.law.stress(strain, block.history, dt, stress, np.empty_like(block.history))
         force(geometry, connectivity, stress, out, scratch)
         if stabilise is not None and self.forces.shape is not None:
             reference, displacement = (self._per_cell(values, block) for values in self.forces.shape)

@@ -24,7 +24,7 @@ class StableStep:
         self.cell, self.latest = 0, float("inf")
 
     def _refresh(self, positions: Floats, growth: Floats) -> None:
-        """New frequencies of the cells whose size has drifted."""
+        """Compute frequencies anew for the cells whose size has drifted."""
         drifted = np.flatnonzero((growth > DRIFT) | (growth < 1.0 / DRIFT)).astype(np.int32)
         if len(drifted):
             self.frequency[drifted] = cell_frequencies(self.body, positions, drifted)

@@ -45,7 +45,7 @@ def _hooke(strain: Floats, lame: float, shear: float) -> Floats:
 
 
 def _by_columns(body: Body, positions: Floats, forces: CellForces) -> Floats:
-    """Matrices (n, 2a, 2a) of linear cell forces: cells torn apart, one unit displacement at a time."""
+    """Matrices (n, 2a, 2a) of linear cell forces, by one unit displacement at a time of cells that share no nodes."""
     n, a = body.cells.shape
     matrices = np.empty((n, a, 2, a, 2))
     for begin in range(0, n, CHUNK):

@@ -82,11 +82,11 @@ class BodyTangent:
         self.forces, body = forces, forces.body
         self.law, self.kind = body.material, KIND[body.material.kinematics]
         rule = body.element.quadrature()
-        self.slopes = np.ascontiguousarray(body.element.shape(rule.points).gradient)
+        self.derivatives = np.ascontiguousarray(body.element.shape(rule.points).gradient)
         self.weights = np.ascontiguousarray(rule.weights)
         points, nodes = max(block.stress.shape[1] for block in forces.blocks), body.cells.shape[1]
         self.tangent, self.modulus = np.zeros((4, 4, points)), np.zeros((4, 4, points))
-        self.slope, self.matrix = np.zeros((nodes + 1, 2)), np.zeros((2 * nodes, 2 * nodes))
+        self.gradients, self.matrix = np.zeros((nodes + 1, 2)), np.zeros((2 * nodes, 2 * nodes))
 
     def add(self, block: Block, dt: float, pairs: Ints, pattern: Pattern) -> None:
         """Add the block's cells to the pattern's data."""
@@ -97,8 +97,8 @@ class BodyTangent:
         self.law.tangent(block.gradient, block.history, dt, tangent)
         kernels.two_point_modulus(self.kind, block.gradient, block.stress, tangent, modulus)
         kernels.add_cells(
-            self.forces.geometry, block.connectivity, self.slopes, self.weights, modulus, pairs, pattern.place,
-            pattern.stride, pattern.data, self.slope, self.matrix,
+            self.forces.geometry, block.connectivity, self.derivatives, self.weights, modulus, pairs, pattern.place,
+            pattern.stride, pattern.data, self.gradients, self.matrix,
         )  # fmt: skip
 
 

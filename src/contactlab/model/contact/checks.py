@@ -101,7 +101,7 @@ def check_overlap(
 
 
 def overlap_error(depth: float, at: Floats, inside: str, treated: bool, where: Where) -> SceneError:
-    """The error for surfaces that overlap before the run."""
+    """Make the error for surfaces that overlap before the run."""
     return SceneError(
         "slave and master overlap before the run" + (", too deep for any treatment" if treated else ""),
         where=where,

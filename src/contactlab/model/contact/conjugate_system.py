@@ -22,7 +22,7 @@ class ConjugateContactSystem(ContactSystem):
         self.factored = None
         self.gradients = [conjugate_rows(pair) for pair in pairs]
         # an overlap of the start that is pushed out puts energy in on purpose
-        self.strict = [pair.easing is None for pair in pairs]
+        self.strict = [pair.overlap_relaxation is None for pair in pairs]
         self.velocity = state["velocity"]
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.model.contact.gap_pair import GapPair
 from contactlab.model.contact.gradients import PairGradients
 from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.model.contact.pair import ContactPair
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.gap_linearisation import GapLinearisation
+    from contactlab.model.contact.linearisation import PairLinearisation
 
 
 def contact_pair(
@@ -24,6 +30,18 @@ def contact_pair(
         return GapPair(name, algorithm, *sides, reference, first_slot, friction)
     assert isinstance(algorithm, ContactAlgorithm)
     return OperatorPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
+
+
+def linearised(pair: ContactPair, nodes: int) -> PairLinearisation | GapLinearisation:
+    """Gaps and slips of a pair at trial positions and their derivatives, in a model of so many nodes."""
+    if isinstance(pair, GapPair):
+        from contactlab.model.contact.gap_linearisation import GapLinearisation
+
+        return GapLinearisation(pair, nodes)
+    from contactlab.model.contact.linearisation import PairLinearisation
+
+    assert isinstance(pair, OperatorPair)
+    return PairLinearisation(pair, nodes)
 
 
 class FinishedRows:

@@ -39,7 +39,7 @@ class Coupling:
 
     @property
     def order(self) -> Ints:
-        """The kept multipliers, chain by chain."""
+        """Numbers of the kept multipliers, chain by chain."""
         return self.table.order[: self.table.kept[0]]
 
     @property

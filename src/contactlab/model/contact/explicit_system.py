@@ -38,9 +38,9 @@ class ContactSystem:
         # normals and weights belong to where the nodes will be: predicted, pushed by the last forces.
         # `predicted` alone is off by dt^2 f/m, some per cent of a segment in pressed zones.
         for pair, memory in zip(self.pairs, self.memories, strict=True):
-            pair.follow(predicted, compliance, force, memory)
+            pair.update_pushed(predicted, compliance, force, memory)
             if pair.friction is not None:
-                pair.begin(current, memory)
+                pair.compute_start_normals(current, memory)
             pair.evaluated = True
         self._solve_rows(current, compliance, force)
         self.seconds += perf_counter() - began

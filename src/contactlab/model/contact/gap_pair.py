@@ -62,6 +62,11 @@ class GapPair(ContactPair):
         """Length (k,) [mm] that each condition stands for, 0 where there is none."""
         return self.made.cover
 
+    @property
+    def full(self) -> Floats:
+        """Tributary length (k,) [mm] of each multiplier's node."""
+        return self.made.full
+
     def calls_per_step(self) -> dict[str, int]:
         """Conditions once, and at the start of the step once more with friction."""
         return {"contact conditions": 1 + int(self.friction is not None)}
@@ -76,7 +81,7 @@ class GapPair(ContactPair):
         if self.near is None or not self.near.holds(self.at, self.size):
             self.find_near(self.at.slave, self.at.master)
         first = self.found is None
-        found = self._conditions(self.seen(memory))
+        found = self.ask(self.seen(memory))
         if first or _doubtful(found):
             refuse_wrong(found, self.slots, len(positions), self.friction is not None, type(self.algorithm).__name__)
         self.found = found
@@ -84,21 +89,22 @@ class GapPair(ContactPair):
         self.made.cover[:] = 0.0
         self.made.cover[found.owner] = found.measure
         self.made.normals[found.owner] = self._directions(found)
-        self.measure(positions)
+        self.compute_gaps(positions)
 
-    def follow(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
-        """`update` at predicted + compliance * force, all (N, 2), and `measure` at `predicted`."""
+    def update_pushed(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
+        """`update` at predicted + compliance * force, all (N, 2), and `compute_gaps` at `predicted`."""
         displaced(predicted, compliance, force, self.made.pushed)
         self.update(self.made.pushed, memory)
-        self.measure(predicted)
+        self.compute_gaps(predicted)
 
-    def _conditions(self, view: ContactView) -> GapConditions:
+    def ask(self, view: ContactView) -> GapConditions:
+        """What the algorithm says to a view, with tangent weights where friction is declared."""
         return self.algorithm.conditions(view, tangent=self.friction is not None)
 
-    def measure(self, positions: Floats) -> None:
+    def compute_gaps(self, positions: Floats) -> None:
         """Gaps at `positions`, with the weights of the last `update`."""
         self.gaps[:] = self.gaps_at(positions)
-        self._ease(self.gaps)
+        self._relax_overlaps(self.gaps)
 
     def gaps_at(self, positions: Floats) -> Floats:
         """Gaps (k, 2) at `positions` with the weights of the last `update`, in an array of their own."""
@@ -111,10 +117,10 @@ class GapPair(ContactPair):
             gaps[found.owner, 1] = _per_row(found, found.tangent_weight, positions[found.node])
         return gaps
 
-    def begin(self, positions: Floats, memory: Floats) -> None:
+    def compute_start_normals(self, positions: Floats, memory: Floats) -> None:
         """Normals at `positions`, where the step starts (friction only); unchanged where there were none."""
         assert self.sliding is not None
-        found = self._conditions(self._start(positions, memory)._replace(memory=memory.copy()))
+        found = self.ask(self._start(positions, memory)._replace(memory=memory.copy()))
         self.sliding.before[:] = self.made.normals
         self.sliding.before[found.owner] = self._directions(found)
 

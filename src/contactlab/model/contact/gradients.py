@@ -74,10 +74,10 @@ class PairGradients:
             self.general = self._room(len(found.moved), 1)
             self.general.normal_of, self.general.normal_moved = found.normal_of, found.normal_moved
             self.general.dnormal = found.dnormal
-        self.general.count = kernels.from_slopes(
+        self.general.count = kernels.from_derivatives(
             found.count,
             (found.slave, found.multiplier, found.master, found.moved, found.dD, found.dM, found.dT),
-            pair.coupling.owner, pair.at.slave, pair.at.master, pair.separation,
+            pair.coupling.owner, tuple(pair.at), pair.separation,
             (self.general.multiplier, self.general.node, self.general.value),
         )  # fmt: skip
         self.general.normal_count = found.normal_count

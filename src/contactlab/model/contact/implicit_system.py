@@ -1,4 +1,4 @@
-"""All contact pairs of a model for implicit integrators: trial conditions and their slopes."""
+"""All contact pairs of a model for implicit integrators: trial conditions and their derivatives."""
 
 from __future__ import annotations
 
@@ -9,24 +9,24 @@ import numpy as np
 from scipy.sparse import vstack
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, State
-from contactlab.kernels.contact import rows
+from contactlab.model.contact.contact_pairs import linearised
 from contactlab.model.contact.explicit_system import allocate_rows
-from contactlab.model.contact.linearisation import PairLinearisation, PairSlopes
-from contactlab.model.contact.operator_pair import OperatorPair
+from contactlab.model.contact.linearisation import PairDerivatives
+from contactlab.model.contact.pair import ContactPair
 from contactlab.model.examination import examine_pair
 
 
 class ImplicitContactSystem:
-    """Implements `contactlab.api.ImplicitContact`."""
+    """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`."""
 
     def __init__(
-        self, pairs: tuple[OperatorPair, ...], enforcement: ImplicitEnforcement, state: State, time: Floats
+        self, pairs: tuple[ContactPair, ...], enforcement: ImplicitEnforcement, state: State, time: Floats
     ) -> None:
         """`time` (1,) [s] is filled with that at which conditions hold: pairs that follow it look there."""
         self.pairs, self.enforcement, self.state, self.time = pairs, enforcement, state, time
         self.friction = any(pair.friction is not None for pair in pairs)
         nodes = len(state["displacement"])
-        self.linear = tuple(PairLinearisation(pair, nodes) for pair in pairs)
+        self.linear = tuple(linearised(pair, nodes) for pair in pairs)
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.memories = [np.zeros_like(self._memory(pair)) for pair in pairs]
         self.start = np.zeros((nodes, 2))
@@ -36,11 +36,11 @@ class ImplicitContactSystem:
         self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
 
-    def _memory(self, pair: OperatorPair) -> Floats:
+    def _memory(self, pair: ContactPair) -> Floats:
         name = f"memory.{pair.name}"
         return self.state[name] if name in self.state else np.zeros((0, len(pair.slave.nodes)))
 
-    def begin(self, position: Floats, time: float) -> None:
+    def begin_step(self, position: Floats, time: float) -> None:
         """A step that ends at `time` [s] starts at `position` (N, 2), with what the state remembers."""
         self.start[:] = position
         self.time[0] = time
@@ -79,12 +79,11 @@ class ImplicitContactSystem:
             linear.evaluate(position, self.start, memory)
             examine_pair(pair)
             own = slice(pair.first_slot, pair.first_slot + pair.slots)
-            flexibility = np.zeros(pair.slots)
-            rows.flexibilities(pair.rows_address, self.flexibility, flexibility)
+            flexibility = linear.flexibilities(self.flexibility)
             # without flexibility both sides are held: there is nothing that a force could do
             c.present[own] = flexibility > 0.0
             c.stiffness[own] = np.divide(1.0, flexibility, out=np.full(pair.slots, np.inf), where=flexibility > 0.0)
-            c.gap[own], c.measure[own], c.size[own] = pair.gaps[:, 0], pair.coupling.cover, pair.coupling.full
+            c.gap[own], c.measure[own], c.size[own] = pair.gaps[:, 0], pair.cover, pair.full
             if self.friction:
                 c.slip[own] = linear.slip if len(linear.slip) else 0.0
         c.force[:, ~c.present] = 0.0
@@ -94,28 +93,28 @@ class ImplicitContactSystem:
         """Nodal forces of the trial multipliers; see `contactlab.api.ImplicitContact`."""
         normal[:] = 0.0
         tangential[:] = 0.0
-        for pair in self.pairs:
-            rows.add_forces(pair.rows_address, self.conditions.force, pair.first_slot, normal, tangential)
+        for linear in self.linear:
+            linear.add_forces(self.conditions.force, normal, tangential)
 
     def scale(self, flexibility: Floats) -> None:
         """Nodal flexibilities from which contact stiffnesses follow."""
         self.flexibility[:] = flexibility
 
     def linearise(self, chosen: Ints) -> ContactDerivatives:
-        """Slopes of the chosen slots; see `contactlab.api.ImplicitContact`."""
+        """Derivatives of the chosen slots; see `contactlab.api.ImplicitContact`."""
         began, force = perf_counter(), self.conditions.force
-        parts: list[PairSlopes] = []
+        parts: list[PairDerivatives] = []
         for linear, memory in zip(self.linear, self.memories, strict=True):
             pair = linear.pair
             own = slice(pair.first_slot, pair.first_slot + pair.slots)
             slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - pair.first_slot
             y_t = force[1, own] if pair.friction is not None else None
-            parts.append(linear.slopes(slots.astype(np.int32), force[0, own], y_t, memory))
-        slopes = self._joined(parts)
+            parts.append(linear.linearise(slots.astype(np.int32), force[0, own], y_t, memory))
+        derivatives = self._joined(parts)
         self.seconds += perf_counter() - began
-        return slopes
+        return derivatives
 
-    def _joined(self, parts: list[PairSlopes]) -> ContactDerivatives:
+    def _joined(self, parts: list[PairDerivatives]) -> ContactDerivatives:
         if len(parts) == 1:
             p = parts[0]
             return ContactDerivatives(p.normal, p.tangent, p.gap, p.slip, p.force)
@@ -137,7 +136,7 @@ def _stacked(parts: list[Any] | None) -> Any:
     return None if parts is None else vstack(parts, format="csr")
 
 
-def _conditions(pairs: tuple[OperatorPair, ...], multipliers: Floats, friction: bool) -> Conditions:
+def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: bool) -> Conditions:
     k = multipliers.shape[1]
     bound = np.zeros((3, k if friction else 0))
     for pair in pairs:

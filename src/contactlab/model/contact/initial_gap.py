@@ -15,7 +15,7 @@ from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.meshing.mesh import inverted_cells
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_overlap, overlap_error
-from contactlab.model.contact.overlap_easing import OverlapEasing
+from contactlab.model.contact.overlap_relaxation import OverlapRelaxation
 from contactlab.model.contact.pair import ContactPair
 from contactlab.model.loading.ramps import smooth
 
@@ -96,7 +96,7 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
     Both must tell it: the shapes, and the algorithm that would push it out. A weighted gap alone may be a
     little negative where nothing overlaps, a shape alone where curved surfaces have different chords.
     """
-    treated = plan.start.overlap == "ramp"
+    treated = plan.start.overlap == "ramp" or plan.start.gap == "zero"
     check_overlap(plan.slave, plan.master, bodies, positions, treated, plan.where)
     slack = ROUND * pair.size
     if treated or initial_gaps(pair, positions).min() >= -slack:
@@ -110,9 +110,9 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
             raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
 
 
-def easing(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> OverlapEasing:
-    """Overlaps at `positions` eased in over `duration` [s]; the first of `time` tells when gaps are measured [s]."""
-    return OverlapEasing(initial_gaps(pair, positions), time, smooth(duration))
+def relaxation(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> OverlapRelaxation:
+    """How overlaps at `positions` come to count over `duration` [s]; the first of `time` is that of the gaps [s]."""
+    return OverlapRelaxation(initial_gaps(pair, positions), time, smooth(duration))
 
 
 def check_ramp_steps(plans: tuple[Any, ...], ramp_time: float, step: float) -> None:

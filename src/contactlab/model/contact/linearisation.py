@@ -17,7 +17,7 @@ from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import Floats, Ints
 from contactlab.api.derivatives import PieceDerivatives
-from contactlab.kernels.contact import banded_rows, derivatives
+from contactlab.kernels.contact import banded_rows, derivatives, rows
 from contactlab.kernels.contact.tables import BandedRows
 from contactlab.model.contact.differences import DerivativesOfPieces
 from contactlab.model.contact.operator_pair import OperatorPair
@@ -26,8 +26,8 @@ CUT = 1e-13  # a weight below it moves a gap by less than round-off: linear prob
 
 
 @dataclass(frozen=True)
-class PairSlopes:
-    """Slopes by all degrees of freedom of the model; rows are the chosen multipliers of the pair.
+class PairDerivatives:
+    """Derivatives by all degrees of freedom of the model; rows are the chosen multipliers of the pair.
 
     normal, tangent   (c, 2N) directions of the multipliers' forces, transposed: force = normal^T y_n + tangent^T y_t
     gap, slip         (c, 2N) derivatives of gaps and slips
@@ -42,7 +42,7 @@ class PairSlopes:
 
 
 class PairLinearisation:
-    """Gaps and slips of one pair at trial positions, and their slopes there."""
+    """Gaps and slips of one pair at trial positions, and their derivatives there."""
 
     def __init__(self, pair: OperatorPair, nodes: int) -> None:
         self.pair, self.size = pair, 2 * nodes
@@ -59,13 +59,13 @@ class PairLinearisation:
         sliding = pair.sliding
         if sliding is None:
             return
-        pair.begin(start, memory)
+        pair.compute_start_normals(start, memory)
         # summed as the pair's own gaps are, so that a surface that has not moved has not slipped, to the last bit
         pair.separations(sliding.began, sliding.before, self.start_separation, self.start_gaps)
         np.subtract(pair.gaps[:, 1], self.start_gaps[:, 1], out=self.slip)
 
-    def slopes(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairSlopes:
-        """Slopes of the `chosen` multipliers (c,) where all have forces y (k,) [N]."""
+    def linearise(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairDerivatives:
+        """Derivatives of the `chosen` multipliers (c,) where all have forces y (k,) [N]."""
         pair, pieces = self.pair, self.derivatives.of(memory)
         normal, tangent = pair.pieces.normal, turned(pair.pieces.normal)
         traction = self._tractions(y_n, y_t)
@@ -75,19 +75,31 @@ class PairLinearisation:
         wanted[inverse[1]] = True
         weights = self._weights(np.flatnonzero(wanted).astype(np.int32))
         dnormal = self._turned_normals(pieces, pieces.dnormal[: pieces.normal_count])
-        dweight = self._gap_slopes(pieces, wanted, pair.at.slave, pair.at.master, pair.separation)
+        dweight = self._gap_derivatives(pieces, wanted, pair.at.slave, pair.at.master, pair.separation)
         gap = self._along(chosen, normal, inverse, weights, dweight) + self._rows(chosen, pair.separation) @ dnormal
-        force = self._force_slope(pieces, wanted, traction, weights, y_n, y_t)
+        force = self._force_derivative(pieces, wanted, traction, weights, y_n, y_t)
         if y_t is None:
-            return PairSlopes(self._rows(chosen, normal) @ weights, None, gap, None, force)
+            return PairDerivatives(self._rows(chosen, normal) @ weights, None, gap, None, force)
         # tau . r = nu . (r turned by +90 degrees)
         slip = self._along(chosen, tangent, inverse, weights, dweight)
         slip = slip - self._rows(chosen, turned(pair.separation)) @ dnormal
         assert pair.sliding is not None
         start = pair.sliding.began
-        began = self._gap_slopes(pieces, wanted, start.slave, start.master, self.start_separation)
+        began = self._gap_derivatives(pieces, wanted, start.slave, start.master, self.start_separation)
         slip = slip - self._spread(chosen, turned(pair.sliding.before), inverse) @ began
-        return PairSlopes(self._rows(chosen, normal) @ weights, self._rows(chosen, tangent) @ weights, gap, slip, force)
+        return PairDerivatives(
+            self._rows(chosen, normal) @ weights, self._rows(chosen, tangent) @ weights, gap, slip, force
+        )
+
+    def flexibilities(self, nodal: Floats) -> Floats:
+        """Displacement (k,) [mm/N] of each condition per unit of its force, from those of single nodes (N, 2)."""
+        out = np.zeros(self.pair.slots)
+        rows.flexibilities(self.pair.rows_address, nodal, out)
+        return out
+
+    def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
+        """Add the nodal forces of the model's multipliers to (N, 2) each; the second is (0, 2) without friction."""
+        rows.add_forces(self.pair.rows_address, multipliers, self.pair.first_slot, normal, tangential)
 
     # --- the pair's own operators -----------------------------------------------------------------
 
@@ -147,7 +159,7 @@ class PairLinearisation:
         columns = np.repeat(self._columns(pieces.normal_moved[:count]), 2)
         return self._matrix(_both(pieces.normal_of[:count]), columns, values.ravel(), 2 * self.pair.slots)
 
-    def _gap_slopes(
+    def _gap_derivatives(
         self, pieces: PieceDerivatives, wanted: Floats, slave_at: Floats, master_at: Floats, separation: Floats
     ) -> Any:
         pair, out = self.pair, _triplets(2 * pieces.count * pieces.multiplier.shape[1])
@@ -158,7 +170,7 @@ class PairLinearisation:
         )
         return self._matrix(*_first(out, count), 2 * pair.slots)
 
-    def _force_slope(
+    def _force_derivative(
         self, pieces: PieceDerivatives, wanted: Floats, traction: Floats, weights: Any, y_n: Floats, y_t: Floats | None
     ) -> Any:
         pair, k = self.pair, pieces.multiplier.shape[1]

@@ -54,7 +54,7 @@ class OperatorPair(ContactPair):
 
     @property
     def coupling(self) -> Coupling:
-        """T of the last `update`."""
+        """The factorised T of the last `update`."""
         return self.arrays.coupling
 
     @property
@@ -77,6 +77,11 @@ class OperatorPair(ContactPair):
         """Covered length (k,) [mm] of each multiplier, of the last `update`."""
         return self.arrays.coupling.cover
 
+    @property
+    def full(self) -> Floats:
+        """Length (k,) [mm] of each multiplier on full cover."""
+        return self.arrays.coupling.full
+
     def weights(self) -> WeightsTable:
         """Weights of both sides' nodes in each condition of the last update, made when they are first asked for."""
         return self.arrays.weights()
@@ -97,8 +102,8 @@ class OperatorPair(ContactPair):
         """Search, integrate and factorise at `positions` (N, 2)."""
         self._make(positions, positions, positions, memory, kernels.AT | kernels.MEASURED)
 
-    def follow(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
-        """`update` at predicted + compliance * force, all (N, 2), and `measure` at `predicted`."""
+    def update_pushed(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
+        """`update` at predicted + compliance * force, all (N, 2), and `compute_gaps` at `predicted`."""
         self._make(predicted, compliance, force, memory, kernels.AT | kernels.MEASURED | kernels.PUSHED)
 
     def _make(self, positions: Floats, compliance: Floats, force: Floats, memory: Floats, asked: int) -> None:
@@ -110,8 +115,8 @@ class OperatorPair(ContactPair):
             self._check(count)
         self.count = count
         self._join()
-        if self.easing is not None:
-            self.easing.relax(self.gaps)
+        if self.overlap_relaxation is not None:
+            self.overlap_relaxation.relax(self.gaps)
 
     def _check(self, count: Any) -> None:
         """Raise WrongAnswer for pieces that point outside the arrays, which compiled code would follow."""
@@ -136,11 +141,11 @@ class OperatorPair(ContactPair):
             self.arrays.widen(lacking, missing)
         self.arrays.joined()
 
-    def measure(self, positions: Floats) -> None:
+    def compute_gaps(self, positions: Floats) -> None:
         """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
         kernels.place(self.arrays.address, positions, positions, positions, kernels.MEASURED)
-        kernels.measure(self.arrays.address)
-        self._ease(self.gaps)
+        kernels.compute_gaps(self.arrays.address)
+        self._relax_overlaps(self.gaps)
 
     def gaps_at(self, positions: Floats) -> Floats:
         """Gaps (k, 2) at `positions` with the rows of the last `update`, in an array of their own."""
@@ -151,9 +156,9 @@ class OperatorPair(ContactPair):
 
     def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:
         """Separations (k, 2) and gaps (k, 2) of surfaces at `at`, with the coupling of the last `update`."""
-        kernels.measure_at(self.arrays.address, at, normals, separation, gaps)
+        kernels.compute_gaps_at(self.arrays.address, at, normals, separation, gaps)
 
-    def begin(self, positions: Floats, memory: Floats) -> None:
+    def compute_start_normals(self, positions: Floats, memory: Floats) -> None:
         """Normals of the present pieces at `positions`, where the step starts (friction only)."""
         assert self.sliding is not None
         self.algorithm.normals(self._start(positions, memory), self.pieces, self.count, self.sliding.before)

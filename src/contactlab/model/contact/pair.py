@@ -25,7 +25,7 @@ from contactlab.api.surface import SurfacePositions
 from contactlab.kernels.contact import edges, rows
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.model.contact.near_list import REACH, Near, longest_segment
-from contactlab.model.contact.overlap_easing import OverlapEasing
+from contactlab.model.contact.overlap_relaxation import OverlapRelaxation, StartDistance
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,8 @@ class ContactPair(ABC):
     size       [mm] longest segment of both sides
     at         positions of the nodes of both sides, where conditions are made
     gaps       (k, 2) [mm] normal gaps and tangential separations, where they were last measured
-    easing     how overlaps of the start come to count; None where they count at once
+    overlap_relaxation
+               how distances of the start come to count, or do not; None where they count at once
     sliding    what friction needs; None without
     evaluated  whether the conditions are those of the last accepted step
     """
@@ -105,7 +106,7 @@ class ContactPair(ABC):
         self.size = longest_segment(self.at, slave, master)
         self.near: Near | None = None
         self.gaps = np.full((self.slots, 2), FAR)
-        self.easing: OverlapEasing | None = None
+        self.overlap_relaxation: OverlapRelaxation | StartDistance | None = None
         self.sliding = Sliding(friction.bound(), self.slots, self.at) if friction is not None else None
         self.evaluated = False
         self._view: ContactView | None = None
@@ -131,6 +132,11 @@ class ContactPair(ABC):
         """Length (k,) [mm] that each multiplier stands for, of the last `update`."""
 
     @property
+    @abstractmethod
+    def full(self) -> Floats:
+        """Length (k,) [mm] of the slave segments at each multiplier, on full cover, of the last `update`."""
+
+    @property
     def between(self) -> tuple[Ints, Ints, Ints]:
         """Slave nodes that carry no multiplier, and the carriers that follow and precede each."""
         none = np.zeros(0, np.int32)
@@ -147,19 +153,19 @@ class ContactPair(ABC):
         """Search and make the conditions at `positions` (N, 2), and measure their gaps there."""
 
     @abstractmethod
-    def follow(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
-        """`update` at predicted + compliance * force, all (N, 2), and `measure` at `predicted`."""
+    def update_pushed(self, predicted: Floats, compliance: Floats, force: Floats, memory: Floats) -> None:
+        """`update` at predicted + compliance * force, all (N, 2), and `compute_gaps` at `predicted`."""
 
     @abstractmethod
-    def measure(self, positions: Floats) -> None:
+    def compute_gaps(self, positions: Floats) -> None:
         """Gaps at `positions` (N, 2), with the conditions of the last `update`."""
 
     @abstractmethod
     def gaps_at(self, positions: Floats) -> Floats:
-        """Gaps (k, 2) as `measure` finds them, in an array of their own, overlaps of the start not eased."""
+        """Gaps (k, 2) as `compute_gaps` finds them, in an array of their own, overlaps of the start not relaxed."""
 
     @abstractmethod
-    def begin(self, positions: Floats, memory: Floats) -> None:
+    def compute_start_normals(self, positions: Floats, memory: Floats) -> None:
         """Normals of the present conditions at `positions`, where the step starts (friction only)."""
 
     def find_near(self, slave: Floats, master: Floats) -> Near:
@@ -189,9 +195,15 @@ class ContactPair(ABC):
         edges.take(positions, self.master.nodes, began.master)
         return self.sliding.view(self.seen(memory))
 
-    def _ease(self, gaps: Floats) -> None:
-        if self.easing is not None:
-            self.easing.relax(gaps)
+    @property
+    def start_distance(self) -> Floats | None:
+        """Distances (k,) [mm] of the start that count as gaps of zero; None where they count in full."""
+        start = self.overlap_relaxation
+        return start.distance if isinstance(start, StartDistance) else None
+
+    def _relax_overlaps(self, gaps: Floats) -> None:
+        if self.overlap_relaxation is not None:
+            self.overlap_relaxation.relax(gaps)
 
     # --- from conditions to rows ----------------------------------------------------------------
 
@@ -236,7 +248,7 @@ class ContactPair(ABC):
             self.update(position, memory)
             self.evaluated = True
         gaps = self.gaps_at(position)
-        self._ease(gaps)
+        self._relax_overlaps(gaps)
         forces = np.zeros((2, self.slots))
         known = state["multipliers"][:, self.first_slot : self.first_slot + self.slots]
         forces[: len(known) if self.friction is not None else 1] = known if self.friction is not None else known[0]

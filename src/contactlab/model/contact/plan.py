@@ -14,7 +14,6 @@ from contactlab.api import (
     ExplicitEnforcement,
     Floats,
     FrictionLaw,
-    GapAlgorithm,
     Integrator,
     Ints,
     State,
@@ -27,7 +26,8 @@ from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_facing, refuse_held_slave, refuse_joined_twice
 from contactlab.model.contact.contact_pairs import contact_pair
 from contactlab.model.contact.explicit_system import ContactSystem
-from contactlab.model.contact.initial_gap import easing, refuse_overlap
+from contactlab.model.contact.initial_gap import initial_gaps, refuse_overlap, relaxation
+from contactlab.model.contact.overlap_relaxation import StartDistance
 from contactlab.model.contact.pair import ContactPair
 from contactlab.model.loading.edge_sets import edge_set
 
@@ -105,12 +105,12 @@ def _plan(
             allowed=f'"{integrator.default_enforcement}" (what is used when nothing is written)',
         )
     algorithm = registry.make("contact", spec.algorithm, below(where, "algorithm"))
-    if isinstance(algorithm, GapAlgorithm) and not isinstance(enforcement, ExplicitEnforcement):
+    if algorithm.explicit_only and not isinstance(enforcement, ExplicitEnforcement):
         raise PartError(
-            "this contact algorithm gives finished gap conditions, which cannot be linearised",
+            "this contact algorithm says that it is for explicit integrators alone (explicit_only)",
             where=below(where, "algorithm"),
             got=spec.algorithm,
-            allowed="with an implicit integrator: algorithms that derive from contactlab.api.ContactAlgorithm",
+            allowed="with an implicit integrator: algorithms that do not say so",
         )
     return ContactPlan(
         name,
@@ -143,7 +143,12 @@ def _surface(
     try:
         return surface_from_edges(np.concatenate(edges))
     except ValueError as problem:
-        raise SceneError(f"not a contact surface: {problem}", where=where) from problem
+        raise SceneError(
+            f"not a contact surface: {problem}",
+            where=where,
+            got=", ".join(names),
+            allowed="edges that follow each other, in chains that do not meet",
+        ) from problem
 
 
 def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, tuple[int, ...]]:
@@ -183,7 +188,9 @@ def build_contact(
         refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
         pair = plan.pair(reference, first, immobile)
         if plan.start.overlap == "ramp":
-            pair.easing = easing(pair, time, plan.start.duration or ramp_time, reference)
+            pair.overlap_relaxation = relaxation(pair, time, plan.start.duration or ramp_time, reference)
+        elif plan.start.gap == "zero":
+            pair.overlap_relaxation = StartDistance(initial_gaps(pair, reference))
         refuse_overlap(plan, pair, bodies, reference)
         pairs.append(pair)
         first += plan.slots

@@ -38,7 +38,7 @@ def edge_set(bodies: tuple[Body, ...], name: str, where: Where) -> tuple[Body, I
 
 
 def nodes_of(bodies: tuple[Body, ...], name: str, where: Where) -> Ints:
-    """Nodes of "body" or "body.edge_set"."""
+    """Numbers of the nodes of "body" or "body.edge_set"."""
     for body in bodies:
         if body.name == name:
             return np.arange(body.first, body.first + body.count, dtype=np.int32)

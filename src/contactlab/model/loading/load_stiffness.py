@@ -27,8 +27,10 @@ class LoadStiffness:
     """One run's loads, bound to the pattern of the stiffness."""
 
     def __init__(self, model: ImplicitModel, place: Callable[[Ints, Ints], Ints]) -> None:
-        self.followers = [(load, _Entries(load, place)) for load in model.loads if isinstance(load, FollowerLoad)]
-        self.nodes = [OwnNodes(effect, model, place) for effect in model.effects]
+        self.followers = [
+            (load, _Entries(load, place)) for load in model.loading.loads if isinstance(load, FollowerLoad)
+        ]
+        self.nodes = [OwnNodes(effect, model, place) for effect in model.loading.effects]
 
     def add(self, time: float, share: float, rate: float, data: Floats) -> None:
         """Add `share` of minus the derivative of all loads at `time` to the stiffness's data.
@@ -45,7 +47,7 @@ class _Entries:
     """Pressure and shear on edges are linear in positions: two constant matrices."""
 
     def __init__(self, load: FollowerLoad, place: Callable[[Ints, Ints], Ints]) -> None:
-        row, column, self.pressure, self.shear = load.slopes()
+        row, column, self.pressure, self.shear = load.derivatives()
         self.at = place(row, column)
 
     def add(self, share: float, pressure: float, shear: float, data: Floats) -> None:

@@ -12,6 +12,7 @@ from contactlab.errors import below
 from contactlab.kernels.edge_loads import edge_forces
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import edge_set
+from contactlab.model.loading.load_profile import factors
 from contactlab.model.loading.ramps import Course, Ramp, course_of
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 Load = Callable[[float, Floats], None]
 """Adds nodal forces (N, 2) [N] at a time [s]."""
 
-POINTS = 3  # Gauss points of an edge: exact for the quadratic trace times the slope of a parabola
+POINTS = 3  # Gauss points of an edge: exact for the quadratic trace times the derivative of a parabola
 
 
 def build_loads(
@@ -31,6 +32,8 @@ def build_loads(
     for number, spec in enumerate(scene.loads):
         body, edges = edge_set(bodies, spec.on, below(scene.where(f"loads.{number}"), "on"))
         table = _EdgeTable(body.element, edges)
+        if spec.profile is not None:
+            table.vary(factors(spec.profile, table.places(reference)))
         if spec.pressure is not None or spec.shear is not None:
             courses = [course_of(0.0 if value is None else value) for value in (spec.pressure, spec.shear)]
             loads.append(_along_edges(table, reference, position if spec.follower else None, courses, ramp_time))
@@ -44,18 +47,27 @@ class _EdgeTable:
     """Edges with the tables of their trace."""
 
     def __init__(self, element: Element, edges: Ints) -> None:
-        points, self.weights = np.polynomial.legendre.leggauss(POINTS)
-        self.shape, self.slope = (np.ascontiguousarray(table) for table in element.edge_shape(points))
+        points, weights = np.polynomial.legendre.leggauss(POINTS)
+        self.weights = np.tile(weights, (len(edges), 1))
+        self.shape, self.derivative = (np.ascontiguousarray(table) for table in element.edge_shape(points))
         self.edges = np.ascontiguousarray(edges)
+
+    def places(self, positions: Floats) -> Floats:
+        """The integration points (e, g, 2) [mm] of all edges."""
+        return np.asarray(np.einsum("ga,eai->egi", self.shape, positions[self.edges]))
+
+    def vary(self, factors: Floats) -> None:
+        """Let the load vary along the edges: a factor (e, g) for each integration point."""
+        self.weights *= factors
 
     def add(self, positions: Floats, pressure: float, shear: float, out: Floats) -> None:
         """Add the forces of a pressure and a shear on the edges as they lie at `positions`."""
-        edge_forces(positions, self.edges, self.shape, self.slope, self.weights, pressure, shear, out)
+        edge_forces(positions, self.edges, self.shape, self.derivative, self.weights, pressure, shear, out)
 
     def lengths(self, positions: Floats) -> Floats:
         """Length (N,) [mm] that each node of the edges stands for at `positions`."""
-        along = np.einsum("ga,eai->gei", self.slope, positions[self.edges])
-        share = np.einsum("g,ga,ge->ea", self.weights, self.shape, np.hypot(along[..., 0], along[..., 1]))
+        along = np.einsum("ga,eai->gei", self.derivative, positions[self.edges])
+        share = np.einsum("eg,ga,ge->ea", self.weights, self.shape, np.hypot(along[..., 0], along[..., 1]))
         out = np.zeros(len(positions))
         np.add.at(out, self.edges, share)
         return out
@@ -77,14 +89,13 @@ class FollowerLoad:
         """Pressure and shear [MPa] at a time [s]."""
         return self.sizes[0] * self.ramps[0](time), self.sizes[1] * self.ramps[1](time)
 
-    def slopes(self) -> tuple[Ints, Ints, Floats, Floats]:
+    def derivatives(self) -> tuple[Ints, Ints, Floats, Floats]:
         """Derivatives of the nodal forces by positions: rows and columns (degrees of freedom), values per MPa of
         pressure and of shear."""
         t = self.table
-        # forces are shape_a times the tangent sum_b slope_b x_b, turned by a right angle for the pressure
-        share = np.einsum("g,ga,gb->ab", t.weights, t.shape, t.slope)
-        row, column = (2 * np.broadcast_to(nodes, (len(t.edges), *share.shape)) for nodes in _pairs(t.edges))
-        share = np.broadcast_to(share, row.shape)
+        # forces are shape_a times the tangent sum_b derivative_b x_b, turned by a right angle for the pressure
+        share = np.einsum("eg,ga,gb->eab", t.weights, t.shape, t.derivative)
+        row, column = (2 * np.broadcast_to(nodes, share.shape) for nodes in _pairs(t.edges))
         zero = np.zeros_like(share)
         rows, columns = np.stack([row, row, row + 1, row + 1]), np.stack([column, column + 1, column, column + 1])
         pressure, shear = np.stack([zero, -share, share, zero]), np.stack([share, zero, zero, share])

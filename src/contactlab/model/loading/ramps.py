@@ -15,7 +15,7 @@ Ramp = Callable[[float], float]
 
 
 class Course(NamedTuple):
-    """A value in time before the pace of the run is known.
+    """A value in time before the times of the run are known.
 
     to        final value
     shape     one of `SHAPES`, or "table" with `points`
@@ -74,7 +74,7 @@ def parabola(duration: float) -> Ramp:
 
 
 def linear(duration: float) -> Ramp:
-    """d(t) = t/T, then constant."""
+    """Ramp that rises as t/T and stays at one."""
     return lambda time: min(time, duration) / duration
 
 
@@ -89,7 +89,7 @@ def smooth(duration: float) -> Ramp:
 
 
 def constant(duration: float) -> Ramp:
-    """The full value from the start."""
+    """Ramp that has its full value from the start."""
     return lambda time: 1.0
 
 

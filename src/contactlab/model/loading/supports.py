@@ -131,7 +131,7 @@ class Prescribed:
 
 @dataclass(frozen=True)
 class SupportPlan:
-    """All prescribed motion of a scene before the pace of the run is known.
+    """All prescribed motion of a scene before the times of the run are known.
 
     dof, scale, ramp  as in `contactlab.api.PrescribedMotion`
     motions           whose values follow one another in the ramp values
@@ -209,7 +209,7 @@ class _Plan:
                 self._hold(2 * node + component, _Held(1.0, place + 2 * k + component, None), below(where, "turn"))
 
     def _append(self, motion: Motion) -> int:
-        """Where the motion's values begin."""
+        """Add the values of a motion; returns where they begin."""
         begin = self.places
         self.motions.append(motion)
         self.places += motion.size

@@ -32,7 +32,7 @@ class Figure:
 
     @property
     def criterion(self) -> str:
-        """The criterion in words: its limits and unit."""
+        """Write the criterion in words: its limits and unit."""
         if not self.judged:
             return "reported"
         if not math.isfinite(self.least):

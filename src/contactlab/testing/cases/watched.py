@@ -49,8 +49,8 @@ class WatchedRun:
         if self.guarded:
             self.guards.after_step(step)
         if self.guarded and self.state.step % EVERY == 0:
-            self.guards.look()
-            self.schedule.follow()
+            self.guards.check()
+            self.schedule.adapt()
 
     def until(self, time: float, look: Callable[[], None] | None = None, every: int = 1) -> None:
         """Step until `time` [s] is reached; `look` is called after each `every` steps."""

@@ -13,10 +13,12 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 from numba.extending import overload
 
-from contactlab.api.compiled.kernel import COMPILATION, Kernel, exp, kernel, log, point, power
+from contactlab.api.compiled.kernel import COMPILATION, Kernel, exp, kernel, log, point, power, table_kernel
 
 
 @kernel
@@ -117,6 +119,26 @@ def test_only_our_own_compilations_hold_the_garbage_collector(ours: bool) -> Non
     assert gc.isenabled()
 
 
+def test_table_kernels_make_no_arrays_but_call_kernels_that_do() -> None:
+    """What they call is compiled as it is by itself, also where they are its first callers."""
+
+    def total(values: Any) -> Any:
+        made = np.empty(values.size)
+        for i in range(values.size):
+            made[i] = 2.0 * values[i]
+        return made.sum()
+
+    with pytest.raises(numba.TypingError, match="empty"):
+        table_kernel(total)(np.ones(3))
+    counted = kernel(total)
+
+    def twice_total(values: Any) -> Any:
+        return 2.0 * counted(values)
+
+    assert table_kernel(twice_total)(np.ones(3)) == 12.0
+    assert counted(np.ones(3)) == 6.0
+
+
 def test_dispatchers_are_made_of_our_classes_and_of_no_other() -> None:
     """Made by their class, as `njit` makes its own; those of the host program stay what they are."""
     assert type(twice) is Kernel
@@ -129,7 +151,9 @@ def test_what_is_overridden_is_there_in_this_version_of_numba() -> None:
     assert list(inspect.signature(CPUDispatcher.compile).parameters) == ["self", "sig"]
     assert list(inspect.signature(CPUDispatcher.get_call_template).parameters) == ["self", "args", "kws"]
     taken = inspect.signature(CPUDispatcher.__init__).parameters
-    assert {"py_func", "targetoptions"} <= set(taken)
+    assert {"py_func", "targetoptions", "pipeline_class"} <= set(taken)
+    assert list(inspect.signature(Compiler.compile_extra).parameters) == ["self", "func"]
+    assert list(inspect.signature(JITCodeLibrary._finalize_final_module).parameters) == ["self"]
     assert inspect.signature(CPUDispatcher.enable_caching).parameters.keys() == {"self"}
     made, ours = numba.njit(error_model="numpy")(_probe), kernel(_probe)
     # what `njit` passes on beside the options that it was given

@@ -10,12 +10,12 @@ from contactlab.kernels.contact.banded_rows import CUT, entries, fill_columns, o
 from contactlab.kernels.contact.tables import BandedRows
 
 
-def test_columns_are_sums_of_contributions() -> None:
+def test_fill_columns_sums_contributions() -> None:
     columns, dense, _, _ = columns_of()
     np.testing.assert_allclose(dense_rows(columns, 14), dense, atol=1e-15)
 
 
-def test_a_column_that_is_too_wide_tells_how_wide() -> None:
+def test_fill_columns_tells_how_wide_a_column_is_that_does_not_fit() -> None:
     multiplier, T = contributions(SURFACE, COVER)
     found = coupled(SURFACE, multiplier, T)
     nodes = np.ascontiguousarray(3 * multiplier)
@@ -23,7 +23,7 @@ def test_a_column_that_is_too_wide_tells_how_wide() -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_rows_are_the_inverse_times_the_columns(seed: int) -> None:
+def test_solved_rows_are_the_inverse_times_the_columns(seed: int) -> None:
     """Each weight to the cut, below which weights are left out: a dozen of them at most."""
     columns, dense, found, T = columns_of(seed)
     rows = found.rows(columns, BandedRows.allocate(12, 2))  # too narrow at first
@@ -32,14 +32,14 @@ def test_rows_are_the_inverse_times_the_columns(seed: int) -> None:
     np.testing.assert_allclose(dense_rows(rows, 14)[kept], expected[kept], atol=100.0 * CUT)
 
 
-def test_rows_of_the_inverse() -> None:
+def test_inverse_transposed_is_that_of_the_dense_matrix() -> None:
     _, _, found, T = columns_of()
     rows = found.inverse_transposed(BandedRows.allocate(12, 1))
     kept = found.order
     np.testing.assert_allclose(dense_rows(rows, 12)[kept], np.linalg.inv(T.T)[kept], atol=100.0 * CUT)
 
 
-def test_rows_of_own_nodes_are_those_of_the_identity() -> None:
+def test_own_nodes_are_rows_of_the_identity() -> None:
     _, _, found, _ = columns_of()
     rows = BandedRows.allocate(12, 1)
     own_nodes(found.bound.address, 12, rows)

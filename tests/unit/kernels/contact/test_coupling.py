@@ -31,7 +31,7 @@ def test_solve_is_the_inverse_of_the_merged_matrix(cover: np.ndarray) -> None:
     np.testing.assert_allclose(found.solve(values)[kept], expected[kept], atol=ROUND_OFF)
 
 
-def test_merged_multipliers_share_the_value_of_their_owner_and_dropped_ones_have_none() -> None:
+def test_couple_gives_merged_multipliers_the_value_of_their_owner_and_dropped_ones_none() -> None:
     surface = chain(10)
     multiplier, T = contributions(surface, COVERS["hardly covered ends"])
     found = coupled(surface, multiplier, T)
@@ -41,7 +41,7 @@ def test_merged_multipliers_share_the_value_of_their_owner_and_dropped_ones_have
     assert values[0] == values[8] == values[9] == 0.0
 
 
-def test_the_three_diagonals_and_the_cover_are_sums_of_contributions() -> None:
+def test_couple_sums_contributions_into_three_diagonals_and_the_cover() -> None:
     surface = chain(6)
     multiplier, T = contributions(surface, np.ones(5))
     found = coupled(surface, multiplier, T)
@@ -66,7 +66,7 @@ def test_a_merge_gives_the_neighbour_row_column_and_cover() -> None:
     assert matrix[np.ix_(kept, kept)].sum() == pytest.approx(T.sum(), abs=ROUND_OFF)
 
 
-def test_a_closed_chain_that_is_covered_all_around_is_told() -> None:
+def test_couple_tells_a_closed_chain_that_is_covered_all_around() -> None:
     surface = chain(6, closed=True)
     multiplier, T = contributions(surface, np.ones(6))
     found = Coupling(surface, 1, np.ones(6, np.bool_), np.zeros(6, np.bool_))
@@ -75,7 +75,7 @@ def test_a_closed_chain_that_is_covered_all_around_is_told() -> None:
     assert couple(5, multiplier, T, found.table) == 6
 
 
-def test_wide_contributions_are_summed_as_narrow_ones() -> None:
+def test_couple_sums_wide_contributions_as_narrow_ones() -> None:
     """The loop for two multipliers and the one for any number agree."""
     surface = chain(6)
     multiplier, T = contributions(surface, np.ones(5))
@@ -87,7 +87,7 @@ def test_wide_contributions_are_summed_as_narrow_ones() -> None:
         np.testing.assert_allclose(getattr(other.table, name), getattr(one.table, name), atol=ROUND_OFF)
 
 
-def test_slave_weights_are_the_identity_where_nothing_is_merged_and_d_is_t() -> None:
+def test_unmerged_where_nothing_is_merged_and_d_is_t() -> None:
     T = np.random.default_rng(3).uniform(size=(4, 2, 2))
     owner = np.array([0, 1, -1, 3], np.int32)
     assert unmerged(owner, T, T.copy(), 4)

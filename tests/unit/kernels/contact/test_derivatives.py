@@ -21,7 +21,7 @@ def move(nodes: int, colours: Floats, colour: int, closed: bool = False, ring: i
 
 
 @pytest.mark.parametrize("closed", [False, True])
-def test_a_contribution_depends_on_its_nodes_and_a_ring_around_them(closed: bool) -> None:
+def test_moved_node_is_one_of_a_contribution_or_of_a_ring_around_it(closed: bool) -> None:
     """Every node gets a colour of its own: exactly those of the stretch are found, through the start of a loop too."""
     nodes = np.array([[3, 4], [0, 1], [11, 0] if closed else [10, 11]], np.int32)
     for p, own in enumerate(nodes):
@@ -57,7 +57,7 @@ def test_differences_are_those_of_contributions_that_are_alike_and_the_whole_of_
     np.testing.assert_allclose(sum(out[4][e] for e in by_first[1]), 0.5 * (high[3][1] - low[3][1]), atol=1e-15)
 
 
-def test_normals_that_jump_are_differentiated_on_the_side_without_the_jump() -> None:
+def test_normal_differences_are_taken_on_the_side_without_a_jump() -> None:
     middle = np.zeros((3, 2))
     side = np.array([0.2, 0.0])
     high, low = middle + side, middle - side
@@ -110,7 +110,7 @@ NODES = np.arange(20, 20 + S, dtype=np.int32), np.arange(40, 40 + R, dtype=np.in
 OWNER, WANTED = np.arange(K, dtype=np.int32), np.ones(K, np.bool_)
 
 
-def test_forces_change_by_the_changes_of_d_and_m_and_couplings_by_that_of_t() -> None:
+def test_force_derivatives_are_the_changes_of_d_and_m_and_those_of_couplings_that_of_t() -> None:
     entries, dD, dM, dT = changes(1)
     traction = np.random.default_rng(2).normal(size=(K, 2))
     force, coupling = triplets(), triplets()
@@ -121,7 +121,7 @@ def test_forces_change_by_the_changes_of_d_and_m_and_couplings_by_that_of_t() ->
     np.testing.assert_allclose(summed(coupling, counts[1], 2 * K), dT @ traction, atol=1e-13)
 
 
-def test_weighted_gaps_change_by_all_three() -> None:
+def test_gap_derivatives_are_the_changes_of_all_three() -> None:
     entries, dD, dM, dT = changes(3)
     draw, weight = np.random.default_rng(4), triplets()
     x, y, r = draw.normal(size=(S, 2)), draw.normal(size=(R, 2)), draw.normal(size=(K, 2))

@@ -13,7 +13,7 @@ def test_take_copies_the_rows_of_an_index() -> None:
     np.testing.assert_array_equal(out, values[index])
 
 
-def test_the_largest_move_is_that_of_one_coordinate() -> None:
+def test_largest_move_is_that_of_one_coordinate() -> None:
     before, now = np.random.default_rng(2).uniform(size=(2, 40, 2))
     assert largest_move(now, before) == np.abs(now - before).max()
     assert largest_move(now, now) == 0.0

@@ -21,7 +21,7 @@ ROUND_OFF = 1e-13  # of numbers near one
 def pair() -> Any:
     """A pair of curved surfaces that rubs, at its positions."""
     found, memory = pair_of(MortarP1(), curved(), friction=True)
-    found.begin(curved().nodes, memory)
+    found.compute_start_normals(curved().nodes, memory)
     return found
 
 
@@ -43,7 +43,7 @@ def written(pair: Any, margin: float, multipliers: Floats, room: int = 64) -> An
     return rows
 
 
-def test_rows_have_the_weights_gaps_and_lengths_of_their_multipliers(pair: Any) -> None:
+def test_write_rows_gives_weights_gaps_and_lengths_of_their_multipliers(pair: Any) -> None:
     rows, nodes = written(pair, np.inf, np.zeros((2, pair.slots))), len(curved().nodes)
     normal, tangent = operators(pair)
     entries = slice(0, rows.start[rows.count])
@@ -64,7 +64,7 @@ def rows_of(rows: Any) -> Any:
     return GapConditions(rows.start[: k + 1], rows.node[:z], none, none, rows.gap[:k], rows.measure[:k], rows.slot[:k])
 
 
-def test_open_rows_without_a_force_are_left_out(pair: Any) -> None:
+def test_write_rows_leaves_out_open_rows_without_a_force(pair: Any) -> None:
     gaps, kept = pair.gaps[:, 0], pair.coupling.order
     margin = float(np.median(gaps[kept]))
     pressed = np.zeros((2, pair.slots))
@@ -75,11 +75,11 @@ def test_open_rows_without_a_force_are_left_out(pair: Any) -> None:
     assert set(rows.slot[: rows.count]) == expected
 
 
-def test_rows_that_do_not_fit_are_told(pair: Any) -> None:
+def test_write_rows_tells_that_rows_do_not_fit(pair: Any) -> None:
     assert written(pair, np.inf, np.zeros((2, pair.slots)), room=1).count == -1
 
 
-def test_slip_is_the_tangent_times_separation_now_minus_at_the_start(pair: Any) -> None:
+def test_write_slips_is_the_tangent_times_separation_now_minus_at_the_start(pair: Any) -> None:
     rows, draw = written(pair, np.inf, np.zeros((2, pair.slots))), np.random.default_rng(2)
     angle = draw.uniform(0.0, 6.0, pair.slots)
     before = np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -108,7 +108,7 @@ def test_tangential_work_is_force_times_sliding(pair: Any) -> None:
     assert dissipated == pytest.approx(-float(y @ end), abs=100.0 * ROUND_OFF)
 
 
-def test_forces_are_the_transposed_weights_times_multipliers(pair: Any) -> None:
+def test_add_forces_is_the_transposed_weights_times_multipliers(pair: Any) -> None:
     draw, shape = np.random.default_rng(4), curved().nodes.shape
     multipliers, across, along = draw.uniform(size=(2, pair.slots)), np.zeros(shape), np.zeros(shape)
     kernels.add_forces(pair.rows_address, multipliers, 0, across, along)
@@ -117,7 +117,7 @@ def test_forces_are_the_transposed_weights_times_multipliers(pair: Any) -> None:
     np.testing.assert_allclose(along, np.einsum("k,kni->ni", multipliers[1, kept], tangent[kept]), atol=ROUND_OFF)
 
 
-def test_flexibility_is_what_a_unit_force_does_to_its_own_gap(pair: Any) -> None:
+def test_flexibilities_are_what_unit_forces_do_to_their_own_gaps(pair: Any) -> None:
     nodal, out = np.random.default_rng(5).uniform(size=curved().nodes.shape), np.zeros(pair.slots)
     kernels.flexibilities(pair.rows_address, nodal, out)
     normal, _ = operators(pair)

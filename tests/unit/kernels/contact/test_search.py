@@ -28,7 +28,7 @@ def test_boxes_hold_both_ends() -> None:
 @pytest.mark.parametrize("turned", [False, True])
 @pytest.mark.parametrize("reach", [0.0, 0.3, 50.0])
 @pytest.mark.parametrize("seed", range(3))
-def test_the_search_finds_what_comparing_all_boxes_finds(seed: int, reach: float, turned: bool) -> None:
+def test_sweep_finds_what_comparing_all_boxes_finds(seed: int, reach: float, turned: bool) -> None:
     slave, master = wave(17, seed, turned), wave(30, seed + 10, turned)
     own, other = chain(17).segments, chain(30).segments
     found = near_segments(slave, own, master, other, reach)

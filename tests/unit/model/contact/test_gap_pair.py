@@ -11,7 +11,6 @@ import pytest
 
 from contactlab.api import ContactView, GapAlgorithm, GapConditions
 from contactlab.api.plugin import Part, hookimpl
-from contactlab.errors import PartError
 from contactlab.model.build import build
 from contactlab.model.contact.gap_pair import GapPair, refuse_wrong
 from contactlab.parts.registry import Registry
@@ -128,12 +127,6 @@ def test_results_of_finished_conditions_are_reported(registry: Registry) -> None
     assert contact["active"] == np.count_nonzero(curve.state) > 0
     assert contact["cone_violation"] < 1e-8
     assert curve.pressure == pytest.approx(curve.nodal_pressure)
-
-
-def test_an_implicit_integrator_refuses_finished_conditions(registry: Registry) -> None:
-    scene = sliding("finished", registry, False).with_({"integrator": "newton", "time.step": None})
-    with pytest.raises(PartError, match="finished gap conditions"):
-        build(scene, registry)
 
 
 def sound() -> GapConditions:

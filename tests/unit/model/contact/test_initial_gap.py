@@ -56,7 +56,7 @@ def test_adjusted_nodes_lie_on_the_master_without_strain(make, algorithm: str, t
         model = make({**changes, "bodies.upper.shift": (offset * axis).tolist()})
         pair = model.contact.pairs[0]
         pair.update(model.reference, np.zeros((1, len(pair.slave.nodes))))
-        pair.measure(model.reference)
+        pair.compute_gaps(model.reference)
         gaps = pair.gaps[:, 0]
         assert np.abs(gaps[gaps < 1e299]).max() < 1e-11
         assert np.abs(model.state["internal_force"]).max() == 0.0
@@ -104,7 +104,7 @@ def test_a_ramped_overlap_counts_as_zero_first_and_in_full_later(make, algorithm
     for time in (0.0, 4e-4, 8e-4, 1e-3):
         model.state["clock"][0] = time
         pair.update(model.reference, memory)
-        pair.measure(model.reference)
+        pair.compute_gaps(model.reference)
         found.append(pair.gaps[: len(pair.slave.nodes), 0].min())
     assert found == pytest.approx([0.0, -0.005, -0.01, -0.01], abs=1e-14)
 

@@ -20,7 +20,7 @@ def test_a_part_of_an_edge_set_is_usable_everywhere(make) -> None:
     out = np.zeros_like(model.reference)
     model.external_force(0.0, out)
     assert out[:, 1].sum() == pytest.approx(-1.0)
-    held = next(support.nodes for support in model.supports if support.on == "upper.corner")
+    held = next(support.nodes for support in model.loading.supports if support.on == "upper.corner")
     assert sorted(model.reference[held, 0]) == [0.0, 0.5]
 
 

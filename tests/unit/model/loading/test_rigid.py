@@ -19,7 +19,7 @@ def on_rigid(make, surface: dict, **more) -> Model:  # type: ignore[no-untyped-d
 
 
 def tool(model: Model) -> np.ndarray:
-    return next(support.nodes for support in model.supports if support.on == "tool")
+    return next(support.nodes for support in model.loading.supports if support.on == "tool")
 
 
 def test_a_line_is_cut_into_segments_of_the_slave(make) -> None:

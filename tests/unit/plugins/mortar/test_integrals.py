@@ -6,8 +6,17 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from contactlab_mortar.derivatives import trace_derivative
-from contactlab_mortar.integrals import constant_basis, hat, hat_derivative, integrate, integrate_straight, trace
+from contactlab_mortar.integrals import (
+    constant_basis,
+    hat,
+    hat_derivative,
+    integrate,
+    integrate_changes,
+    integrate_straight,
+    trace,
+    trace_derivative,
+)
+from contactlab_mortar.overlap import Overlap
 
 from contactlab.api.compiled.kernel import kernel
 
@@ -17,17 +26,22 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(12)
 @kernel
 def integrated(interval, length, halves, linear, p, out):
     """`integrate` for callers from Python."""
-    D, M, T = out
     low, high, first, last = interval
-    integrate(low, high, first, last, length, halves[0], halves[1], halves[2], linear, p, D, M, T)
+    integrate(Overlap(low, high, first, last, 0.0, 0.0), length, halves, linear, p, out)
 
 
 @kernel
 def straight(interval, length, linear, p, out):
     """`integrate_straight` for callers from Python."""
-    D, M, T = out
     low, high, first, last = interval
-    integrate_straight(low, high, first, last, length, linear, p, D, M, T)
+    integrate_straight(Overlap(low, high, first, last, 0.0, 0.0), length, linear, p, out)
+
+
+@kernel
+def changed(interval, length, halves, linear, change, p, out):
+    """`integrate_changes` for callers from Python."""
+    low, high, first, last = interval
+    integrate_changes(Overlap(low, high, first, last, 0.0, 0.0), length, halves, linear, change, p, out)
 
 
 def by_points(interval, length, sizes, halves, linear):  # type: ignore[no-untyped-def]
@@ -50,7 +64,7 @@ def by_points(interval, length, sizes, halves, linear):  # type: ignore[no-untyp
 
 @pytest.mark.parametrize("linear", [False, True], ids=["P0", "P1"])
 @pytest.mark.parametrize("sizes", [(2, 2), (3, 2), (2, 3), (3, 3)])
-@pytest.mark.parametrize("interval", [(0.1, 0.45, 0.9, 0.2), (0.5, 1.0, 0.7, 0.0)])
+@pytest.mark.parametrize("interval", [(0.1, 0.45, 0.9, 0.2), (0.5, 1.0, 0.7, 0.0), (0.2, 0.9, 0.8, 0.3)])
 def test_gauss_points_are_as_many_as_exact_integrals_need(linear: bool, sizes: tuple, interval: tuple) -> None:
     for halves in ((0, 1, 0), (1, 0, 0), (0, 1, 1), (1, 1, 2)):
         if halves[2] and sizes[0] == 2:
@@ -69,6 +83,20 @@ def test_the_closed_form_is_the_integral_of_straight_edges(linear: bool, interva
     straight(interval, 0.7, linear, 0, out)
     for got, expected in zip(out, by_points(interval, 0.7, (2, 2), (0, 0, 0), linear), strict=True):
         np.testing.assert_allclose(got[0], expected, atol=1e-15)
+
+
+@pytest.mark.parametrize("linear", [False, True], ids=["P0", "P1"])
+@pytest.mark.parametrize("sizes", [(2, 2), (3, 3)])
+def test_changes_of_integrals_are_their_central_differences(linear: bool, sizes: tuple) -> None:
+    """Over a step of 1e-6, whose square and whose round-off over it are below 1e-9."""
+    interval, change, h = np.array([0.2, 0.9, 0.8, 0.3]), np.array([0.3, -0.4, 0.7, 0.2]), 1e-6
+    for halves in ((0, 1, 0), (1, 1, 2)) if sizes[0] == 3 else ((0, 0, 0),):
+        found, high, low = (tuple(np.zeros((2, rows, 2)) for rows in (*sizes, 2)) for _ in range(3))
+        changed(tuple(interval), 0.7, halves, linear, tuple(change), 1, found)
+        integrated(tuple(interval + h * change), 0.7, halves, linear, 1, high)
+        integrated(tuple(interval - h * change), 0.7, halves, linear, 1, low)
+        for got, one, other in zip(found, high, low, strict=True):
+            np.testing.assert_allclose(got, (one - other) / (2.0 * h), atol=1e-9)
 
 
 @pytest.mark.parametrize("nodes", [2, 3])

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from contactlab_mortar.projection import master_parameter, opening, slave_parameter
+from contactlab_mortar.projection import MasterSegment, SlaveSegment, master_parameter, opening, slave_parameter
 
 ROUND_OFF = 1e-12
 
 
-def drawn(seed: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """A slave segment with tilted normals (a, e, n, change of n) and a master segment (c, f) below it."""
+def drawn(seed: int) -> tuple[SlaveSegment, MasterSegment]:
+    """A slave segment with tilted normals and a master segment below it."""
     draw = np.random.default_rng(seed)
     a, e = draw.uniform(-0.2, 0.2, 2), np.array([1.0, 0.0]) + draw.uniform(-0.2, 0.2, 2)
     first, last = (np.array([np.sin(t), -np.cos(t)]) for t in draw.uniform(-0.3, 0.3, 2))
     c = np.array([1.2, -0.4]) + draw.uniform(-0.1, 0.1, 2)
     f = np.array([-1.4, 0.0]) + draw.uniform(-0.2, 0.2, 2)
-    return (*a, *e, *first, *(last - first)), (*c, *f)
+    return SlaveSegment(*a, *e, *first, *(last - first)), MasterSegment(*c, *(c + f))
 
 
 def cross(u: np.ndarray, v: np.ndarray) -> float:
@@ -27,12 +27,12 @@ def cross(u: np.ndarray, v: np.ndarray) -> float:
 def test_what_a_slave_point_sees_lies_on_its_normal(seed: int) -> None:
     slave, master = drawn(seed)
     a, e, n, m = (np.array(slave[i : i + 2]) for i in (0, 2, 4, 6))
-    c, f = np.array(master[:2]), np.array(master[2:])
+    c, f = np.array(master[:2]), np.array(master[2:]) - master[:2]
     for xi in (0.0, 0.3, 0.8, 1.0):
-        eta = master_parameter(xi, *slave, *master)
+        eta = master_parameter(xi, slave, master)
         between, normal = c + eta * f - a - xi * e, n + xi * m
         assert abs(cross(between, normal)) < ROUND_OFF
-        gap = opening(xi, eta, *slave, *master)
+        gap = opening(xi, eta, slave, master)
         assert gap == pytest.approx(float(between @ normal) / np.hypot(*normal), abs=ROUND_OFF)
         assert abs(gap) == pytest.approx(np.hypot(*between), abs=ROUND_OFF)
 
@@ -40,16 +40,18 @@ def test_what_a_slave_point_sees_lies_on_its_normal(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(8))
 def test_the_slave_point_that_sees_a_point_is_the_way_back(seed: int) -> None:
     slave, master = drawn(seed)
-    c, f = np.array(master[:2]), np.array(master[2:])
+    c, f = np.array(master[:2]), np.array(master[2:]) - master[:2]
     for xi in (0.1, 0.5, 0.9):
-        seen = c + master_parameter(xi, *slave, *master) * f
-        assert slave_parameter(*slave, *seen) == pytest.approx(xi, abs=1e-10)
+        seen = c + master_parameter(xi, slave, master) * f
+        assert slave_parameter(slave, *seen) == pytest.approx(xi, abs=1e-10)
 
 
 def test_with_one_normal_it_is_the_foot_of_the_perpendicular() -> None:
-    assert slave_parameter(0.0, 0.0, 2.0, 0.0, 0.0, -1.0, 0.0, 0.0, 0.5, -3.0) == pytest.approx(0.25, abs=ROUND_OFF)
+    assert slave_parameter(SlaveSegment(0.0, 0.0, 2.0, 0.0, 0.0, -1.0, 0.0, 0.0), 0.5, -3.0) == pytest.approx(
+        0.25, abs=ROUND_OFF
+    )
 
 
 def test_a_point_that_no_normal_reaches_has_no_parameter() -> None:
     """The quadratic -2 - xi^2 = 0 of this point has no root."""
-    assert np.isnan(slave_parameter(0.0, 0.0, 1.0, 0.0, 1.0, -1.0, -2.0, -1.0, -1.0, -1.0))
+    assert np.isnan(slave_parameter(SlaveSegment(0.0, 0.0, 1.0, 0.0, 1.0, -1.0, -2.0, -1.0), -1.0, -1.0))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from contactlab_mortar.vertices import facing_sums, slave_turn
+from contactlab_mortar.vertices import facing_sums, slave_turn, turn_at_vertices
 
 from contactlab.testing.surfaces import chains
 
@@ -12,18 +12,18 @@ BELOW = np.array([[-3.0, -1.0], [3.0, -1.0]])
 
 
 @pytest.mark.parametrize("angle", [-1.2, -0.4, 0.0, 0.7, 1.5])
-def test_the_turn_is_the_sine_of_the_angle(angle: float) -> None:
+def test_slave_turn_is_the_sine_of_the_angle(angle: float) -> None:
     at = chains(np.array([[-1.0, 0.0], [0.0, 0.0], [np.cos(angle), np.sin(angle)]]), BELOW)
     assert slave_turn(1, at.nodes, at.slave.segments, at.slave.node_segments) == pytest.approx(abs(np.sin(angle)))
 
 
-def test_the_turn_is_one_beyond_a_right_angle_and_at_ends_of_chains() -> None:
+def test_slave_turn_is_one_beyond_a_right_angle_and_at_ends_of_chains() -> None:
     at = chains(np.array([[-1.0, 0.0], [0.0, 0.0], [-0.5, 0.5]]), BELOW)
     for node in range(3):
         assert slave_turn(node, at.nodes, at.slave.segments, at.slave.node_segments) == 1.0
 
 
-def test_master_normals_are_summed_by_the_length_that_a_multiplier_sees() -> None:
+def test_facing_sums_weigh_master_normals_by_the_length_that_a_multiplier_sees() -> None:
     draw = np.random.default_rng(1)
     multiplier = np.array([[0, 1], [1, 2], [2, 3]], np.int32)
     master = np.array([[1, 0], [2, 1], [3, 2]], np.int32)
@@ -37,3 +37,26 @@ def test_master_normals_are_summed_by_the_length_that_a_multiplier_sees() -> Non
         for k in range(2):
             expected[multiplier[p, k]] += T[p, :, k].sum() * normal
     np.testing.assert_allclose(facing, expected, atol=1e-15)
+
+
+def ramp(value: float, low: float, high: float) -> float:
+    """0 below low, 1 above high, a cubic without a kink between."""
+    t = float(np.clip((value - low) / (high - low), 0.0, 1.0))
+    return 3.0 * t**2 - 2.0 * t**3
+
+
+@pytest.mark.parametrize("lean", [0.1, 0.23, 0.27, 0.5])
+@pytest.mark.parametrize("angle", [0.2, 0.37, 0.9])
+def test_turn_at_vertices_goes_from_the_averaged_normal_to_the_masters(angle: float, lean: float) -> None:
+    """By the share of the page: none below a sine of 0.2 to the master or a turn of 0.3, all above 0.3 and 0.5."""
+    at = chains(np.array([[-1.0, 0.0], [0.0, 0.0], [np.cos(angle), np.sin(angle)]]), BELOW)
+    master = np.array([[0.0, 0.0], [-np.cos(lean), -np.sin(lean)]])
+    multiplier, nodes = np.array([[0, 1], [1, 2]], np.int32), np.array([[0, 1], [0, 1]], np.int32)
+    averaged, up = np.tile([0.0, 1.0], (3, 1)), np.array([-np.sin(lean), np.cos(lean)])
+    found, slave = averaged.copy(), (at.slave.segments, at.slave.node_segments)
+    turned = turn_at_vertices(2, (multiplier, nodes, np.ones((2, 2, 2))), slave, at.nodes, master, found)
+    shares = [ramp(np.sin(lean), 0.2, 0.3) * ramp(turn, 0.3, 0.5) for turn in (1.0, np.sin(angle), 1.0)]
+    assert turned == np.count_nonzero(shares)
+    for normal, share in zip(found, shares, strict=True):
+        expected = (1.0 - share) * averaged[0] + share * up
+        np.testing.assert_allclose(normal, expected / np.hypot(*expected), atol=1e-14)

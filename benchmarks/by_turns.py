@@ -1,0 +1,162 @@
+"""Is one checkout slower than another? CPU times of two by turns, as ratios of pairs.
+
+    python benchmarks/by_turns.py BEFORE AFTER                     # two checkouts, each with its own .venv
+    python benchmarks/by_turns.py BEFORE AFTER --only contact --pairs 15
+
+Each checkout has a process of its own that stays, measures when it is asked to, and waits while the other one does.
+Every pair is measured in the other order than the one before. So what loads the machine loads both, and the ratio of a
+pair tells more than the quotient of two times. Printed are the median ratio AFTER : BEFORE and its 95 % interval, by
+drawing the pairs anew a few thousand times. Models are those of each checkout's own `benchmarks/kernels/steps.py`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+PAIRS, DRAWS = 15, 4000
+FEWER = {"static level 4": 7, "cold compilation": 3}  # pairs of what takes long
+START = "import contactlab; contactlab.simulate(contactlab.load_scene('disc-on-block').with_({'time.end': 1e-8}))"
+ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
+
+def measures() -> dict[str, Callable[[], float]]:
+    """CPU seconds of one measurement by name, in the environment of a checkout."""
+    return {
+        "element loop": lambda: _phase("elements", 5000),
+        "contact step level 2": lambda: _contact(2),
+        "contact step level 8": lambda: _contact(8),
+        "contact step, 300 nodes pressed": lambda: _phase("contact", 0),
+        "static level 4": _static,
+        "cached start": lambda: _start({}),
+        "cold compilation": _cold,
+    }
+
+
+def _steps() -> Any:
+    sys.path.insert(0, str(Path.cwd() / "benchmarks" / "kernels"))
+    import steps
+
+    return steps
+
+
+def _phase(phase: str, cells: int) -> float:
+    """Of two pressed blocks: six times as wide as high for elements, one layer of cells for contact."""
+    steps = _steps()
+    height = max(1, round((cells / 12.0) ** 0.5))
+    columns, rows = (6 * height, height) if cells else (299, 1)
+    return float(steps.measure(steps.blocks(columns, rows, "mortar-p0"), 3, warm=60)[phase])
+
+
+def _contact(level: int) -> float:
+    import contactlab
+
+    steps = _steps()
+    scene = contactlab.load_scene("disc-on-block").with_({"level": level, "supports.1.uy.duration": 1e-6})
+    return float(steps.measure(scene, 3, warm=60)["contact"])
+
+
+def _static() -> float:
+    import contactlab
+
+    changes = {"level": 4, "integrator": {"use": "newton", "steps": 2}, "supports.1.uy.to": -0.005}
+    scene = contactlab.load_scene("disc-on-block").with_({**changes, "record.recorders": []})
+    began = process_time()
+    contactlab.simulate(scene)
+    return process_time() - began
+
+
+def _start(environment: dict[str, str]) -> float:
+    before = os.times()
+    subprocess.run(
+        [sys.executable, "-c", START], check=True, stdout=subprocess.DEVNULL, env={**os.environ, **environment}
+    )
+    after = os.times()
+    return after.children_user + after.children_system - before.children_user - before.children_system
+
+
+def _cold() -> float:
+    with tempfile.TemporaryDirectory() as cache:
+        return _start({"CONTACTLAB_CACHE": cache})
+
+
+def serve() -> None:
+    """Measure what is asked for, one name a line."""
+    known = measures()
+    answers = os.fdopen(os.dup(1), "w")
+    os.dup2(2, 1)  # what a run prints is no answer
+    for line in sys.stdin:
+        print(known[line.strip()](), file=answers, flush=True)
+
+
+class Checkout:
+    """A process in a checkout, with its own environment."""
+
+    def __init__(self, root: Path) -> None:
+        command = [str(root.resolve() / ".venv" / "bin" / "python"), str(Path(__file__).resolve()), "--serve"]
+        pipe = subprocess.PIPE
+        self.process = subprocess.Popen(
+            command, cwd=root, stdin=pipe, stdout=pipe, text=True, env={**os.environ, **ONE_THREAD}
+        )
+
+    def measured(self, name: str) -> float:
+        """CPU seconds, or microseconds of a step: ratios alone count."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        print(name, file=self.process.stdin, flush=True)
+        answer = self.process.stdout.readline()
+        if not answer:
+            raise SystemExit(f"{name}: the process of {self.process.args!r} ended with {self.process.wait()}")
+        return float(answer)
+
+
+def ratios(before: Checkout, after: Checkout, name: str, pairs: int) -> list[float]:
+    """AFTER : BEFORE of each pair; a first one, which compiles, is left out."""
+    found: list[float] = []
+    for pair in range(pairs + 1):
+        order = (before, after) if pair % 2 else (after, before)
+        times = {checkout: checkout.measured(name) for checkout in order}
+        if pair:
+            found.append(times[after] / times[before])
+    return found
+
+
+def interval(found: Sequence[float]) -> tuple[float, float]:
+    """95 % interval of the median."""
+    draws = np.random.default_rng(1).choice(np.asarray(found), (DRAWS, len(found)))
+    low, high = np.quantile(np.median(draws, axis=1), (0.025, 0.975))
+    return float(low), float(high)
+
+
+def main() -> int:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("checkouts", nargs="*", type=Path, metavar="CHECKOUT", help="before and after")
+    parser.add_argument("--only", default="", help="measurements with this in their names")
+    parser.add_argument("--pairs", type=int, help=f"pairs of each ({PAIRS}, fewer of what takes long)")
+    parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
+    chosen = parser.parse_args()
+    if chosen.serve:
+        serve()
+        return 0
+    if len(chosen.checkouts) != 2:
+        parser.error("two checkouts, please: the one before and the one after")
+    before, after = (Checkout(root) for root in chosen.checkouts)
+    for name in (name for name in measures() if chosen.only in name):
+        found = ratios(before, after, name, chosen.pairs or FEWER.get(name, PAIRS))
+        low, high = interval(found)
+        print(f"{name:34s} {np.median(found):.3f}  (95 % {low:.3f} to {high:.3f}, {len(found)} pairs)", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

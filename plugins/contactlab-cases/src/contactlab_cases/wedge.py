@@ -1,0 +1,105 @@
+"""A blunt rigid wedge on a half plane: a pressure that grows as the logarithm towards the apex."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contactlab.api import Case, Floats, Job, Measure, Record, Setup
+from contactlab.api.case import at_most, error, reported
+from contactlab_cases.circles import block_mesh, only
+from contactlab_cases.statics import ordered, plane_strain, projected, static_job
+
+YOUNG = 70000.0
+SIZE = 1.0  # mm: the half plane is four times as wide and deep
+WIDTH = 0.02  # mm, half of the contact, about
+
+
+@dataclass(frozen=True)
+class BluntWedge(Case):
+    """Pressure under a wedge.
+
+    slope   of its flanks
+    offset  of the apex, in cells: 0 is on a node of the half plane
+    """
+
+    slope: float = 1e-3
+    offset: float = 0.0
+
+    title: ClassVar[str] = "a blunt wedge on a half plane"
+    source: ClassVar[str] = "Johnson 1985, Contact Mechanics, 5.2"
+    family: ClassVar[str] = "edges"
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"slope": (1e-3, 1e-2), "offset": (0.0, 0.25, 0.5)}
+    demands: ClassVar[frozenset[str]] = frozenset({"implicit"})
+    proves: ClassVar[frozenset[str]] = frozenset({"pressure"})
+    integrators: ClassVar[tuple[str, ...]] = ("newton",)
+    elements: ClassVar[tuple[str, ...]] = ("q1",)
+    swaps: ClassVar[bool] = False
+
+    def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
+        """One run: the wedge comes down."""
+        return [] if done else [self._job(setup)]
+
+    def _cell(self, level: int) -> float:
+        return 0.1 * WIDTH / level
+
+    def _job(self, setup: Setup) -> Job:
+        h, far = self._cell(setup.level), 0.5 * SIZE
+        apex = self.offset * h
+        line = [[apex - far, far * self.slope], [apex, 0.0], [apex + far, far * self.slope]]
+        # depth of a half plane whose displacement is held at four times SIZE below; the width is measured
+        depth = self.slope * WIDTH * (1.0 + np.log(8.0 * SIZE / WIDTH)) * 2.0 / np.pi
+        return static_job(
+            "pressed", setup, {"plane": {"young": YOUNG, "poisson": 0.3}},
+            {"block": {"material": "plane", "mesh": block_mesh(SIZE, h / SIZE, 0.04)}},
+            {"slave": "block.top", "master": "wedge"},
+            rigid={"wedge": {"line": line}},
+            supports=[{"on": "block.bottom", "ux": 0.0, "uy": float(depth)}],
+        )  # fmt: skip
+
+    def measures(self, setup: Setup) -> Sequence[Measure]:
+        """Errors of the pressure, and whether it swings where it grows without bound."""
+        return [
+            at_most(
+                "L2 of the pressure over that of the best approximation",
+                1.5,
+                "the best piecewise linear function on ten cells is off by 9 to 14 %: the logarithm has no end",
+            ),
+            reported("L2 of the pressure"),
+            error("half-width", 0.1, "nodes tell where contact ends to one cell of ten"),
+            at_most(
+                "rise of the pressure away from the apex",
+                0.03,
+                "it falls on either side of the apex; the best approximation rises by 0.014",
+            ),
+        ]
+
+    def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
+        """Against p = E* slope/pi acosh(a/|x|) with the a of the measured force P = E* slope a."""
+        record, h = only(done), self._cell(setup.level)
+        modulus = plane_strain(YOUNG)
+        a = float(record.reaction("block.bottom")[1]) / (modulus * self.slope)
+        curve = record.curve()
+        x, pressure, force = ordered(curve.x - self.offset * h, curve.pressure, curve.nodal_pressure)
+        closed = x[force > 0.0]
+
+        def exact(at: Floats) -> Floats:
+            inside = np.clip(np.abs(at) / a, 1e-6, 1.0)
+            return np.asarray(modulus * self.slope / np.pi * np.arccosh(1.0 / inside))
+
+        right, left = pressure[x > 1.5 * h], pressure[x < -1.5 * h][::-1]
+        rise = max(float(np.diff(side).max(initial=0.0)) for side in (right, left))
+        cells = int(np.ceil(2.0 * a / h))
+        at = np.linspace(-cells * h, cells * h, 16001)
+        wanted, found = exact(at - self.offset * h), np.interp(at - self.offset * h, x, pressure)
+        l2 = float(np.sqrt(np.mean((found - wanted) ** 2) / np.mean(wanted**2)))
+        best = float(np.sqrt(np.mean((projected(at, wanted, 2 * cells) - wanted) ** 2) / np.mean(wanted**2)))
+        return {
+            "L2 of the pressure": l2,
+            "L2 of the pressure over that of the best approximation": l2 / best,
+            "half-width": 0.5 * float(closed.max() - closed.min() + h) / a - 1.0,
+            "rise of the pressure away from the apex": rise / float(pressure.max()),
+        }

@@ -1,0 +1,106 @@
+"""A rigid wave on an elastic half plane: partial contact at a small pressure, contact everywhere at a large one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contactlab.api import Case, Floats, Job, Measure, Record, Setup
+from contactlab.api.case import error, reported
+from contactlab_cases.circles import only
+from contactlab_cases.statics import ordered, plane_strain, static_job
+
+LENGTH = 1.0  # mm, of the wave
+AMPLITUDE = 2e-5  # mm: strains of 1e-4
+YOUNG = 70000.0
+CELLS = 40  # along half a wave, at level 1
+DEPTH = 2.0  # wave lengths: a pressure of this period has died away by exp(-4 pi)
+POINTS = 400  # of the rigid line on half a wave: its facets are 2e-6 of the amplitude deep
+
+
+@dataclass(frozen=True)
+class Westergaard(Case):
+    """Pressure under a rigid wave.
+
+    load  mean pressure over that of full contact, about: it is reached through a displacement, and measured
+    """
+
+    load: float = 0.5
+
+    title: ClassVar[str] = "a rigid wave on a half plane"
+    source: ClassVar[str] = "Westergaard 1939; Johnson 1985, Contact Mechanics, 13.2"
+    family: ClassVar[str] = "edges"
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"load": (0.25, 0.5, 0.75, 1.5)}
+    demands: ClassVar[frozenset[str]] = frozenset({"implicit"})
+    proves: ClassVar[frozenset[str]] = frozenset({"pressure"})
+    integrators: ClassVar[tuple[str, ...]] = ("newton",)
+    elements: ClassVar[tuple[str, ...]] = ("q1",)
+    swaps: ClassVar[bool] = False
+
+    def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
+        """One run: the wave comes down, or the half plane's foot comes up, by what the mean pressure needs."""
+        return [] if done else [self._job(setup)]
+
+    def _job(self, setup: Setup) -> Job:
+        half, n = 0.5 * LENGTH, CELLS * setup.level
+        x = np.linspace(-0.1 * half, 1.1 * half, POINTS + 1)
+        line = [[float(v), float(AMPLITUDE * (1.0 - np.cos(2.0 * np.pi * v / LENGTH)))] for v in x]
+        modulus = plane_strain(YOUNG)
+        stiff = YOUNG * 0.7 / (1.3 * 0.4)  # of a layer that cannot widen [MPa]
+        down = self.load * self._full(modulus) * DEPTH * LENGTH / stiff + AMPLITUDE * min(1.0, self.load)
+        body = {
+            "material": "soft",
+            "mesh": {
+                "use": "rectangle", "x": [0.0, half], "y": [-DEPTH * LENGTH, 0.0], "cells": [n, n],
+                "grading": [1.0, 1.0 / 12.0],
+            },
+        }  # fmt: skip
+        return static_job(
+            "pressed", setup, {"soft": {"young": YOUNG, "poisson": 0.3}}, {"layer": body},
+            {"slave": "layer.top", "master": "wave"},
+            rigid={"wave": {"line": line}},
+            supports=[
+                {"on": "layer.left", "ux": 0.0}, {"on": "layer.right", "ux": 0.0},
+                {"on": "layer.bottom", "uy": down},
+            ],
+        )  # fmt: skip
+
+    @staticmethod
+    def _full(modulus: float) -> float:
+        """p* [MPa], the mean pressure from which on contact is everywhere."""
+        return np.pi * modulus * AMPLITUDE / LENGTH
+
+    def measures(self, setup: Setup) -> Sequence[Measure]:
+        """Errors of the pressure."""
+        return [
+            error("largest pressure", 0.02, "cells of 1/80 of the wave"),
+            error("L2 of the pressure", 0.05, "the root at the edge of contact is resolved to half a cell", order=1.0),
+            reported("mean pressure over that of full contact"),
+        ]
+
+    def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
+        """Against the closed form at the mean pressure that was measured."""
+        record = only(done)
+        full = self._full(plane_strain(YOUNG))
+        mean = float(record.reaction("layer.bottom")[1]) / (0.5 * LENGTH)
+        curve = record.curve()
+        x, pressure = ordered(curve.x, curve.pressure)
+        at = np.linspace(0.0, 0.5 * LENGTH, 4001)
+        exact, found = self.pressure(at, mean, full), np.interp(at, x, pressure)
+        return {
+            "largest pressure": float(pressure.max() / exact.max()) - 1.0,
+            "L2 of the pressure": float(np.sqrt(np.mean((found - exact) ** 2) / np.mean(exact**2))),
+            "mean pressure over that of full contact": mean / full,
+        }
+
+    @staticmethod
+    def pressure(x: Floats, mean: float, full: float) -> Floats:
+        """p(x) [MPa] at a mean pressure, x from a crest; `full` is the mean from which on contact is everywhere."""
+        if mean >= full:
+            return np.asarray(mean + full * np.cos(2.0 * np.pi * x / LENGTH))
+        s2 = mean / full
+        root = np.sqrt(np.maximum(0.0, s2 - np.sin(np.pi * x / LENGTH) ** 2))
+        return np.asarray(2.0 * mean * np.cos(np.pi * x / LENGTH) / s2 * root)

@@ -1,0 +1,77 @@
+"""The overlap of a slave and a master segment: what is integrated, differentiated and reported comes from here."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from contactlab.api.compiled.kernel import point
+from contactlab_mortar.projection import edge_vector, master_parameter, opening, slave_parameter
+
+FACING = 0.25  # cosine by which normals must be opposed: flanks of a corner are no partners
+SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
+
+
+class Overlap(NamedTuple):
+    """Part of a slave segment that sees a master segment: xi, eta and gap [mm] where it begins and where it ends."""
+
+    low: float
+    high: float
+    eta_low: float
+    eta_high: float
+    gap_low: float
+    gap_high: float
+
+
+@point
+def faces(slave, master):
+    """Whether two segments face each other: their directions are opposed, as the bodies lie on the left of both."""
+    ex, ey, (fx, fy) = slave.ex, slave.ey, edge_vector(master)
+    along = ex * fx + ey * fy
+    return along < 0.0 and along * along >= FACING * FACING * ((ex * ex + ey * ey) * (fx * fx + fy * fy))
+
+
+@point
+def _ends(first, second):
+    """Part of the slave segment between two parameters: low and high, high below low where there is none."""
+    if np.isnan(first) or np.isnan(second):
+        return 1.0, 0.0
+    return max(0.0, min(first, second)), min(1.0, max(first, second))
+
+
+@point
+def _seen(xi, first, second, slave, master):
+    """eta at an end xi of an overlap: a master node where the end is one, else where the normal meets the segment."""
+    if xi == first:
+        return 0.0
+    if xi == second:
+        return 1.0
+    return min(1.0, max(0.0, master_parameter(xi, slave, master)))
+
+
+@point
+def overlap_between(first, second, slave, master):
+    """Overlap where the ends of the master segment are seen from `first` and `second`; empty: see `is_empty`."""
+    low, high = _ends(first, second)
+    if not high - low > SMALLEST:
+        return Overlap(1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    eta_low, eta_high = _seen(low, first, second, slave, master), _seen(high, first, second, slave, master)
+    gap_low, gap_high = opening(low, eta_low, slave, master), opening(high, eta_high, slave, master)
+    return Overlap(low, high, eta_low, eta_high, gap_low, gap_high)
+
+
+@point
+def overlap(slave, master):
+    """Overlap of two segments, empty where they do not face each other."""
+    if not faces(slave, master):
+        return Overlap(1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    first = slave_parameter(slave, master.cx, master.cy)
+    second = slave_parameter(slave, master.dx, master.dy)
+    return overlap_between(first, second, slave, master)
+
+
+@point
+def is_empty(found):
+    """Whether nothing of the slave segment sees the master segment."""
+    return found.high < found.low

@@ -1,0 +1,73 @@
+"""Where the iteration of a load step starts from: bodies that flow go on as they went in the step before.
+
+At the start of a step the stiffness of a law with history is the elastic one. A correction by it loads contact many
+times more than the step will, and most of the iterations are spent on conditions that it opened and closed wrongly.
+Strains that go on as before make the law flow from the first iteration on (de Souza Neto, Peric & Owen 2008, 4.4).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats, ImplicitEquations, State
+
+FARTHEST = 4.0  # times the step before: beyond it nothing is known
+ALONG = 0.9  # cosine between the motions of two steps, below which the loading turns
+
+
+class Prediction:
+    """Works on the state's displacement in place; `moved` (N, 2) [mm] of the state is that of the last step."""
+
+    def __init__(self, equations: ImplicitEquations, state: State) -> None:
+        self.equations, self.state = equations, state
+        self.moved = state["moved"]
+        self.flows = any(name.startswith("history.") for name in state.fields)
+        self.load: Floats = np.zeros_like(self.moved)
+
+    def start(self, dt: float, target: Floats) -> bool:
+        """Extrapolate to the end of a step of length dt [s], where prescribed displacements are `target` (p,) [mm].
+
+        False where the state is left as it is: laws without history, no step before, or loading that turns.
+        """
+        ratio = self._ratio(dt, target) if self.flows and self.state.last_dt else 0.0
+        if not 0.0 < ratio <= FARTHEST:
+            return False
+        u = self.state["displacement"]
+        before = u.copy()
+        u += ratio * self.moved
+        u.reshape(-1)[self.equations.prescribed.dof] = target
+        self.equations.internal_force(dt)
+        if self.equations.folded():
+            u[:] = before
+            return False
+        return True
+
+    def follow(self, start: Floats) -> None:
+        """Remember an accepted step that began at the displacement `start` (N, 2) [mm]."""
+        np.subtract(self.state["displacement"], start, out=self.moved)
+
+    def _ratio(self, dt: float, target: Floats) -> float:
+        """Of the step to that before it: by prescribed motion, or by loads where nothing is moved."""
+        held = self.equations.prescribed.dof
+        ahead = target - self.state["displacement"].reshape(-1)[held]
+        ratio = _along(ahead, self.moved.reshape(-1)[held])
+        return self._load_ratio(dt) if ratio is None else ratio
+
+    def _load_ratio(self, dt: float) -> float:
+        now = self.state.time
+        before, at, after = (self._load(time) for time in (now - self.state.last_dt, now, now + dt))
+        return _along((after - at).ravel(), (at - before).ravel()) or 0.0
+
+    def _load(self, time: float) -> Floats:
+        self.load[:] = 0.0
+        self.equations.external_force(time, self.load)
+        return self.load.copy()
+
+
+def _along(ahead: Floats, behind: Floats) -> float | None:
+    """How many times `behind` goes into `ahead`; 0 where they point in different directions, None without any."""
+    size = float(behind @ behind)
+    if size == 0.0:
+        return None
+    along = float(ahead @ behind)
+    return along / size if along > ALONG * float(np.sqrt(size * (ahead @ ahead))) else 0.0

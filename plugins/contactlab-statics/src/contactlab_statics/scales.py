@@ -1,0 +1,53 @@
+"""What unbalanced forces are measured by: the largest force, and the smallest that still means something."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats, Ints
+from contactlab_statics.convergence import force_scale
+
+AWAY = 100.0  # times the size of the model: a correction that large means that nothing holds a body
+FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
+ROUND_OFF = 8.0 * float(np.finfo(float).eps)  # of the force of the largest displacement or position: nothing is exacter
+
+
+class Scales:
+    """Lengths and forces of one model that an iteration compares with.
+
+    size         [mm] of the undeformed model
+    floor        [N] forces below it are none; 0 until the first `update` of a step
+    round_off    (N, 2) [N] of the stresses, by node and direction
+    flexibility  (N, 2) [mm/N] of single nodes, 0 where they are held
+    """
+
+    def __init__(self, reference: Floats, held: Ints) -> None:
+        self.size = float(np.ptp(reference, axis=0).max())
+        self.farthest = float(np.abs(reference).max())
+        self.free = np.ones_like(reference)
+        self.free.reshape(-1)[held] = 0.0
+        self.floor = 0.0
+        self.round_off: Floats = np.zeros_like(reference)
+        self.flexibility: Floats = np.zeros_like(reference)
+
+    def update(self, diagonal: Floats, u: Floats, dynamic: bool) -> None:
+        """Take the `diagonal` (N, 2) [N/mm] of the stiffness at displacements `u` (N, 2) [mm].
+
+        dynamic  whether it holds that of masses, which says nothing of the round-off of stresses
+        """
+        self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
+        self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
+        if not dynamic:
+            # also of bodies that are carried far before anything loads them; what flies away is not in balance
+            moved = min(float(np.abs(u).max()), AWAY * self.size)
+            np.multiply(ROUND_OFF * (self.farthest + moved), diagonal, out=self.round_off)
+
+    def residual(self, force: Floats, parts: tuple[Floats, ...], tolerance: float) -> float:
+        """Largest unbalanced `force` (N, 2) of a free degree of freedom over the largest of the forces `parts`."""
+        # against forces so small that round-off is all there is, it is what they are measured by
+        scale = np.maximum(force_scale(list(parts), self.floor), self.round_off / tolerance)
+        return float((np.abs(force) * self.free / scale).max())
+
+    def left_to_do(self, force: Floats) -> float:
+        """Sum of squares [mm^2] of unbalanced forces over the stiffness of their nodes."""
+        return float((force**2 * self.flexibility**2).sum())

@@ -1,0 +1,68 @@
+"""The state while a step is iterated: displacements, multipliers, and the forces and conditions that belong to them."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+
+from contactlab.api import Floats, ImplicitEquations, Response, State
+
+
+class Balance(Protocol):
+    """What is in balance at the end of a step.
+
+    dynamic  whether `stiffness` holds that of masses, which says nothing of the round-off of stresses
+    """
+
+    dynamic: bool
+
+    def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
+        """Fill `out` (N, 2) with external and contact forces minus all others; returns the forces by kind."""
+
+    def stiffness(self, dt: float) -> Any:
+        """Derivative of minus the unbalanced forces without contact, (2N, 2N) CSC."""
+
+
+class Trial:
+    """Displacements `u` and multipliers of the state, changed in place, and what follows from them.
+
+    force     (N, 2) [N] unbalanced forces
+    parts     the forces that they are made of, by kind
+    response  what the enforcement answers to the contact conditions
+    held      (p,) degrees of freedom whose displacement is given
+    """
+
+    def __init__(self, equations: ImplicitEquations, state: State, balance: Balance) -> None:
+        self.equations, self.balance, self.contact = equations, balance, equations.contact
+        self.u, self.held = state["displacement"], equations.prescribed.dof
+        self.force: Floats = np.zeros((len(equations.reference), 2))
+        self.parts: tuple[Floats, ...] = ()
+        multipliers = state["multipliers"] if self.contact is not None else np.zeros((1, 0))
+        self.response = Response.allocate(*multipliers.shape)
+        self._none: Floats = np.zeros_like(multipliers)
+
+    @property
+    def multipliers(self) -> Floats:
+        """Nodal contact forces (r, k) [N] of the trial; (1, 0) without contact."""
+        return self.contact.conditions.force if self.contact is not None else self._none
+
+    def still_to_move(self, target: Floats) -> Floats:
+        """What prescribed degrees of freedom are short of their displacements `target` (p,) [mm]."""
+        return target - self.u.reshape(-1)[self.held]
+
+    def evaluate(self, dt: float) -> None:
+        """Stresses, gaps, the enforcement's answer and unbalanced forces at the trial displacements and multipliers."""
+        self.equations.internal_force(dt)
+        self.update_forces()
+
+    def update_forces(self) -> None:
+        """As `evaluate`, where the displacements are those of the last one."""
+        if self.contact is not None:
+            self.contact.evaluate(self.equations.position)
+            self.contact.enforcement.respond(self.contact.conditions, self.response)
+        self.parts = self.balance.unbalanced(self.force)
+
+    def makes_sense(self) -> bool:
+        """Whether no cell is folded over and all forces are finite."""
+        return not self.equations.folded() and bool(np.isfinite(self.force).all())

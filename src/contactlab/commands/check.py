@@ -1,0 +1,82 @@
+"""`contactlab check`: is a part right?"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Sequence
+from contextlib import nullcontext
+from pathlib import Path
+
+from contactlab.commands.common import add_row, console, parse_settings, table
+from contactlab.testing.card import as_data, write_cards
+from contactlab.testing.check_part import PartReport, check_part
+from contactlab.testing.find import subjects
+from contactlab.testing.run import Outcome
+from contactlab.testing.scenarios.cases import PACKAGE
+from contactlab.testing.subject import Subject
+
+WITHOUT_CASES = f"no cases are installed, so that runs with known answers are left out: pip install {PACKAGE}"
+
+
+def check(options: argparse.Namespace) -> int:
+    """Check every part that is meant and show what came out; exit status 1 where anything failed."""
+    parts = subjects(options.target, options.kind, options.files, parse_settings(options.settings))
+    reports = _checked(parts, quiet=options.json)
+    if options.card:
+        write_cards(reports, Path(options.card))
+    if options.json:
+        print(json.dumps(as_data(reports), indent=1))
+    else:
+        for report in reports:
+            show(report)
+        _print_end(reports, cases=bool(parts[0].registry.names("case")), card=options.card)
+    return 0 if all(report.right for report in reports) else 1
+
+
+def _checked(parts: Sequence[Subject], quiet: bool) -> list[PartReport]:
+    out = console()
+    shown = nullcontext() if quiet or not out.is_terminal else out.status("checking")
+    with shown as status:
+
+        def told(subject: Subject, outcome: Outcome) -> None:
+            if status is not None:
+                status.update(f"{subject.kind} {subject.name}: {outcome.check.replace('_', ' ')}")
+
+        return [check_part(subject, told) for subject in parts]
+
+
+def show(report: PartReport) -> None:
+    """Print one part: a row for each check, then what a call costs."""
+    out = console()
+    shown = table("check", "outcome", "why", title=f"{report.kind} {report.name}, from {report.origin}")
+    shown.columns[1].no_wrap = True
+    for outcome in report.outcomes:
+        add_row(shown, outcome.check.replace("_", " "), outcome.status, _why(outcome))
+    out.print(shown)
+    if report.costs:
+        own = report.costs[0]
+        prices = table("part", "CPU time [us]", "times this one", title=f"{own.of}")
+        for cost in report.costs:
+            add_row(prices, cost.name, f"{cost.microseconds:.4g}", f"{cost.microseconds / own.microseconds:.2g}")
+        out.print(prices)
+
+
+def _why(outcome: Outcome) -> str:
+    """What a failed check proves comes before what it found."""
+    if outcome.status == "failed":
+        return f"{outcome.says}\n{outcome.reason}"
+    return f"told: {outcome.reason}" if outcome.status == "passed" and outcome.reason else outcome.reason
+
+
+def _print_end(reports: Sequence[PartReport], cases: bool, card: str | None) -> None:
+    out = console()
+    if not cases:
+        out.print(WITHOUT_CASES, markup=False, highlight=False)
+    for report in reports:
+        counts = ", ".join(
+            f"{report.count(status)} {status}" for status in ("passed", "failed", "expected", "not applicable")
+        )
+        out.print(f"{report.kind} {report.name}: {counts}; {report.cpu_s:.1f} CPU s", markup=False, highlight=False)
+    if card:
+        out.print(f"card: {Path(card, 'card.md')}", markup=False, highlight=False)

@@ -1,0 +1,117 @@
+"""`contactlab new-plugin`: a package with a working part, its tests, and what a release needs."""
+
+from __future__ import annotations
+
+import argparse
+import keyword
+import re
+import sys
+import tomllib
+from collections.abc import Mapping
+from datetime import date
+from importlib.util import find_spec
+from pathlib import Path
+from string import Template
+
+from contactlab import api
+from contactlab.api.part import KINDS
+from contactlab.errors import RequestError, did_you_mean
+from contactlab.parts.registry import default_registry
+
+TEMPLATES = Path(__file__).parents[1] / "data" / "new_plugin"
+_KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
+
+
+def new_plugin(options: argparse.Namespace) -> int:
+    """Write the package into a new folder of the working one, and say what to do with it."""
+    folder = Path(options.name)
+    files = plugin_files(options.kind, options.name, with_ci=options.with_ci)
+    refuse_taken(options.kind, options.name)
+    if folder.exists():
+        raise RequestError("the folder is there already", got=str(folder), hint="another name, or another folder")
+    for name, text in files.items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    print(f"{folder}: a package with the {options.kind} {options.name}, in {len(files)} files")
+    print(f"next: pip install -e '{folder}[test]' && pytest {folder}")
+    print(f"then change {folder}/src/{_module(options.name)}/{options.kind}.py; its tests say when it is right")
+    return 0
+
+
+def plugin_files(kind: str, name: str, *, with_ci: bool = False) -> dict[str, str]:
+    """Text of every file of the package, by its path. Raises RequestError for what is no kind or cannot be a name."""
+    if kind not in KINDS:
+        raise RequestError("no such kind of part", got=kind, allowed=", ".join(KINDS), hint=did_you_mean(kind, KINDS))
+    refuse_name(name)
+    words = _words(kind, name)
+    module = f"src/{_module(name)}"
+    shared = {
+        "pyproject.toml": "pyproject.toml",
+        "README.md": "README.md",
+        "LICENSE": "LICENSE",
+        "CITATION.cff": "CITATION.cff",
+        f"{module}/__init__.py": "init.py",
+        f"{module}/plugin.py": "plugin.py",
+    }
+    if with_ci:
+        shared[".github/workflows/checks.yml"] = "checks.yml"
+    files = {path: _filled(f"common/{source}", words) for path, source in shared.items()}
+    return files | {
+        f"{module}/py.typed": "",
+        f"{module}/{kind}.py": _filled(f"{kind}/part.py", words),
+        f"tests/test_{_module(name)}.py": _filled(f"{kind}/test.py", words),
+    }
+
+
+def refuse_name(name: str) -> None:
+    """Raise RequestError where `name` cannot be that of a part, its module and its class."""
+    hint = "lower-case words joined by -, such as my-contact"
+    if not _KEBAB.fullmatch(name):
+        raise RequestError("this cannot be the name of a part", got=name, allowed=hint)
+    module = _module(name)
+    if keyword.iskeyword(module) or module in sys.stdlib_module_names:
+        raise RequestError("a word of Python cannot be the name of a package", got=name, allowed=hint)
+    if _class_name(name) in api.__all__:
+        raise RequestError(f"its class would be called {_class_name(name)}, as one of contactlab.api", got=name)
+
+
+def refuse_taken(kind: str, name: str) -> None:
+    """Raise RequestError where a part or a package of this name is installed."""
+    if name in default_registry().names(kind):
+        offer = default_registry().offer(kind, name)
+        raise RequestError(
+            f"there is a {kind} of this name, from {offer.origin}", got=name, hint="two of one name are both left out"
+        )
+    if find_spec(_module(name)) is not None:
+        raise RequestError(f"a package {_module(name)} is installed; this one would hide it", got=name)
+
+
+def _words(kind: str, name: str) -> dict[str, str]:
+    """What the templates are filled with."""
+    said: Mapping[str, str] = tomllib.loads((TEMPLATES / "kinds.toml").read_text())[kind]
+    today = date.today()
+    summary = said["summary"]
+    return {
+        "kind": kind,
+        "name": name,
+        "module": _module(name),
+        "class_name": _class_name(name),
+        "summary": summary,
+        "title": summary[0].upper() + summary[1:],
+        "try_it": Template(said["try_it"]).substitute(name=name),
+        "year": str(today.year),
+        "date": today.isoformat(),
+    }
+
+
+def _filled(template: str, words: Mapping[str, str]) -> str:
+    return Template((TEMPLATES / f"{template}.template").read_text()).substitute(words)
+
+
+def _module(name: str) -> str:
+    return name.replace("-", "_")
+
+
+def _class_name(name: str) -> str:
+    return "".join(word.capitalize() for word in name.split("-"))

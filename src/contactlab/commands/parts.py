@@ -1,0 +1,111 @@
+"""`contactlab parts`: what is installed, and what one part is told by a scene."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any
+
+from contactlab.commands.common import ROOM_TO_SPARE, add_row, console, fitting, print_json, registry_with, table
+from contactlab.errors import PartError, did_you_mean
+from contactlab.parts.loading import Broken
+from contactlab.parts.registry import Offer, Registry
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+def parts(options: argparse.Namespace) -> int:
+    """List usable parts by kind, and everything broken with its reason; or tell all about one part."""
+    registry = registry_with(options.files)
+    if options.name is not None:
+        return _tell(_found(options.name, registry), registry, options.json)
+    broken = [*registry.broken(), *registry.incomplete()]
+    unusable = {(item.origin, item.item) for item in broken}
+    usable = [
+        offer for offer in registry.parts() if (offer.origin, f"{offer.part.kind} {offer.part.name}") not in unusable
+    ]
+    if options.json:
+        print_json(_as_json(usable, broken, registry))
+        return 0
+    _print_parts(usable, broken, registry.commands())
+    return 0
+
+
+def _found(name: str, registry: Registry) -> list[Offer]:
+    """The parts of this name; "kind.name" asks for one kind. Raises PartError with the nearest name."""
+    kind, _, bare = name.rpartition(".")
+    offers = [o for o in registry.parts() if o.part.name == bare and kind in ("", o.part.kind)]
+    if not offers:
+        names = list(dict.fromkeys(offer.part.name for offer in registry.parts()))
+        raise PartError(
+            "no part of this name is installed",
+            where="contactlab parts",
+            got=name,
+            allowed="a name that contactlab parts lists, or KIND.NAME",
+            hint=did_you_mean(bare, names) or registry.missing_from(bare),
+        )
+    return offers
+
+
+def _tell(offers: list[Offer], registry: Registry, as_json: bool) -> int:
+    from contactlab.commands.part_page import page_of, print_page
+
+    pages = [page_of(offer, registry) for offer in offers]
+    if as_json:
+        print_json({"format": 1, "parts": pages})
+        return 0
+    out = console()
+    for page in pages:
+        print_page(page, out)
+    return 0
+
+
+def _as_json(usable: list[Offer], broken: list[Broken], registry: Registry) -> dict[str, Any]:
+    return {
+        "format": 1,
+        "parts": [part_json(offer) for offer in usable],
+        "commands": [{"name": name, **_origin_json(origin)} for name, (_, origin) in registry.commands().items()],
+        "broken": [{"item": item.item, "reason": item.reason, **_origin_json(item.origin)} for item in broken],
+    }
+
+
+def part_json(offer: Offer) -> dict[str, Any]:
+    """A part as plain data."""
+    part = offer.part
+    named = {"kind": part.kind, "name": part.name, "summary": part.summary, "reference": part.reference}
+    return {**named, "target": part.target, **_origin_json(offer.origin)}
+
+
+def _origin_json(origin: Any) -> dict[str, str]:
+    return {"plugin": origin.plugin, "distribution": origin.distribution, "version": origin.version}
+
+
+def _print_parts(usable: list[Offer], broken: list[Broken], commands: Any) -> None:
+    out = console()
+    out.print(_parts_table(usable, out.width))
+    if commands:
+        more = table("command", "from", title="further commands")
+        for name, (_, origin) in commands.items():
+            add_row(more, name, str(origin))
+        out.print(more)
+    if broken:
+        wrong = table("plugin", "from", "what", "why it is left out", title="broken")
+        for item in broken:
+            add_row(wrong, item.origin.plugin, str(item.origin), item.item, item.reason)
+        out.print(fitting(wrong, out.width, last=("why it is left out",)))
+    out.print("Fields, units, defaults and an example of one of them: contactlab parts NAME", highlight=False)
+
+
+def _parts_table(usable: list[Offer], width: int) -> Table:
+    """Each kind is named once; where a part was published only shows where there is room."""
+    columns = ("kind", "name", "from", "what it is", "published in")
+    shown = table(*columns[: 5 if width >= ROOM_TO_SPARE else 4])
+    for column in shown.columns[:3]:
+        column.no_wrap = True
+    kind = ""
+    for offer in usable:
+        part = offer.part
+        cells = (part.kind if part.kind != kind else "", part.name, str(offer.origin), part.summary, part.reference)
+        add_row(shown, *cells[: len(shown.columns)])
+        kind = part.kind
+    return shown

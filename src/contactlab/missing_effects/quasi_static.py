@@ -1,0 +1,128 @@
+"""Runs that should be quasi-static and are not."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from contactlab.api import RunWarning
+from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
+from contactlab.model.model import Model
+from contactlab.results.reaction_balance import reaction_mismatch
+
+SHARE = 0.01  # of kinetic over internal energy
+UNBALANCED = 0.02  # of the largest reaction, and of the work that damping takes
+EARLY = 0.2  # of the ramp: what a jolt at its start put in is not small against the work done yet
+UNRESISTED = 0.5  # a body that meets a resistance stores more than half of its kinetic energy however slow the load is
+
+
+def quasi_static_detectors(scene: object, model: Model) -> Detectors:
+    """Detectors for runs with `end = "auto"` and inertia."""
+    del scene
+    if model.timing.end is None and model.integrator.inertia:
+        yield KineticEnergy(model)
+        yield Balance(model)
+        yield DampedWork(model)
+
+
+class KineticEnergy:
+    """`worst`: largest kinetic energy in the second half of the ramp and after, and largest internal energy [mJ].
+
+    In the first half of the ramp a body may still be on its way to the others.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.model, self.worst = model, np.zeros(2)
+
+    def update(self) -> None:
+        """Take in the kinetic energy, and the work of the stresses."""
+        if self.model.state.time >= 0.5 * self.model.timing.ramp:
+            self.worst[0] = max(self.worst[0], self.model.kinetic_energy())
+        self.worst[1] = max(self.worst[1], abs(float(self.model.state["work"][0])))
+
+    def warning(self) -> RunWarning | None:
+        """A slower ramp: kinetic energy goes with the square of the speed."""
+        kinetic, internal = (float(value) for value in self.worst)
+        if kinetic <= SHARE * internal:
+            return None
+        share = kinetic / max(internal, 1e-300)
+        if share > UNRESISTED:
+            return needed(
+                "slower-loading",
+                share,
+                SHARE,
+                "time.ramp",
+                "nothing resists the motion of a run that is meant to be quasi-static: kinetic energy reaches "
+                f"{per_cent(share)} of the internal energy ({per_cent(SHARE)} at most)",
+                "hold or join what moves by supports and contacts, or slow down: "
+                f"write time.ramp = {10.0 * self.model.timing.ramp:.3g} or more",
+            )
+        slower = math.ceil(10.0 * math.sqrt(share / SHARE)) / 10.0
+        return needed(
+            "slower-loading",
+            share,
+            SHARE,
+            "time.ramp",
+            f"kinetic energy reaches {per_cent(share)} of the internal energy in a run that is meant to be "
+            f"quasi-static ({per_cent(SHARE)} at most)",
+            f"write time.ramp = {slower * self.model.timing.ramp:.3g} or more",
+        )
+
+
+class Balance:
+    """`worst`: largest mismatch of reactions at a frame after the first fifth of the ramp.
+
+    Frames in which bodies are still on their way to each other, or kinetic energy is not small, are not judged.
+    """
+
+    def __init__(self, model: Model) -> None:
+        self.model, self.worst = model, np.zeros(1)
+
+    def update(self) -> None:
+        """Take in the sum of reactions and loads over the largest of them."""
+        model = self.model
+        slow = model.kinetic_energy() <= SHARE * abs(float(model.state["work"][0]))
+        if slow and model.state.time >= EARLY * model.timing.ramp:
+            self.worst[0] = np.fmax(self.worst[0], reaction_mismatch(model))
+
+    def warning(self) -> RunWarning | None:
+        """A slower ramp: vibrations fade while it lasts, and inertia goes with the square of its speed."""
+        return _slower(
+            self.model,
+            float(self.worst[0]),
+            "unbalanced-reactions",
+            "the sum of reactions and loads is",
+            "of the largest",
+        )
+
+
+class DampedWork:
+    """`worst`: largest share of the work done from outside that damping had taken at a frame."""
+
+    def __init__(self, model: Model) -> None:
+        self.model, self.worst = model, np.zeros(1)
+
+    def update(self) -> None:
+        """Take in the works of damping and of supports and loads so far."""
+        internal, external, damping = (abs(float(work)) for work in self.model.state["work"][:3])
+        if self.model.state.time >= EARLY * self.model.timing.ramp and max(internal, external) > 0.0:
+            self.worst[0] = max(self.worst[0], damping / max(internal, external))
+
+    def warning(self) -> RunWarning | None:
+        """A slower ramp: what is damped away does not deform the bodies."""
+        return _slower(self.model, float(self.worst[0]), "damped-work", "damping has taken", "of the work done")
+
+
+def _slower(model: Model, share: float, code: str, what: str, whole: str) -> RunWarning | None:
+    if share <= UNBALANCED:
+        return None
+    return needed(
+        code,
+        share,
+        UNBALANCED,
+        "time.ramp",
+        f"{what} {per_cent(share)} {whole} at a frame of a run that is meant to be quasi-static "
+        f"({per_cent(UNBALANCED)} at most)",
+        f"write time.ramp = {2.0 * model.timing.ramp:.3g} or more",
+    )

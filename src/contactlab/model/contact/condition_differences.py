@@ -1,0 +1,143 @@
+"""Derivatives of finished gap conditions by central differences, for algorithms that give none.
+
+Nodes that share no condition are moved together (Curtis, Powell & Reid 1974).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, eye_array
+
+from contactlab.api import ConditionDerivatives, Floats, GapConditions, Ints
+from contactlab.api.arrays import Flags
+from contactlab.api.surface import SurfacePositions
+from contactlab.model.contact.gap_pair import GapPair
+
+STEP = 1e-5  # segment lengths; central differences of smooth weights then err by about 1e-10
+ROUND_OFF = 1e-10  # of a weight over a segment length: what differences make of a derivative of zero
+RING = 2  # further nodes on either side that averaged normals may bring into a condition
+
+
+class ConditionDifferences:
+    """What follows from moving the nodes of one colour at a time."""
+
+    def __init__(self, pair: GapPair) -> None:
+        self.pair = pair
+        self.reach = _reach(pair)
+        self.colours = _Colours(np.zeros(0, np.int32), np.zeros((0, 0), np.int32), ())
+
+    def of(self, memory: Floats) -> ConditionDerivatives:
+        """Derivatives of the weights of the pair's present conditions."""
+        pair, found = self.pair, self.pair.found
+        assert found is not None
+        order = _order(found)
+        self._colour(found)
+        row = np.repeat(np.arange(len(found.owner)), np.diff(found.start))
+        step, here = STEP * pair.size, found.normal_weight[order]
+        entries, moved, values = [], [], []
+        for number, chosen in enumerate(self.colours.members):
+            node = self.colours.node[row, number]
+            for direction in range(2):
+                sides = [self._weights(found, order, chosen, direction, s * step, memory) for s in (1.0, -1.0)]
+                value = _difference(sides[0], here, sides[1], step)
+                kept = np.flatnonzero((node >= 0) & (np.abs(value).max(axis=1) > ROUND_OFF / pair.size))
+                entries.append(order[kept])
+                moved.append(2 * node[kept] + direction)
+                values.append(value[kept])
+        if not entries:
+            return ConditionDerivatives(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, 2)))
+        return ConditionDerivatives(np.concatenate(entries), np.concatenate(moved), np.concatenate(values))
+
+    def _weights(
+        self, found: GapConditions, order: Ints, chosen: Flags, direction: int, move: float, memory: Floats
+    ) -> Floats:
+        """Normal weights (z, 2), in order, with the chosen nodes moved; nan in conditions that have other nodes."""
+        pair = self.pair
+        at = SurfacePositions(pair.at.slave.copy(), pair.at.master.copy())
+        at.slave[chosen[pair.slave.nodes], direction] += move
+        at.master[chosen[pair.master.nodes], direction] += move
+        return _aligned(found, order, pair.ask(pair.seen(memory)._replace(at=at, memory=memory.copy())), pair.slots)
+
+    def _colour(self, found: GapConditions) -> None:
+        """Colours for these conditions; those of the last ones where the pattern is the same."""
+        row = np.repeat(np.arange(len(found.owner)), np.diff(found.start))
+        pattern = coo_array((np.ones(len(row)), (row, found.node)), shape=(len(found.owner), self.reach.shape[0]))
+        depends = csr_array(pattern.tocsr() @ self.reach)
+        depends.sort_indices()
+        if not self.colours.are_of(depends):
+            self.colours = _Colours.of(depends)
+
+
+class _Colours:
+    """columns of a pattern, node (k, colours) that each condition has of each colour or -1, masks (N,) of nodes."""
+
+    def __init__(self, columns: Ints, node: Ints, members: tuple[Flags, ...]) -> None:
+        self.columns, self.node, self.members = columns, node, members
+
+    @classmethod
+    def of(cls, depends: csr_array) -> _Colours:
+        """A colour for every node that a condition (row) depends on, no two alike in one condition; greedily."""
+        nodes = depends.shape[1]
+        conflict = csr_array(depends.T @ depends)
+        colour = np.full(nodes, -1)
+        for node in np.unique(depends.indices):
+            taken = set(colour[conflict.indices[conflict.indptr[node] : conflict.indptr[node + 1]]].tolist())
+            colour[node] = next(number for number in range(nodes) if number not in taken)
+        count = int(colour.max(initial=-1)) + 1
+        table = np.full((depends.shape[0], count), -1)
+        table[np.repeat(np.arange(depends.shape[0]), np.diff(depends.indptr)), colour[depends.indices]] = (
+            depends.indices
+        )
+        return cls(depends.indices.copy(), table, tuple(colour == number for number in range(count)))
+
+    def are_of(self, depends: csr_array) -> bool:
+        """Whether they were made for this pattern."""
+        same = len(self.node) == depends.shape[0] and np.array_equal(self.columns, depends.indices)
+        return bool(same and np.array_equal((self.node >= 0).sum(axis=1), np.diff(depends.indptr)))
+
+
+def _reach(pair: GapPair) -> csr_array:
+    """(N, N) which nodes a condition may follow from that has a node: `RING` neighbours along both surfaces."""
+    nodes = len(pair.of_slave)
+    links = eye_array(nodes, format="csr")
+    for surface in (pair.slave, pair.master):
+        a, b = surface.nodes[surface.segments].T
+        both = np.concatenate([a, b]), np.concatenate([b, a])
+        links = links + coo_array((np.ones(2 * len(a)), both), shape=(nodes, nodes)).tocsr()
+    reach = links
+    for _ in range(RING - 1):
+        reach = reach @ links
+    return csr_array(reach)
+
+
+def _order(found: GapConditions) -> Ints:
+    """Entries sorted by node within each condition."""
+    row = np.repeat(np.arange(len(found.owner)), np.diff(found.start))
+    return np.lexsort((found.node, row)).astype(np.int32)
+
+
+def _aligned(found: GapConditions, order: Ints, trial: GapConditions, slots: int) -> Floats:
+    """Weights of a trial's conditions at the entries (z,) of `found`, in order; nan where its nodes are others."""
+    out = np.full((len(order), 2), np.nan)
+    place = np.full(slots, -1)
+    place[trial.owner] = np.arange(len(trial.owner))
+    width, theirs = np.diff(found.start), np.append(np.diff(trial.start), 0)
+    same = (place[found.owner] >= 0) & (theirs[place[found.owner]] == width)
+    row = np.repeat(np.arange(len(width)), width)
+    kept = np.flatnonzero(same[row])
+    if not len(kept):
+        return out
+    within = np.arange(len(order)) - found.start[:-1][row]
+    entry = _order(trial)[trial.start[place[found.owner[row[kept]]]] + within[kept]]
+    differs = found.node[order[kept]] != trial.node[entry]
+    out[kept] = trial.normal_weight[entry]
+    out[np.isin(row, row[kept[differs]])] = np.nan
+    return out
+
+
+def _difference(high: Floats, here: Floats, low: Floats, step: float) -> Floats:
+    """Central difference; one-sided where the other side lies beyond a kink, zero where both do."""
+    value = (high - low) / (2.0 * step)
+    value = np.where(np.isnan(low), (high - here) / step, value)
+    value = np.where(np.isnan(high), (here - low) / step, value)
+    return np.nan_to_num(value)

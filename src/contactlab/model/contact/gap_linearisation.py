@@ -1,0 +1,161 @@
+"""How gaps, slips and nodal forces of finished gap conditions change with the positions of nodes.
+
+A gap is the sum of weights times positions, and so is what a condition has slid; nodal forces are weights times
+multipliers. So all derivatives follow from those of the weights w_z alone (docs/write-a-plugin.md):
+
+    d g = sum_z (w_z . dx_z + dw_z . x_z),    d f = sum_z y dw_z
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array
+
+from contactlab.api import ConditionDerivatives, Floats, GapConditions, Ints
+from contactlab.errors import WrongAnswer
+from contactlab.model.contact.condition_differences import ConditionDifferences
+from contactlab.model.contact.gap_pair import GapPair
+from contactlab.model.contact.linearisation import PairDerivatives, turned
+
+
+class GapLinearisation:
+    """Gaps and slips of one pair of finished conditions at trial positions, and their derivatives there."""
+
+    def __init__(self, pair: GapPair, nodes: int) -> None:
+        self.pair, self.size = pair, 2 * nodes
+        self.differences = ConditionDifferences(pair)
+        self.slip = np.zeros(pair.slots if pair.friction is not None else 0)
+        self.position, self.start = np.zeros((nodes, 2)), np.zeros((nodes, 2))
+
+    def evaluate(self, position: Floats, start: Floats, memory: Floats) -> None:
+        """Gaps of the pair, and slips since the positions `start` (N, 2) of the last accepted step."""
+        pair = self.pair
+        pair.update(position, memory)
+        self.position[:], self.start[:] = position, start
+        if pair.sliding is None:
+            return
+        pair.compute_start_normals(start, memory)
+        self.slip[:] = 0.0
+        found = self._found
+        if len(found.owner):
+            now, before = self._directions()
+            # one difference for each entry: a surface that has not moved has not slipped, to the last bit
+            share = _dot(now, found.tangent_weight)
+            moved = share * (_dot(now, self.position[found.node]) - _dot(before, self.start[found.node]))
+            self.slip[found.owner] = np.add.reduceat(moved, found.start[:-1])
+
+    def flexibilities(self, nodal: Floats) -> Floats:
+        """Displacement (k,) [mm/N] of each condition per unit of its force, from those of single nodes (N, 2)."""
+        found, out = self._found, np.zeros(self.pair.slots)
+        if len(found.owner):
+            out[found.owner] = np.add.reduceat(_dot(found.normal_weight**2, nodal[found.node]), found.start[:-1])
+        return out
+
+    def add_forces(self, multipliers: Floats, normal: Floats, tangential: Floats) -> None:
+        """Add the nodal forces of the model's multipliers to (N, 2) each; the second is (0, 2) without friction."""
+        found, first = self._found, self.pair.first_slot
+        slot = first + found.owner[self._row]
+        np.add.at(normal, found.node, multipliers[0, slot, None] * found.normal_weight)
+        if self.pair.friction is not None:
+            np.add.at(tangential, found.node, multipliers[1, slot, None] * found.tangent_weight)
+
+    def linearise(self, chosen: Ints, y_n: Floats, y_t: Floats | None, memory: Floats) -> PairDerivatives:
+        """Derivatives of the `chosen` multipliers (c,) where all have forces y (k,) [N]."""
+        found, changes, row = self._found, self._changes(memory), self._row
+        entry, value = changes.entry, changes.value
+        # weights sum to zero, and their changes: distances within a condition err less than positions
+        first = found.start[:-1][row]
+        apart = (self.position[found.node] - self.position[found.node[first]])[entry]
+        of, pick = row[entry], self._picked(chosen)
+        normal = self._weights(found.normal_weight)
+        gap = normal + self._matrix(of, changes.moved, _dot(value, apart), len(found.owner))
+        change = y_n[found.owner[of], None] * value
+        if y_t is None:
+            return PairDerivatives(pick @ normal, None, pick @ gap, None, self._forces(changes, change))
+        change = change + y_t[found.owner[of], None] * turned(value)
+        now, before = self._directions()
+        began = (self.start[found.node] - self.start[found.node[first]])[entry]
+        share = _dot(now[entry], turned(value))
+        slid = share * (_dot(now[entry], apart) - _dot(before[entry], began))
+        # what a turning tangent adds, where it is not that of the weights' own change
+        across = _dot(turned(value), apart) - share * _dot(now[entry], apart)
+        tangent = self._weights(found.tangent_weight)
+        slip = tangent + self._matrix(of, changes.moved, slid + across, len(found.owner))
+        return PairDerivatives(pick @ normal, pick @ tangent, pick @ gap, pick @ slip, self._forces(changes, change))
+
+    # --- what belongs to the conditions of the last evaluation ------------------------------------
+
+    @property
+    def _found(self) -> GapConditions:
+        assert self.pair.found is not None
+        return self.pair.found
+
+    @property
+    def _row(self) -> Ints:
+        """The condition (z,) of each entry."""
+        start = self._found.start
+        return np.repeat(np.arange(len(start) - 1), np.diff(start))
+
+    def _directions(self) -> tuple[Floats, Floats]:
+        """Tangents (z, 2) of each entry's condition now, and at the start of the step."""
+        assert self.pair.sliding is not None
+        owner = self._found.owner[self._row]
+        return turned(self.pair.normals)[owner], turned(self.pair.sliding.before)[owner]
+
+    def _changes(self, memory: Floats) -> ConditionDerivatives:
+        pair, found = self.pair, self._found
+        view = pair.seen(memory)._replace(memory=memory.copy())
+        given = pair.algorithm.derivatives(view, found)
+        if given is None:
+            return self.differences.of(memory)
+        _refuse_wrong(given, len(found.node), self.size, type(pair.algorithm).__name__)
+        return given
+
+    # --- sparse matrices --------------------------------------------------------------------------
+
+    def _picked(self, chosen: Ints) -> Any:
+        """(c, conditions): picks those of the chosen slots; a slot without a condition has an empty row."""
+        place = np.full(self.pair.slots, -1)
+        place[self._found.owner] = np.arange(len(self._found.owner))
+        row = np.flatnonzero(place[chosen] >= 0)
+        shape = len(chosen), len(self._found.owner)
+        return coo_array((np.ones(len(row)), (row, place[chosen][row])), shape=shape).tocsr()
+
+    def _weights(self, weight: Floats) -> Any:
+        found = self._found
+        columns = np.add.outer(2 * found.node, np.arange(2)).ravel()
+        shape = len(found.owner), self.size
+        return csr_array((weight.ravel(), columns, 2 * found.start), shape=shape)
+
+    def _forces(self, changes: ConditionDerivatives, change: Floats) -> Any:
+        row = np.add.outer(2 * self._found.node[changes.entry], np.arange(2)).ravel()
+        return self._matrix(row, np.repeat(changes.moved, 2), change.ravel(), self.size)
+
+    def _matrix(self, row: Ints, column: Ints, value: Floats, rows: int) -> Any:
+        return coo_array((value, (row, column)), shape=(rows, self.size)).tocsr()
+
+
+def _dot(one: Floats, other: Floats) -> Floats:
+    return np.asarray(np.einsum("zi,zi->z", one, other))
+
+
+def _refuse_wrong(given: Any, entries: int, coordinates: int, part: str) -> None:
+    """Raise WrongAnswer naming what of a part's derivatives is not as the contract says."""
+    if not isinstance(given, ConditionDerivatives):
+        raise WrongAnswer(
+            f"{part}: derivatives gave {type(given).__name__}, needed: ConditionDerivatives, or None for differences"
+        )
+    t = len(given.entry)
+    if np.shape(given.moved) != (t,) or np.shape(given.value) != (t, 2):
+        raise WrongAnswer(
+            f"{part}: derivatives of {t} entries have moved {np.shape(given.moved)} and value {np.shape(given.value)}, "
+            f"needed ({t},) and ({t}, 2)"
+        )
+    limits = {"entry": (given.entry, entries), "moved": (given.moved, coordinates)}
+    for name, (numbers, limit) in limits.items():
+        if t and not 0 <= np.min(numbers) <= np.max(numbers) < limit:
+            raise WrongAnswer(f"{part}: derivatives filled {name} outside 0 to {limit - 1}")
+    if not np.isfinite(given.value).all():
+        raise WrongAnswer(f"{part}: derivatives gave a value that is not finite, from finite numbers")

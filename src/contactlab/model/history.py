@@ -1,0 +1,52 @@
+"""Whether the end of a scene depends on its way there: decided once, from what the scene declares."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from contactlab.api import Integrator
+    from contactlab.model.bodies.body import Body
+    from contactlab.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class History:
+    """Keys of a scene by which its end depends on the way there.
+
+    laws      bodies whose law remembers (plastic flow, stresses in rate form) or depends on rate
+    friction  contacts with friction
+    motion    what asks for inertia in time: a duration in seconds beside an integrator with inertia
+    asked     `time.history`, where it is true: the way is wanted though the end may not depend on it
+    """
+
+    laws: tuple[str, ...] = ()
+    friction: tuple[str, ...] = ()
+    motion: tuple[str, ...] = ()
+    asked: tuple[str, ...] = ()
+
+    @property
+    def because(self) -> tuple[str, ...]:
+        """All keys, the weightiest first."""
+        return self.motion + self.laws + self.friction + self.asked
+
+    def __bool__(self) -> bool:
+        """Whether the way must be followed."""
+        return bool(self.because)
+
+    def __str__(self) -> str:
+        return ", ".join(self.because) or "none: the end does not depend on the way there"
+
+
+def history_of(scene: Scene, bodies: Iterable[Body], integrator: Integrator) -> History:
+    """What of a scene remembers its way."""
+    remembering = [b.name for b in bodies if b.material.history_size or b.material.rate_dependent]
+    return History(
+        laws=tuple(f"bodies.{name}.material" for name in remembering),
+        friction=tuple(f"contacts.{i}.friction" for i, contact in enumerate(scene.contacts) if contact.friction),
+        motion=("time.end",) if integrator.inertia and scene.time.end != "auto" else (),
+        asked=("time.history",) if scene.time.history else (),
+    )

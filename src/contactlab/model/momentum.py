@@ -1,0 +1,62 @@
+"""What the end of a run is compared with: energy and momenta of its start, and which nodes mirror each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactlab.api import Floats, Ints
+
+if TYPE_CHECKING:
+    from contactlab.model.model import Model
+
+
+@dataclass
+class Start:
+    """What a run has when it begins.
+
+    energy    [mJ] of motion
+    momentum  (4,) as of `momenta`
+    mirror    (N,) node at the mirror image in x = 0 of each node, -1 where there is none; None where the scene
+              declares no symmetry
+    """
+
+    energy: float
+    momentum: Floats
+    mirror: Ints | None = None
+
+
+def start_of(model: Model) -> Start:
+    """Energy and momenta of the present velocities; zeros where there are none."""
+    if "velocity" not in model.state:
+        return Start(0.0, np.zeros(4))
+    return Start(model.kinetic_energy(), momenta(model))
+
+
+def momenta(model: Model) -> Floats:
+    """Momentum along x and y [N s], about the origin [N mm s], and the sum of all nodal magnitudes [N s], (4,).
+
+    A leapfrog keeps the first three exactly: the displacement of a step is along the velocity that led there.
+    """
+    position = model.reference + model.state["displacement"]
+    along = model.mass[:, None] * model.state["velocity"]
+    turning = (position[:, 0] * along[:, 1] - position[:, 1] * along[:, 0]).sum()
+    return np.array([*along.sum(axis=0), turning, np.hypot(*along.T).sum()])
+
+
+def mirrored_nodes(reference: Floats, parts: Sequence[slice]) -> Ints:
+    """The node at the mirror image in x = 0 of each node (N,), of the same one of the `parts`.
+
+    -1 where there is none within 1e-6 of the size.
+    """
+    size = float(np.ptp(reference, axis=0).max())
+    grid = np.round(reference / (1e-6 * size)).astype(np.int64)
+    mirror = np.full(len(reference), -1, np.int32)
+    for part in parts:
+        own = grid[part].tolist()
+        place = {tuple(point): part.start + number for number, point in enumerate(own)}
+        mirror[part] = [place.get((-x, y), -1) for x, y in own]
+    return mirror

@@ -1,0 +1,90 @@
+"""Runs, curves and tables as pandas frames and xarray data sets."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from contactlab.api.drawing.units import Units
+from contactlab.api.frame import ContactCurve
+from contactlab.matrix.files import rows
+from contactlab.matrix.run import Matrix
+from contactlab.reports.notebook.libraries import library
+from contactlab.results.results import Results
+from contactlab.studies.table import Table
+
+
+def history_frame(results: Results) -> Any:
+    """`history.csv`: a row per stored frame, its time as index."""
+    pandas = library("pandas", "to_frame")
+    frame = pandas.DataFrame(results.history)
+    return frame.set_index("time") if "time" in frame else frame
+
+
+def curve_frame(curve: ContactCurve) -> Any:
+    """A row per slave node."""
+    return library("pandas", "to_frame").DataFrame({name: getattr(curve, name) for name in curve.COLUMNS})
+
+
+def table_frame(table: Table) -> Any:
+    """A row per run, the columns of `table.csv`."""
+    return library("pandas", "to_frame").DataFrame([row.record() for row in table.rows])
+
+
+def matrix_frame(matrix: Matrix) -> Any:
+    """A row per measure, the columns of `matrix.csv`."""
+    return library("pandas", "to_frame").DataFrame(list(rows(matrix)))
+
+
+def results_dataset(results: Results) -> Any:
+    """All that is stored over time: histories, contact curves, displacements and the fields of each body.
+
+    Dimensions: time, node, component (x, y), `BODY_cell` of each body, and `CONTACT_node` of each contact.
+    """
+    xarray = library("xarray", "to_xarray")
+    times = results.history.get("time", np.zeros(0))
+    data: dict[str, Any] = {name: ("time", values) for name, values in results.history.items() if name != "time"}
+    data |= _curves(results)
+    if len(results.frames):
+        data |= _fields(results)
+    units = Units.of_label(results.layout.units)
+    attributes = {"scene": results.layout.title, "units": results.layout.units, "status": results.status}
+    coordinates = {"time": ("time", times, {"units": units.time}), "component": ["x", "y"]}
+    return xarray.Dataset(data, coordinates, attributes)
+
+
+def _curves(results: Results) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for contact in results.layout.contacts:
+        curves = results.contact[contact.name].curves
+        for name in ContactCurve.COLUMNS if curves else ():
+            values = np.stack([getattr(curve, name) for curve in curves])
+            found[f"{contact.name}.{name}"] = (("time", f"{contact.name}_node"), values)
+    return found
+
+
+def _fields(results: Results) -> dict[str, Any]:
+    frames = list(results.frames)
+    found: dict[str, Any] = {
+        "position": (("node", "component"), results.nodes),
+        "displacement": (("time", "node", "component"), np.stack([frame.displacement for frame in frames])),
+    }
+    if results.layout.has_velocity:
+        found["velocity"] = (("time", "node", "component"), np.stack([frame.velocity for frame in frames]))
+    for body in results.layout.bodies:
+        found |= _body_fields(body.name, [frame.cells[body.name] for frame in frames])
+    return found
+
+
+def _body_fields(body: str, cells: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    for name in cells[0]:
+        stacked = np.stack([cell[name] for cell in cells])
+        if name == "stress":
+            for number, component in enumerate(("xx", "yy", "zz", "xy")):
+                found[f"{body}.stress_{component}"] = (("time", f"{body}_cell"), stacked[:, :, number])
+        else:
+            found[f"{body}.{name}"] = (("time", f"{body}_cell"), stacked)
+    return found

@@ -1,0 +1,71 @@
+"""A run at one instant as a PyVista mesh, and in the viewer of its timeline."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+
+import numpy as np
+
+from contactlab.errors import ContactlabError
+from contactlab.parts.registry import default_registry
+from contactlab.reports.notebook.fields import moment_of
+from contactlab.reports.notebook.libraries import library
+from contactlab.results.cell_types import connectivity
+from contactlab.results.results import Results
+from contactlab.run.recorders import record_again
+
+
+def grid(results: Results, frame: int) -> Any:
+    """The deformed cells of all bodies as pyvista.UnstructuredGrid, fields as point and cell data."""
+    pyvista = library("pyvista", "mesh")
+    moment = moment_of(results, frame)
+    nodes, offsets, types = connectivity(results.layout.bodies)
+    counts = np.diff(offsets)
+    cells = np.insert(nodes, offsets[:-1], counts)
+    made = pyvista.UnstructuredGrid(cells, types, _in_space(moment.position))
+    made.point_data["displacement"] = _in_space(moment.displacement)
+    if len(moment.velocity):
+        made.point_data["velocity"] = _in_space(moment.velocity)
+    bodies = results.layout.bodies
+    names = dict.fromkeys(name for body in bodies for name in moment.cells[body.name])
+    for name in names:
+        made.cell_data[name] = np.concatenate([_field(moment.cells[body.name], name) for body in bodies])
+    made.cell_data["body"] = np.repeat(np.arange(len(bodies)), [len(body.cells) for body in bodies])
+    made.field_data["bodies"] = [body.name for body in bodies]
+    made.field_data["time"] = [moment.time]
+    return made
+
+
+def _in_space(vectors: Any) -> Any:
+    return np.column_stack([vectors, np.zeros(len(vectors))])
+
+
+def _field(cells: Any, name: str) -> Any:
+    return cells[name] if name in cells else np.full(len(cells["stress"]), np.nan)
+
+
+def show_timeline(results: Results) -> Any:
+    """The viewer inline where the notebook can show it, else in a window of its own.
+
+    A timeline that is not there is made from what is stored. Raises ContactlabError, saying what is missing, where
+    neither is possible.
+    """
+    registry = default_registry()
+    names = [name for name in registry.names("recorder") if registry.part_class("recorder", name).shown_file]
+    if not names:
+        raise ContactlabError("no installed recorder makes recordings that can be looked at")
+    recorder = registry.make("recorder", names[0])
+    folder = results.folder or Path(mkdtemp(prefix="contactlab-"))
+    file = folder / recorder.shown_file
+    if not file.is_file():
+        record_again(recorder, folder, results)
+    inline = recorder.inline(file)
+    if inline is not None:
+        return inline
+    try:
+        recorder.show(file, None, None)
+    except (RuntimeError, OSError) as error:
+        raise ContactlabError(f"{file}: {error}") from error
+    return None

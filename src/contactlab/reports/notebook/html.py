@@ -1,0 +1,133 @@
+"""What a notebook shows of scenes, runs, comparisons and matrices: pictures, tables, warnings."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable, Iterable, Mapping
+from html import escape
+from typing import Any
+
+from contactlab.matrix.run import Matrix
+from contactlab.reports.cost_plot import cost_figure
+from contactlab.reports.notebook import pictures
+from contactlab.reports.notebook.texts import results_facts, scene_facts
+from contactlab.reports.numbers import heading_unit, quantity
+from contactlab.reports.pressure_plot import pressure_figure
+from contactlab.results.results import Results
+from contactlab.scene.scene import Scene
+from contactlab.studies.columns import BY_NAME
+from contactlab.studies.table import Table
+
+CELL = "text-align:left;padding:.15em .8em .15em 0;vertical-align:top"
+WARNING = "border-left:4px solid #9a5b00;padding:.2em .8em;margin:.4em 0"
+FAULT = "border-left:4px solid #b42318;padding:.2em .8em;margin:.4em 0"
+SHOWN = ("pressure_error", "reaction_error", "reaction", "max_penetration", "steps", "cpu_s")
+COLOURS = {"met": "#1a7f4b", "missed": "#9a5b00", "failed": "#b42318", "silent": "#b42318"}
+
+
+def scene_html(scene: Scene) -> str:
+    """A picture of the meshes, what the scene consists of, and all of it as TOML to be unfolded."""
+    picture = _picture(lambda: pictures.scene_figure(scene))
+    whole = f"<details><summary>TOML</summary><pre>{escape(scene.toml())}</pre></details>"
+    return _block(f"Scene {escape(scene.name)}", _facts(scene_facts(scene)), picture, whole)
+
+
+def results_html(results: Results) -> str:
+    """How the run ended, its warnings, the von Mises stress at the end and the contact pressures."""
+    facts = results_facts(results)
+    reason = facts.pop("reason", "")
+    said = [f'<div style="{FAULT}">{escape(reason)}</div>'] if reason else []
+    said += [f'<div style="{WARNING}"><b>{escape(w.code)}</b>: {escape(w.text)}</div>' for w in results.warnings]
+    shown = [_picture(lambda: pictures.field_figure(results, "von_mises", -1))]
+    for contact in results.layout.contacts[:2]:
+        curves = results.contact[contact.name].curves
+        if curves:
+            heading = f"<p><b>{escape(contact.name)}</b>: {escape(contact.slave)} on {escape(contact.master)}</p>"
+            last = curves[-1]
+            drawn = _picture(lambda last=last: pictures.curve_figure(last, results.layout.units))  # type: ignore[misc]
+            shown.append(heading + drawn)
+    title = f"{escape(results.layout.title)}: {escape(results.status)}"
+    return _block(title, *said, _facts(facts), *shown)
+
+
+def table_html(table: Table) -> str:
+    """A row per run, failures with their reason, warnings, and the pressures of all runs."""
+    columns = [BY_NAME[name] for name in SHOWN if any(row[name] == row[name] for row in table.rows)]
+    keys = list(dict.fromkeys(key for row in table.rows for key in row.choices))
+    heads = ["algorithm", "slave", *keys, "level", "status", *(_head(c.title, c.unit) for c in columns)]
+    rows = [
+        [row.algorithm, row.slave, *(str(row.choices.get(key, "")) for key in keys), str(row.level), row.status,
+         *(quantity(row[c.name], c.unit, c.digits) for c in columns)]
+        for row in table.rows
+    ]  # fmt: skip
+    said = [f'<div style="{FAULT}"><b>{escape(row.name)}</b>, {row.status}: {escape(row.reason)}</div>'
+            for row in table.failed]  # fmt: skip
+    worst = {w.code: (row, w) for row in table.rows for w in sorted(row.warnings, key=lambda w: w.excess)}
+    said += [f'<div style="{WARNING}"><b>{escape(code)}</b>, {escape(row.name)}: {escape(w.text)}</div>'
+             for code, (row, w) in worst.items()]  # fmt: skip
+    drawn = _picture(lambda: pressure_figure(table)) if any(row.curve is not None for row in table.main) else ""
+    return _block(escape(table.study.name), _table(heads, rows), *said, drawn)
+
+
+def cost_plot(table: Table) -> Any:
+    """Pressure error against CPU time."""
+    return shown(cost_figure(table))
+
+
+def pressure_plot(table: Table) -> Any:
+    """The contact pressure of every run beside the reference."""
+    return shown(pressure_figure(table))
+
+
+def shown(figure: Any) -> Any:
+    """The same figure as one that shows itself in a notebook."""
+    figure.__class__ = pictures.Plot
+    return figure
+
+
+def matrix_html(matrix: Matrix) -> str:
+    """A line per case and variant, a column per algorithm; the verdict, and its reason when it is pointed at."""
+    contacts = list(dict.fromkeys(cell.choices["contact"] for cell, _ in matrix.cells))
+    lines: dict[tuple[str, ...], dict[str, str]] = {}
+    for cell, result in matrix.cells:
+        key = tuple(cell.choices[name] for name in ("case", "variant", "slave", "element", "integrator"))
+        colour = COLOURS.get(result.verdict, "inherit")
+        word = f'<span style="color:{colour}" title="{escape(result.reason)}">{escape(result.verdict)}</span>'
+        lines.setdefault(key, {})[cell.choices["contact"]] = word
+    rows = [[*map(escape, key), *(cells.get(name, "") for name in contacts)] for key, cells in lines.items()]
+    heads = ["case", "variant", "slave", "element", "integrator", *contacts]
+    return _block(f"Matrix of {len(matrix.cells)} cells", _table(heads, rows, plain=True))
+
+
+def _head(title: str, unit: str) -> str:
+    return f"{title} [%]" if heading_unit(unit, "") == "%" else title
+
+
+def _picture(draw: Callable[[], Any]) -> str:
+    """A figure as an image; why there is none where it cannot be drawn."""
+    from contactlab.errors import ContactlabError
+
+    try:
+        data = base64.b64encode(shown(draw())._repr_png_()).decode()
+    except ContactlabError as error:
+        return f"<p><i>no picture: {escape(str(error))}</i></p>"
+    return f'<img style="max-width:100%" alt="figure" src="data:image/png;base64,{data}">'
+
+
+def _facts(facts: Mapping[str, str]) -> str:
+    cells = ((f'<th style="{CELL}">{escape(name)}</th>', escape(text)) for name, text in facts.items())
+    return "<table>" + "".join(f'<tr>{head}<td style="{CELL}">{text}</td></tr>' for head, text in cells) + "</table>"
+
+
+def _table(heads: Iterable[str], rows: Iterable[Iterable[str]], plain: bool = False) -> str:
+    """`plain`: cells are HTML already."""
+
+    def line(cells: Iterable[str], tag: str) -> str:
+        texts = (cell if plain and tag == "td" else escape(cell) for cell in cells)
+        return "<tr>" + "".join(f'<{tag} style="{CELL}">{text}</{tag}>' for text in texts) + "</tr>"
+
+    return f"<table>{line(heads, 'th')}{''.join(line(row, 'td') for row in rows)}</table>"
+
+
+def _block(title: str, *parts: str) -> str:
+    return f"<div><h4>{title}</h4>{''.join(parts)}</div>"

@@ -1,0 +1,120 @@
+"""Scenes, runs, comparisons and matrices in a few lines of text."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from contactlab.api.drawing.units import Units
+from contactlab.matrix.run import Matrix
+from contactlab.reports.numbers import percent, significant
+from contactlab.results.results import Results
+from contactlab.scene.scene import Scene
+from contactlab.studies.table import Table
+
+MOST = 20
+"""Lines of a text."""
+
+
+def scene_text(scene: Scene) -> str:
+    """What a scene consists of, a line per table."""
+    return _lines(f"Scene {scene.name}", scene_facts(scene))
+
+
+def scene_facts(scene: Scene) -> dict[str, str]:
+    """The same by name."""
+    bodies = [f"{name} ({body.element['use']}, {body.material}, {body.mesh['use']})"
+              for name, body in scene.bodies.items()]  # fmt: skip
+    contacts = [
+        f"{' on '.join(c.sides)} ({c.algorithm['use']}" + (f", {c.friction['use']})" if c.friction else ")")
+        for c in scene.contacts
+    ]
+    facts = {
+        "source": scene.source,
+        "level": str(scene.level),
+        "integrator": str(scene.integrator["use"]),
+        "time.end": str(scene.time.end),
+        "materials": _some([f"{name} ({spec['use']})" for name, spec in scene.materials.items()]),
+        "bodies": _some(bodies),
+        "rigid": _some(list(scene.rigid)),
+        "contacts": _some(contacts),
+        "supports": _some([support.on for support in scene.supports]),
+        "loads": _some([load.on for load in scene.loads]),
+        "effects": _some([str(spec["use"]) for spec in scene.effects]),
+    }
+    return {name: value for name, value in facts.items() if value}
+
+
+def results_text(results: Results) -> str:
+    """How a run ended, and the numbers that are looked at first."""
+    return _lines(f"Results of {results.layout.title}: {results.status}", results_facts(results))
+
+
+def results_facts(results: Results) -> dict[str, str]:
+    """The same by name."""
+    summary, units = results.summary, Units.of_label(results.layout.units)
+    frames = len(results.history.get("time", ()))
+    facts = {"reason": results.reason, "steps": f"{summary.get('steps', 0)}, {frames} frames stored"}
+    for name, contact in list(summary.get("contacts", {}).items())[:4]:
+        facts[name] = _contact(contact, units)
+    for on, force in list(summary.get("reactions", {}).items())[:4]:
+        facts[f"reaction of {on}"] = f"{_pair(force)} {units.line_force}".rstrip()
+    cost = summary.get("cost", {})
+    if "run_cpu_s" in cost:
+        facts["CPU time"] = f"{significant(float(cost['run_cpu_s']), 3)} s"
+    facts["warnings"] = _some(list(dict.fromkeys(warning.code for warning in results.warnings)))
+    facts["folder"] = str(results.folder or "")
+    return {name: value for name, value in facts.items() if value}
+
+
+def _contact(contact: Mapping[str, Any], units: Units) -> str:
+    pressure = f"pressure up to {significant(float(contact['max_pressure']), 4)} {units.pressure}".rstrip()
+    return f"{pressure}, force {_pair(contact['resultant'])} {units.line_force}".rstrip()
+
+
+def _pair(vector: Any) -> str:
+    return f"[{significant(float(vector[0]), 4)}, {significant(float(vector[1]), 4)}]"
+
+
+def table_text(table: Table) -> str:
+    """A line per run: how it ended, its error and its cost."""
+    heads = ("algorithm", "slave", "level", "status", "p error %", "CPU s")
+    rows = [
+        (r.algorithm, r.slave, str(r.level), r.status, percent(r["pressure_error"]), significant(r["cpu_s"], 3))
+        for r in table.rows
+    ]
+    return _columns(f"Table of {len(table)} runs: {table.study.name}", heads, rows)
+
+
+def matrix_text(matrix: Matrix) -> str:
+    """How many cells have which verdict, and the cells that are worst."""
+    from contactlab.cases.verdict import WORST
+
+    counts = ", ".join(f"{matrix.count(verdict)} {verdict}" for verdict in WORST if matrix.count(verdict))
+    heads = ("case", "variant", "contact", "slave", "verdict")
+    cells = sorted(matrix.cells, key=lambda pair: WORST.index(pair[1].verdict))
+    rows = [(*(cell.choices[name] for name in heads[:4]), result.verdict) for cell, result in cells]
+    return _columns(f"Matrix of {len(matrix.cells)} cells: {counts}", heads, rows)
+
+
+def _columns(title: str, heads: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
+    shown = rows if len(rows) <= MOST - 2 else rows[: MOST - 3]
+    widths = [max(len(row[k]) for row in (heads, *shown)) for k in range(len(heads))]
+    lines = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+             for row in (heads, *shown)]  # fmt: skip
+    more = [] if len(shown) == len(rows) else [f"... and {len(rows) - len(shown)} more"]
+    return "\n".join([title, *lines, *more])
+
+
+def _lines(title: str, facts: Mapping[str, str]) -> str:
+    width = max(map(len, facts), default=0)
+    return "\n".join([title, *(f"  {name.ljust(width)}  {_short(value)}" for name, value in facts.items())][:MOST])
+
+
+def _short(text: str, most: int = 200) -> str:
+    line = " ".join(text.split())
+    return line if len(line) <= most else line[: most - 3] + "..."
+
+
+def _some(names: list[str], most: int = 6) -> str:
+    return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

@@ -1,0 +1,219 @@
+"""What no run may break, by one function: a run warns by it at its end, and every cell of a matrix is judged by it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import Floats
+from contactlab.model.momentum import momenta
+from contactlab.results.reaction_balance import reaction_mismatch
+from contactlab.results.saw_tooth import largest_turn, pressed_depth, saw_tooth
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.pair import ContactPair
+    from contactlab.model.model import Model
+    from contactlab.results.contact_report import ContactReport
+    from contactlab.results.sample import Sample
+
+ROUND = 1e-6  # of the largest: what tolerances of solvers and sums over many steps leave
+EXACT = 1e-9  # of the largest: sums that are zero by construction
+STEPWISE = 0.02  # load steps: work between two of them is a trapezoid; steps that follow their loads keep 1e-3
+SPREAD = 0.01  # nodes on segments: forces act along the master's normals, pressures along the slave's
+PARTLY = 0.05  # multipliers beyond an edge of cover stand for less length than their segments have
+PLAIN = 1e-5  # of a contact force: what is left on nearly flat sides whose segments or tractions differ
+TURNS = 4.0  # times the square of the angle between segments: an eighth of it for equal ones, more where lengths differ
+DEEP = 0.05  # segments: what weak conditions leave between nodes of different meshes, beside the depth of facets
+SAW, SHEAR_SAW = 0.01, 0.05  # sound runs stay below 0.7 % and 4.1 %; a pressure that is wrong by some per cent has 2 %
+MIRRORED = 1e-3  # of the largest displacement: contact that closes a step later on one side
+
+
+@dataclass(frozen=True)
+class Invariant:
+    """One number that a run is judged by, at its last frame.
+
+    name   in words, as in the tables
+    code   of the warning that is given where it is broken; `docs/warnings.md` lists all
+    where  "contacts.0", or "" for the whole run
+    value  what was seen, and `limit`: the largest that the method promises; inf where it promises nothing
+    why    the reason of the limit
+    """
+
+    name: str
+    code: str
+    where: str
+    value: float
+    limit: float
+    why: str
+
+    @property
+    def broken(self) -> bool:
+        """Whether the value lies beyond the limit; a value that is no number does."""
+        return not self.value <= self.limit
+
+    def as_data(self) -> dict[str, Any]:
+        """The same for `summary.json`, where a limit that is none is null."""
+        return asdict(self) | {"limit": self.limit if math.isfinite(self.limit) else None}
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Invariant:
+        """A row of `summary.json`; null stands for a value that is no number and for a limit that is none."""
+        value = math.nan if data["value"] is None else float(data["value"])
+        limit = math.inf if data["limit"] is None else float(data["limit"])
+        return cls(**{**data, "value": value, "limit": limit})
+
+
+def invariants(model: Model, sample: Sample) -> list[Invariant]:
+    """All that can be judged of a run at its last `sample`: energy, momenta, symmetry, and each contact by itself."""
+    found = [*_energy(model, sample), *_momentum(model), *_symmetry(model)]
+    for pair in model.contact.pairs if model.contact is not None else ():
+        found += _contact(pair, sample.contacts[pair.name])
+    return found
+
+
+# --- the whole run ----------------------------------------------------------------------------------
+
+
+def _energy(model: Model, sample: Sample) -> Iterator[Invariant]:
+    energies = sample.energies
+    known = ("internal", "external", "kinetic") if model.way_followed else ("kinetic",)
+    odd = sum(not np.isfinite(energies[name]) for name in known)
+    yield Invariant("numbers that are not finite", "not-finite", "", float(odd), 0.0, "a finished run has none")
+    error = abs(energies["error"])
+    if model.integrator.inertia:
+        why = "works and energies of one scheme add up, but for round-off over all steps"
+        yield Invariant("error of the energy ledger", "ledger", "", error, ROUND, why)
+        return
+    if model.way_followed and np.abs(model.state["work"]).max() > _no_energy(model):
+        why = "the work of a load step is that of the mean of the forces at both its ends"
+        yield Invariant("error of the energy ledger", "ledger", "", error, STEPWISE, why)
+    mismatch = reaction_mismatch(model)
+    if np.isfinite(mismatch):
+        yield Invariant(
+            "support reactions out of balance", "unbalanced-reactions", "", mismatch, ROUND,
+            "load steps end in equilibrium to 1e-8 of the largest force",
+        )  # fmt: skip
+
+
+def _no_energy(model: Model) -> float:
+    """What a scene of this size and stiffness stores at strains that are round-off [mJ]."""
+    extent = float(np.ptp(model.reference, axis=0).max())
+    return (1e-7 * extent) ** 2 * max(body.dilatational_modulus for body in model.bodies)
+
+
+def _momentum(model: Model) -> Iterator[Invariant]:
+    """Contact acts equally on both sides; and where nothing acts from outside, momenta are those of the start."""
+    if model.contact is not None:
+        force, x = model.state["contact_force"], model.position
+        total = float(np.hypot(*force.T).sum())
+        if total > 0.0:
+            arm = total * max(pair.size for pair in model.contact.pairs)
+            torque = float((x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]).sum())
+            yield Invariant(
+                "sum of all contact forces", "linear-momentum", "", float(np.hypot(*force.sum(axis=0))) / total, EXACT,
+                "what pushes the slave pushes back on the master",
+            )  # fmt: skip
+            yield Invariant(
+                "torque of all contact forces in segments", "angular-momentum", "", abs(torque) / arm, DEEP,
+                "forces act along the line between the surfaces, but for the gap that weak conditions leave",
+            )  # fmt: skip
+    yield from _kept(model)
+
+
+def _kept(model: Model) -> Iterator[Invariant]:
+    if not model.integrator.inertia or model.loading.loads or model.damping or not model.start.momentum[3] > 0.0:
+        return
+    held = set((model.prescribed.dof % 2).tolist())
+    now = momenta(model)
+    scale = float(max(model.start.momentum[3], now[3]))
+    change = np.abs(now - model.start.momentum)[:3]
+    for axis in {0, 1} - held:
+        yield Invariant(
+            f"change of the momentum along {'xy'[axis]}", "linear-momentum", "", float(change[axis] / scale), EXACT,
+            "nothing acts from outside",
+        )  # fmt: skip
+    if not held:
+        arm = scale * float(np.ptp(model.reference, axis=0).max())
+        limit = ROUND if model.explicit else math.inf
+        yield Invariant(
+            "change of the angular momentum", "angular-momentum", "", float(change[2] / arm), limit,
+            "nothing acts from outside; steps of the trapezoidal rule do not promise it",
+        )  # fmt: skip
+
+
+def _symmetry(model: Model) -> Iterator[Invariant]:
+    mirror = model.start.mirror
+    if mirror is None:
+        return
+    u = model.state["displacement"]
+    size = float(np.hypot(*u.T).max(initial=0.0))
+    off = np.hypot(*(u - u[mirror] * (-1.0, 1.0)).T)[mirror >= 0]
+    if size > 0.0 and len(off):
+        yield Invariant(
+            "asymmetry of the displacement", "asymmetry", "", float(off.max()) / size, MIRRORED,
+            "the scene declares it symmetric; contact may close a step later on one side",
+        )  # fmt: skip
+
+
+# --- one contact ------------------------------------------------------------------------------------
+
+
+def _contact(pair: ContactPair, report: ContactReport) -> Iterator[Invariant]:
+    curve, pressure = report.curve, report.curve.pressure
+    yield Invariant(
+        "pull of a contact node over the largest push", "contact-pull", pair.name, report.cone_violation, ROUND,
+        "nodal forces push and friction keeps its bound, but for the solver's residual",
+    )  # fmt: skip
+    if not pressure.max(initial=0.0) > 0.0:
+        return
+    force = float(np.hypot(*report.resultant))
+    if force > 0.0:
+        limit, why = _promised(pair, report)
+        apart = float(np.hypot(*(report.resultant - report.pressure_integral))) / force
+        yield Invariant("resultant against integral of the pressure", "pressure-integral", pair.name, apart, limit, why)
+    depth = report.max_penetration / pair.size
+    allowed = DEEP + (pressed_depth(curve) + _overlap(pair)) / pair.size
+    yield Invariant(
+        "largest penetration of either side in segments", "penetration", pair.name, depth, allowed,
+        "the depth of facets, overlaps of the start that count as none, and what weak conditions leave between nodes",
+    )  # fmt: skip
+    yield Invariant(
+        "saw-tooth of the pressure", "pressure-saw", pair.name, saw_tooth(curve, curve.pressure), SAW,
+        "a pressure that alternates from node to node is none of the bodies'",
+    )  # fmt: skip
+    if np.any(curve.shear):
+        yield Invariant(
+            "saw-tooth of the shear", "shear-saw", pair.name, saw_tooth(curve, curve.shear), SHEAR_SAW,
+            "a shear that alternates from node to node where all stick or all slip is none of the bodies'",
+        )  # fmt: skip
+
+
+def _overlap(pair: ContactPair) -> float:
+    """Largest overlap [mm] of the start that counts as a gap of zero all the time."""
+    distance = pair.start_distance
+    return 0.0 if distance is None else max(0.0, -float(distance.min(initial=0.0)))
+
+
+def _promised(pair: ContactPair, report: ContactReport) -> tuple[float, str]:
+    """How far the integral of the pressure may be from the forces.
+
+    Pressures act along each segment's normal, forces along averaged ones: apart by the square of the angle between
+    segments.
+    """
+    curve = report.curve
+    turn = max(PLAIN, TURNS * largest_turn(curve) ** 2)
+    if np.any(np.isnan(curve.gap) & (curve.pressure != 0.0)) or _differs(report):
+        return max(PARTLY, turn), "multipliers of segments that are covered in part are shown on whole ones"
+    if not pair.method.passes_patch_test:
+        return max(SPREAD, turn), "forces of nodes act along the master's normals"
+    return turn, "of the same multipliers, along normals that differ by a segment's turn"
+
+
+def _differs(report: ContactReport) -> bool:
+    """Whether some multiplier stands for less length than its node has."""
+    apart: Floats = report.pressure_integral - report.covered_integral
+    return bool(np.hypot(*apart) > ROUND * np.hypot(*report.resultant))

@@ -1,0 +1,31 @@
+"""How far the forces of supports and loads are out of balance."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.model.model import Model
+
+
+def reaction_mismatch(model: Model) -> float:
+    """|sum of all support reactions and loads| over the largest of them: zero in statics; nan without two of them.
+
+    nan, too, where none is more than what the round-off of positions brings: a body that moves freely is at rest.
+    A load counts by the sum of its nodal forces' magnitudes, so that one that balances itself has a size, too.
+    """
+    reactions = list(model.reactions().values())
+    sizes = [float(np.hypot(*force)) for force in reactions]
+    applied = np.zeros_like(model.reference)
+    if model.external_force(model.state.time, applied):
+        sizes.append(float(np.hypot(*applied.T).sum()))
+    largest = max(sizes, default=0.0)
+    if largest <= _round_off(model) or len(sizes) < 2:
+        return float("nan")
+    total = np.sum(reactions, axis=0) + applied.sum(axis=0)
+    return float(np.hypot(*total) / largest)
+
+
+def _round_off(model: Model) -> float:
+    """Force [N] that is as good as none: of a strain of 1e-12 over the size of the scene."""
+    extent = float(np.ptp(model.reference, axis=0).max())
+    return 1e-12 * extent * max(body.dilatational_modulus for body in model.bodies)

@@ -1,0 +1,75 @@
+"""How much of a pressure alternates from node to node, and how deep the facets are that it acts on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import ContactCurve, Floats, Ints
+
+CORNER = 0.6
+"""Angle [rad] between segments above which a node is a corner, and no part of a curve."""
+
+
+def saw_tooth(curve: ContactCurve, values: Floats) -> float:
+    """What of `values` (m,) alternates where the surface is pressed, over their largest magnitude.
+
+    Second differences of a smooth function have one sign from node to node, but for where it turns, and those of a
+    step change it once; those of a saw-tooth change it every time. So the smallest of three neighbours of alternating
+    sign counts, a quarter of which is the height of the teeth; root of the mean square over the nodes that have pressed
+    neighbours of their own state. Kinks between sticking and slipping nodes count for nothing.
+    Nodes that alone are pressed, between pressed ones two or three nodes off, are teeth by half of their value.
+    """
+    largest = float(np.abs(values).max(initial=0.0))
+    if largest == 0.0:
+        return 0.0
+    heights, nodes = _heights(_inner(curve), values)
+    alone = np.abs(values[_alone(curve)]) / 2.0
+    count = max(1, nodes + len(alone))
+    return float(np.sqrt(((heights**2).sum() + (alone**2).sum()) / count)) / largest
+
+
+def _heights(inner: Ints, values: Floats) -> tuple[Floats, int]:
+    """Heights of the teeth at `inner` nodes, and the number of nodes that were looked at."""
+    if len(inner) < 3:
+        return np.zeros(0), 0
+    second = (values[inner - 1] - 2.0 * values[inner] + values[inner + 1]) / 4.0
+    turns = (np.diff(inner) == 1) & (second[:-1] * second[1:] < 0.0)
+    middle = np.flatnonzero(turns[:-1] & turns[1:]) + 1
+    return np.abs([second[middle - 1], second[middle], second[middle + 1]]).min(axis=0), len(inner)
+
+
+def _alone(curve: ContactCurve) -> Ints:
+    """Pressed nodes with one or two open ones on either side, and pressed ones behind those, of the same chain."""
+    pressed = np.flatnonzero(curve.nodal_pressure > 0.0)
+    apart = np.diff(pressed)
+    near = (apart > 1) & (apart <= 3) & (np.diff(curve.chain[pressed]) == 0)
+    return np.asarray(pressed[1:-1][near[:-1] & near[1:]], np.int32)
+
+
+def _inner(curve: ContactCurve) -> Ints:
+    """Pressed nodes between pressed nodes of the same state and chain."""
+    state = np.where(curve.nodal_pressure > 0.0, curve.state, 0)
+    same = (state[:-1] == state[1:]) & (curve.chain[:-1] == curve.chain[1:]) & (state[1:] > 0)
+    return np.asarray(np.flatnonzero(same[:-1] & same[1:]) + 1, np.int32)
+
+
+def largest_turn(curve: ContactCurve) -> float:
+    """Largest angle [rad] between the deformed segments at a pressed node."""
+    return float(_turns(curve)[0].max(initial=0.0))
+
+
+def pressed_depth(curve: ContactCurve) -> float:
+    """Largest depth [mm] of the deformed facets beside pressed nodes: length times angle over 8. Corners are none."""
+    angle, length = _turns(curve)
+    return float(np.where(angle < CORNER, angle * length / 8.0, 0.0).max(initial=0.0))
+
+
+def _turns(curve: ContactCurve) -> tuple[Floats, Floats]:
+    """Angles [rad] between the deformed segments at pressed nodes, and the longer one's length [mm]."""
+    pressed = np.flatnonzero(curve.nodal_pressure > 0.0)
+    inner = pressed[(pressed > 0) & (pressed < len(curve.x) - 1)]
+    inner = inner[curve.chain[inner - 1] == curve.chain[inner + 1]]
+    along = np.diff(curve.x), np.diff(curve.y)
+    angle, length = np.arctan2(along[1], along[0]), np.hypot(*along)
+    turn = np.abs(np.remainder(angle[inner] - angle[inner - 1] + np.pi, 2.0 * np.pi) - np.pi)
+    return np.asarray(turn), np.maximum(length[inner], length[inner - 1])

@@ -1,0 +1,91 @@
+"""Stored frames, read one by one when they are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.api.frame import ContactCurve, Frame, Layout
+from contactlab.results.checksums import StoredSums
+from contactlab.results.damage import damage_told
+from contactlab.results.stored_file import opened
+
+
+class StoredFrames(Sequence[Frame]):
+    """The stored frames of a run with these numbers, each read from the file when it is asked for."""
+
+    def __init__(self, folder: Path, layout: Layout, numbers: Sequence[int]) -> None:
+        self.folder, self.layout, self.numbers = folder, layout, numbers
+        self.total = len(numbers)
+
+    def __len__(self) -> int:
+        return self.total
+
+    @overload
+    def __getitem__(self, number: int) -> Frame: ...
+    @overload
+    def __getitem__(self, number: slice) -> list[Frame]: ...
+    def __getitem__(self, number: int | slice) -> Frame | list[Frame]:
+        """Frame `number`, negative ones from the end. Raises RequestError where it is damaged."""
+        if isinstance(number, slice):
+            return [self[k] for k in range(*number.indices(self.total))]
+        if not -self.total <= number < self.total:
+            raise IndexError(f"frame {number} of {self.total}")
+        with opened(self.folder) as file, damage_told(self.folder):
+            return self._read(file, StoredSums(file["contactlab"]), self.numbers[number])
+
+    def __iter__(self) -> Iterator[Frame]:
+        with opened(self.folder) as file:
+            with damage_told(self.folder):
+                sums = StoredSums(file["contactlab"]) if self.total else None
+            for number in self.numbers:
+                with damage_told(self.folder):
+                    frame = self._read(file, sums, number)
+                yield frame
+
+    def _read(self, file: Any, sums: StoredSums | None, number: int) -> Frame:
+        assert sums is not None
+        grid, own = file["VTKHDF"], file["contactlab"]
+        points = slice(number * len(self.layout.nodes), (number + 1) * len(self.layout.nodes))
+        names = [str(name) for name in own["history"].attrs["columns"]]
+        row = sums.check(number, "history", own["history"][number])
+        scalars = dict(zip(names, row.tolist(), strict=True))
+        fields = ("displacement", *(("velocity",) if self.layout.has_velocity else ()))
+        vectors = {name: sums.check(number, name, grid["PointData"][name][points])[:, :2] for name in fields}
+        return Frame(
+            number=number,
+            step=int(scalars["step"]),
+            time=scalars["time"],
+            scalars=scalars,
+            curves={c.name: curve_of(self._curve(own, sums, c.name, number)) for c in self.layout.contacts},
+            displacement=np.ascontiguousarray(vectors["displacement"]),
+            velocity=np.ascontiguousarray(vectors.get("velocity", np.zeros((0, 2)))),
+            cells=self._cells(grid["CellData"], sums, number),
+        )
+
+    def _curve(self, own: Any, sums: StoredSums, contact: str, number: int) -> Floats:
+        values: Floats = sums.check(number, f"curves of {contact}", own[f"contacts/{contact}/curves"][number])
+        return values
+
+    def _cells(self, data: Any, sums: StoredSums, number: int) -> dict[str, dict[str, Floats]]:
+        total = sum(len(body.cells) for body in self.layout.bodies)
+        here = slice(number * total, (number + 1) * total)
+        shown = dict.fromkeys(name for body in self.layout.bodies for name in body.shown_variables)
+        fields = {name: sums.check(number, name, data[name][here]) for name in ("stress", "von_mises", *shown)}
+        found, begin = {}, 0
+        for body in self.layout.bodies:
+            part = slice(begin, begin + len(body.cells))
+            begin = part.stop
+            names = ("von_mises", *body.shown_variables)
+            found[body.name] = {"stress": fields["stress"][part, :4]} | {name: fields[name][part] for name in names}
+        return found
+
+
+def curve_of(values: Floats) -> ContactCurve:
+    """The contact curve whose columns are those of a table (m, columns) of the file."""
+    columns: dict[str, Any] = {name: values[:, i].copy() for i, name in enumerate(ContactCurve.COLUMNS)}
+    return ContactCurve(**columns | {name: columns[name].astype(np.int32) for name in ("state", "chain")})

@@ -1,0 +1,129 @@
+"""Stops a run that has more energy than was put in, whether the bodies or their contact have made it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import RunWarning
+from contactlab.model.energy import energy_gain
+from contactlab.model.model import Model
+from contactlab.run.stopping import stop
+
+UNEXPLAINED = 0.01  # energy stored without work, over the largest that was there or was supplied
+GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
+MADE = 0.01  # energy that contact has made in all, whatever damping took of it since: told
+TOO_MUCH_MADE = 0.1  # and the run is stopped
+LASTING = 100  # steps that either must last: sharp impacts borrow some energy for a few
+OVERSHOOT = 100.0  # kinetic over all energy: 1/(1 - (w dt/2)^2) at most in a mode that leapfrog follows; 99 % of 2/w
+AT_THE_END = 5.0  # times these limits: more at the end of a run stops it whether it lasted or not
+ROUND = 1e-7  # strains that are round-off: energies of laws, quadratic in them, are differences of numbers near one
+
+
+class EnergyGuard:
+    """Checks the energy of one run.
+
+    largest  [mJ] largest energy that was there or was supplied so far
+    since    (3,) steps since which energies are too high: stored without work, gained, made by contact; -1 if not
+    """
+
+    def __init__(self, model: Model, shorter: str, wave_speed: float) -> None:
+        self.model, self.shorter, self.work = model, shorter, model.state["work"]
+        self.since = np.full(3, -1.0)
+        # energies of smaller strains are round-off
+        self.largest = max(model.initial_energy, float(model.mass.sum()) * (ROUND * wave_speed) ** 2)
+        pairs = model.contact.pairs if model.contact is not None else ()
+        # an overlap of the start is pushed out: energy that the scene lets contact put in
+        self.judges_contact = bool(pairs) and not any(pair.overlap_relaxation is not None for pair in pairs)
+        self.judges_gain = self.judges_contact or not pairs
+
+    def check(self, last: bool = False) -> None:
+        """Stop where energy has appeared for many steps; at the `last` step also where there is very much more."""
+        if "velocity" not in self.model.state:
+            return
+        energy, gained, unexplained = energy_gain(self.model)
+        self.largest = max(self.largest, abs(energy), abs(float(self.work[1])))
+        self._overshoot()
+        if self._too_much(0, unexplained, UNEXPLAINED, last):
+            stop(
+                self.model,
+                f"the bodies hold {unexplained:.3g} more energy than work was done on them, {self._share(unexplained)} "
+                f"(allowed {UNEXPLAINED:.0%}), since step {self.since[0]:.0f}; {self._fastest_body()}",
+                f"the step is too long for what happens: try {self.shorter}",
+            )
+        if self.judges_gain and self._too_much(1, gained, GAIN, last):
+            stop(
+                self.model,
+                f"the energy {energy:.3g} is {gained:.3g} above that of the start and the work done from outside, "
+                f"{self._share(gained)} (allowed {GAIN:.0%}), since step {self.since[1]:.0f}; "
+                f"{self._fastest_body()}",
+                f"contact has made {float(self.work[3]):.3g}: {_cure(self.model, self.shorter)}",
+            )
+        if self.judges_contact:
+            self._made_by_contact(float(self.work[3]), last)
+
+    def _made_by_contact(self, made: float, last: bool) -> None:
+        """Normal forces of surfaces that touch and part can only take energy; what they have given is the method's."""
+        share, cure = made / self.largest, _cure(self.model, self.shorter)
+        if share > MADE:
+            self.model.warnings.add(
+                RunWarning(
+                    "contact-energy", share, MADE, "contacts.0.enforcement",
+                    f"contact has made {made:.3g} of energy, {self._share(made)} (allowed {MADE:.0%}); {cure}",
+                )
+            )  # fmt: skip
+        if self._too_much(2, made, TOO_MUCH_MADE, last):
+            stop(
+                self.model,
+                f"contact has made {made:.3g} of energy, {self._share(made)} (allowed {TOO_MUCH_MADE:.0%}), above that "
+                f"since step {self.since[2]:.0f}; {self._fastest_body()}",
+                cure,
+            )
+
+    def _overshoot(self) -> None:
+        """Above the stable step leapfrog keeps its energy, too: what is stored becomes as negative as kinetic grows."""
+        share = self.model.kinetic_energy() / self.largest
+        if not share <= OVERSHOOT:
+            stop(
+                self.model,
+                f"the kinetic energy is {share:.3g} times all that was supplied (allowed {OVERSHOOT:.0f}); "
+                f"{self._fastest_body()}",
+                f"the step is above the stable one: try {self.shorter}, and look whether the material's wave "
+                "speeds and stiffening are right",
+            )
+
+    def _too_much(self, which: int, energy: float, limit: float, last: bool) -> bool:
+        """Whether an energy has been above its limit for long, or is far above it at the end of the run."""
+        step, share = self.model.state.step, energy / self.largest
+        self.since[which] = -1.0 if share <= limit else step if self.since[which] < 0.0 else self.since[which]
+        if not share > limit:
+            return False
+        if last and share <= AT_THE_END * limit:
+            self.model.warnings.add(_energy_warning(step, share, limit, self.shorter))
+        return bool(step - self.since[which] >= LASTING or (last and share > AT_THE_END * limit))
+
+    def _share(self, energy: float) -> str:
+        return f"{energy / self.largest:.1%} of the largest energy so far"
+
+    def _fastest_body(self) -> str:
+        v, mass = self.model.state["velocity"], self.model.mass
+        squares = mass * (v[:, 0] ** 2 + v[:, 1] ** 2)
+        shares = {b.name: float(squares[b.first : b.first + b.count].sum()) for b in self.model.bodies}
+        name = max(shares, key=lambda body: shares[body])
+        return f"body {name} has {shares[name] / max(float(squares.sum()), 1e-300):.0%} of the kinetic energy"
+
+
+def _cure(model: Model, shorter: str) -> str:
+    """What to try against energy that contact makes, in words."""
+    others = f"try the other side as slave, another algorithm, or {shorter}"
+    conjugate = getattr(getattr(model.contact, "enforcement", None), "conjugate", True)
+    if conjugate or not model.explicit:
+        return others
+    return f'{others}; contacts.0.enforcement = {{ use = "forward-increment", forces = "conjugate" }} makes none'
+
+
+def _energy_warning(step: int, share: float, limit: float, shorter: str) -> RunWarning:
+    return RunWarning(
+        "energy-at-end", share, limit, shorter.split()[-1],
+        f"at step {step}, the last one, there is {share:.1%} more energy than is accounted for, of the largest so far "
+        f"(allowed {limit:.0%}); run on to see whether it stays, or try {shorter}",
+    )  # fmt: skip

@@ -1,0 +1,73 @@
+"""Single values of a scene file: numbers, texts, paths and choices, checked as they are written."""
+
+from __future__ import annotations
+
+import math
+import typing
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, get_args
+
+from contactlab.errors import Location, SceneError, Where, did_you_mean
+from contactlab.scene.accepts import in_words
+
+
+def choice(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> Any:
+    """The member of a Literal that was written. Raises SceneError where it is none."""
+    choices = get_args(hint)
+    for known in choices:
+        if value == known and type(value) is type(known):
+            return known
+    hint_text = did_you_mean(value, [str(known) for known in choices]) if isinstance(value, str) else ""
+    allowed = in_words(limits.get("options", hint), limits)
+    raise SceneError("not one of the choices", where=where, got=value, allowed=allowed, hint=hint_text)
+
+
+def scalar(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> Any:
+    """A number within its `limits`, a text, a path or a truth value. Raises SceneError where it is none."""
+    allowed = in_words(limits.get("options", hint), limits)
+    if hint in (int, float):
+        return _number(hint, value, where, limits, allowed)
+    if hint is Path and isinstance(value, str | Path):
+        return _path(value, where)
+    if isinstance(hint, type) and isinstance(value, hint):
+        return value
+    tip = "write true or false without quotes" if hint is bool and isinstance(value, str) else ""
+    raise SceneError("wrong type", where=where, got=value, allowed=allowed, hint=tip)
+
+
+def _path(value: str | Path, where: Where) -> Path:
+    """Relative paths start where the text that names them lies."""
+    folder = where.folder if isinstance(where, Location) else ""
+    return (Path(folder) / value).resolve()
+
+
+def _number(hint: type, value: Any, where: Where, limits: Mapping[str, Any], allowed: str) -> float | int:
+    if isinstance(value, bool) or not isinstance(value, int | float) or (hint is int and isinstance(value, float)):
+        raise SceneError("wrong type", where=where, got=value, allowed=allowed, hint=_number_hint(hint, value))
+    try:
+        number = hint(value)
+    except OverflowError:
+        number = math.inf
+    if hint is float and not math.isfinite(number):
+        raise SceneError("the number is not finite", where=where, got=value, allowed=allowed)
+    if not _within(number, limits):
+        raise SceneError("the number is out of bounds", where=where, got=value, allowed=allowed)
+    return typing.cast("float | int", number)
+
+
+def _number_hint(hint: type, value: Any) -> str:
+    if isinstance(value, float) and value.is_integer():
+        return f"write {int(value)}"
+    if isinstance(value, str):
+        try:
+            float(value)
+        except ValueError:
+            return ""
+        return f"write {value} without quotes"
+    return ""
+
+
+def _within(number: float, limits: Mapping[str, Any]) -> bool:
+    above, least, most = limits.get("above"), limits.get("least"), limits.get("most")
+    return (above is None or number > above) and (least is None or number >= least) and (most is None or number <= most)

@@ -1,0 +1,118 @@
+"""What runs in a worker of a dask cluster: each call goes to a process of its own, as on one machine.
+
+A call that crashes or hangs then costs neither the worker nor the other calls. Where the worker does not see the folder
+that the call is to write, or is told to write elsewhere (`CONTACTLAB_SCRATCH`), the files come back with the answer.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import pickle
+import tarfile
+from collections.abc import Callable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from threading import Lock
+from typing import Any
+
+from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError, Worker
+
+SCRATCH = "CONTACTLAB_SCRATCH"
+
+_lock = Lock()
+_idle: list[Worker] = []
+_busy: dict[str, list[Worker]] = {}
+_stopped: set[str] = set()
+
+Answer = tuple[str, Any, bytes]
+"""How a call ended ("done", "raised", "died", "timed-out", "cancelled"), what it gave, and its files."""
+
+
+def call(pool: str, content: bytes, limit: float | None, folder: Path | None, token: Path | None) -> Answer:
+    """Serve one call of `pool`: `content` is the pickled pair of function and arguments.
+
+    folder  what the call writes, one of its arguments; `token` is a file that whoever shares the caller's disk sees.
+    """
+    function, arguments = pickle.loads(content)
+    if folder is None or (SCRATCH not in os.environ and token is not None and token.exists()):
+        return (*_serve(pool, function, arguments, limit), b"")
+    with TemporaryDirectory(dir=os.environ.get(SCRATCH)) as scratch:
+        here = Path(scratch) / folder.name
+        kind, result = _serve(pool, function, tuple(here if a == folder else a for a in arguments), limit)
+        return kind, result, _packed(here)
+
+
+def _serve(pool: str, function: Callable[..., Any], arguments: tuple[Any, ...], limit: float | None) -> tuple[str, Any]:
+    from distributed import get_worker
+
+    topic, there = topic_of(pool), get_worker()
+    key = there.get_current_task()
+    with _lock:
+        if pool in _stopped:
+            return "cancelled", None
+        worker = _idle.pop() if _idle else Worker()
+        _busy.setdefault(pool, []).append(worker)
+    there.log_event(topic, (key, None))
+    try:
+        return "done", worker.call(function, arguments, lambda message: there.log_event(topic, (key, message)), limit)
+    except RaisedError as error:
+        return "raised", (str(error), error.details)
+    except TimedOutError as error:
+        return "timed-out", (limit, error.result)
+    except ProcessDiedError as error:
+        return "died", str(error)
+    finally:
+        with _lock:
+            _busy[pool].remove(worker)
+            if worker.overtime:
+                worker.close(patience=0.0)
+            elif worker.alive:
+                _idle.append(worker)
+
+
+def topic_of(pool: str) -> str:
+    """Where the calls of a pool report: that they have begun (None), and what they say themselves."""
+    return f"contactlab-{pool}"
+
+
+def stop(pool: str) -> None:
+    """Begin no further call of this pool, and tell those that run to stop in order."""
+    with _lock:
+        _stopped.add(pool)
+        for worker in _busy.get(pool, ()):
+            worker.stop()
+
+
+def kill(pool: str) -> None:
+    """Begin no further call of this pool, and end those that run at once."""
+    with _lock:
+        _stopped.add(pool)
+        for worker in _busy.get(pool, ()):
+            worker.kill()
+
+
+def close() -> None:
+    """End the processes that serve no call."""
+    with _lock:
+        while _idle:
+            _idle.pop().close()
+
+
+def _packed(folder: Path) -> bytes:
+    """The files that a call left, as one archive."""
+    file = io.BytesIO()
+    with tarfile.open(fileobj=file, mode="w:gz", compresslevel=1) as packed:
+        for path in sorted(folder.rglob("*")) if folder.is_dir() else ():
+            if path.is_file():
+                packed.add(path, path.relative_to(folder).as_posix())
+    return file.getvalue()
+
+
+def unpack(files: bytes, folder: Path) -> None:
+    """Write the files that came back into `folder`; none can land outside it."""
+    if not files:
+        return
+    folder.mkdir(parents=True, exist_ok=True)
+    with tarfile.open(fileobj=io.BytesIO(files), mode="r:gz") as packed:
+        packed.extractall(folder, filter="data")

@@ -1,0 +1,108 @@
+"""Everything that is known to ask of a part: unit checks, scenarios with cases, and what a call costs."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any
+
+from contactlab.errors import PartError
+from contactlab.testing.cost import Cost, costs
+from contactlab.testing.run import Outcome, checks_for, run_check
+from contactlab.testing.scenarios import scenarios_for
+from contactlab.testing.subject import Subject
+
+FATAL = {"pieces_keep_their_bounds"}
+"""Checks without which no other is made: compiled code that writes outside its arrays would spoil this process."""
+
+Told = Callable[[Subject, Outcome], None]
+"""Called after each check."""
+
+
+@dataclass(frozen=True)
+class PartReport:
+    """What came out for one part; `tags` are what it declares."""
+
+    kind: str
+    name: str
+    origin: str
+    target: str
+    outcomes: tuple[Outcome, ...]
+    costs: tuple[Cost, ...] = ()
+    tags: dict[str, Any] = field(default_factory=dict)
+    cpu_s: float = 0.0
+
+    def count(self, status: str) -> int:
+        """How many checks ended so."""
+        return sum(outcome.status == status for outcome in self.outcomes)
+
+    @property
+    def right(self) -> bool:
+        """Whether nothing failed."""
+        return not self.count("failed")
+
+
+def check_part(subject: Subject, told: Told | None = None, until_failure: bool = False) -> PartReport:
+    """Every check of one part. With `until_failure` the first that fails ends it."""
+    began, outcomes = time.process_time(), []
+    for outcome in _outcomes(subject):
+        outcomes.append(outcome)
+        if told is not None:
+            told(subject, outcome)
+        if until_failure and outcome.status == "failed":
+            break
+    right = all(outcome.status != "failed" for outcome in outcomes)
+    found = costs(subject) if right and not until_failure else []
+    offer = subject.offer
+    return PartReport(
+        subject.kind, subject.name, str(offer.origin), offer.part.target, tuple(outcomes), tuple(found),
+        _tags(subject), time.process_time() - began,
+    )  # fmt: skip
+
+
+def _outcomes(subject: Subject) -> Iterator[Outcome]:
+    first = run_check(keeps_the_contract, subject)
+    yield first
+    if first.status != "passed":
+        return
+    failed = False
+    fatal = False
+    for check in checks_for(subject.kind):
+        if fatal:
+            says = " ".join((check.__doc__ or "").split())
+            yield Outcome(check.__name__, says, "not applicable", "left out: the part writes outside its arrays")
+            continue
+        outcome = run_check(check, subject.make())
+        fatal = outcome.status == "failed" and check.__name__ in FATAL
+        failed |= outcome.status == "failed"
+        yield outcome
+    for scenario in scenarios_for(subject.kind):
+        if failed:
+            says = " ".join((scenario.__doc__ or "").split())
+            why = "left out: unit checks failed, and whole runs would only say so less clearly"
+            yield Outcome(scenario.__name__, says, "not applicable", why)
+        else:
+            yield run_check(scenario, subject)
+
+
+def keeps_the_contract(subject: Subject) -> None:
+    """It is a class of its kind with all that the contract asks for, and can be made from usual values."""
+    try:
+        subject.part_class  # noqa: B018 - raises where it is none
+        subject.make()
+    except PartError as error:
+        cause = error.__cause__
+        raise AssertionError(cause.problem if isinstance(cause, PartError) else error.problem) from error
+
+
+def _tags(subject: Subject) -> dict[str, Any]:
+    """What the class declares of itself beyond data: its plain class attributes, by name."""
+    from contactlab.parts.declared_values import declared
+
+    try:
+        cls = subject.part_class
+    except PartError:
+        return {}
+    found = {name: getattr(cls, name, None) for name in declared(cls)}
+    return {name: value for name, value in found.items() if isinstance(value, bool | int | str) and value != ""}

@@ -1,0 +1,86 @@
+"""What Newton's method is given of a contact algorithm: derivatives of gaps, slips and forces, against differences."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import ContactMethod, Floats, GapAlgorithm, Ints
+from contactlab.model.contact.contact_pairs import contact_pair, linearised
+from contactlab.testing.assertions import Check, NotApplicable, agree, require
+from contactlab.testing.surfaces import Chains, Rough, curved, flat
+
+STEP = 1e-6  # mm; central differences of gaps then err by 1e-9, of forces of order one by 1e-8
+GAPS, FORCES = 1e-6, 1e-5
+SLIPS = {"quadratic edges": 1e-3}
+"""Of slips, where normals at the start of the step turn as feet move on a parabola: nobody follows that."""
+
+
+class _Trial:
+    """A pair of the algorithm, asked for conditions and forces at positions (N, 2) after a step from others."""
+
+    def __init__(self, algorithm: ContactMethod, at: Chains, friction: bool) -> None:
+        self.friction, self.start, nodes = friction, at.nodes, len(at.nodes)
+        law, free = Rough() if friction else None, np.zeros(len(at.slave.nodes), np.bool_)
+        self.pair = contact_pair("contact", algorithm, (at.slave, at.master), at.nodes, 0, law, free)
+        self.linear = linearised(self.pair, nodes)
+        self.memory = np.zeros((algorithm.memory_size, len(at.slave.nodes)))
+
+    def gaps(self, position: Floats) -> Floats:
+        """Gaps (k,) of all multipliers; what it remembers is left as it was."""
+        self.linear.evaluate(position, self.start, self.memory.copy())
+        return np.array(self.pair.gaps[:, 0])
+
+    def answers(self, position: Floats, chosen: Ints, y: Floats) -> tuple[Floats, Floats, Floats]:
+        """Gaps and slips of the chosen multipliers, and the nodal forces of all where they have forces y (r, k)."""
+        gap = self.gaps(position)[chosen]
+        slip = np.array(self.linear.slip[chosen]) if self.friction else np.zeros(0)
+        normal, tangential = np.zeros_like(position), np.zeros((len(position) if self.friction else 0, 2))
+        self.linear.add_forces(y, normal, tangential)
+        return gap, slip, (normal + tangential if self.friction else normal).ravel()
+
+
+def _positions() -> dict[str, Chains]:
+    """Surfaces that have moved since the last step, so that nothing is flush or symmetric."""
+    found = {"curved": curved(), "quadratic edges": flat(order=2).turned(0.3), "flat": flat().turned(2.0)}
+    draw = np.random.default_rng(4)
+    return {name: at.moved(at.nodes + draw.uniform(-0.004, 0.004, at.nodes.shape)) for name, at in found.items()}
+
+
+def derivatives_are_right(algorithm: ContactMethod) -> None:
+    """Derivatives of gaps, slips and nodal forces are those of the conditions, with friction and without."""
+    if algorithm.explicit_only:
+        raise NotApplicable("the algorithm is for explicit runs alone")
+    if isinstance(algorithm, GapAlgorithm) and type(algorithm).derivatives is GapAlgorithm.derivatives:
+        raise NotApplicable("the algorithm gives none: the core takes differences")
+    for name, at in _positions().items():
+        for friction in (False, True):
+            _against_differences(algorithm, at, friction, f"{name}, {'with' if friction else 'without'} friction")
+
+
+def _against_differences(algorithm: ContactMethod, at: Chains, friction: bool, where: str) -> None:
+    trial, draw = _Trial(algorithm, at, friction), np.random.default_rng(2)
+    position = at.nodes + draw.uniform(-0.003, 0.003, at.nodes.shape)
+    chosen: Ints = np.flatnonzero(np.abs(trial.gaps(position)) < 0.3 * at.spacing).astype(np.int32)
+    require(len(chosen) > 2, f"{where}: only {len(chosen)} conditions between surfaces that touch")
+    y = np.zeros((2 if friction else 1, trial.pair.slots))
+    y[0, chosen] = draw.uniform(1.0, 3.0, len(chosen))
+    if friction:
+        y[1, chosen] = draw.uniform(-1.0, 1.0, len(chosen))
+    move = draw.uniform(-1.0, 1.0, position.shape)
+    trial.gaps(position)
+    given = trial.linear.linearise(chosen, y[0], y[1] if friction else None, trial.memory.copy())
+    high, low = (trial.answers(position + sign * STEP * move, chosen, y) for sign in (1.0, -1.0))
+    gap, slip, force = ((a - b) / (2.0 * STEP) for a, b in zip(high, low, strict=True))
+    told, within = f"{where}, along a random move", SLIPS.get(where.partition(",")[0], GAPS)
+    agree(given.gap @ move.ravel(), gap, GAPS, f"derivatives of gaps against differences ({told})")
+    agree(given.force @ move.ravel(), force, FORCES, f"derivatives of nodal forces against differences ({told})")
+    if friction:
+        agree(
+            given.slip @ move.ravel(),
+            slip,
+            within,
+            f"derivatives of slips against differences ({told})",
+        )
+
+
+CHECKS: tuple[Check, ...] = (derivatives_are_right,)

@@ -1,0 +1,129 @@
+"""What a contact algorithm may do with what it is given: read it, and remember in `memory` alone."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import ContactMethod, ContactView, Floats, GapAlgorithm, Pieces, SurfacePositions
+from contactlab.kernels.contact.search import near_segments
+from contactlab.model.contact.near_list import REACH
+from contactlab.testing.assertions import Check, NotApplicable, identical, require, untouched
+from contactlab.testing.surfaces import Chains, chains, conditions, curved, dense, flat
+
+SURFACE = ("nodes", "segments", "node_segments", "edges", "segment_edge")
+GARBAGE = {np.dtype(np.int32): -7, np.dtype(np.float64): np.nan}
+NOTCH = 0.6  # slope of its sides
+
+
+def view_of(algorithm: ContactMethod, at: Chains, memory: Floats | None = None) -> ContactView:
+    """What the algorithm sees of surfaces, with arrays of its own."""
+    sides = SurfacePositions(at.nodes[at.slave.nodes], at.nodes[at.master.nodes])
+    reach = REACH * at.spacing
+    near = near_segments(sides.slave, at.slave.segments, sides.master, at.master.segments, 2.0 * reach)
+    memory = np.zeros((algorithm.memory_size, len(at.slave.nodes))) if memory is None else memory
+    return ContactView(at.slave, at.master, sides, near, reach, memory)
+
+
+def asked(algorithm: Any, view: ContactView, garbage: bool = False) -> list[Floats]:
+    """The arrays that the algorithm gives for a view, those of the pieces in use."""
+    if isinstance(algorithm, GapAlgorithm):
+        found = algorithm.conditions(view, tangent=True)
+        return [np.array(getattr(found, f.name)) for f in fields(found)]
+    multipliers = len(view.slave.nodes) * algorithm.rows_per_node
+    room = algorithm.capacity(view.slave, view.near) + 4 * len(view.slave.nodes)
+    out = Pieces.allocate(room, algorithm.widths(view.slave, view.master), multipliers)
+    if garbage:
+        for f in fields(out):
+            array = getattr(out, f.name)
+            if f.name != "normal":  # of multipliers without a piece it stays what it was
+                array[...] = GARBAGE[array.dtype]
+    count = algorithm.pieces(view, out)
+    used = [np.array(getattr(out, f.name)[:count]) for f in fields(out) if f.name != "normal"]
+    return [*used, out.normal[np.unique(used[1])]]
+
+
+def inputs_are_only_read(algorithm: ContactMethod) -> None:
+    """Surfaces, positions and candidates belong to the run: they are as they were after every call."""
+    for at in (flat(), curved()):
+        view = view_of(algorithm, at)
+        arrays = {
+            f"{side} {name}": getattr(getattr(view, side), name) for side in ("slave", "master") for name in SURFACE
+        }
+        arrays |= {"positions of the slave": view.at.slave, "positions of the master": view.at.master}
+        with untouched(**arrays, candidates=view.near.master, starts=view.near.start):
+            asked(algorithm, view)
+
+
+def pieces_are_filled(algorithm: ContactMethod) -> None:
+    """All of a piece is written: what was in the room before does not matter."""
+    if isinstance(algorithm, GapAlgorithm):
+        raise NotApplicable("finished gap conditions come in arrays of their own")
+    for at in (flat(), flat(order=2), curved()):
+        clean, dirty = asked(algorithm, view_of(algorithm, at)), asked(algorithm, view_of(algorithm, at), garbage=True)
+        require(len(clean[0]) == len(dirty[0]), "the number of pieces depends on what was in the room before")
+        for one, other in zip(clean, dirty, strict=True):
+            identical(other, one, "pieces in a room that was not empty")
+
+
+def positions_change_in_place(algorithm: ContactMethod) -> None:
+    """Runs move the same arrays on: the answer is that of the positions in them now."""
+    at = curved()
+    moved = at.lifted((0.013, -0.006))
+    view = view_of(algorithm, at)
+    asked(algorithm, view)
+    later = view_of(algorithm, moved)
+    view.at.slave[:], view.at.master[:] = later.at.slave, later.at.master
+    again = view._replace(near=later.near, memory=np.zeros_like(view.memory))
+    for one, other in zip(asked(algorithm, again), asked(algorithm, later), strict=True):
+        identical(one, other, "answers after positions have changed in place")
+
+
+def memory_is_all_it_remembers(algorithm: ContactMethod) -> None:
+    """Taken up from its memory by a new part, it goes on with the same bits; in any order of other calls."""
+    path = [curved().lifted((0.02 * step, -0.004 * step)) for step in range(5)]
+    memory = np.zeros((algorithm.memory_size, len(path[0].slave.nodes)))
+    straight = []
+    for number, at in enumerate(path):
+        if number == 2:
+            saved = memory.copy()
+        straight.append(asked(algorithm, view_of(algorithm, at, memory)))
+    again: Any = pickle.loads(pickle.dumps(algorithm))
+    for at in (flat(), path[4], path[0]):
+        asked(again, view_of(again, at))
+    for number in (2, 3, 4):
+        for one, other in zip(asked(again, view_of(again, path[number], saved)), straight[number], strict=True):
+            identical(one, other, f"answers at position {number} after a restart at position 2")
+    identical(saved, memory, "memory after a restart")
+    require(copy.copy(algorithm) == algorithm, "a copy of the part is not equal to it: it holds more than its fields")
+
+
+def a_notch_is_held_by_both_sides(algorithm: ContactMethod) -> None:
+    """Where a node may carry several conditions, one in a notch of the master is held by both of its sides."""
+    if algorithm.rows_per_node < 2:
+        raise NotApplicable("a node carries one condition")
+    x = np.array([-1.0, 0.0, 1.0])
+    slave = np.stack([0.6 * x, NOTCH * 1.6 * np.abs(0.6 * x) + 1e-4], axis=1)
+    at = chains(slave, np.stack([x, NOTCH * np.abs(x)], axis=1))
+    found = conditions(algorithm, at)
+    m = len(at.slave.nodes)
+    require(len(np.unique(found.owner)) == len(found.owner), "owner: two conditions belong to the same slot")
+    own = np.flatnonzero(found.owner % m == 1)
+    require(len(own) == 2, f"{len(own)} conditions hold a node in a notch, expected one of each side")
+    normal = dense(found, found.normal_weight, len(at.nodes))[own][:, at.slave.nodes].sum(axis=1)
+    sides = np.array([[-NOTCH, 1.0], [NOTCH, 1.0]]) / np.hypot(NOTCH, 1.0)
+    off = min(float(np.abs(normal[order] - sides).max()) for order in ([0, 1], [1, 0]))
+    require(off < 1e-9, f"normals of a node in a notch are {normal.round(4).tolist()}, expected those of both sides")
+
+
+CHECKS: tuple[Check, ...] = (
+    inputs_are_only_read,
+    pieces_are_filled,
+    positions_change_in_place,
+    memory_is_all_it_remembers,
+    a_notch_is_held_by_both_sides,
+)

@@ -1,0 +1,240 @@
+"""What every enforcement for implicit integrators must do: conditions on single springs, solved by Newton's method."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+from typing import NamedTuple
+
+import numpy as np
+
+from contactlab.api import Conditions, Enforcement, Floats, ImplicitEnforcement, Response
+from contactlab.testing.assertions import Check, Expected, NotApplicable, agree, identical, require, tell, untouched
+
+COUNT, MU = 60, 0.3
+STEP = 1e-7  # of gaps and forces of order one: differences of piecewise linear functions, round-off over it is 1e-9
+NEWTON, AUGMENTATIONS = 30, 60
+CLOSED = 1e-9  # mm, of overlaps of order one
+
+
+def some_conditions(count: int = COUNT, friction: bool = True, seed: int = 1) -> tuple[Conditions, Response]:
+    """Conditions of both signs of gap, some absent, with forces of both sides of every bound; room for the response."""
+    rng, rows = np.random.default_rng(seed), 2 if friction else 1
+    present = rng.uniform(size=count) > 0.1
+    force = np.stack([rng.uniform(0.0, 2.0, count), rng.uniform(-1.0, 1.0, count)][:rows])
+    force[:, ~present] = 0.0
+    slots = count if friction else 0
+    bound = np.tile([[MU], [0.2], [2.0]], slots)
+    conditions = Conditions(
+        present, rng.uniform(-1.0, 1.0, count), rng.uniform(-1.0, 1.0, slots), force, force * 0.9,
+        rng.uniform(0.5, 1.5, count), np.ones(count), bound, rng.uniform(0.5, 2.0, count),
+    )  # fmt: skip
+    return conditions, _garbage(rows, count)
+
+
+def _garbage(rows: int, count: int) -> Response:
+    """Room that has to be filled."""
+    out = Response.allocate(rows, count)
+    for array in (out.residual, out.by_force, out.by_gap, out.cross_force, out.cross_gap):
+        array[:] = np.nan
+    out.status[:] = 7
+    return out
+
+
+def _implicit(enforcement: Enforcement) -> ImplicitEnforcement:
+    if not isinstance(enforcement, ImplicitEnforcement):
+        raise NotApplicable("the enforcement is not for implicit integrators")
+    return enforcement
+
+
+def _respond(enforcement: ImplicitEnforcement, conditions: Conditions) -> Response:
+    out = _garbage(*conditions.force.shape)
+    enforcement.respond(conditions, out)
+    return out
+
+
+class Solved(NamedTuple):
+    """Springs after Newton's method: gaps, slips (k,) and forces (r, k), and iterations of the last round."""
+
+    gap: Floats
+    slip: Floats
+    force: Floats
+    iterations: int
+    status: Floats
+
+
+def _solve(enforcement: ImplicitEnforcement, friction: bool, seed: int = 1) -> tuple[Solved, Conditions]:
+    """Every slot is held by a spring of its own: gap = g0 + y_n/k, slip = d0 + y_t/k, from no force at all."""
+    given, _ = some_conditions(friction=friction, seed=seed)
+    free = replace(given, force=np.zeros_like(given.force), anchor=np.zeros_like(given.force))
+    now, iterations = free, 0
+    for _ in range(AUGMENTATIONS if enforcement.augments else 1):
+        now, iterations = _iterated(enforcement, free, now)
+        moved = float(np.abs(now.force - now.anchor).max())
+        now.anchor[:] = now.force
+        if moved < 1e-13:
+            break
+    return Solved(now.gap, now.slip, now.force, iterations, _respond(enforcement, now).status), free
+
+
+def _iterated(enforcement: ImplicitEnforcement, free: Conditions, now: Conditions) -> tuple[Conditions, int]:
+    k, force = free.stiffness, now.force.copy()
+    for iteration in range(NEWTON):
+        gap, slip = free.gap + force[0] / k, free.slip + (force[1] / k if len(force) > 1 else 0.0)
+        now = replace(now, gap=gap, slip=slip, force=force.copy())
+        found = _respond(enforcement, now)
+        require(np.all(np.isfinite(found.residual)), "residual: not filled, or not finite")
+        if float(np.abs(found.residual).max()) < 1e-12:
+            return now, iteration
+        # gaps follow the force of their own slot
+        normal = -found.residual[0] / (found.by_force[0] + found.by_gap[0] / k)
+        force[0] += normal
+        if len(force) > 1:
+            cross = (found.cross_force + found.cross_gap / k) * normal
+            force[1] -= (found.residual[1] + cross) / (found.by_force[1] + found.by_gap[1] / k)
+    left = float(np.abs(found.residual).max())
+    raise AssertionError(
+        f"Newton's method on single springs leaves a residual of {left:.1e} N after {NEWTON} iterations"
+    )
+
+
+def response_is_filled(enforcement: Enforcement) -> None:
+    """Residuals, their derivatives and the status of every slot are written, with friction and without."""
+    part = _implicit(enforcement)
+    for friction in (True, False):
+        conditions, _ = some_conditions(friction=friction)
+        found = _respond(part, conditions)
+        for entry in ("residual", "by_force", "by_gap", "cross_force", "cross_gap"):
+            require(np.all(np.isfinite(getattr(found, entry))), f"{entry}: a slot was left unfilled, or is not finite")
+        require(
+            np.all(np.isin(found.status, (0, 1, 2))),
+            f"status: got {sorted(set(found.status.tolist()))}, allowed 0, 1, 2",
+        )
+
+
+def response_is_linearised(enforcement: Enforcement) -> None:
+    """`by_force`, `by_gap`, `cross_force` and `cross_gap` are the derivatives of the residuals."""
+    part = _implicit(enforcement)
+    for seed in range(3):
+        conditions, _ = some_conditions(seed=seed)
+        found, expected = _respond(part, conditions), {}
+        for name, row in (("force", 0), ("force", 1), ("gap", 0), ("slip", 0)):
+            expected[name, row] = _differences(part, conditions, name, row)
+        _agree_where_smooth(found.by_force[0], expected["force", 0], 0, "by_force of normal rows")
+        _agree_where_smooth(found.by_force[1], expected["force", 1], 1, "by_force of tangential rows")
+        _agree_where_smooth(found.by_gap[0], expected["gap", 0], 0, "by_gap of normal rows")
+        _agree_where_smooth(found.by_gap[1], expected["slip", 0], 1, "by_gap of tangential rows")
+        _agree_where_smooth(found.cross_force, expected["force", 0], 1, "cross_force")
+        _agree_where_smooth(found.cross_gap, expected["gap", 0], 1, "cross_gap")
+
+
+def _differences(part: ImplicitEnforcement, conditions: Conditions, name: str, row: int) -> tuple[Floats, Floats]:
+    """Forward and backward differences (2, k) of both residuals by a change of every slot."""
+    middle, found = _respond(part, conditions).residual, []
+    for sign in (1.0, -1.0):
+        moved = np.array(getattr(conditions, name))
+        moved[(row,) if name == "force" else ()] += sign * STEP
+        found.append(sign * (_respond(part, replace(conditions, **{name: moved})).residual - middle) / STEP)
+    return found[0], found[1]
+
+
+def _agree_where_smooth(got: Floats, expected: tuple[Floats, Floats], row: int, what: str) -> None:
+    forward, backward = expected[0][row], expected[1][row]
+    smooth = np.abs(forward - backward) < 1e-6
+    require(int(smooth.sum()) > COUNT // 2, f"{what}: the residual jumps or bends at most slots")
+    agree(got[smooth], forward[smooth], 1e-6, f"{what} against differences of the residual")
+
+
+def closed_gaps_bear_forces(enforcement: Enforcement) -> None:
+    """Overlaps of springs are pressed away by forces that push; what is open, or not there, has no force."""
+    part = _implicit(enforcement)
+    done, free = _solve(part, friction=False)
+    overlapping = free.present & (free.gap < 0.0)
+    require(np.all(done.force[0] >= -1e-12), f"a condition pulls with {-done.force[0].min():.1e} N")
+    require(np.all(done.force[0][overlapping] > 0.0), "an overlap has no force")
+    agree(done.force[0][~overlapping], 0.0 * done.force[0][~overlapping], 1e-12, "force where it is open or not there")
+    full = -free.gap * free.stiffness
+    require(
+        np.all(done.force[0][overlapping] <= full[overlapping] * (1.0 + 1e-9)), "a force opens what it should close"
+    )
+    require(np.all(done.status[overlapping] > 0), "status: a closed condition is told as open")
+    require(np.all(done.status[~overlapping] == 0), "status: an open condition is told as closed")
+
+
+def exactness_is_declared(enforcement: Enforcement) -> None:
+    """Closed gaps are zero if the part says that it is `exact`; springs leave an overlap."""
+    part = _implicit(enforcement)
+    done, free = _solve(part, friction=False)
+    closed = done.force[0] > 0.0
+    left = float(np.abs(done.gap[closed]).max())
+    if part.exact:
+        require(left <= CLOSED, f"a closed gap of {left:.1e} is left, allowed {CLOSED:.0e}: exact is True")
+    elif left <= CLOSED:
+        tell("closed gaps are zero; declare exact = True")
+    else:
+        worst = float(np.abs(free.gap[closed]).max())
+        require(left < 0.1 * worst, f"an overlap of {left:.1e} is left of one of {worst:.1e}: that is hardly contact")
+        raise Expected(f"a closed gap of {left:.1e} is left; exact is False")
+
+
+def friction_keeps_its_bound(enforcement: Enforcement) -> None:
+    """Tangential forces stay within the bound; what sticks does not slip, and what slips rubs against its motion."""
+    part = _implicit(enforcement)
+    done, free = _solve(part, friction=True)
+    normal, rub = done.force
+    adhesion = np.minimum(0.2 * free.measure, 2.0 * normal)
+    limit = np.where(free.present, MU * normal + adhesion, 0.0)
+    over = float((np.abs(rub) - limit).max())
+    require(over <= 1e-9, f"a tangential force exceeds its bound by {over:.1e} N")
+    sliding = (np.abs(rub) >= limit - 1e-9) & (limit > 0.0)
+    sticking = (limit > 0.0) & ~sliding
+    require(bool(sliding.any()) and bool(sticking.any()), "no slot sticks, or none slips, where both should")
+    require(np.all((rub * done.slip)[sliding] <= 1e-9), "a sliding condition is pushed along its slip")
+    slip = float(np.abs(done.slip[sticking]).max())
+    allowed = CLOSED if part.exact else 0.1
+    require(slip <= allowed, f"what sticks slips by {slip:.1e} mm, allowed {allowed:.0e}")
+    require(np.all(done.status[sticking] == 1), "status: a sticking condition is not told as 1")
+    require(np.all(done.status[sliding] == 2), "status: a sliding condition is not told as 2")
+
+
+def few_iterations(enforcement: Enforcement) -> None:
+    """Newton's method on single springs, which are piecewise linear, needs a handful of iterations."""
+    part = _implicit(enforcement)
+    for seed in range(3):
+        done, _ = _solve(part, friction=True, seed=seed)
+        # each piece is linear: open or closed, then stick or slip, and a sign that turns
+        require(done.iterations <= 6, f"{done.iterations} iterations on springs that are piecewise linear, allowed 6")
+
+
+def slots_know_nothing_of_each_other(enforcement: Enforcement) -> None:
+    """Slots in another order get the same answers in that order, to the last bit."""
+    part = _implicit(enforcement)
+    conditions, _ = some_conditions()
+    order = np.random.default_rng(3).permutation(COUNT)
+    mixed = replace(conditions, **{f.name: getattr(conditions, f.name)[..., order].copy() for f in fields(conditions)})
+    one, other = _respond(part, conditions), _respond(part, mixed)
+    for f in fields(Response):
+        identical(getattr(other, f.name), getattr(one, f.name)[..., order], f"{f.name} in another order")
+
+
+def conditions_are_untouched(enforcement: Enforcement) -> None:
+    """Conditions are only read, and the response does not depend on what was asked before."""
+    part = _implicit(enforcement)
+    conditions, _ = some_conditions()
+    with untouched(**{f.name: getattr(conditions, f.name) for f in fields(conditions)}):
+        first = _respond(part, conditions)
+    _respond(part, some_conditions(seed=5)[0])
+    second = _respond(part, conditions)
+    for f in fields(Response):
+        identical(getattr(second, f.name), getattr(first, f.name), f"{f.name} after another call")
+
+
+CHECKS: tuple[Check, ...] = (
+    response_is_filled,
+    response_is_linearised,
+    closed_gaps_bear_forces,
+    exactness_is_declared,
+    friction_keeps_its_bound,
+    few_iterations,
+    slots_know_nothing_of_each_other,
+    conditions_are_untouched,
+)

@@ -1,0 +1,88 @@
+"""Which parts `contactlab check` is asked for: by name, in a file or folder, or of an installed distribution."""
+
+from __future__ import annotations
+
+import sys
+import tomllib
+from collections.abc import Mapping, Sequence
+from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any
+
+from contactlab.api.part import KINDS
+from contactlab.errors import PartError, RequestError, did_you_mean
+from contactlab.parts.loading import GROUP, installed
+from contactlab.parts.registry import Offer, Registry, default_registry
+from contactlab.testing.subject import Subject
+
+
+def subjects(
+    target: str, kind: str = "", files: Sequence[str] = (), given: Mapping[str, Any] | None = None
+) -> list[Subject]:
+    """The parts that `target` means, of one kind alone if one is given. Raises RequestError where there is none."""
+    if kind and kind not in KINDS:
+        hint = did_you_mean(kind, KINDS)
+        raise RequestError("there is no such kind", where="--kind", got=kind, allowed=", ".join(KINDS), hint=hint)
+    registry, offers = _offers(target, files)
+    meant = [offer for offer in offers if not kind or offer.part.kind == kind]
+    if not meant:
+        raise _nothing(target, kind, registry, offers)
+    return [Subject(registry, offer.part.kind, offer.part.name, dict(given or {})) for offer in meant]
+
+
+def _offers(target: str, files: Sequence[str]) -> tuple[Registry, list[Offer]]:
+    """The registry, and what of it is meant."""
+    path = Path(target)
+    if path.suffix == ".py" or path.is_file():
+        registry = Registry(files=[*files, path])
+        return registry, [o for o in registry.parts() if o.origin.distribution == str(path.resolve())]
+    if path.is_dir() and not _named(target, default_registry()):
+        return _of_folder(path, files)
+    registry = Registry(files=files) if files else default_registry()
+    return registry, _named(target, registry)
+
+
+def _named(target: str, registry: Registry) -> list[Offer]:
+    """Parts of this name, or of the distribution of this name."""
+    offers = registry.parts()
+    return [o for o in offers if o.part.name == target] or [o for o in offers if o.origin.distribution == target]
+
+
+def _of_folder(folder: Path, files: Sequence[str]) -> tuple[Registry, list[Offer]]:
+    """Parts of a package that need not be installed, or of all files with hooks in a plain folder."""
+    project = folder / "pyproject.toml"
+    if not project.is_file():
+        own = [str(p.resolve()) for p in sorted(folder.glob("*.py")) if "hookimpl" in p.read_text(encoding="utf-8")]
+        registry = Registry(files=[*files, *own])
+        return registry, [o for o in registry.parts() if o.origin.distribution in own]
+    table = tomllib.loads(project.read_text(encoding="utf-8")).get("project", {})
+    name, points = str(table.get("name", folder.name)), table.get("entry-points", {}).get(GROUP, {})
+    if not points:
+        raise PartError(
+            "the package has no entry point for contactlab",
+            where=str(project),
+            allowed=f"[project.entry-points.{GROUP}]",
+        )
+    known = [point for point in installed() if point.dist is None or point.dist.name != name]
+    if len(known) == len(installed()):
+        sys.path[:0] = [str(p.resolve()) for p in (folder / "src", folder) if p.is_dir()]
+        known += [EntryPoint(plugin, module, GROUP) for plugin, module in points.items()]
+    else:
+        known = installed()
+    registry = Registry(known, files)
+    return registry, [o for o in registry.parts() if o.origin.plugin in points]
+
+
+def _nothing(target: str, kind: str, registry: Registry, offers: Sequence[Offer]) -> RequestError:
+    if offers:
+        found = ", ".join(f"{o.part.kind} {o.part.name}" for o in offers)
+        return RequestError("there is no part of this kind in it", where=target, got=kind, allowed=found)
+    broken = [b for b in registry.broken() if b.origin.distribution in (target, str(Path(target).resolve()))]
+    if broken:
+        return PartError("; ".join(b.reason for b in broken), where=target)
+    names = sorted({o.part.name for o in registry.parts()} | {o.origin.distribution for o in registry.parts()})
+    return RequestError(
+        "no part, file, folder or distribution of this name", where="contactlab check", got=target,
+        allowed="the name of a part (contactlab parts), a Python file, a folder, or an installed distribution",
+        hint=did_you_mean(target, names),
+    )  # fmt: skip

@@ -1,0 +1,131 @@
+"""Cases that prove what a part promises, asked for in the registry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from contactlab.api import Case, Setup
+from contactlab.cases.run_case import evaluated, run_case
+from contactlab.cases.verdict import Finding, allowed, judge
+from contactlab.errors import RequestError
+from contactlab.parts.registry import Registry
+from contactlab.testing.assertions import Expected, NotApplicable
+from contactlab.testing.subject import Subject
+
+PACKAGE = "contactlab-cases"
+ENERGY = "rise of energy"
+"""What measures of energy that contact makes have in their name."""
+WORK = 5000.0
+"""Steps and iterations of a run that sets no limit."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """A case with some of its fields; `element` counts among those of the case, `swap` exchanges the slave."""
+
+    case: str
+    fields: Mapping[str, Any] = field(default_factory=dict)
+    swap: bool = False
+    element: int = 0
+
+    @property
+    def label(self) -> str:
+        """The question in a few words."""
+        words = [f"{name} {value:g}" for name, value in self.fields.items()]
+        words += ["slave exchanged"] if self.swap else []
+        words += ["quadratic edges"] if self.element else []
+        return " ".join([self.case, f"({', '.join(words)})" if words else ""]).strip()
+
+
+def answer(subject: Subject, question: Question) -> None:
+    """Put the case to the part; what it misses by what it declares is expected. Raises as a check does."""
+    found = found_of(subject, question)
+    if found.verdict in ("met", "ill-posed"):
+        return
+    if found.verdict == "not-applicable":
+        raise NotApplicable(found.reason)
+    said = f"{question.label}: {_told(found)}"
+    why = _excuse(subject, question, found)
+    if why:
+        raise Expected(f"{said}; {why}")
+    raise AssertionError(said)
+
+
+def found_of(subject: Subject, question: Question) -> Finding:
+    """The verdict of the case. Raises NotApplicable where it is not installed."""
+    case = _case(subject.registry, question)
+    setup = _setup(subject, case, question)
+    why = case.applies(setup)
+    if why:
+        raise NotApplicable(why)
+    _, done = run_case(case, setup, subject.registry, work=WORK)
+    return judge(case, setup, done, evaluated(case, setup, done))
+
+
+def _case(registry: Registry, question: Question) -> Case:
+    try:
+        case: Case = registry.make("case", {"use": question.case, **question.fields})
+    except RequestError as error:
+        raise NotApplicable(f"the case {question.case} is not installed: pip install {PACKAGE}") from error
+    return case
+
+
+def _setup(subject: Subject, case: Case, question: Question) -> Setup:
+    """The part in its place, usual parts of the case elsewhere."""
+    element: Any = case.elements[min(question.element, len(case.elements) - 1)]
+    if question.element:
+        element = _quadratic(subject.registry, case)
+    integrator: Any = case.integrators[0]
+    if subject.kind == "contact":
+        return Setup(subject.spec, question.swap, element, integrator)
+    algorithm = usual_algorithm(subject.registry)
+    if subject.kind == "element":
+        return Setup(algorithm, question.swap, subject.spec, integrator)
+    return Setup(algorithm, question.swap, element, subject.spec)
+
+
+def _quadratic(registry: Registry, case: Case) -> Any:
+    """The first element of the case with three nodes to a side."""
+    for element in case.elements:
+        if registry.make("element", element).degree > 1:
+            return element
+    raise NotApplicable("the case has no element with quadratic edges")
+
+
+def usual_algorithm(registry: Registry) -> str:
+    """An installed contact algorithm that passes the patch test."""
+    for name in registry.names("contact"):
+        if registry.part_class("contact", name).passes_patch_test:
+            return name
+    raise NotApplicable("no contact algorithm that passes the patch test is installed")
+
+
+def _told(found: Finding) -> str:
+    """What was missed: numbers with what is allowed and why, or how the run ended."""
+    bad = [j for j in found.judged if j.verdict not in ("met", "not-applicable") and j.value == j.value]
+    if not bad:
+        return f"the run ended as {found.status}: {found.reason}"
+    lines: Iterator[str] = (
+        f"{j.measure.name} is {j.value:.3g} {j.measure.unit}".strip()
+        + f", allowed {allowed(j.measure)}: {j.measure.why}"
+        for j in bad[:2]
+    )
+    return "; ".join(lines)
+
+
+def _excuse(subject: Subject, question: Question, found: Finding) -> str:
+    """What the part declares that lets it miss this case; empty where it has no excuse."""
+    if subject.kind != "contact":
+        return ""
+    cls = subject.part_class
+    missed = [j.measure.name for j in found.judged if j.verdict != "met" and j.measure.role != "reported"]
+    by_energy_alone = bool(missed) and all(ENERGY in name for name in missed)
+    if not cls.keeps_energy and found.status == "finished" and by_energy_alone:
+        return "keeps_energy is False"
+    if not cls.passes_patch_test and question.case == "patch":
+        return "passes_patch_test is False"
+    if not cls.passes_patch_test and question.element:
+        return "passes_patch_test is False, and quadratic edges take it far"
+    return ""

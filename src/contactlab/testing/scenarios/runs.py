@@ -1,0 +1,155 @@
+"""Small runs with the part under check in its place: an arc pushed on a block, explicitly and in statics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from contactlab.api import ExplicitEnforcement, ExplicitIntegrator, Floats
+from contactlab.errors import PartError, SceneError
+from contactlab.model.build import build
+from contactlab.parts.registry import Registry
+from contactlab.results.results import Results
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, load_scene
+from contactlab.testing.assertions import NotApplicable, require
+from contactlab.testing.subject import Subject
+
+Mode = Literal["explicit", "statics"]
+FILES: Mapping[Mode, str] = {"explicit": "pressed.toml", "statics": "pressed-in-statics.toml"}
+CELL, STEP, END = 0.2, 4e-8, 4e-6  # mm and s, of the scene
+STEPS = 100  # of the explicit run
+COURANT = 0.4  # of its steps, by the dilatational speed
+TOP = "upper.top"
+LONGER = 5  # times as many steps as the scene wishes
+
+
+def modes_of(subject: Subject) -> tuple[Mode, ...]:
+    """In which runs the part can stand."""
+    cls = subject.part_class
+    if subject.kind == "integrator":
+        return ("explicit",) if issubclass(cls, ExplicitIntegrator) else ("statics",)
+    if subject.kind == "enforcement":
+        return ("explicit",) if issubclass(cls, ExplicitEnforcement) else ("statics",)
+    if subject.kind == "contact" and cls.explicit_only:
+        return ("explicit",)
+    if subject.kind == "effect" and not _stands_in_statics(subject):
+        return ("explicit",)
+    return ("explicit", "statics")
+
+
+def _stands_in_statics(subject: Subject) -> bool:
+    """Whether an effect says at once that it has no place in statics."""
+    if "statics" not in subject.results:
+        scene = pressed(subject, "statics")
+        try:
+            build(scene, scene.registry)
+        except SceneError as error:  # what the effect refuses by a ValueError; what it raises else has failed
+            subject.results["statics"] = error
+            return False
+        subject.results["statics"] = simulate(scene)
+    return not isinstance(subject.results["statics"], SceneError)
+
+
+def pressed(subject: Subject, mode: Mode, changes: Mapping[str, Any] | None = None) -> Scene:
+    """The scene with the part in its place. Raises NotApplicable where other parts of it are not installed."""
+    path = Path(str(files("contactlab") / "data" / "checks" / FILES[mode]))
+    try:
+        scene = load_scene(path, subject.registry)
+    except PartError as error:
+        raise NotApplicable(f"the scene needs parts that are not installed: {error.problem} ({error.got})") from error
+    return scene.with_({**_placed(subject, mode), **(changes or {})})
+
+
+def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:
+    """Where the part stands in the scene."""
+    spec = subject.spec
+    match subject.kind:
+        case "contact":
+            return {"contacts.0.algorithm": spec}
+        case "friction" | "enforcement":
+            return {f"contacts.0.{subject.kind}": spec}
+        case "element":
+            timed = {"time.step": STEP / subject.part_class.degree**2} if mode == "explicit" else {}
+            return {"bodies.upper.element": spec, "bodies.lower.element": spec, **timed}
+        case "material":
+            return {"materials.soft": spec, **_timed(subject, mode)}
+        case "integrator":
+            return {"integrator": spec, **_dynamic(subject)}
+        case "effect":
+            return {"effects": [spec]}
+        case "recorder":
+            return {"record.recorders": [spec], "record.frames": 4}
+    raise NotApplicable(f"a part of kind {subject.kind} has no place in this scene")
+
+
+def _timed(subject: Subject, mode: Mode) -> dict[str, Any]:
+    """Steps by the law's own speed, so that the push is as fast against it as against any other."""
+    if mode == "statics":
+        return {}
+    step = COURANT * CELL / subject.make().wave_speeds()[0]
+    return {"time.step": step, "time.end": STEPS * step}
+
+
+def _dynamic(subject: Subject) -> dict[str, Any]:
+    """Integrators with inertia take the time of the explicit scene, in steps of their own."""
+    cls = subject.part_class
+    if issubclass(cls, ExplicitIntegrator) or not cls.inertia:
+        return {}
+    return {"time.end": END, "time.step": LONGER * STEP}
+
+
+def run(subject: Subject, scene: Scene, what: str, registry: Registry | None = None) -> Results:
+    """The results of a scene, run once for each `what`; a run that does not finish has failed the check."""
+    if what not in subject.results:
+        subject.results[what] = simulate(scene, registry=registry)
+    results: Results = subject.results[what]
+    require(results.status == "finished", f"{what}: the run ended as {results.status}: {results.reason}")
+    return results
+
+
+def plain(subject: Subject, mode: Mode) -> Results:
+    """The run without any changes."""
+    return run(subject, pressed(subject, mode), mode)
+
+
+@dataclass(frozen=True)
+class Answers:
+    """What a run answers, whatever the numbering: the force at the top (2,), and pressures and shears (m,)."""
+
+    reaction: Floats
+    pressure: Floats
+    shear: Floats
+
+    @classmethod
+    def of(cls, results: Results) -> Answers:
+        """Of the end of a run."""
+        curve = results.contact["contacts.0"].last
+        return cls(np.array(results.summary["reactions"][TOP]), curve.pressure, curve.shear)
+
+    def turned(self, by: Floats) -> Answers:
+        """In a frame that is turned by a matrix (2, 2)."""
+        return Answers(by @ self.reaction, self.pressure, self.shear)
+
+    def in_units(self, stress: float) -> Answers:
+        """With stresses in a unit so many times larger, and lengths in one that keeps force per thickness."""
+        return Answers(self.reaction, self.pressure * stress, self.shear * stress)
+
+
+def same(found: Answers, wanted: Answers, within: float, what: str) -> None:
+    """Raise AssertionError where answers differ by more than `within` of the largest."""
+    for name, unit in (("reaction", "N/mm"), ("pressure", "MPa"), ("shear", "MPa")):
+        one, other = getattr(found, name), getattr(wanted, name)
+        require(one.shape == other.shape, f"{what}: {len(one)} values of the {name} in place of {len(other)}")
+        # shears are bounded by friction: what is small beside the pressure has its round-off
+        scale = float(np.abs(wanted.pressure if name == "shear" else other).max(initial=0.0))
+        off = float(np.abs(one - other).max(initial=0.0))
+        require(
+            off <= within * scale,
+            f"{what}: the {name} differs by {off:.2e} {unit}, allowed {within:.0e} of {scale:.4g} {unit}",
+        )

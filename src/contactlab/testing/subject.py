@@ -1,0 +1,44 @@
+"""What is checked: a part of a registry, with values for its fields."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from contactlab.parts.registry import Offer, Registry
+from contactlab.testing.examples import example_spec
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """A part under check.
+
+    fields   of the part, as a scene writes them; usual values stand in for those without a default
+    results  of runs that several checks look at, by what was run
+    """
+
+    registry: Registry
+    kind: str
+    name: str
+    given: Mapping[str, Any] = field(default_factory=dict)
+    results: dict[str, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def spec(self) -> dict[str, Any]:
+        """The part as a scene names it. Raises NotApplicable naming a field that nobody gives."""
+        return example_spec(self.registry, self.kind, self.name, self.given)
+
+    @property
+    def offer(self) -> Offer:
+        """The part and the plugin that it comes from."""
+        return self.registry.offer(self.kind, self.name)
+
+    @property
+    def part_class(self) -> type[Any]:
+        """Its class. Raises PartError where it cannot be imported or breaks the contract."""
+        return self.registry.part_class(self.kind, self.name)
+
+    def make(self) -> Any:
+        """A new instance. Raises PartError or SceneError."""
+        return self.registry.make(self.kind, self.spec)

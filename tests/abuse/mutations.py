@@ -1,0 +1,261 @@
+# ruff: noqa: E501 - pieces of sources are as long as they are there
+"""The defects: what is exchanged for what, in which shipped part."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Mutation(NamedTuple):
+    """`old`, as it first stands in the source, becomes `new`; `file` is the module of it where not the part's own."""
+
+    kind: str
+    part: str
+    says: str
+    old: str
+    new: str
+    file: str = ""
+
+
+M = Mutation
+
+_PIECES = (
+    'return int(late("contactlab_mortar.segments").mortar_pieces(address, view.reach, DEPTH, self.linear, vertices))'
+)
+_COUNT = _PIECES.replace("return", "count =")
+
+
+def _pieces(part: str, says: str, *lines: str) -> Mutation:
+    """A mortar whose pieces are spoilt after they are made."""
+    body = "\n        ".join([_COUNT, *lines, "return count"])
+    return M("contact", part, says, _PIECES, body)
+
+
+CONTACT = (
+    _pieces("mortar-p1", "master weights 1 % too large", "out.M[:count] *= 1.01"),
+    _pieces("mortar-p1", "normals turned round", "out.normal *= -1.0"),
+    _pieces("mortar-p1", "the last piece is lost", "count -= 1"),
+    _pieces("mortar-p0", "slave nodes of a piece exchanged", "out.slave[:count] = out.slave[:count, ::-1].copy()"),
+    _pieces("mortar-p0", "T scaled, so that pressures are wrong and forces right", "out.T[:count] *= 2.0"),
+    _pieces("mortar-p1", "D without its last column", "out.D[:count, :, -1] = 0.0"),
+    _pieces("mortar-p1", "normals of length 1.001", "out.normal *= 1.001"),
+    _pieces("mortar-p0", "every second step with old weights",
+            "out.M[:count] = self.__dict__.setdefault('seen', {}).setdefault(count, out.M[:count].copy())"),
+    _pieces("mortar-p1", "positions of the slave are moved a little", "view.at.slave[:, 0] += 1e-9"),
+    M("contact", "mortar-p1", "no derivatives, and says they are given",
+      '        """Derivatives of overlaps, integrals and normals."""\n',
+      '        """None."""\n        out.count = out.normal_count = 0\n        return True\n'),
+    M("contact", "mortar-p0", "derivatives of normals forgotten", "        if not smooth:\n",
+      "        out.normal_count = 0\n        if not smooth:\n"),
+    M("contact", "node-on-segment", "says that it passes the patch test",
+      "passes_patch_test: ClassVar[bool] = False", "passes_patch_test: ClassVar[bool] = True"),
+    M("contact", "mortar-p1", "says that it makes no energy",
+      "    passes_patch_test: ClassVar[bool] = True\n",
+      "    passes_patch_test: ClassVar[bool] = True\n    keeps_energy: ClassVar[bool] = True\n"),
+    M("contact", "node-on-segment", "remembers beside its memory", "        address = _BOUND.of(out, _bound, view).address\n",
+      "        own = self.__dict__.setdefault('own', {}).setdefault(view.memory.shape, view.memory.copy())\n"
+      "        address = _BOUND.of(out, _bound, view._replace(memory=own)).address\n"),
+    M("contact", "node-on-segment", "normals at the start of a step are those of its end",
+      "        out[:] = pieces.normal\n        out[pieces.multiplier[:count, 0][usable]] = normal",
+      "        out[:] = pieces.normal"),
+    M("contact", "node-on-segment", "room for half the pieces", "return 2 * len(slave.nodes)", "return len(slave.nodes) // 2"),
+)  # fmt: skip
+
+MATERIAL = (
+    M("material", "linear-elastic", "tangent with twice the shear", "tangent[3, 1] = tangent[3, 2] = shear",
+      "tangent[3, 1] = tangent[3, 2] = 2.0 * shear"),
+    M("material", "linear-elastic", "tangent without the row across the plane", "tangent[:3, 0]", "tangent[:2, 0]"),
+    M("material", "linear-elastic", "energy without shear", "shear * (xx**2 + yy**2 + 2.0 * xy**2)",
+      "shear * (xx**2 + yy**2)"),
+    M("material", "neo-hookean", "says a wave speed of shear that is too small", "return elastic_wave_speeds(self.young",
+      "return elastic_wave_speeds(0.5 * self.young"),
+    M("material", "neo-hookean", "stiffening forgets tension", "+ tension\n", "+ 0.0 * tension\n"),
+    M("material", "neo-hookean", "stress of the transposed gradient", "neo_hookean(gradient, stress,",
+      "neo_hookean(gradient[[0, 2, 1, 3]], stress,"),
+    M("material", "neo-hookean", "energy per undeformed volume", "kernels.neo_hookean_energy(gradient, energy, *lame_constants(self.young, self.poisson))",
+      "kernels.neo_hookean_energy(gradient, energy, *lame_constants(self.young, self.poisson))\n"
+      "        energy /= gradient[0] * gradient[3] - gradient[1] * gradient[2]"),
+    M("material", "neo-hookean", "ignores Poisson's ratio", "*lame_constants(self.young, self.poisson))\n\n    def tangent",
+      "*lame_constants(self.young, 0.3))\n\n    def tangent"),
+    M("material", "hypoelastic", "history of the last step is lost", "            new_history[:] = history",
+      "            new_history[:] = 0.0"),
+    M("material", "hypoelastic", "stiffening forgets that stresses turn", "+ 2.0 * radius) / shear", "- 2.0 * mean) / shear"),
+    M("material", "linear-hardening", "dissipation with half the yield stress", "self.yield_stress + 0.5 * self.hardening * plastic",
+      "0.5 * self.yield_stress + 0.5 * self.hardening * plastic"),
+    M("material", "linear-hardening", "tangent as if it did not harden", "np.full_like(step, self.hardening)",
+      "np.full_like(step, 0.0)"),
+    M("material", "linear-hardening", "says that it has another history", '    history_size: ClassVar[int] = 4\n',
+      '    history_size: ClassVar[int] = 3\n'),
+    M("material", "linear-hardening", "yields from the state before the last", "step = ended[j2.PLASTIC] - history[j2.PLASTIC]",
+      "step = 0.5 * (ended[j2.PLASTIC] - history[j2.PLASTIC])"),
+    M("material", "linear-elastic", "says nothing of its rate: stress grows with the step", "linear_elastic(gradient, stress,",
+      "linear_elastic(gradient * (1.0 + dt), stress,"),
+)  # fmt: skip
+
+ELEMENT = (
+    M("element", "q2", "a mid-side function with half its height", "value[:, k] = 0.5 * (1.0 - xi**2) * (1.0 + b)",
+      "value[:, k] = 0.25 * (1.0 - xi**2) * (1.0 + b)"),
+    M("element", "q2", "a derivative of the wrong sign", "k, 0] = -xi * (1.0 + b)", "k, 0] = xi * (1.0 + b)"),
+    M("element", "q2", "row sums, which give corners no mass", '= "hrz"', '= "row-sum"'),
+    M("element", "q2", "says that it is cubic", "degree: ClassVar[int] = 2", "degree: ClassVar[int] = 3"),
+    M("element", "q2", "trace ordered start, middle, end", "order = [0, 2, 1]", "order = [0, 1, 2]", "quadratic"),
+    M("element", "q2", "sides listed clockwise", "EDGES: Final = ((0, 1, 4),", "EDGES: Final = ((1, 0, 4),", "quadratic"),
+    M("element", "q2", "two points in each direction", "leggauss(3)", "leggauss(2)", "quadratic"),
+    M("element", "q1", "points in the corners", "Quadrature(_G * self.nodes", "Quadrature(0.9 * self.nodes"),
+    M("element", "q1", "weights that sum to 2", "np.ones(4)", "0.5 * np.ones(4)"),
+    M("element", "q1", "nodes numbered from another corner", "[[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]]",
+      "[[1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0]]"),
+    M("element", "q1", "trace against the side", "0.5 * (1.0 - s), 0.5 * (1.0 + s)", "0.5 * (1.0 + s), 0.5 * (1.0 - s)"),
+    M("element", "q1-reduced", "without hourglass stiffness", "return BlockKernels(kernels.gradient, kernels.force, stabilise)",
+      "return BlockKernels(kernels.gradient, kernels.force)"),
+    M("element", "q1-reduced", "hourglass forces that push", "factor * shear, force", "-factor * shear, force"),
+)  # fmt: skip
+
+MESH = (
+    M("mesh", "rectangle", "one column too few", "along_x = axis(self.x, self.cells[0], self.grading[0], level)",
+      "along_x = axis(self.x, self.cells[0], self.grading[0], 1)"),
+    M("mesh", "rectangle", "x and y exchanged", "(along_x(s), along_y(t))", "(along_y(t), along_x(s))"),
+    M("mesh", "rectangle", "mirrored", "lambda s, t: (along_x(s), along_y(t))", "lambda s, t: (-along_x(s), along_y(t))"),
+    M("mesh", "arc-block", "cells below the arc", "low + rows(t) * (self.top - low)", "low - rows(t) * (self.top - low)"),
+    M("mesh", "arc-block", "counts of level 1 at every level", "rows = axis((0.0, 1.0), self.cells[1], self.grading[1], level)",
+      "rows = axis((0.0, 1.0), self.cells[1], self.grading[1], 1)"),
+    M("mesh", "arc-block", "edge sets without a name", '{"bottom": "arc", "right": "right", "top": "top", "left": "left"}', "{}"),
+    M("mesh", "arc-block", "depends on the calls before",
+      "        mesh = structured(element, (columns.cells, rows.cells), place)\n        return renamed(",
+      "        mesh = structured(element, (columns.cells, rows.cells), place)\n"
+      "        mesh.nodes[:] += self.__dict__.setdefault('calls', [0.0])[0]\n        self.__dict__['calls'][0] += 1e-9\n"
+      "        return renamed("),
+    M("mesh", "quad-block", "corners in another order", "a, b, c, d = (np", "b, a, c, d = (np"),
+    M("mesh", "quad-block", "a corner counted twice", "x = rows + columns - corners", "x = rows + columns - 1.5 * corners"),
+    M("mesh", "ring", "not closed where it should be", "return welded([renamed(mesh, {\"inner\": \"inner\", \"outer\": \"outer\"})])",
+      "return renamed(mesh, {\"inner\": \"inner\", \"outer\": \"outer\"})"),
+    M("mesh", "ring", "inside out", "return radius * np.cos(angle), radius * np.sin(angle)",
+      "return radius * np.sin(angle), radius * np.cos(angle)"),
+    M("mesh", "disc", "quarters that do not meet", "return CORE * self.radius * np.array([math.cos(angle), math.sin(angle)])",
+      "return CORE * self.radius * np.array([math.cos(angle), math.sin(angle + 1e-3 * number)])"),
+    M("mesh", "disc", "no cells in the middle", "mesh = welded([core, *quarters])", "mesh = welded(quarters)"),
+)  # fmt: skip
+
+FRICTION = (
+    M("friction", "coulomb", "ignores mu", "coefficient=self.mu", "coefficient=0.2"),
+    M("friction", "coulomb", "mu of the wrong sign", "coefficient=self.mu", "coefficient=-self.mu"),
+    M("friction", "coulomb", "never rubs", "coefficient=self.mu", "coefficient=0.0"),
+    M("friction", "coulomb", "a bound that falls with pressure", "adhesion=0.0, cap=0.0", "adhesion=100.0, cap=-1.0"),
+    M("friction", "coulomb", "mu becomes an adhesion without a number", "adhesion=0.0", "adhesion=float('nan')"),
+    M("friction", "coulomb", "another mu in every call", "return FrictionBound(coefficient=self.mu",
+      "self.__dict__['mu'] *= 1.01\n        return FrictionBound(coefficient=self.mu"),
+    M("friction", "coulomb", "gives three numbers, not a bound", "return FrictionBound(coefficient=self.mu, adhesion=0.0, cap=0.0)",
+      "return (self.mu, 0.0, 0.0)"),
+    M("friction", "tresca", "ignores the slip stress", "adhesion=self.stress", "adhesion=200.0"),
+    M("friction", "tresca", "no bound at all", "adhesion=self.stress", "adhesion=math.inf"),
+    M("friction", "tresca", "a cap of nothing", "cap=cap", "cap=0.0"),
+    M("friction", "tresca", "stress of the wrong sign", "adhesion=self.stress", "adhesion=-self.stress"),
+)  # fmt: skip
+
+ENFORCEMENT = (
+    M("enforcement", "active-set", "pulls", "trial = np.maximum(force - stiffness * gap, 0.0)\n", "trial = force - stiffness * gap\n"),
+    M("enforcement", "active-set", "gap of the wrong sign", "force - stiffness * (gap - TOUCHING", "force + stiffness * (gap - TOUCHING"),
+    M("enforcement", "active-set", "derivative by the gap forgotten", "out.by_gap[0] = np.where(closed, stiffness, 0.0)", "out.by_gap[0] = 0.0"),
+    M("enforcement", "active-set", "slip of the wrong sign", "trial = force - stiffness * conditions.slip", "trial = force + stiffness * conditions.slip"),
+    M("enforcement", "active-set", "bound does not follow the normal force", "np.where(follows, -sign * growth, 0.0)", "np.where(follows, 0.0 * growth, 0.0)"),
+    M("enforcement", "active-set", "absent conditions ask for nothing", "out.by_force[0] = np.where(closed, 0.0, 1.0)", "out.by_force[0] = np.where(closed | ~conditions.present, 0.0, 1.0)"),
+    M("enforcement", "active-set", "mu ignored", "limit = coefficient * normal +", "limit = 0.2 * normal +", "friction_bound"),
+    M("enforcement", "active-set", "adhesion per node, not per length", "adhesion * conditions.measure", "adhesion", "friction_bound"),
+    M("enforcement", "active-set", "sticking told as slipping", "np.where(stick, STICK,", "np.where(stick, SLIP,"),
+    M("enforcement", "penalty", "says that it is exact", "exact: ClassVar[bool] = False", "exact: ClassVar[bool] = True"),
+    M("enforcement", "penalty", "softness forgotten in the derivative", "out.by_force += out.by_gap * softness", "pass"),
+    M("enforcement", "penalty", "a hundred times too soft", "1.0 / (factor * conditions.stiffness)", "1.0 / (0.01 * factor * conditions.stiffness)"),
+    M("enforcement", "augmented-lagrangian", "never takes forces over", "augments: ClassVar[bool] = True", "augments: ClassVar[bool] = False"),
+    M("enforcement", "augmented-lagrangian", "anchors of the tangential force", "conditions.anchor[0], out)", "conditions.anchor[-1], out)"),
+    M("enforcement", "forward-increment", "stops after two sweeps", "self.tolerance, self.sweeps))", "self.tolerance, 2))"),
+    M("enforcement", "forward-increment", "half the compliance", "rows.count, address, compliance, multipliers", "rows.count, address, 0.5 * compliance, multipliers"),
+    M("enforcement", "forward-increment", "forces of the last solve are kept", "solve = solve_dense if", "force[:] = 0.0\n        return Solve(0, 0.0, 0, 0.0) if rows.count else Solve(0, 0.0, 0, 0.0)\n        solve = solve_dense if"),
+)  # fmt: skip
+
+INTEGRATOR = (
+    M("integrator", "implicit-dynamics", "says order 3", "order: ClassVar[int] = 2", "order: ClassVar[int] = 3"),
+    M("integrator", "implicit-dynamics", "internal forces of the end alone", "out -= (0.5 - self.lead) * self.start.force", "out -= 0.4 * self.start.force", "time_step"),
+    M("integrator", "implicit-dynamics", "loads of the end alone", "out += 0.5 * (self.start.load + self.load)", "out += self.load", "time_step"),
+    M("integrator", "implicit-dynamics", "damping forgotten", "        if self.damping:\n", "        if False:\n", "time_step"),
+    M("integrator", "implicit-dynamics", "work of contact not booked", "work[CONTACT] += np.vdot(normal, moved) + lost", "work[CONTACT] += 0.0", "time_step"),
+    M("integrator", "implicit-dynamics", "work of loads with half its size", "work[EXTERNAL] += 0.5 * np.vdot(self.start.load + self.load, moved)", "work[EXTERNAL] += 0.25 * np.vdot(self.start.load + self.load, moved)", "time_step"),
+    M("integrator", "implicit-dynamics", "reaction of the wrong sign", "reaction[held] = mass * (after - before) / self.dt + passed", "reaction[held] = -(mass * (after - before) / self.dt + passed)", "time_step"),
+    M("integrator", "implicit-dynamics", "contact leaves velocities", "pressed, stuck, lost = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)", "pressed, stuck, lost = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v.copy())", "time_step"),
+    M("integrator", "implicit-dynamics", "a step that fails leaves the state", "            take_back(equations, state, start)\n", "", "time_step"),
+    M("integrator", "newton", "work of contact lost", "work[CONTACT] += _work(pressed, normal, moved)", "pass", "ledger"),
+    M("integrator", "newton", "work of the start alone", "0.5 * np.vdot(before + after, moved)", "np.vdot(before, moved)", "ledger"),
+    M("integrator", "newton", "reaction with the load", "forces = self.external + (", "forces = -self.external + (", "load_step"),
+    M("integrator", "newton", "contact forces without friction", "                state[\"contact_force\"][:] += own.tangential\n", "                pass\n", "load_step"),
+    M("integrator", "newton", "a step that fails leaves the state", "            take_back(equations, state, start)\n", "", "load_step"),
+    M("integrator", "central-difference", "no half step at the start", "mean_dt = 0.5 * (float(self.clock[2]) + dt)", "mean_dt = dt"),
+    M("integrator", "central-difference", "loads of the end of the step", "loaded = equations.external_force(time, self.external)", "loaded = equations.external_force(time + dt, self.external)"),
+    M("integrator", "central-difference", "supports lag a step", "equations.prescribed.values(time + dt)", "equations.prescribed.values(time)"),
+    M("integrator", "central-difference", "forces of the start of the step", "        equations.internal_force(dt)\n        return done", "        return done"),
+    M("integrator", "central-difference", "half the compliance for contact", "factor = dt * mean_dt / (1.0", "factor = 0.5 * dt * mean_dt / (1.0"),
+    M("integrator", "central-difference", "friction booked as contact", "        work[3] -= rubbed\n        work[4] += rubbed\n", ""),
+    M("integrator", "central-difference", "dissipation of the wrong sign", "work[6] += dissipated", "work[6] -= dissipated"),
+)  # fmt: skip
+
+EFFECT = (
+    M("effect", "gravity", "overwrites what others push", "force += weight if", "force[:] = weight if"),
+    M("effect", "gravity", "no force at all", "force += weight if time >= self.ramp else _smooth(time / self.ramp) * weight", "pass"),
+    M("effect", "gravity", "ignores the acceleration", "np.asarray(self.acceleration)", "np.array([0.0, -9810.0])"),
+    M("effect", "gravity", "grows with every call", "force += weight if", "self.__dict__['n'] = self.__dict__.get('n', 0) + 1\n            force += self.__dict__['n'] * weight if"),
+    M("effect", "gravity", "writes to the masses", "        weight = np.zeros((len(view.mass), 2))\n", "        weight = np.zeros((len(view.mass), 2))\n        view.mass[:] += 1e-9\n"),
+    M("effect", "spring", "positions of the start for ever", "nodes, displacement = view.nodes(self.on), view.displacement", "nodes, displacement = view.nodes(self.on), view.displacement.copy()"),
+    M("effect", "spring", "pushes away", "force[nodes] -= each", "force[nodes] += each"),
+    M("effect", "spring", "ignores the stiffness", "np.asarray(self.stiffness)", "np.array([100.0, 200.0])"),
+    M("effect", "spring", "writes displacements", "            force[nodes] -= each * displacement[nodes]", "            displacement[nodes] *= 0.999\n            force[nodes] -= each * displacement[nodes]"),
+    M("effect", "vibration-damping", "drives in place of damping", "view.velocity, self.rate, force", "view.velocity, -self.rate, force"),
+    M("effect", "vibration-damping", "velocities of the start for ever", "        first = np.array([nodes[0] for nodes in ranges])\n", "        view = view._replace(velocity=view.velocity.copy())\n        first = np.array([nodes[0] for nodes in ranges])\n"),
+    M("effect", "attraction", "pushes one body alone", "attract(first, second, view.reference, view.displacement, view.mass, self.force, force)", "kept = force[second].copy()\n            attract(first, second, view.reference, view.displacement, view.mass, self.force, force)\n            force[second] = kept"),
+    M("effect", "attraction", "ignores the force", "view.mass, self.force, force", "view.mass, 10.0, force"),
+    M("effect", "gravity", "needs no mass, in statics either", "needs_mass: ClassVar[bool] = True", "needs_mass: ClassVar[bool] = False"),
+)  # fmt: skip
+
+WATCH = (
+    M("watch", "series", "counts rows outside its memory", 'count = int(memory["count"][0])\n        if', "count = self.__dict__.setdefault('rows', [0])[0]\n        self.__dict__['rows'][0] += 1\n        if"),
+    M("watch", "series", "forgets what it saw", '            memory["rows"][count] =', '            memory["rows"][0] ='),
+    M("watch", "series", "finds nothing", 'return {**found, "left out"', 'return {} if found else {**found, "left out"'),
+    M("watch", "series", "gives its table a new shape", '        memory["count"][0] = count + 1\n\n    def end', '        memory["rows"] = memory["rows"][:-1].copy()\n        memory["count"][0] = count + 1\n\n    def end'),
+    M("watch", "series", "random numbers in its table", 'memory["count"][0] = count + 1\n\n    def end', 'memory["rows"][min(count, self.most - 1)] += np.random.default_rng().normal()\n        memory["count"][0] = count + 1\n\n    def end'),
+    M("watch", "series", "moves what it looks at", '        count = int(memory["count"][0])\n        if', '        np.lib.stride_tricks.as_strided(view.field("velocity"), writeable=True)[:] *= 1.0001\n        count = int(memory["count"][0])\n        if'),
+    M("watch", "contact-changes", "closed conditions outside its memory", 'changes = float(np.count_nonzero(closed != memory["closed"]))', "changes = float(np.count_nonzero(closed != self.__dict__.get('closed', 0.0 * closed)))\n        self.__dict__['closed'] = closed"),
+    M("watch", "contact-changes", "counts its own steps", 'count = int(memory["count"][0])\n        memory["rows"][count] = changes', "count = self.__dict__['n'] = self.__dict__.get('n', -1) + 1\n        memory[\"rows\"][count] = changes"),
+    M("watch", "slips", "adds up outside its memory", 'memory["total"] += view.slips()', "self.__dict__['t'] = self.__dict__.get('t', 0.0) + view.slips()\n            memory[\"total\"][:] = self.__dict__['t']"),
+    M("watch", "slips", "the clock of the computer", 'max(memory["largest"][0], largest(memory["total"]))', "__import__('time').perf_counter()"),
+    M("watch", "overlap-area", "memory made at the first step", 'return {"largest": np.zeros(1)}', "return {}"),
+)  # fmt: skip
+
+CASE = (
+    M("case", "patch", "names an element that is not there", '("q1", "q2-lagrange", "q1-fbar")', '("q1", "q3")'),
+    M("case", "patch", "a tolerance without a reason", 'error("displacement", 1e-10, why)', 'error("displacement", 1e-10, "")'),
+    M("case", "patch", "two measures of one name", 'error("stress", 1e-10, why)', 'error("displacement", 1e-10, why)'),
+    M("case", "patch", "nothing is judged", 'return error("displacement", 1e-10, why), error("stress", 1e-10, why), reported("iterations")', 'return (reported("displacement"),)'),
+    M("case", "patch", "an axis that is no field", '"upper": (1, 3, 4, 10)', '"top": (1, 3, 4, 10)'),
+    M("case", "patch", "finds what it does not measure", '"iterations": iterations(record)', '"rounds": iterations(record)'),
+    M("case", "patch", "a source of nothing", '"Taylor & Papadopoulos 1991; Crisfield 2000"', '""'),
+    M("case", "patch", "a body on an edge set that is not there", '"slave": "upper.bottom"', '"slave": "upper.sole"'),
+    M("case", "patch", "never stops planning", "        return (\n            static_job(\n                \"pressed\", setup,", "        return (\n            static_job(\n                f\"pressed {len(done)}\", setup,"),
+    M("case", "patch", "is no data", "    upper: int = 4\n", "    upper: int = 4\n    asked: object = lambda: None\n"),
+    M("case", "hertz", "a margin that is no field", '("ratio", 10.0)', '("rate", 10.0)'),
+    M("case", "hertz", "no element to choose from", 'elements: ClassVar[tuple[str, ...]] = ("q1", "q2", "q1-fbar")', "elements: ClassVar[tuple[str, ...]] = ()"),
+)  # fmt: skip
+
+RECORDER = (
+    M("recorder", "vtkhdf", "the file is never closed", "        finally:\n            self.growing.close()", "        finally:\n            pass"),
+    M("recorder", "vtkhdf", "scales displacements in place", "        self.grid.write(row, frame)\n", "        frame.displacement[:] *= 1000.0\n        self.grid.write(row, frame)\n"),
+    M("recorder", "vtkhdf", "rounds stresses in place", "        self.grid.write(row, frame)\n", "        for fields in frame.cells.values():\n            fields['stress'][:] = np.round(fields['stress']) + 1e-3\n        self.grid.write(row, frame)\n"),
+    M("recorder", "vtkhdf", "writes beside the folder", "GrowingFile(folder / FILE, new=True)", "GrowingFile(folder.parent / FILE, new=True)"),
+    M("recorder", "vtkhdf", "needs a frame to close", "        try:\n            made =", "        assert self.history is not None\n        try:\n            made ="),
+    M("recorder", "vtkhdf", "cannot close a run that failed", "            text = json.dumps(summary)", "            text = json.dumps({'steps': summary['steps'], 'status': {'finished': 0}[summary['status']]})"),
+    M("recorder", "vtkhdf", "keeps the block of steps, which is used again", "        self.step_rows.write(self.steps_written, block, len(block))", "        self.__dict__.setdefault('kept', []).append(block)\n        for old in self.kept:\n            assert np.isfinite(old).all()\n        self.step_rows.write(self.steps_written, block, len(block))"),
+    M("recorder", "vtkhdf", "every second frame is lost", "    def frame(self, frame: Frame) -> None:\n", "    def frame(self, frame: Frame) -> None:\n        if frame.number % 2:\n            return\n"),
+    M("recorder", "vtkhdf", "steps are lost", "        if self.steps_written + len(block)", "        return\n        if self.steps_written + len(block)"),
+    M("recorder", "vtkhdf", "one room for all runs", "        self.events.add(event)", "        VtkHdfRecording.__dict__['iterations'].__dict__.setdefault('all', []).append(event)\n        for one in VtkHdfRecording.__dict__['iterations'].__dict__['all']:\n            self.events.add(one)"),
+    M("recorder", "vtkhdf", "displacements recorded half as large", "        self.grid.write(row, frame)\n", "        import dataclasses\n        self.grid.write(row, dataclasses.replace(frame, displacement=0.5 * frame.displacement))\n"),
+)  # fmt: skip
+
+MUTATIONS: tuple[Mutation, ...] = (
+    *CONTACT, *MATERIAL, *ELEMENT, *MESH, *FRICTION, *ENFORCEMENT, *INTEGRATOR, *EFFECT, *WATCH, *CASE, *RECORDER,
+)  # fmt: skip

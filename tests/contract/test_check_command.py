@@ -1,0 +1,121 @@
+"""`contactlab check`: what is meant, what comes out, and the exit status."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from contactlab.cli import main
+from contactlab.errors import RequestError
+from contactlab.testing.card import as_data
+from contactlab.testing.check_part import check_part
+from contactlab.testing.find import subjects
+
+SLIP = '''
+from dataclasses import dataclass
+
+from contactlab.api import FrictionBound, FrictionLaw
+from contactlab.api.plugin import Part, hookimpl
+
+
+@dataclass(frozen=True)
+class Slip(FrictionLaw):
+    """Coulomb's law, or one whose bound falls."""
+
+    mu: float = 0.2
+
+    def bound(self):
+        return FrictionBound(self.mu, {grip}, 5.0)
+
+
+@hookimpl
+def contactlab_parts():
+    return [Part("friction", "{name}", "{module}:Slip", "Coulomb with some grip")]
+'''
+
+
+def file_with(folder: Path, module: str, grip: float) -> Path:
+    path = folder / f"{module}.py"
+    path.write_text(SLIP.format(grip=grip, name=module.replace("_", "-"), module=module))
+    return path
+
+
+def test_a_right_part_of_a_file_is_proved_in_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = file_with(tmp_path, "right_slip", 1.0)
+    assert main(["check", str(path), "--json", "--card", str(tmp_path / "card")]) == 0
+    (part,) = json.loads(capsys.readouterr().out)["parts"]
+    assert (part["kind"], part["name"], part["failed"]) == ("friction", "right-slip", 0)
+    outcomes = {check["name"]: check["outcome"] for check in part["checks"]}
+    assert outcomes["restart_is_exact"] == "passed"
+    assert set(outcomes.values()) <= {"passed", "not-applicable", "expected"}
+    card = json.loads((tmp_path / "card" / "card.json").read_text())
+    assert card["parts"] == [part]
+    assert card["versions"]["contactlab"]
+    assert len(card["sources"]["right_slip"]) == 32
+    assert "restart is exact | passed" in (tmp_path / "card" / "card.md").read_text()
+
+
+def test_a_wrong_part_fails_and_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = file_with(tmp_path, "wrong_slip", -1.0)
+    assert main(["check", str(path)]) == 1
+    told = capsys.readouterr().out
+    assert "adhesion: got -1.0, allowed: finite and at least 0" in told
+    assert "2 failed" in told
+
+
+def test_a_part_that_breaks_the_contract_is_checked_no_further(tmp_path: Path) -> None:
+    path = tmp_path / "no_slip.py"
+    path.write_text(SLIP.format(grip=0.0, name="no-slip", module="no_slip").replace("def bound", "def limit"))
+    report = check_part(subjects(str(path))[0])
+    assert [(o.check, o.status) for o in report.outcomes] == [("keeps_the_contract", "failed")]
+    assert "it has no bound" in report.outcomes[0].reason
+
+
+def test_a_folder_and_a_distribution_mean_all_their_parts(tmp_path: Path) -> None:
+    file_with(tmp_path, "first_slip", 0.0)
+    file_with(tmp_path, "second_slip", 0.0)
+    assert [s.name for s in subjects(str(tmp_path))] == ["first-slip", "second-slip"]
+    assert {s.kind for s in subjects("contactlab-statics")} == {"integrator", "enforcement"}
+    assert {s.kind for s in subjects("contactlab-statics", "integrator")} == {"integrator"}
+
+
+def test_a_package_that_is_not_installed_is_checked_from_its_folder(tmp_path: Path) -> None:
+    source = tmp_path / "src" / "loose_slip"
+    source.mkdir(parents=True)
+    (source / "__init__.py").touch()
+    text = SLIP.format(grip=0.0, name="loose-slip", module="loose_slip.plugin")
+    (source / "plugin.py").write_text(text)
+    (tmp_path / "pyproject.toml").write_text(
+        '[project]\nname = "loose-slip"\n[project.entry-points.contactlab]\nloose = "loose_slip.plugin"\n'
+    )
+    (subject,) = subjects(str(tmp_path))
+    assert subject.make().mu == 0.2
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["mortar"], "no part, file, folder or distribution"),
+        (["mortar-p1", "--kind", "contacts"], 'did you mean "contact"'),
+        (["mortar-p1", "--kind", "element"], "no part of this kind"),
+        (["missing.py"], "there is no such file"),
+    ],
+)
+def test_a_wrong_request_is_refused(words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", *words]) == 2
+    assert told in capsys.readouterr().err
+
+
+def test_fields_can_be_given() -> None:
+    (subject,) = subjects("coulomb", given={"mu": 0.7})
+    assert subject.make().mu == 0.7
+    with pytest.raises(RequestError):
+        subjects("coulomb", given={"grip": 0.7})[0].make()
+
+
+def test_what_is_printed_for_programs_has_no_blank_in_an_outcome() -> None:
+    report = check_part(subjects("penalty")[0], until_failure=True)
+    outcomes = {check["outcome"] for check in as_data([report])["parts"][0]["checks"]}
+    assert {"passed", "expected", "not-applicable"} == outcomes

@@ -1,0 +1,66 @@
+"""Planted defects: a tenth of them is found by the check, and every one still fits the sources (see `make mutants`)."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from pathlib import Path
+
+import pytest
+from mutants import PAGE, planted, verdict
+from mutations import MUTATIONS
+
+from contactlab.api.part import KINDS
+from contactlab.parts.registry import default_registry
+
+EVERY = 11  # of the mutants, over all kinds
+SLOW = {"integrator", "contact", "watch"}  # whose checks run steps: a tenth of the others is a tenth of all
+
+
+def cheap() -> list[int]:
+    """A tenth of all mutants, spread over the kinds whose checks are quick."""
+    missed = PAGE.read_text(encoding="utf-8")
+    quick = [
+        number for number, m in enumerate(MUTATIONS)
+        if m.kind not in SLOW and f"- {m.kind} `{m.part}`, {m.says}\n" not in missed
+    ]  # fmt: skip
+    return quick[3::EVERY][: len(MUTATIONS) // 10 + 1]
+
+
+def test_there_are_enough_of_every_kind() -> None:
+    counts = Counter(mutation.kind for mutation in MUTATIONS)
+    assert set(counts) == set(KINDS)
+    assert min(counts.values()) >= 10
+    assert len(MUTATIONS) >= 100
+
+
+@pytest.mark.parametrize("number", range(len(MUTATIONS)))
+def test_what_is_exchanged_stands_in_the_source(number: int) -> None:
+    mutation = MUTATIONS[number]
+    shipped = default_registry().part_class(mutation.kind, mutation.part).__module__
+    module = f"{shipped.rpartition('.')[0]}.{mutation.file}" if mutation.file else shipped
+    path = Path(str(sys.modules[shipped].__file__)).with_name(f"{module.rpartition('.')[2]}.py")
+    assert mutation.old in path.read_text(encoding="utf-8")
+    assert mutation.new != mutation.old
+
+
+@pytest.mark.parametrize("number", cheap())
+def test_a_planted_defect_is_found(number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    found = verdict(MUTATIONS[number], number, tmp_path)
+    assert found.check, f"{MUTATIONS[number].says}: not caught"
+    assert len(found.reason) > 20, "a failure must say what is wrong"
+
+
+def test_a_mutant_is_the_part_with_one_thing_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(str(tmp_path))
+    number = next(n for n, m in enumerate(MUTATIONS) if m.kind == "friction" and m.says == "ignores mu")
+    subject = planted(MUTATIONS[number], number, tmp_path)
+    assert subject.make().bound().coefficient == 0.2
+    shipped = default_registry().make("friction", {"use": MUTATIONS[number].part, "mu": 0.7})
+    assert shipped.bound().coefficient == 0.7
+
+
+def test_the_page_says_what_is_caught() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert f"Of {len(MUTATIONS)} mutants `contactlab check` fails" in text

@@ -1,0 +1,132 @@
+"""Pages: their links lead somewhere, their code runs, their commands can be typed, and the site has all of them."""
+
+from __future__ import annotations
+
+import importlib.util
+import re
+import shlex
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+from contactlab.cli import _parser, main
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import bundled_scenes
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = [*sorted(DOCS.rglob("*.md")), *sorted(ROOT.glob("*.md")), *sorted(ROOT.glob("plugins/*/*.md"))]
+TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
+MADE = {
+    *("gallery.md", "index.md", "contributing.md"),
+    *(f"reference/{name}.md" for name in ("python", "contract", "parts")),
+    *(f"tutorials/{path.stem}.md" for path in (DOCS / "notebooks").glob("*.ipynb")),
+}
+"""Pages that are made with the site."""
+LONG = ("compare", "matrix", "explain", "view")
+"""Commands of tutorials that are only looked at: processes of their own, or a window."""
+
+
+def blocks(text: str) -> list[tuple[str, str]]:
+    """Language and content of every block of code."""
+    return re.findall(r"^```(\w+)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
+def without_code(text: str) -> str:
+    return re.sub(r"^```.*?^```$|`[^`\n]*`", "", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def anchors(text: str) -> set[str]:
+    """Names of headings as GitHub and the site give them."""
+    heads = re.findall(r"^#+ (.*)$", re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).strip().replace(" ", "-") for head in heads}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_links_lead_somewhere(page: Path) -> None:
+    broken = []
+    for link in re.findall(r"\]\(([^)\s]+)\)", without_code(page.read_text(encoding="utf-8"))):
+        if re.match(r"https?:|mailto:", link):
+            continue
+        name, _, anchor = link.partition("#")
+        target = (page.parent / name).resolve() if name else page
+        made = target.is_relative_to(DOCS) and target.relative_to(DOCS).as_posix() in MADE
+        if not made and not target.exists():
+            broken.append(link)
+        elif anchor and target.suffix == ".md" and target.exists():
+            broken += [link] if anchor not in anchors(target.read_text(encoding="utf-8")) else []
+    assert not broken
+
+
+def test_every_page_is_in_the_site() -> None:
+    listed = set(re.findall(r"[\w./-]+\.md", (ROOT / "mkdocs.yml").read_text()))
+    own = {path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md")} - {"package.md"}
+    assert listed == own | MADE
+
+
+@pytest.mark.parametrize("page", TUTORIALS, ids=lambda path: path.stem)
+def test_tutorials_do_what_they_say(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Python is run, files are written, commands are typed; those that take long are only understood."""
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, object] = {}
+    for language, text in blocks(page.read_text(encoding="utf-8")):
+        if language == "python":
+            exec(compile(text, page.name, "exec"), names)
+        elif language == "toml":
+            Path(text.split()[1]).write_text(text)
+        for line in text.splitlines() if language == "sh" else []:
+            program, *words = shlex.split(line)
+            assert program == "contactlab"
+            assert _parser().parse_args(words)
+            if words[0] not in LONG:
+                assert main(words) == 0
+
+
+def test_commands_of_the_front_page_can_be_typed() -> None:
+    for page in (ROOT / "README.md", DOCS / "package.md"):
+        lines = [line for language, text in blocks(page.read_text(encoding="utf-8")) if language == "sh"
+                 for line in text.splitlines()]  # fmt: skip
+        commands = [shlex.split(line, comments=True) for line in lines]
+        ours = [words for words in commands if words and words[0].endswith("contactlab")]
+        assert len(ours) >= 4
+        for words in ours:
+            assert _parser().parse_args(words[1:])
+
+
+class TestSite:
+    @pytest.fixture
+    def tool(self, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+        monkeypatch.syspath_prepend(str(ROOT / "tools" / "site"))
+        specification = importlib.util.spec_from_file_location("make_site", ROOT / "tools" / "site" / "make.py")
+        assert specification is not None
+        assert specification.loader is not None
+        module = importlib.util.module_from_spec(specification)
+        specification.loader.exec_module(module)
+        yield module
+        sys.modules.pop("notebooks", None)
+
+    def test_names_of_the_reference_exist(self, tool: ModuleType) -> None:
+        for name in (name for names in tool.PYTHON.values() for name in names):
+            module, _, attribute = name.rpartition(".")
+            assert getattr(importlib.import_module(module), attribute).__doc__
+        for name in tool.CONTRACT:
+            assert importlib.import_module(f"contactlab.api.{name}").__doc__
+
+    def test_the_gallery_has_every_scene_and_every_case(
+        self, tool: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """Pictures of two scenes are drawn; the others are named alike."""
+        shown = {name: path for name, path in bundled_scenes().items() if name in ("two-bars", "disc-in-box")}
+        monkeypatch.setattr(tool, "bundled_scenes", lambda: shown)
+        text = tool.gallery(tmp_path / "pictures", runs=False)
+        assert all(f'id="{name}"' in text and (tmp_path / "pictures" / f"{name}.png").exists() for name in shown)
+        assert all(f"`{name}`" in text for name in default_registry().names("case"))
+
+    def test_parts_have_their_fields(self, tool: ModuleType) -> None:
+        registry = default_registry()
+        text = tool._part(tool.part_page(registry.offer("mesh", "arc-block"), registry))
+        assert "### arc-block" in text
+        assert "| half_width | required | mm |" in text
+        assert "```toml\n[bodies.NAME]\nmesh = " in text

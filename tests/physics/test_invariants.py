@@ -1,0 +1,124 @@
+"""What a finished run says of itself: kept where methods are sound, broken and told where they are not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.model.build import build
+from contactlab.model.momentum import mirrored_nodes
+from contactlab.results.invariants import Invariant, invariants
+from contactlab.results.results import Results
+from contactlab.results.sample import take_sample
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, load_scene
+
+BROKEN = {
+    # the curved, finer side as slave: pressures alternate
+    ("node-on-segment", False): {"pressure-saw"},
+    # a node at a vertex of the disc belongs to one facet of two: the end that coarse meshes lead to at once is another
+    # equilibrium, where the middle node has slid to one side; load steps keep the symmetric one
+    ("node-on-segment", True): {"asymmetry"},
+}
+"""What ends of disc-on-block break, by algorithm and swap."""
+
+
+def broken(results: Results) -> set[str]:
+    found = [Invariant.from_data(data) for data in results.summary["invariants"]]
+    assert found
+    return {one.code for one in found if one.broken}
+
+
+def run(name: str, algorithm: str, **changes: Any) -> Results:
+    results = simulate(load_scene(name).with_({"contacts.0.algorithm": algorithm, "record.recorders": []} | changes))
+    assert results.status == "finished", results.reason
+    return results
+
+
+@pytest.mark.parametrize("swap", [False, True])
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "node-on-segment"])
+def test_a_curved_slave_under_nodes_on_segments_is_told_and_mortars_are_silent(algorithm: str, swap: bool) -> None:
+    """The block's nodes lie between those of the finer disc or the other way round; mortars do not mind either."""
+    results = run("disc-on-block", algorithm, **{"integrator": "newton", "contacts.0.swap": swap})
+    expected = BROKEN.get((algorithm, swap), set())
+    assert broken(results) == expected
+    assert expected <= {warning.code for warning in results.warnings}
+
+
+def test_load_steps_keep_the_symmetric_equilibrium_of_nodes_on_segments() -> None:
+    changes = {"integrator": "newton", "contacts.0.swap": True, "time.history": True}
+    assert broken(run("disc-on-block", "node-on-segment", **changes)) == set()
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+def test_mortars_are_silent_on_the_static_scene(algorithm: str) -> None:
+    assert broken(run("tresca-block", algorithm)) == set()
+
+
+def test_two_free_bodies_keep_their_momenta() -> None:
+    results = run("vertex-to-vertex", "mortar-p0")
+    kept = {one["name"]: one["value"] for one in results.summary["invariants"] if one["name"].startswith("change")}
+    assert len(kept) == 3
+    assert max(kept.values()) < 1e-12
+    assert broken(results) == set()
+
+
+def pressed() -> Scene:
+    """Two equal blocks, mirrored in x = 0, the upper one pressed down; their sides coincide."""
+
+    def block(y: tuple[float, float]) -> dict[str, Any]:
+        mesh = {"use": "rectangle", "x": [-1.0, 1.0], "y": list(y), "cells": [4, 2]}
+        return {"element": "q1", "material": "m", "mesh": mesh}
+
+    data: dict[str, Any] = {
+        "time": {"end": 1.0},
+        "symmetry": "x",
+        "integrator": "newton",
+        "materials": {"m": {"use": "neo-hookean", "young": 1000.0, "poisson": 0.25, "density": 1e-6}},
+        "bodies": {"upper": block((0.0, 1.0)), "lower": block((-1.0, 0.0))},
+        "contacts": [{"slave": "upper.bottom", "master": "lower.top", "algorithm": "mortar-p0"}],
+        "supports": [
+            {"on": "lower.bottom", "ux": 0.0, "uy": 0.0},
+            {"on": "upper.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -0.1}},
+        ],
+    }
+    return Scene.from_data(data)
+
+
+def test_each_invariant_sees_its_breach() -> None:
+    """A model in equilibrium, changed by hand in one thing at a time."""
+    scene = pressed()
+    model = build(scene, scene.registry)
+    model.bound_integrator().step(1.0)
+
+    def seen() -> set[str]:
+        return {one.code for one in invariants(model, take_sample(model, 0, 0.0)) if one.broken}
+
+    assert seen() == set()
+    slave = model.contact.pairs[0].slave.nodes  # type: ignore[union-attr]
+    start = model.state.snapshot()
+    for field, node, change, code in (
+        ("contact_force", slave[1], (0.0, 1.0), "linear-momentum"),
+        ("displacement", slave[1], (1e-3, 0.0), "asymmetry"),
+        ("work", 1, 1.0, "ledger"),
+        ("reaction", model.loading.supports[0].nodes[0], (0.0, 1.0), "unbalanced-reactions"),
+    ):
+        model.state[field][node] += change
+        assert code in seen(), code
+        model.state.restore(start)
+    turned = model.state["contact_force"]
+    turned[:] = 0.0
+    turned[slave[0]], turned[slave[-1]] = (0.0, 1.0), (0.0, -1.0)
+    assert "angular-momentum" in seen()
+    model.state.restore(start)
+    model.state["multipliers"][0, 0] = -model.state["multipliers"][0, 1]
+    assert "contact-pull" in seen()
+
+
+def test_mirror_images_are_nodes_of_the_same_body() -> None:
+    """Bodies that touch have nodes at the same places."""
+    square = np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.5]])
+    mirror = mirrored_nodes(np.concatenate([square, square[:3]]), [slice(0, 4), slice(4, 7)])
+    assert mirror.tolist() == [1, 0, 2, -1, 5, 4, 6]

@@ -1,0 +1,64 @@
+"""What `contactlab explain` lists of packages that are neither the project's nor libraries."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from contactlab.commands.explain import _lines
+from contactlab.explain.explain import explain
+from contactlab.explain.trial_run import run_trial
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import load_scene
+
+PLUGIN = """
+from contactlab.api.plugin import Part, hookimpl
+
+@hookimpl
+def contactlab_parts():
+    return [Part("mesh", "outside-strip", "outside_strip.strip:Strip", "for tests")]
+"""
+STRIP = """
+from dataclasses import dataclass
+from contactlab.meshing import Rectangle
+from outside_strip.inner.sizes import HEIGHT
+
+@dataclass(frozen=True)
+class Strip(Rectangle):
+    def mesh(self, element, level):
+        assert HEIGHT == 0.2
+        return super().mesh(element, level)
+"""
+
+
+@pytest.fixture
+def strip(install: Callable[..., None], tmp_path: Path) -> Iterator[None]:
+    """A package with a mesh in one module, which imports another one of three, in a distribution of another name."""
+    install("strip-maker", "from outside_strip.plugin import contactlab_parts\n", version="0.3")
+    files = {"__init__": "", "plugin": PLUGIN, "strip": STRIP, "unused": ""}
+    files |= {"inner/__init__": "", "inner/sizes": "HEIGHT = 0.2"}
+    (tmp_path / "site" / "outside_strip" / "inner").mkdir(parents=True)
+    for name, source in files.items():
+        (tmp_path / "site" / "outside_strip" / f"{name}.py").write_text(source)
+    yield
+    for name in [name for name in sys.modules if name.partition(".")[0] == "outside_strip"]:
+        del sys.modules[name]
+
+
+def test_modules_of_outside_packages_are_listed_with_their_plugin(strip: None) -> None:
+    registry = Registry()
+    changes = {f"bodies.{body}.mesh.use": "outside-strip" for body in ("right", "left")}
+    scene = load_scene("two-bars", registry).with_(changes)
+    said = explain(scene, registry, run_trial(scene))
+    rows = {row.package: row for row in said.modules}
+    assert rows["outside_strip"].modules == "inner, inner.sizes, plugin, strip"
+    assert rows["outside_strip"].plugin == rows["strip_maker"].plugin == "strip-maker 0.3"
+    assert rows["contactlab_quads"].plugin.startswith("contactlab-quads ")
+    assert rows["numpy"].plugin == ""
+    libraries = sum(not row.plugin for row in said.modules)
+    lines = dict(_lines(said, []))
+    assert lines["imports"].startswith(f"{libraries} libraries")
+    assert "outside_strip (inner, inner.sizes, plugin, strip)" in lines["of plugins"]

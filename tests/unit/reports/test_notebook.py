@@ -1,0 +1,243 @@
+"""What scenes, results and tables show of themselves, and what other libraries get of them."""
+
+from __future__ import annotations
+
+import importlib.util
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import contactlab
+from contactlab.cases.verdict import WORST
+from contactlab.errors import ContactlabError, RequestError
+from contactlab.matrix.cell import CellResult
+from contactlab.matrix.plan import Request, plan
+from contactlab.matrix.run import Matrix
+from contactlab.parts.registry import default_registry
+from contactlab.reports.notebook.bar import notebook_bar
+from contactlab.reports.notebook.fields import moment_of, names_of, values_of
+from contactlab.reports.notebook.libraries import library
+from contactlab.results.results import Results
+from contactlab.scene.scene import bundled_scenes, load_scene
+from contactlab.studies.table import Table
+
+ROOT = Path(__file__).parents[3]
+LINES = 20
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
+    changes = {
+        "bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "supports.1.uy.to": -0.02,
+        "time.end": 2e-6, "record.frames": 3, "record.recorders": ["vtkhdf"],
+    }  # fmt: skip
+    scene = load_scene("disc-on-block").with_(changes)
+    return contactlab.simulate(scene, out=tmp_path_factory.mktemp("notebook") / "run")
+
+
+@pytest.mark.parametrize("name", list(bundled_scenes()))
+def test_a_scene_in_few_lines(name: str) -> None:
+    text = repr(load_scene(name))
+    assert len(text.splitlines()) <= LINES
+    assert name in text
+    assert len(text) < 2000
+
+
+class TestScene:
+    def test_it_shows_meshes_and_toml(self) -> None:
+        scene = load_scene("block-on-incline")
+        html = scene._repr_html_()
+        assert "data:image/png" in html
+        assert "mortar-p0" in html
+        assert "[[contacts]]" in html
+
+    def test_the_picture_has_each_body_and_both_sides(self) -> None:
+        figure = load_scene("disc-on-block").plot()
+        (axes,) = figure.axes
+        assert {text.get_text() for text in axes.texts} == {"disc", "block"}
+        assert {text.get_text() for text in axes.get_legend().get_texts()} == {"slave", "master"}
+
+    def test_a_rigid_surface_does_not_make_the_bodies_small(self) -> None:
+        (axes,) = load_scene("block-on-incline").plot().axes
+        assert np.ptp(axes.get_xlim()) < 20.0  # the plane is 113 long, the block 10
+
+
+class TestResults:
+    def test_few_lines_with_what_is_looked_at_first(self, results: Results) -> None:
+        text = repr(results)
+        assert len(text.splitlines()) <= LINES
+        for word in ("disc-on-block: finished", "pressure up to", "frames stored", "reaction of disc.top"):
+            assert word in text
+        assert len(repr(results.contact)) < 300
+
+    def test_html_has_pictures_and_warnings(self, results: Results) -> None:
+        warning = {"code": "made-up", "value": 2.0, "limit": 1.0, "key": "level", "text": "<b>too coarse</b>"}
+        warned = Results(**{**vars(results), "summary": {**results.summary, "warnings": [warning]}})
+        html = warned._repr_html_()
+        assert html.count("data:image/png") == 2
+        assert "made-up" in html
+        assert "&lt;b&gt;too coarse" in html
+
+    def test_a_run_that_left_nothing_says_so(self, results: Results) -> None:
+        nothing = Results(**{**vars(results), "frames": (), "stress": {}})
+        assert "no picture: the run stored nothing" in nothing._repr_html_()
+
+    def test_every_field_has_a_value_in_each_cell(self, results: Results) -> None:
+        moment = moment_of(results)
+        for name in names_of(moment):
+            for body, values in values_of(results, moment, name).items():
+                assert values.shape == (len(results.cells[body]),)
+                assert np.isfinite(values).all()
+
+    def test_fields_by_their_definition(self, results: Results) -> None:
+        """Pressure is minus the mean of the normal stresses; displacements of a cell are those of its corners."""
+        moment = moment_of(results)
+        stress = moment.cells["disc"]["stress"]
+        assert values_of(results, moment, "pressure")["disc"] == pytest.approx(-stress[:, :3].mean(axis=1))
+        corners = results.displacement[results.cells["disc"]]
+        assert values_of(results, moment, "displacement_y")["disc"] == pytest.approx(corners[:, :, 1].mean(axis=1))
+
+    def test_the_end_is_the_same_with_and_without_files(self, results: Results) -> None:
+        without = Results(**{**vars(results), "frames": ()})
+        for name in ("von_mises", "stress_yy"):
+            a, b = (values_of(r, moment_of(r), name)["block"] for r in (results, without))
+            assert a == pytest.approx(b, rel=1e-12)
+
+    @pytest.mark.parametrize(("field", "frame"), [("von mises", -1), ("von_mises", 7)])
+    def test_what_is_not_there_is_named(self, results: Results, field: str, frame: int) -> None:
+        with pytest.raises(RequestError, match="there is no such"):
+            results.plot(field, frame)
+
+    def test_figures_and_films(self, results: Results) -> None:
+        assert isinstance(results.plot("stress_yy", frame=0), Figure)
+        curve = results.contact["contacts.0"].last
+        (axes,) = curve.plot("mm N s t").axes
+        assert "MPa" in axes.get_ylabel()
+        film = results.animate("displacement", stride=2)
+        film._draw_was_started = True
+        film._draw_frame(1)
+        assert film._fig.axes[0].collections
+
+    def test_frames_of_pandas(self, results: Results) -> None:
+        history = results.to_frame()
+        assert history.index.name == "time"
+        assert history["disc.top.fy"].to_numpy() == pytest.approx(results.history["disc.top.fy"])
+        curve = results.contact["contacts.0"].last
+        assert list(curve.to_frame().columns) == list(curve.COLUMNS)
+
+    def test_a_data_set_of_xarray(self, results: Results) -> None:
+        data = results.to_xarray()
+        assert data.attrs["status"] == "finished"
+        assert data["displacement"].sel(component="y").isel(time=-1).to_numpy() == pytest.approx(
+            results.displacement[:, 1]
+        )
+        pressure = data["contacts.0.pressure"]
+        assert pressure.dims == ("time", "contacts.0_node")
+        assert float(pressure[-1].max()) == results.contact["contacts.0"].last.pressure.max()
+
+    def test_a_mesh_of_pyvista(self, results: Results) -> None:
+        """Area and fields are those of the run."""
+        mesh = results.mesh(0)
+        assert mesh.n_cells == sum(map(len, results.cells.values()))
+        areas = mesh.compute_cell_sizes(length=False, volume=False)["Area"]
+        assert areas[mesh.cell_data["body"] == 1].sum() == pytest.approx(1.8 * 0.3, rel=1e-6)  # the block, undeformed
+        assert results.mesh()["von_mises"] == pytest.approx(
+            np.concatenate(list(values_of(results, moment_of(results), "von_mises").values()))
+        )
+
+
+class TestTable:
+    def test_few_lines(self, table: Table) -> None:
+        text = repr(table)
+        assert len(text.splitlines()) == len(table) + 2
+        assert "killed" in repr(table.failed)
+
+    def test_html_has_every_run_and_every_reason(self, table: Table) -> None:
+        html = table._repr_html_()
+        assert html.count("<tr>") == len(table) + 1
+        assert "reactions differ by &lt;3 %&gt; &amp; more" in html
+        assert "data:image/png" in html
+
+    def test_figures_and_frames(self, table: Table) -> None:
+        assert isinstance(table.plot_cost(), Figure)
+        assert table.plot_cost()._repr_png_().startswith(b"\x89PNG")
+        assert isinstance(table.plot_pressures(), Figure)
+        assert list(table.to_frame()["pressure_error"]) == pytest.approx(table["pressure_error"], nan_ok=True)
+
+
+def test_a_matrix_shows_itself() -> None:
+    cells = plan(Request(["two-bars"], full=True), default_registry())
+    verdicts = [str(WORST[k % len(WORST)]) for k in range(len(cells))]
+    matrix = Matrix([(c, CellResult(v, "finished", "because <1>")) for c, v in zip(cells, verdicts, strict=True)])
+    assert len(repr(matrix).splitlines()) <= LINES
+    assert "because &lt;1&gt;" in matrix._repr_html_()
+    assert len(matrix.to_frame()) == len(cells)
+
+
+def test_a_missing_library_is_named_with_the_extra() -> None:
+    with pytest.raises(RequestError, match=r"contactlab\[notebook\]"):
+        library("no_such_library", "mesh")
+
+
+def test_a_bar_in_a_notebook(monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[str] = []
+
+    class Handle:
+        def update(self, html: str) -> None:
+            drawn.append(html)
+
+    def display(html: str, display_id: bool) -> Handle:
+        drawn.append(html)
+        return Handle()
+
+    fake = ModuleType("IPython.display")
+    fake.HTML, fake.display = str, display  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "IPython.display", fake)
+    show = notebook_bar("a <scene>")
+    show(0.5, 10, 0.1, 1e-9)  # too soon after the first picture
+    show(1.0, 20, 0.2, 1e-9)
+    assert len(drawn) == 2
+    assert "a &lt;scene&gt;" in drawn[0]
+    assert 'value="1.0000"' in drawn[1]
+
+
+def test_a_timeline_that_nobody_can_show(results: Results, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("contactlab.reports.notebook.grid.default_registry", lambda: contactlab_without_viewers())
+    with pytest.raises(ContactlabError, match="no installed recorder"):
+        results.view()
+
+
+def contactlab_without_viewers() -> object:
+    from contactlab.parts.registry import Registry
+
+    return Registry(entry_points=[])
+
+
+NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_run(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every cell runs in a fresh folder, and what it shows can be shown; stored outputs would grow old."""
+    specification = importlib.util.spec_from_file_location("notebooks", ROOT / "tools" / "site" / "notebooks.py")
+    assert specification is not None
+    assert specification.loader is not None
+    tool = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(tool)
+    monkeypatch.chdir(tmp_path)
+    shown = [tool.as_html(cell.shown) for cell in tool.run_notebook(path)]
+    assert sum(map(bool, shown)) >= 3
+    assert '"outputs": []' in path.read_text()
+    assert "data:image" not in path.read_text()
+
+
+def test_notebooks_are_notebooks() -> None:
+    import nbformat
+
+    assert len(NOTEBOOKS) >= 3
+    for path in NOTEBOOKS:
+        nbformat.validate(nbformat.read(path, as_version=4))

@@ -1,0 +1,72 @@
+"""What alternates from node to node, on pressures whose teeth are known."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from contactlab.api import ContactCurve, Floats, Ints
+from contactlab.results.saw_tooth import largest_turn, pressed_depth, saw_tooth
+
+NODES = 41
+
+
+def curve(pressure: Floats, state: Ints | None = None, y: Floats | None = None) -> ContactCurve:
+    x = np.linspace(-1.0, 1.0, len(pressure))
+    state = np.where(pressure > 0.0, 2, 0).astype(np.int32) if state is None else state
+    chain = np.zeros(len(x), np.int32)
+    return ContactCurve(x, x, 0.0 * x if y is None else y, pressure, 0.0 * x, pressure.clip(0.0), 0.0 * x, state, chain)
+
+
+def hertz(width: float) -> Floats:
+    x = np.linspace(-1.0, 1.0, NODES)
+    return np.asarray(np.sqrt(np.maximum(0.0, 1.0 - (x / width) ** 2)))
+
+
+@pytest.mark.parametrize("width", [0.2, 0.31, 0.5, 0.93])
+def test_smooth_pressures_have_no_teeth(width: float) -> None:
+    assert saw_tooth(curve(hertz(width)), hertz(width)) == 0.0
+    slope = 1.0 + 0.5 * np.linspace(-1.0, 1.0, NODES) ** 3
+    assert saw_tooth(curve(slope), slope) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("height", [0.003, 0.1])
+def test_teeth_are_as_high_as_they_are(height: float) -> None:
+    """Up and down by their height about a constant: the largest value is the mean and one of them."""
+    teeth = 1.0 + height * (-1.0) ** np.arange(NODES)
+    assert saw_tooth(curve(teeth), teeth) == pytest.approx(height / (1.0 + height), rel=0.05)
+
+
+def test_a_step_is_no_tooth() -> None:
+    step = np.where(np.arange(NODES) < 12, 1.0, 0.7)
+    assert saw_tooth(curve(step), step) == 0.0
+
+
+def test_a_kink_between_sticking_and_slipping_nodes_is_no_tooth() -> None:
+    x = np.linspace(-1.0, 1.0, NODES)
+    state = np.where(np.abs(x) < 0.4, 1, 2).astype(np.int32)
+    shear = np.where(state == 1, x, np.sign(x) * (0.2 + 0.2 * np.abs(x)))
+    assert saw_tooth(curve(np.ones(NODES), state), shear) == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("every", [2, 3])
+def test_nodes_that_alone_are_pressed_are_teeth(every: int) -> None:
+    """Finer slaves that touch a curved master only at its nodes: every second or third carries all."""
+    alone = np.zeros(NODES)
+    alone[::every] = 1.0
+    assert saw_tooth(curve(alone), alone) == pytest.approx(0.5)
+
+
+def test_two_places_that_touch_are_no_teeth() -> None:
+    places = np.zeros(NODES)
+    places[[0, 10, 12, 30]] = 1.0
+    assert saw_tooth(curve(places), places) == 0.0
+
+
+def test_turns_and_depths_are_those_of_a_circle() -> None:
+    radius, angle = 5.0, np.linspace(-0.2, 0.2, NODES)
+    arc = curve(np.ones(NODES), y=radius * np.cos(angle))
+    arc = ContactCurve(**{**vars(arc), "x": radius * np.sin(angle)})
+    step = angle[1] - angle[0]
+    assert largest_turn(arc) == pytest.approx(step, rel=1e-6)
+    assert pressed_depth(arc) == pytest.approx(radius * (1.0 - np.cos(0.5 * step)), rel=1e-3)

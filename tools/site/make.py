@@ -1,0 +1,183 @@
+"""The pages of the site: those of docs/, and those that are made from the program itself.
+
+    python tools/site/make.py [--without-runs]
+
+writes build/docs, from which mkdocs makes the site. Scenes of the gallery and notebooks are run, so that no picture is
+older than what it shows.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import sys
+from collections.abc import Iterator
+from html import escape
+from pathlib import Path
+from typing import Any
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from notebooks import page_of
+
+import contactlab
+from contactlab.commands.part_page import page_of as part_page
+from contactlab.errors import ContactlabError
+from contactlab.parts.registry import default_registry
+from contactlab.results.results import Results
+from contactlab.scene.scene import bundled_scenes, load_scene
+
+ROOT = Path(__file__).parents[2]
+PAGES = ROOT / "build" / "docs"
+MOST_STEPS = 40_000
+"""Of a run for the gallery: longer ones are shown as far as they came, and say so."""
+
+PYTHON = {
+    "Scenes": ["contactlab.scene.scene.load_scene", "contactlab.scene.scene.Scene"],
+    "Runs": ["contactlab.run.simulation.simulate", "contactlab.results.load.load_results",
+             "contactlab.results.results.Results", "contactlab.results.results.ContactHistory",
+             "contactlab.api.frame.ContactCurve", "contactlab.api.frame.Frame"],
+    "Comparisons": ["contactlab.comparison.compare", "contactlab.studies.table.Table", "contactlab.studies.table.Row"],
+    "Errors": ["contactlab.errors.ContactlabError", "contactlab.errors.RequestError",
+               "contactlab.run.interruption.Interrupted"],
+}  # fmt: skip
+CONTRACT = ("part", "mesh", "element", "material", "contact", "friction", "enforcement", "integrator", "effect",
+            "recorder", "watch", "case", "surface", "record", "frame", "state", "warning")  # fmt: skip
+
+
+def main(runs: bool = True) -> None:
+    """Write all pages anew."""
+    shutil.rmtree(PAGES, ignore_errors=True)
+    shutil.copytree(ROOT / "docs", PAGES)
+    shutil.copy(ROOT / "tools" / "site" / "site.css", PAGES)
+    (PAGES / "index.md").write_text(home((ROOT / "README.md").read_text(encoding="utf-8")), encoding="utf-8")
+    (PAGES / "contributing.md").write_text(
+        home((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")), encoding="utf-8"
+    )
+    (PAGES / "reference").mkdir()
+    (PAGES / "reference" / "python.md").write_text(python_page(), encoding="utf-8")
+    (PAGES / "reference" / "contract.md").write_text(contract_page(), encoding="utf-8")
+    (PAGES / "reference" / "parts.md").write_text(parts_page(), encoding="utf-8")
+    (PAGES / "gallery.md").write_text(gallery(PAGES / "pictures" / "gallery", runs), encoding="utf-8")
+    _notebook_pages(runs)
+
+
+def home(text: str) -> str:
+    """A page of the top of the repository as one of the site: links lead to where their pages are there."""
+    text = re.sub(r"\]\(docs/", "](", text)
+    return re.sub(r"\[([^\]]*)\]\((?:LICENSE|CODE_OF_CONDUCT\.md)\)", r"\1", text)
+
+
+def python_page() -> str:
+    """What `import contactlab` gives."""
+    parts = [f"## {title}\n\n" + "\n\n".join(f"::: {name}" for name in names) for title, names in PYTHON.items()]
+    return "# Python\n\n" + "\n\n".join(parts) + "\n"
+
+
+def contract_page() -> str:
+    """What authors of parts import."""
+    return "# The contract of parts\n\n" + "\n\n".join(f"::: contactlab.api.{name}" for name in CONTRACT) + "\n"
+
+
+def parts_page() -> str:
+    """Every installed part that a scene can name, as `contactlab parts NAME` tells it."""
+    registry = default_registry()
+    kinds: dict[str, list[str]] = {}
+    for offer in registry.parts():
+        if offer.part.kind not in ("watch", "case"):
+            kinds.setdefault(offer.part.kind, []).append(_part(part_page(offer, registry)))
+    return "# Parts\n\n" + "\n\n".join(f"## {kind}\n\n" + "\n\n".join(parts) for kind, parts in kinds.items()) + "\n"
+
+
+def _part(page: dict[str, Any]) -> str:
+    lines = [f"### {page['name']}", f"{page['summary']}. *{page['distribution']}*", page["says"]]
+    if page["fields"]:
+        rows = ["| field | default | unit | meaning |", "|---|---|---|---|"]
+        rows += [
+            "| "
+            + " | ".join(str(f[name]).replace("|", "\\|") for name in ("name", "default", "unit", "meaning"))
+            + " |"
+            for f in page["fields"]
+        ]
+        lines.append("\n".join(rows))
+    if page["example"]:
+        lines.append(f"```toml\n{page['example']}\n```")
+    return "\n\n".join(line for line in lines if line)
+
+
+def gallery(folder: Path, runs: bool) -> str:
+    """A picture of every bundled scene with what it shows, what it costs, and the scene itself."""
+    folder.mkdir(parents=True)
+    entries = "\n".join(_entry(name, path, folder, runs) for name, path in bundled_scenes().items())
+    cases = "\n".join(f"| `{o.part.name}` | {o.part.summary} | {o.part.reference} |" for o in _cases())
+    return (
+        "# Gallery\n\nEvery bundled scene, before and after. `contactlab run NAME` makes the run and its timeline, "
+        "`contactlab view` opens it, `contactlab new-scene mine --from NAME` begins one of your own.\n\n"
+        f'<div class="gallery" markdown="0">\n{entries}\n</div>\n\n'
+        "## Cases\n\nQuestions with known answers: `contactlab matrix NAME` puts one to every contact algorithm, "
+        "[and these are the answers](cases.md).\n\n| case | question | source |\n|---|---|---|\n" + cases + "\n"
+    )
+
+
+def _cases() -> list[Any]:
+    return [offer for offer in default_registry().parts() if offer.part.kind == "case"]
+
+
+def _entry(name: str, path: Path, folder: Path, runs: bool) -> str:
+    scene = load_scene(name)
+    scene.plot().savefig(folder / f"{name}.png", dpi=90)
+    pictures = [f'<img src="pictures/gallery/{name}.png" alt="{name}: meshes and contacts">']
+    words = scene.source
+    if runs:
+        results = contactlab.simulate(scene.with_({"record.recorders": []}), work=MOST_STEPS)
+        pictures += _picture_of(results, folder / f"{name}-end.png")
+        words += f". {cost(results)}"
+    toml = f"<details><summary>TOML</summary><pre>{escape(path.read_text(encoding='utf-8'))}</pre></details>"
+    return (
+        f'<figure id="{name}">{"".join(pictures)}<figcaption><b>{name}</b>: {escape(words)}{toml}'
+        f"<code>contactlab run {name}</code></figcaption></figure>"
+    )
+
+
+def _picture_of(results: Results, file: Path) -> list[str]:
+    try:
+        results.plot().savefig(file, dpi=90)
+    except ContactlabError:
+        return []
+    return [f'<img src="pictures/gallery/{file.name}" alt="von Mises stress at the end">']
+
+
+def cost(results: Results) -> str:
+    """What the run took, and whether it is all of the scene's."""
+    seconds = float(results.summary["cost"]["run_cpu_s"])
+    stopped = f" (stopped after {MOST_STEPS:,} of them)" if results.status == "timed-out" else ""
+    return f"{results.summary['steps']} steps{stopped}, {seconds:.2g} s of one core"
+
+
+def _notebook_pages(runs: bool) -> None:
+    """The notebooks as tutorials, run here."""
+    before = Path.cwd()
+    for path in sorted((ROOT / "docs" / "notebooks").glob("*.ipynb")):
+        place = ROOT / "build" / "notebooks" / path.stem
+        shutil.rmtree(place, ignore_errors=True)
+        place.mkdir(parents=True)
+        os.chdir(place)
+        try:
+            text = page_of(path) if runs else "\n\n".join(_sources(path))
+        finally:
+            os.chdir(before)
+        title, _, rest = text.partition("\n")
+        link = f"[This page as a notebook](../notebooks/{path.name})"
+        (PAGES / "tutorials" / f"{path.stem}.md").write_text(f"{title}\n\n{link}\n{rest}", encoding="utf-8")
+
+
+def _sources(path: Path) -> Iterator[str]:
+    from notebooks import cells_of
+
+    for cell in cells_of(path):
+        yield cell.source if cell.kind == "markdown" else f"```python\n{cell.source}\n```"
+
+
+if __name__ == "__main__":
+    main("--without-runs" not in sys.argv)
