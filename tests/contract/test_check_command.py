@@ -57,7 +57,10 @@ def test_a_right_part_of_a_file_is_proved_in_runs(tmp_path: Path, capsys: pytest
     assert "restart is exact | passed" in (tmp_path / "card" / "card.md").read_text()
 
 
-def test_a_wrong_part_fails_and_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_part_fails_and_says_why(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "200")  # a narrow terminal breaks the reason into several lines
     path = file_with(tmp_path, "wrong_slip", -1.0)
     assert main(["check", str(path)]) == 1
     told = capsys.readouterr().out

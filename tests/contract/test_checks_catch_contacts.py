@@ -117,6 +117,7 @@ def test_a_right_algorithm_passes(check: Check) -> None:
             contact.patch_test_on_quadratic_edges,
             contact_inputs.pieces_are_filled,
             contact_inputs.a_notch_is_held_by_both_sides,
+            contact_derivatives.derivatives_are_right,
         }
         assert check in declined
 
