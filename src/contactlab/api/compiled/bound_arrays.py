@@ -13,6 +13,7 @@ below, or other tables. Inside a kernel a table's arrays have the names of its f
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import cache
 from typing import Annotated, Any, Final, get_type_hints
 from weakref import WeakKeyDictionary
 
@@ -53,12 +54,14 @@ Ints2 = Annotated[NDArray[np.int32], "i2"]
 Flags1 = Annotated[NDArray[np.bool_], "b1"]
 
 
+@cache
 def members(table: type) -> dict[str, str | type]:
     """What the fields of a table hold: the word of an array, "d2" say, or another table."""
     hints = get_type_hints(table, include_extras=True)
     return {name: getattr(hint, "__metadata__", (hint,))[0] for name, hint in hints.items()}
 
 
+@cache
 def layout_of(table: type) -> str:
     """The layout of all arrays of a table, those of the tables within it included, one after another."""
     return " ".join(held if isinstance(held, str) else layout_of(held) for held in members(table).values())

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.model.contact.gap_pair import GapPair
-from contactlab.model.contact.gradients import PairGradients
 from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.model.contact.pair import ContactPair
 
 if TYPE_CHECKING:
     from contactlab.model.contact.gap_linearisation import GapLinearisation
+    from contactlab.model.contact.gradients import PairGradients
     from contactlab.model.contact.linearisation import PairLinearisation
 
 
@@ -59,4 +59,8 @@ class FinishedRows:
 
 def conjugate_rows(pair: ContactPair) -> PairGradients | FinishedRows:
     """What appends the rows of a pair whose forces are conjugate to its gaps."""
-    return PairGradients(pair) if isinstance(pair, OperatorPair) else FinishedRows(pair)
+    if not isinstance(pair, OperatorPair):
+        return FinishedRows(pair)
+    from contactlab.model.contact.gradients import PairGradients
+
+    return PairGradients(pair)

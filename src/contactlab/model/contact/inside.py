@@ -69,13 +69,18 @@ def _pairs(at: Floats, low: Floats, high: Floats) -> Iterator[tuple[Any, Any]]:
 
 def _distances(points: Floats, a: Floats, b: Floats) -> Floats:
     """Distance of each point to the nearest of the edges from a to b (e, 2)."""
+    if len(points) * len(a) <= TOGETHER:
+        return np.array([_distance(point, a, b) for point in points])
     from scipy.spatial import KDTree
 
     nearest, _ = KDTree(a).query(points)
     middles, half = KDTree(0.5 * (a + b)), 0.5 * float(np.hypot(*(b - a).T).max())
-    out = np.empty(len(points))
-    for i, found in enumerate(middles.query_ball_point(points, (nearest + half) * (1.0 + 1e-9))):
-        along, to_a = b[found] - a[found], a[found] - points[i]
-        share = np.clip(-np.einsum("ei,ei->e", to_a, along) / np.einsum("ei,ei->e", along, along), 0.0, 1.0)
-        out[i] = np.hypot(*(to_a + share[:, None] * along).T).min()
-    return out
+    near = middles.query_ball_point(points, (nearest + half) * (1.0 + 1e-9))
+    return np.array([_distance(point, a[found], b[found]) for point, found in zip(points, near, strict=True)])
+
+
+def _distance(point: Floats, a: Floats, b: Floats) -> float:
+    """Distance of a point (2,) to the nearest of the edges from a to b (e, 2)."""
+    along, to_a = b - a, a - point
+    share = np.clip(-np.einsum("ei,ei->e", to_a, along) / np.einsum("ei,ei->e", along, along), 0.0, 1.0)
+    return float(np.hypot(*(to_a + share[:, None] * along).T).min())
