@@ -27,6 +27,7 @@ FEWER = {"cold compilation": 3}  # pairs of what takes long
 START = "import contactlab; contactlab.simulate(contactlab.load_scene('disc-on-block').with_({'time.end': 1e-8}))"
 STATIC = """
 import contactlab
+from time import process_time
 changes = {"level": 4, "integrator": {"use": "newton", "steps": 2}, "supports.1.uy.to": -0.005}
 scene = contactlab.load_scene("disc-on-block").with_({**changes, "record.recorders": []})
 began = process_time()
