@@ -28,7 +28,8 @@ class DaskPool:
 
     def __init__(self, scheduler: str, jobs: int, folder: Path | None) -> None:
         self._name = uuid.uuid4().hex[:12]
-        self._calls: dict[str, tuple[Future[Any], Any, Report]] = {}
+        self._calls: dict[str, tuple[Future[Any], Report]] = {}
+        self._tasks: list[Any] = []  # the scheduler forgets a task that nobody holds
         self._cluster = None if scheduler != "dask" else _own_cluster(jobs)
         try:
             self._client = distributed.Client(self._cluster or scheduler, timeout=ANSWER, set_as_default=False)
@@ -54,17 +55,18 @@ class DaskPool:
         mine: Future[Any] = Future()
         key = f"contactlab-{self._name}-{len(self._calls)}"
         content = pickle.dumps((function, arguments))
+        self._calls[key] = mine, report  # before the task is there: a worker may report at once
         task = self._client.submit(
             dask_worker.call, self._name, content, limit, folder, self._token, key=key, pure=False
         )  # fmt: skip
-        self._calls[key] = mine, task, report
+        self._tasks.append(task)
         task.add_done_callback(lambda done: self._ended(mine, done, folder))
         return mine
 
     def _heard(self, event: tuple[Any, Any]) -> None:
         """A call has begun, or reports."""
         key, message = event[1]
-        mine, _, report = self._calls[key]
+        mine, report = self._calls[key]
         if message is not None:
             report(message)
         elif not mine.running() and not mine.done():
@@ -103,7 +105,7 @@ class DaskPool:
         try:
             if kind is not None:
                 self.stop()
-            wait([mine for mine, _, _ in self._calls.values()])
+            wait([mine for mine, _ in self._calls.values()])
             self._client.run(dask_worker.close, on_error="ignore")
         except KeyboardInterrupt:
             self.kill()
