@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 from contactlab.testing import run_check
 from contactlab.testing.assertions import Check
+
+sys.path.insert(0, str(Path(__file__).parent))  # strangers
 
 Catch = Callable[..., None]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -40,21 +39,6 @@ def file_with(folder: Path, module: str, grip: float) -> Path:
     path = folder / f"{module}.py"
     path.write_text(SLIP.format(grip=grip, name=module.replace("_", "-"), module=module))
     return path
-
-
-def test_a_right_part_of_a_file_is_proved_in_runs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = file_with(tmp_path, "right_slip", 1.0)
-    assert main(["check", str(path), "--json", "--card", str(tmp_path / "card")]) == 0
-    (part,) = json.loads(capsys.readouterr().out)["parts"]
-    assert (part["kind"], part["name"], part["failed"]) == ("friction", "right-slip", 0)
-    outcomes = {check["name"]: check["outcome"] for check in part["checks"]}
-    assert outcomes["restart_is_exact"] == "passed"
-    assert set(outcomes.values()) <= {"passed", "not-applicable", "expected"}
-    card = json.loads((tmp_path / "card" / "card.json").read_text())
-    assert card["parts"] == [part]
-    assert card["versions"]["contactlab"]
-    assert len(card["sources"]["right_slip"]) == 32
-    assert "restart is exact | passed" in (tmp_path / "card" / "card.md").read_text()
 
 
 def test_a_wrong_part_fails_and_says_why(

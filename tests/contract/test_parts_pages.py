@@ -32,7 +32,7 @@ def files_of(page: str) -> dict[str, str]:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_page_shows_the_part_that_is_tested(kind: str) -> None:
-    """tests/contract/test_new_plugin.py builds, installs and runs the packages with these very files."""
+    """tests/contract/test_strangers.py builds, installs and runs the packages with these very files."""
     ((name, text),) = files_of(f"{kind}.md").items()
     assert name == f"src/my_{kind}/{kind}.py"
     assert text == plugin_files(kind, f"my-{kind}")[name]

@@ -1,4 +1,4 @@
-"""These tests need the packages beside them installed: `tests/contract/test_new_plugin.py` installs and runs them."""
+"""These tests need the packages beside them installed: `tests/contract/test_strangers.py` installs and runs them."""
 
 from importlib.util import find_spec
 
