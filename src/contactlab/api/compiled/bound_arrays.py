@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import cache
 from typing import Annotated, Any, Final, get_type_hints
-from weakref import WeakKeyDictionary
+from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,19 +113,24 @@ def _flat(arrays: tuple[Any, ...]) -> Iterator[Any]:
 
 
 class BoundCache:
-    """Bound arrays of objects that live for long, made when they are first asked for and forgotten with the object."""
+    """Bound arrays of objects that live for long, made when they are first asked for and forgotten with the object.
+
+    Asked for in every step: by the number of the object, since a weak key costs more than a kernel's call.
+    """
 
     def __init__(self) -> None:
-        self._kept: WeakKeyDictionary[Any, tuple[tuple[Any, ...], BoundArrays]] = WeakKeyDictionary()
+        self._kept: dict[int, tuple[tuple[Any, ...], BoundArrays, ref[Any]]] = {}
 
     def of(self, owner: Any, bind: Callable[..., BoundArrays], *sources: Any) -> BoundArrays:
         """What bind(owner, *sources) gave; asked again where one of the sources is another object than it was then."""
-        found = self._kept.get(owner)
+        number = id(owner)
+        found = self._kept.get(number)
         if found is not None:
             for one, other in zip(found[0], sources, strict=True):
                 if one is not other:
                     break
             else:
                 return found[1]
-        found = self._kept[owner] = sources, bind(owner, *sources)
-        return found[1]
+        bound = bind(owner, *sources)
+        self._kept[number] = sources, bound, ref(owner, lambda _: self._kept.pop(number, None))
+        return bound
