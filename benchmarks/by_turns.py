@@ -3,10 +3,11 @@
     python benchmarks/by_turns.py BEFORE AFTER                     # two checkouts, each with its own .venv
     python benchmarks/by_turns.py BEFORE AFTER --only contact --pairs 15
 
-Each checkout has a process of its own that stays, measures when it is asked to, and waits while the other one does.
-Every pair is measured in the other order than the one before. So what loads the machine loads both, and the ratio of a
-pair tells more than the quotient of two times. Printed are the median ratio AFTER : BEFORE and its 95 % interval, by
-drawing the pairs anew a few thousand times. Models are those of each checkout's own `benchmarks/kernels/steps.py`.
+Each measurement is a process of its own in its checkout: where a process happens to lie in memory makes it faster or
+slower by a tenth as long as it lives. Every pair is measured in the other order than the one before. So what loads the
+machine loads both, and the ratio of a pair tells more than the quotient of two times. Printed are the median ratio
+AFTER : BEFORE and its 95 % interval, by drawing the pairs anew a few thousand times. Models are those of each
+checkout's own `benchmarks/kernels/steps.py`.
 """
 
 from __future__ import annotations
@@ -115,42 +116,23 @@ def _cold() -> float:
         return _start({"CONTACTLAB_CACHE": cache})
 
 
-def serve() -> None:
-    """Measure what is asked for, one name a line."""
-    known = measures()
-    answers = os.fdopen(os.dup(1), "w")
-    os.dup2(2, 1)  # what a run prints is no answer
-    for line in sys.stdin:
-        print(known[line.strip()](), file=answers, flush=True)
+def measured(root: Path, name: str) -> float:
+    """CPU seconds of one measurement in a checkout: ratios alone count."""
+    command = [str(root.resolve() / ".venv" / "bin" / "python"), str(Path(__file__).resolve()), "--measure", name]
+    environment = {**os.environ, **ONE_THREAD}
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)  # modules are kept compiled, as where they are installed
+    told = subprocess.run(command, cwd=root, stdout=subprocess.PIPE, text=True, env=environment)
+    if told.returncode:
+        raise SystemExit(f"{name}: the process in {root} ended with {told.returncode}")
+    return float(told.stdout.split()[-1])
 
 
-class Checkout:
-    """A process in a checkout, with its own environment."""
-
-    def __init__(self, root: Path) -> None:
-        command = [str(root.resolve() / ".venv" / "bin" / "python"), str(Path(__file__).resolve()), "--serve"]
-        pipe = subprocess.PIPE
-        environment = {**os.environ, **ONE_THREAD}
-        environment.pop("PYTHONDONTWRITEBYTECODE", None)  # modules are kept compiled, as where they are installed
-        self.process = subprocess.Popen(command, cwd=root, stdin=pipe, stdout=pipe, text=True, env=environment)
-
-    def measured(self, name: str) -> float:
-        """CPU seconds, or microseconds of a step: ratios alone count."""
-        assert self.process.stdin is not None
-        assert self.process.stdout is not None
-        print(name, file=self.process.stdin, flush=True)
-        answer = self.process.stdout.readline()
-        if not answer:
-            raise SystemExit(f"{name}: the process of {self.process.args!r} ended with {self.process.wait()}")
-        return float(answer)
-
-
-def ratios(before: Checkout, after: Checkout, name: str, pairs: int) -> list[float]:
+def ratios(before: Path, after: Path, name: str, pairs: int) -> list[float]:
     """AFTER : BEFORE of each pair; a first one, which compiles, is left out."""
     found: list[float] = []
     for pair in range(pairs + 1):
         order = (before, after) if pair % 2 else (after, before)
-        times = {checkout: checkout.measured(name) for checkout in order}
+        times = {root: measured(root, name) for root in order}
         if pair:
             found.append(times[after] / times[before])
     return found
@@ -169,14 +151,14 @@ def main() -> int:
     parser.add_argument("checkouts", nargs="*", type=Path, metavar="CHECKOUT", help="before and after")
     parser.add_argument("--only", default="", help="measurements with this in their names")
     parser.add_argument("--pairs", type=int, help=f"pairs of each ({PAIRS}, fewer of what takes long)")
-    parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--measure", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
-    if chosen.serve:
-        serve()
+    if chosen.measure:
+        print(measures()[chosen.measure]())
         return 0
     if len(chosen.checkouts) != 2:
         parser.error("two checkouts, please: the one before and the one after")
-    before, after = (Checkout(root) for root in chosen.checkouts)
+    before, after = chosen.checkouts
     for name in (name for name in measures() if chosen.only in name):
         found = ratios(before, after, name, chosen.pairs or FEWER.get(name, PAIRS))
         low, high = interval(found)
