@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import dataclasses
 import re
-import typing
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,7 @@ from typing import Any
 from contactlab.errors import show
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.accepts import accepts
-from contactlab.scene.fields import is_required, keys_of
+from contactlab.scene.fields import hints_of, is_required, keys_of
 from contactlab.scene.keys import (
     Arc,
     Body,
@@ -56,7 +55,7 @@ TABLES: dict[str, type[Any]] = {
 
 def key_table(cls: type[Any]) -> str:
     """One row per key: what it accepts, its default, its unit, its meaning."""
-    hints = typing.get_type_hints(cls)
+    hints = hints_of(cls)
     rows = ["| key | accepts | default | unit | meaning |", "|---|---|---|---|---|"]
     for name, field in keys_of(cls).items():
         meta = field.metadata

@@ -75,6 +75,7 @@ def _assert_same_run(a: Results, b: Results) -> None:
     for contact, history in a.contact.items():
         assert history.times == b.contact[contact].times
         assert history.curves == b.contact[contact].curves
+        assert history.steps.tobytes() == b.contact[contact].steps.tobytes()
     assert list(a.events) == list(b.events)
     assert list(a.iterations) == list(b.iterations)
     _assert_same_arrays(_steps(a), _steps(b))

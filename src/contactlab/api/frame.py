@@ -221,3 +221,12 @@ class StoredRun(Protocol):
     def step_blocks(self) -> Iterator[Floats]:
         """The scalars of every step (b, len(layout.steps)), block after block."""
         ...
+
+    @property
+    def contact_step_count(self) -> int:
+        """Number of steps that `contact_step_blocks` gives."""
+        ...
+
+    def contact_step_blocks(self) -> Iterator[Mapping[str, np.ndarray]]:
+        """The record of all contacts, rows of `contactlab.api.contact_steps.contact_record` by contact."""
+        ...

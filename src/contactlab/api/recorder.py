@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar
 
+import numpy as np
+
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
 
@@ -32,6 +34,13 @@ class Recording(ABC):
         Called for recorders with `every_step`, before each frame and whenever the buffer is full.
         """
 
+    def contact_steps(self, block: Mapping[str, np.ndarray]) -> None:  # noqa: B027
+        """Take rows of the contact record, those of the same steps of every contact by its name; they may be kept.
+
+        Their fields are those of `contactlab.api.contact_steps.contact_record`. Called for recorders with
+        `every_contact`, in runs that record contact.
+        """
+
     def event(self, event: Event) -> None:  # noqa: B027
         """Record an event when it happens."""
 
@@ -51,11 +60,13 @@ class Recorder(ABC):
 
     by_default  used where a scene names no recorders
     every_step  its recordings want `steps`
+    every_contact  its recordings want `contact_steps`
     shown_file  name of the file that `show` opens; empty where there is nothing to show
     """
 
     by_default: ClassVar[bool] = False
     every_step: ClassVar[bool] = False
+    every_contact: ClassVar[bool] = False
     shown_file: ClassVar[str] = ""
 
     @abstractmethod
@@ -65,7 +76,7 @@ class Recorder(ABC):
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
         """Go on with an interrupted run: by default a new recording of all that `run` has stored."""
         recording = self.open(folder, layout)
-        replay(run, recording, steps=self.every_step)
+        replay(run, recording, steps=self.every_step, contact=self.every_contact)
         return recording
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:  # noqa: B027
@@ -84,11 +95,14 @@ class Recorder(ABC):
         return None
 
 
-def replay(run: StoredRun, recording: Recording, steps: bool) -> None:
+def replay(run: StoredRun, recording: Recording, steps: bool, contact: bool) -> None:
     """Give `recording` everything that `run` has stored."""
     if steps:
         for block in run.step_blocks():
             recording.steps(block)
+    if contact:
+        for rows in run.contact_step_blocks():
+            recording.contact_steps(rows)
     for event in run.events:
         recording.event(event)
     recording.iterations(run.iterations)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import dataclasses
 import inspect
 import re
-import typing
 from collections.abc import Iterator
 from typing import Any
 
 from contactlab.errors import show
 from contactlab.scene.accepts import accepts
-from contactlab.scene.fields import is_required, keys_of
+from contactlab.scene.fields import hints_of, is_required, keys_of
 
 _UNIT = re.compile(r"\[([^\[\]]+)\]")
 
@@ -48,7 +47,7 @@ def _reflowed(paragraph: str) -> str:
 
 def described_fields(cls: type[Any]) -> list[FieldDescription]:
     """Every field in the order of declaration; meanings come from the docstrings of the class and of its bases."""
-    hints, meanings = typing.get_type_hints(cls), dict(_meanings(cls))
+    hints, meanings = hints_of(cls), dict(_meanings(cls))
     return [
         FieldDescription(name, accepts(hints[name], field.metadata), default_of(field), *_with_unit(name, meanings))
         for name, field in keys_of(cls).items()

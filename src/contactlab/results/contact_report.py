@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, State
+from contactlab.api import Floats, State
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.model.contact.pair import ContactPair, ContactSnapshot
 from contactlab.results.arc_length import arc_length
+from contactlab.results.contact_nodes import between, by_slot, friction_bound, node_values, per_node, states_of
 from contactlab.results.results import ContactCurve
 
 
@@ -57,12 +58,13 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
     """The `pair` at the accepted step that ends at the deformed `position` (N, 2), with the state's multipliers."""
     seen = pair.snapshot(state, position)
     normal_force, tangential_force = seen.forces
-    pressure, shear = (_between(pair, _per_node(pair, values)) for values in seen.tractions)
+    values = node_values(pair, seen)
+    pressure, shear = values["pressure"], values["shear"]
     resultant = normal_force @ seen.normals + tangential_force @ _tangents(seen.normals)
-    bound = _bound(pair, seen)
+    bound = friction_bound(pair, seen)
     largest = max(float(normal_force.max(initial=0.0)), 1e-300)
     gaps = np.where(seen.gaps < FAR, seen.gaps, 0.0)
-    states = _states(pair, seen, bound)
+    states = states_of(pair, seen, bound)
     depth, side = _penetration(pair, seen)
     along = arc_length(reference[pair.slave.nodes], pair.slave.segments)
     curve = ContactCurve(
@@ -71,9 +73,9 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
         y=seen.at.slave[:, 1].copy(),
         pressure=pressure,
         shear=shear,
-        nodal_pressure=_between(pair, _per_node(pair, _per_length(seen))),
-        gap=_between(pair, _node_gap(pair, seen.gaps)),
-        state=_states_between(pair, states),
+        nodal_pressure=between(pair, per_node(pair, _per_length(seen))),
+        gap=values["gap"],
+        state=values["state"],
         chain=along.chain,
     )
     return ContactReport(
@@ -93,62 +95,14 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
     )
 
 
-def _slots(pair: ContactPair, values: Floats) -> Floats:
-    return values.reshape(pair.rows_per_node, -1)
-
-
-def _per_node(pair: ContactPair, values: Floats) -> Floats:
-    """Add up multipliers of several slots of a node."""
-    return np.asarray(_slots(pair, values).sum(axis=0))
-
-
-def _between(pair: ContactPair, values: Floats) -> Floats:
-    """Values (m,) at nodes, with those of nodes that carry no multiplier as means of their neighbours."""
-    inner, following, preceding = pair.between
-    values[inner] = 0.5 * (values[following] + values[preceding])
-    return values
-
-
-def _states_between(pair: ContactPair, states: Ints) -> Ints:
-    """States (m,): a node without multiplier touches where a neighbour does, and slides where one does."""
-    inner, following, preceding = pair.between
-    whole = states.copy()
-    whole[inner] = np.maximum(states[following], states[preceding])
-    return whole
-
-
 def _per_length(seen: ContactSnapshot) -> Floats:
     forces = seen.forces[0]
     pressed = (forces > 0.0) & (seen.cover > 0.0)
     return np.asarray(np.divide(forces, seen.cover, out=np.zeros_like(forces), where=pressed))
 
 
-def _node_gap(pair: ContactPair, gaps: Floats) -> Floats:
-    lowest = _slots(pair, gaps).min(axis=0)
-    return np.where(lowest < FAR, lowest, np.nan)
-
-
 def _tangents(normals: Floats) -> Floats:
     return np.stack([normals[:, 1], -normals[:, 0]], axis=1)
-
-
-def _bound(pair: ContactPair, seen: ContactSnapshot) -> Floats:
-    normal_force = seen.forces[0]
-    if pair.friction is None:
-        return np.zeros_like(normal_force)
-    law = pair.friction.bound()
-    adhesion = law.adhesion * seen.cover
-    if np.isfinite(law.cap):
-        adhesion = np.minimum(adhesion, law.cap * normal_force)
-    return np.asarray(law.coefficient * normal_force + adhesion)
-
-
-def _states(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:
-    normal_force, tangential_force = seen.forces
-    pressed = (normal_force > 0.0) | (tangential_force != 0.0)
-    stick = pressed & (np.abs(tangential_force) < bound * (1.0 - 1e-9))
-    per_slot = np.where(stick, 1, np.where(pressed, 2, 0)).astype(np.int32)
-    return np.asarray(per_slot.reshape(pair.rows_per_node, -1).max(axis=0), np.int32)
 
 
 def _covered(pair: ContactPair, seen: ContactSnapshot) -> Floats:
@@ -161,7 +115,7 @@ def _covered(pair: ContactPair, seen: ContactSnapshot) -> Floats:
     half = 0.5 * np.hypot(*(seen.at.slave[b] - seen.at.slave[a]).T)
     np.add.at(lengths, a, half)
     np.add.at(lengths, b, half)
-    return np.asarray(_slots(pair, seen.cover).max(axis=0) / lengths)
+    return np.asarray(by_slot(pair, seen.cover).max(axis=0) / lengths)
 
 
 def _integral(

@@ -19,6 +19,8 @@ from contactlab.results.results import ContactHistory, Results
 from contactlab.results.sample import Sample
 
 if TYPE_CHECKING:
+    from contactlab.results.contact_sampler import ContactSampler
+    from contactlab.results.record_plan import RecordPlan
     from contactlab.results.steps import Sample as StepSample
     from contactlab.results.steps import StepSampler
 
@@ -26,8 +28,8 @@ if TYPE_CHECKING:
 class Journal:
     """Samples of one run in memory; frames, steps and events go to its recordings, by the recorder's name.
 
-    `every_step` are the calls that the loop makes after each step: none if no recorder wants them.
-    With `past`, an interrupted run is taken up where it was saved.
+    `wanted` names the recordings that want every step's scalars ("steps") and the contact record ("contact_steps"),
+    `plan` says which steps the latter has. With `past`, an interrupted run is taken up where it was saved.
     """
 
     def __init__(
@@ -35,9 +37,10 @@ class Journal:
         model: Model,
         layout: Layout,
         recordings: Mapping[str, Recording],
-        every_step: frozenset[str],
+        wanted: Mapping[str, frozenset[str]],
         history_file: HistoryFile | None = None,
         past: Results | None = None,
+        plan: RecordPlan | None = None,
     ) -> None:
         self.model, self.layout = model, layout
         self.folder = history_file.folder if history_file is not None else None
@@ -49,8 +52,12 @@ class Journal:
         self.iteration_file: IterationFile | None = None
         self.last: Sample | None = None
         self.full = False
-        self.stepped = every_step
-        self.sampler = self._every_step_sampler() if every_step else None
+        self.wanted = wanted
+        self.samplers: list[StepSampler | ContactSampler] = []
+        if wanted["steps"]:
+            self.samplers.append(self._every_step_sampler())
+        if wanted["contact_steps"] and plan is not None:
+            self.samplers.append(self._contact_sampler(plan))
         if past is not None:
             self._take_up(past)
         self.history_file = history_file
@@ -59,8 +66,8 @@ class Journal:
 
     @property
     def every_step(self) -> tuple[StepSample, ...]:
-        """What to call after each step, with the step and its length."""
-        return (self.sampler.sample,) if self.sampler is not None else ()
+        """What to call after each step, with the step and its length: nothing if no recorder wants anything."""
+        return tuple(sampler.sample for sampler in self.samplers)
 
     @property
     def restartable(self) -> bool:
@@ -87,8 +94,7 @@ class Journal:
             self.contact[name].curves.append(report.curve)
         if self.history_file is not None:
             self._or_stop("history.csv", lambda file: file.add(row), self.history_file)
-        if self.sampler is not None:
-            self.sampler.flush()
+        self._flush()
         if self.recordings:
             frame: Frame = frame_of(self.model, sample)
             self._tell("frame", lambda recording: recording.frame(frame))
@@ -112,16 +118,15 @@ class Journal:
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:
         """Let the recordings keep what a restart needs."""
         if self.recordings:
-            if self.sampler is not None:
-                self.sampler.flush()
+            self._flush()
             written = plain(summary)
             self._tell("save", lambda recording: recording.save(memory, written))
 
     def finish(self, summary: Mapping[str, Any]) -> Results:
         """Close everything, write the last files and hand the results back."""
         written = plain(summary)
-        if self.sampler is not None:
-            self._quietly("steps", lambda _: self.sampler.flush())  # type: ignore[union-attr]
+        for sampler in self.samplers:
+            self._quietly("steps", lambda _, sampler=sampler: sampler.flush())  # type: ignore[misc]
         self._quietly("close", lambda recording: recording.close(written))
         self._write_files(written)
         return self._results(written)
@@ -132,6 +137,15 @@ class Journal:
         from contactlab.results.steps import StepSampler
 
         return StepSampler(self.model, len(self.layout.steps), self._steps)
+
+    def _contact_sampler(self, plan: RecordPlan) -> ContactSampler:
+        from contactlab.results.contact_sampler import ContactSampler
+
+        return ContactSampler(self.model, self.layout, plan, self._contact_steps)
+
+    def _flush(self) -> None:
+        for sampler in self.samplers:
+            sampler.flush()
 
     def _write_files(self, summary: dict[str, Any]) -> None:
         if self.folder is None or self.history_file is None:
@@ -156,8 +170,12 @@ class Journal:
         self.events, self.iterations = list(past.events), list(past.iterations)
 
     def _steps(self, block: Floats) -> None:
-        for name in self.stepped & self.recordings.keys():
+        for name in self.wanted["steps"] & self.recordings.keys():
             self._one(name, "steps", lambda recording: recording.steps(block))
+
+    def _contact_steps(self, block: Mapping[str, np.ndarray]) -> None:
+        for name in self.wanted["contact_steps"] & self.recordings.keys():
+            self._one(name, "contact_steps", lambda recording: recording.contact_steps(block))
 
     def _tell(self, what: str, call: Callable[[Recording], None]) -> None:
         for name in list(self.recordings):

@@ -14,6 +14,7 @@ from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError, one_line
 from contactlab.results.checkpoint_slots import Checkpoint, Slots
 from contactlab.results.checksums import Damage, StoredSums, sealed
+from contactlab.results.contact_table import StoredContactSteps, check_record, recorded_rows, rows_up_to
 from contactlab.results.damage import BROKEN, TABLES, check_all, damage_told, whole_frames
 from contactlab.results.event_table import read_events
 from contactlab.results.final_fields import FinalFields
@@ -58,6 +59,7 @@ def load_checkpoint(folder: Path) -> tuple[Results, Checkpoint] | None:
             return None
         reader.limit(reader.checkpoint)
         check_all(file, reader.layout, reader.frames, reader.steps)
+        check_record(reader.own, reader.layout, reader.recorded)
         return reader.results(), reader.checkpoint
 
 
@@ -71,6 +73,7 @@ class _Reader:
         self.layout = read_layout(self.own)
         self.frames = self._or("the frames", lambda: _frame_count(file, salvage), 0)
         self.steps = self._or("the steps", lambda: int(self.own["steps"].attrs["count"]), 0)
+        self.recorded = self._or("the contact record", lambda: recorded_rows(self.own, self.layout), 0)
         self.events = self._or("the events", lambda: len(self.own["events/step"]), 0)
         self.last_step = math.inf
         slots = self._or("the saved state", lambda: Slots.of(self.own), None)
@@ -107,6 +110,7 @@ class _Reader:
         self.frames, self.steps, self.events = checkpoint.frames, checkpoint.steps, checkpoint.events
         self.numbers = self.numbers[: self.frames]
         self.last_step = float(checkpoint.memory["state.clock"][1])
+        self.recorded = rows_up_to(self.own, self.layout, self.recorded, self.last_step)
 
     def results(self) -> Results:
         """Read all that the file holds into one `Results`."""
@@ -179,7 +183,9 @@ class _Reader:
         found = {}
         for contact in self.layout.contacts:
             table = self._rows(f"curves of {contact.name}", self.own[f"contacts/{contact.name}/curves"])
-            found[contact.name] = ContactHistory(list(times), [curve_of(values) for values in table])
+            record = StoredContactSteps(self.folder, contact, self.recorded, self.salvage)
+            curves = [curve_of(values) for values in table]
+            found[contact.name] = ContactHistory(list(times), curves, record)
         return found
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout
 from contactlab.api.warning import RunWarning
+from contactlab.results.contact_blocks import blocks_of
 from contactlab.views import view
 
 __all__ = ["ContactCurve", "ContactHistory", "Results"]
@@ -19,10 +20,20 @@ __all__ = ["ContactCurve", "ContactHistory", "Results"]
 
 @dataclass(repr=False)
 class ContactHistory:
-    """The stored curves of one contact: `times` (frames,) [s] and the curves."""
+    """The stored curves of one contact: `times` (frames,) [s] and the curves; and its record of every step."""
 
     times: list[float] = field(default_factory=list)
     curves: list[ContactCurve] = field(default_factory=list)
+    step_source: Sequence[np.ndarray] = ()
+
+    @property
+    def steps(self) -> np.ndarray:
+        """What each slave node felt in every step that was kept: rows of `contactlab.api.contact_steps.contact_record`.
+
+        `steps["pressure"]` is (steps, m), `steps["step"]` (steps,); empty without files. Read anew at every call.
+        """
+        blocks = list(self.step_source)
+        return np.concatenate(blocks) if blocks else np.zeros(0, _NOTHING_RECORDED)
 
     @property
     def last(self) -> ContactCurve:
@@ -33,6 +44,12 @@ class ContactHistory:
 
     def __repr__(self) -> str:
         return f"ContactHistory({len(self.curves)} curves)"
+
+
+_NOTHING_RECORDED = np.dtype([
+    ("step", "i8"), ("time", "f8"), ("gap", "f4", (0,)), ("pressure", "f4", (0,)), ("state", "u1", (0,)),
+    ("segment", "u2", (0,)),
+])  # fmt: skip
 
 
 @dataclass(eq=False, repr=False)
@@ -122,6 +139,18 @@ class Results:
         """The same (b, len(layout.steps)), some steps at a time."""
         yield from self.step_source
 
+    @property
+    def contact_step_count(self) -> int:
+        """Steps of which the contacts were recorded node by node."""
+        return sum(map(len, self._record(self.layout.contacts[0].name))) if self.layout.contacts else 0
+
+    def contact_step_blocks(self) -> Iterator[Mapping[str, np.ndarray]]:
+        """The record of all contacts by name, some steps at a time."""
+        yield from blocks_of({contact.name: self._record(contact.name) for contact in self.layout.contacts})
+
+    def _record(self, contact: str) -> Sequence[np.ndarray]:
+        return self.contact[contact].step_source if contact in self.contact else ()
+
     def __repr__(self) -> str:
         return str(view("texts.results_text")(self))
 
@@ -177,7 +206,7 @@ def _same(a: Any, b: Any) -> bool:
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         return a.keys() == b.keys() and all(_same(value, b[key]) for key, value in a.items())
     if isinstance(a, ContactHistory) and isinstance(b, ContactHistory):
-        return _same(a.times, b.times) and a.curves == b.curves
+        return _same(a.times, b.times) and a.curves == b.curves and a.steps.tobytes() == b.steps.tobytes()
     if isinstance(a, list | tuple) and isinstance(b, list | tuple):
         return len(a) == len(b) and all(_same(x, y) for x, y in zip(a, b, strict=True))
     return bool(a == b)

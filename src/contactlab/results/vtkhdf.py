@@ -23,6 +23,7 @@ from contactlab.api.recorder import Recorder, Recording
 from contactlab.results.checkpoint_slots import Slots
 from contactlab.results.checksums import GROUP as SUMS
 from contactlab.results.checksums import SEAL, FrameSums, of_rows, seal
+from contactlab.results.contact_table import ContactTable, is_recorded
 from contactlab.results.event_table import EventTable
 from contactlab.results.grid_file import GridFile, write_grid
 from contactlab.results.growing import Column, GrowingFile, Number
@@ -42,6 +43,7 @@ class VtkHdf(Recorder):
 
     by_default: ClassVar[bool] = True
     every_step: ClassVar[bool] = True
+    every_contact: ClassVar[bool] = True
 
     def open(self, folder: Path, layout: Layout) -> Recording:
         """Create the file of a new run."""
@@ -50,7 +52,7 @@ class VtkHdf(Recorder):
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
         """The file as it lies, cut back to what `run` holds."""
         recording = VtkHdfRecording(GrowingFile(folder / FILE, new=False), layout)
-        recording.cut(len(run.frames), run.step_count, len(run.events), len(run.iterations))
+        recording.cut(len(run.frames), run.step_count, len(run.events), len(run.iterations), run.contact_step_count)
         return recording
 
 
@@ -83,6 +85,7 @@ class VtkHdfRecording(Recording):
         self.steps_written = self.step_count.value
         self.events = EventTable(growing, self.own)
         self.newton = IterationTable(growing, self.own) if GROUP in self.own else None
+        self.contact = ContactTable(growing, self.own, layout) if is_recorded(self.own, layout) else None
         self.slots = Slots.of(self.own)
 
     def frame(self, frame: Frame) -> None:
@@ -112,6 +115,12 @@ class VtkHdfRecording(Recording):
         self.step_sums.write(self.steps_written, of_rows(block), len(block))
         self.steps_written += len(block)
 
+    def contact_steps(self, block: Mapping[str, np.ndarray]) -> None:
+        """Append rows of the contact record."""
+        if self.contact is None:
+            self.contact = ContactTable(self.growing, self.own, self.layout)
+        self.contact.add(block)
+
     def event(self, event: Event) -> None:
         """Append an event to the table of events."""
         self.events.add(event)
@@ -137,7 +146,8 @@ class VtkHdfRecording(Recording):
         """Give the spare room back and write the summary."""
         try:
             made = self.newton.count if self.newton is not None else 0
-            self.cut(self.grid.times.count, self.steps_written, self.events.count, made)
+            recorded = self.contact.count if self.contact is not None else 0
+            self.cut(self.grid.times.count, self.steps_written, self.events.count, made, recorded)
             text = json.dumps(summary)
             self.growing.reserve(len(text), metadata=SUMMARY_METADATA)
             if "summary" in self.own:
@@ -148,8 +158,8 @@ class VtkHdfRecording(Recording):
         finally:
             self.growing.close()
 
-    def cut(self, frames: int, steps: int, events: int, iterations: int) -> None:
-        """Have exactly so many frames, steps, events and Newton iterations, and no spare room."""
+    def cut(self, frames: int, steps: int, events: int, iterations: int, contact_steps: int) -> None:
+        """Have exactly so much of everything, and no spare room."""
         self.grid.cut(frames)
         for column in self._own_columns():
             column.resize(frames)
@@ -160,6 +170,8 @@ class VtkHdfRecording(Recording):
         self.events.cut(events)
         if self.newton is not None:
             self.newton.cut(iterations)
+        if self.contact is not None:
+            self.contact.cut(contact_steps)
         self.growing.flush()
 
     def _show_steps(self) -> None:
@@ -167,6 +179,8 @@ class VtkHdfRecording(Recording):
         self.step_count.write(self.steps_written)
         if self.newton is not None:
             self.newton.show()
+        if self.contact is not None:
+            self.contact.show()
 
     def _own_columns(self) -> list[Column]:
         own = [*self.curves.values(), *([self.history] if self.history is not None else [])]

@@ -21,6 +21,7 @@ from contactlab.parts.provenance import parts_of, versions
 from contactlab.results.files import HistoryFile, write_scene
 from contactlab.results.frame import layout_of
 from contactlab.results.journal import Journal
+from contactlab.results.record_plan import RecordPlan
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
 from contactlab.results.summary import Clock, Counts, summarise
@@ -65,11 +66,14 @@ class Run:
     kept: KeptState = field(default_factory=KeptState)
     journal: Journal = field(init=False)
     nested: NestedStart | None = None
+    plan: RecordPlan | None = None
 
     def store_start(self) -> None:
         """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
         if not self.journal.frames:
             self.store()
+            if self.plan is not None and (told := self.plan.told()):
+                self.journal.tell("info", told)
         self.keep()
         self.save()
 
@@ -278,15 +282,20 @@ def prepare_run(
     # there is never a frame without a step: room for more would be taken for nothing
     layout = replace(layout, frames=min(layout.frames, run.schedule.estimated_steps()))
     check_frame_size(layout.frames, len(layout.nodes), scene.where("record.frames"))
-    every_step = frozenset(name for name, recorder in recorders.items() if recorder.every_step)
+    wanted = {
+        "steps": frozenset(name for name, recorder in recorders.items() if recorder.every_step),
+        "contact_steps": frozenset(name for name, recorder in recorders.items() if recorder.every_contact),
+    }
     if folder is None:
-        run.journal = Journal(model, layout, {}, every_step)
+        run.journal = Journal(model, layout, {}, wanted)
         return run
+    plan = RecordPlan.of(scene.record, layout, run.schedule.estimated_steps()) if wanted["contact_steps"] else None
     claimed = HistoryFile(folder)
     past = _take_up(run, layout, folder) if resume else None
     write_scene(folder, layout.scene)
     recordings = open_recordings(recorders, folder, layout, past)
-    run.journal = Journal(model, layout, recordings, every_step, claimed, past)
+    run.journal = Journal(model, layout, recordings, wanted, claimed, past, plan)
+    run.plan = plan
     return run
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from contactlab.api import Floats, Ints, Step
 from contactlab.model.model import Model
+from contactlab.results.slips import slips_of
 
 if TYPE_CHECKING:
     from contactlab.model.contact.pair import ContactPair
@@ -26,7 +27,7 @@ class ModelView:
         self._pairs: tuple[ContactPair, ...] = tuple(model.contact.pairs) if model.contact is not None else ()
         self.contacts = len(self._pairs)
         self._lengths = [_median_segment(pair, model.reference) for pair in self._pairs]
-        self._load, self._held = np.zeros_like(model.reference), model.prescribed.dof
+        self._load = np.zeros_like(model.reference)
         self.time = model.state.time
 
     def took(self, step: Step, dt: float) -> None:
@@ -64,23 +65,7 @@ class ModelView:
 
     def slips(self, contact: int = 0) -> Floats:
         """Tangential motion in this step: what the rows predicted, and what the forces changed of it."""
-        rows = getattr(self._model.contact, "rows", None)
-        if rows is None or not len(rows.slip):
-            raise LookupError("slips are known to explicit runs with friction alone")
-        out = np.zeros(self._fields["multipliers"].shape[1])
-        compliance, force = self._compliance(), self._fields["contact_force"]
-        for k in range(rows.count):
-            entries = slice(rows.start[k], rows.start[k + 1])
-            node = rows.node[entries]
-            pushed = (rows.tangent_weight[entries] * compliance[node] * force[node]).sum()
-            out[rows.slot[k]] += rows.slip[k] + float(pushed)
-        return out[self._slots(contact)]
-
-    def _compliance(self) -> Floats:
-        """Displacement (N, 2) [mm/N] per contact force within a step; 0 where held."""
-        out = np.repeat(np.divide(self.dt**2, self.mass, out=np.zeros_like(self.mass), where=self.mass > 0.0), 2)
-        out[self._held] = 0.0
-        return out.reshape(-1, 2)
+        return slips_of(self._model, self.dt)[self._slots(contact)]
 
     def external_force(self) -> Floats:
         """Nodal forces (N, 2) [N] of loads and effects."""

@@ -61,8 +61,17 @@ def hidden(default: Any) -> Any:
 
 
 def keys_of(cls: type) -> dict[str, dataclasses.Field[Any]]:
-    """The keys that a table read into `cls` may have, in the order of declaration."""
-    return {f.name: f for f in dataclasses.fields(cls) if f.init and not f.metadata.get("hidden")}
+    """The keys that a table read into `cls` may have, in the order of declaration.
+
+    A key that is a word of Python's own has a field with an underscore behind it: `from_` is the key `from`.
+    """
+    return {f.name.rstrip("_"): f for f in dataclasses.fields(cls) if f.init and not f.metadata.get("hidden")}
+
+
+def hints_of(cls: type) -> dict[str, Any]:
+    """Types of the keys of a table."""
+    hints = typing.get_type_hints(cls)
+    return {name: hints[field.name] for name, field in keys_of(cls).items()}
 
 
 def is_required(field: dataclasses.Field[Any]) -> bool:
@@ -72,8 +81,7 @@ def is_required(field: dataclasses.Field[Any]) -> bool:
 
 def as_data(instance: Any) -> dict[str, Any]:
     """A dataclass as a plain nested dict; keys without a value, or with an empty table, are left out."""
-    names = keys_of(type(instance))
-    values = {name: getattr(instance, name) for name in names}
+    values = {name: getattr(instance, field.name) for name, field in keys_of(type(instance)).items()}
     return {name: _plain(value) for name, value in values.items() if value is not None and value != {}}
 
 
@@ -92,7 +100,7 @@ def kind_at(cls: type, path: Sequence[str]) -> str | None:
     if not path or path[0] not in keys_of(cls):
         return None
     field, rest = keys_of(cls)[path[0]], path[1:]
-    for hint in _steps(typing.get_type_hints(cls)[path[0]]):
+    for hint in _steps(hints_of(cls)[path[0]]):
         if dataclasses.is_dataclass(hint) and isinstance(hint, type):
             return kind_at(hint, rest)
         if hint in (PartSpec, PartSpec | None):
@@ -117,4 +125,16 @@ def _steps(hint: Any) -> Iterator[Any]:
         hint = inner[0] if get_origin(hint) in (tuple, list) else inner[-1]
 
 
-__all__ = ["NAME", "PartSpec", "ReadPart", "as_data", "hidden", "is_required", "key", "keys_of", "kind_at", "part"]
+__all__ = [
+    "NAME",
+    "PartSpec",
+    "ReadPart",
+    "as_data",
+    "hidden",
+    "hints_of",
+    "is_required",
+    "key",
+    "keys_of",
+    "kind_at",
+    "part",
+]

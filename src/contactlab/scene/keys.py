@@ -286,3 +286,21 @@ class Record:
         None,
         says="what writes to the results folder beside the small text files; not written: the usual ones",
     )
+    from_: int | None = key(None, least=1, says="first step of the contact record; not written: the first of the run")
+    to: int | None = key(None, least=1, says="last step of the contact record; not written: the last of the run")
+    every: int | None = key(
+        None,
+        least=1,
+        says="steps from one row of the contact record to the next; not written: 1, more where the budget is short",
+    )
+    budget: float | None = key(
+        None,
+        unit="MB",
+        least=0.0,
+        says="size of the contact record, which has fewer steps where it would be larger; 0: no record; "
+        "not written: 64, of a run in a comparison 3",
+    )
+
+    def __post_init__(self) -> None:
+        if self.to is not None and self.to < (self.from_ or 1):
+            raise ValueError(f"to: got {self.to}, allowed: a step from `from` = {self.from_ or 1} on")

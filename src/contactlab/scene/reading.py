@@ -12,7 +12,7 @@ from typing import Any, Literal, TypeVar, get_args, get_origin
 
 from contactlab.errors import NOTHING, SceneError, Where, below, did_you_mean
 from contactlab.scene.accepts import MAPPINGS, in_words
-from contactlab.scene.fields import NAME, PartSpec, ReadPart, is_required, keys_of
+from contactlab.scene.fields import NAME, PartSpec, ReadPart, hints_of, is_required, keys_of
 from contactlab.scene.scalars import choice, scalar
 
 T = TypeVar("T")
@@ -30,12 +30,12 @@ def read_table(cls: type[T], table: Any, where: Where, read_part: ReadPart | Non
     for name in table:
         if name not in known:
             raise unknown_key(name, list(known), where)
-    hints = typing.get_type_hints(cls)
+    hints = hints_of(cls)
     reader = _Reader(read_part)
     values = {}
     for name, field in known.items():
         if name in table:
-            values[name] = reader.field(field, hints[name], table[name], below(where, name))
+            values[field.name] = reader.field(field, hints[name], table[name], below(where, name))
         elif is_required(field):
             raise _missing_key(field, hints[name], list(table), where)
     return construct(cls, {**values, **extra}, where)
@@ -56,7 +56,7 @@ def _refused(cls: type, message: str, values: Mapping[str, Any], where: Where) -
     match = _REFUSAL.fullmatch(message)
     if match is None or match["name"] not in keys_of(cls):
         return SceneError(message or f"{cls.__name__} refuses these values", where=where, got=dict(values))
-    at, got = below(where, match["name"]), values.get(match["name"], NOTHING)
+    at, got = below(where, match["name"]), values.get(keys_of(cls)[match["name"]].name, NOTHING)
     if match["other"]:
         return SceneError(match["other"], where=at, got=got)
     return SceneError("this value is not allowed", where=at, got=got, allowed=match["allowed"])

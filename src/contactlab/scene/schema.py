@@ -11,7 +11,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from contactlab.parts.description import described_fields
 from contactlab.parts.registry import Registry
-from contactlab.scene.fields import NAME, PartSpec, as_data, is_required, keys_of
+from contactlab.scene.fields import NAME, PartSpec, as_data, hints_of, is_required, keys_of
 from contactlab.scene.scene import Scene
 
 Schema = dict[str, Any]
@@ -59,7 +59,7 @@ def _part(kind: str, name: str, registry: Registry, definitions: dict[str, Schem
 
 def _table(cls: type[Any], definitions: dict[str, Schema], meanings: Mapping[str, str] | None = None) -> Schema:
     """The keys of a dataclass. `meanings` of those whose declaration has none."""
-    hints, keys = typing.get_type_hints(cls), keys_of(cls)
+    hints, keys = hints_of(cls), keys_of(cls)
     properties = {}
     for name, field in keys.items():
         says = field.metadata.get("says") or (meanings or {}).get(name, "")

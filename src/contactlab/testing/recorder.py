@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -47,6 +47,15 @@ class SmallRun:
         """Blocks of steps as a run gives them to a recorder before each frame."""
         for frame in self.frames[1:]:
             yield _steps(frame.number)
+
+    @property
+    def contact_step_count(self) -> int:
+        """No contact, no record of one."""
+        return 0
+
+    def contact_step_blocks(self) -> Iterator[Mapping[str, np.ndarray]]:
+        """Give nothing, as there is no contact."""
+        return iter(())
 
 
 def _steps(number: int) -> Floats:

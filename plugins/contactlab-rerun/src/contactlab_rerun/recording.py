@@ -101,7 +101,7 @@ def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) 
     for title, appearance in appearances(shown).items():
         run = shown[title]
         one = RunRecording(partial(file.open_run, appearance=appearance), options, run.layout, lambda summary: None)
-        replay(run, one, steps=True)
+        replay(run, one, steps=True, contact=True)
         one.close(run.summary)
     file.finish([run.summary for run in shown.values()])
 

@@ -25,6 +25,7 @@ __all__ = [
     "DTYPES",
     "BoundArrays",
     "BoundCache",
+    "Bytes2",
     "Flags1",
     "Floats1",
     "Floats2",
@@ -32,6 +33,8 @@ __all__ = [
     "Floats5",
     "Ints1",
     "Ints2",
+    "Shorts2",
+    "Singles2",
     "layout_of",
     "members",
 ]
@@ -43,7 +46,9 @@ LAST_SERIAL: Final = 2**15 - 1  # so that addresses are positive
 _FREE: dict[int, list[tuple[NDArray[np.int64], int]]] = {}
 _SPENT: list[NDArray[np.int64]] = []
 
-DTYPES = {"d": np.float64, "i": np.int32, "l": np.int64, "b": np.bool_}
+DTYPES = {
+    "d": np.float64, "f": np.float32, "i": np.int32, "l": np.int64, "s": np.uint16, "c": np.uint8, "b": np.bool_,
+}  # fmt: skip
 
 Floats1 = Annotated[NDArray[np.float64], "d1"]
 Floats2 = Annotated[NDArray[np.float64], "d2"]
@@ -52,6 +57,9 @@ Floats5 = Annotated[NDArray[np.float64], "d5"]
 Ints1 = Annotated[NDArray[np.int32], "i1"]
 Ints2 = Annotated[NDArray[np.int32], "i2"]
 Flags1 = Annotated[NDArray[np.bool_], "b1"]
+Singles2 = Annotated[NDArray[np.float32], "f2"]
+Shorts2 = Annotated[NDArray[np.uint16], "s2"]
+Bytes2 = Annotated[NDArray[np.uint8], "c2"]
 
 
 @cache
@@ -70,9 +78,9 @@ def layout_of(table: type) -> str:
 class BoundArrays:
     """C-contiguous arrays that never move while this object lives, for kernels that `unpack` its `address`.
 
-    `layout` has a word for each array: a letter for what is in it (d float64, i int32, l int64, b bool) and the number
-    of its dimensions, "d2 i1" say; or it is a table (see the module). `table` is what the address leads to: the address
-    itself while this object lives, then the arrays as compiled code holds them.
+    `layout` has a word for each array: a letter for what is in it (d float64, f float32, i int32, l int64, s uint16,
+    c uint8, b bool) and the number of its dimensions, "d2 i1" say; or it is a table (see the module). `table` is what
+    the address leads to: the address itself while this object lives, then the arrays as compiled code holds them.
     """
 
     def __init__(self, layout: str | type, *arrays: Any) -> None:

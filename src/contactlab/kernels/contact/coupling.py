@@ -134,7 +134,12 @@ def couple(count, multiplier, T, c):
 @kernel
 def solve(bound, values):
     """Overwrite values (k,) by T^-1 values; `bound` is the address of a `CouplingTable`."""
-    c = unpack(bound, CouplingTable)
+    solve_pivots(unpack(bound, CouplingTable), values)
+
+
+@section
+def solve_pivots(c, values):
+    """Overwrite values (k,) by T^-1 values."""
     for i in range(c.kept[0]):
         k = c.order[i]
         p = c.previous[k]

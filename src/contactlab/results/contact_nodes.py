@@ -1,0 +1,90 @@
+"""What the slave nodes of a contact feel, put together from what its multipliers do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats, Ints
+from contactlab.api.contact_steps import NO_SEGMENT
+from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.model.contact.gap_pair import GapPair
+from contactlab.model.contact.pair import ContactPair, ContactSnapshot
+
+
+def node_values(pair: ContactPair, seen: ContactSnapshot) -> dict[str, np.ndarray]:
+    """Pressure and shear (m,) [MPa], gap (m,) [mm] and state (m,) of every slave node; see `ContactCurve`."""
+    pressure, shear = (between(pair, per_node(pair, values)) for values in seen.tractions)
+    gap = between(pair, _node_gap(pair, seen.gaps))
+    state = _states_between(pair, states_of(pair, seen, friction_bound(pair, seen)))
+    return {"pressure": pressure, "shear": shear, "gap": gap, "state": state}
+
+
+def facing_segments(pair: ContactPair) -> Ints:
+    """The master segment (m,) whose nodes have most of the weight in each node's condition; `NO_SEGMENT` without one.
+
+    For pairs whose conditions come finished.
+    """
+    assert isinstance(pair, GapPair)
+    segments = np.full(len(pair.slave.nodes), NO_SEGMENT, np.int32)
+    found = pair.found
+    if found is None or not len(found.gap):
+        return segments
+    place = np.full(len(pair.of_slave), -1)
+    place[pair.master.nodes] = np.arange(len(pair.master.nodes))
+    weights = np.zeros((len(found.gap), len(pair.master.nodes) + 1))  # the last column takes what is no master's
+    row = np.repeat(np.arange(len(found.gap)), np.diff(found.start))
+    np.add.at(weights, (row, place[found.node]), np.hypot(*found.normal_weight.T))
+    a, b = pair.master.segments.T
+    segments[found.owner] = np.argmax(weights[:, a] + weights[:, b], axis=1)
+    return np.minimum(segments, NO_SEGMENT).astype(np.int32)
+
+
+def by_slot(pair: ContactPair, values: Floats) -> Floats:
+    """Values (k,) of multipliers as (multipliers of a node, m)."""
+    return values.reshape(pair.rows_per_node, -1)
+
+
+def per_node(pair: ContactPair, values: Floats) -> Floats:
+    """Add up multipliers of several slots of a node."""
+    return np.asarray(by_slot(pair, values).sum(axis=0))
+
+
+def between(pair: ContactPair, values: Floats) -> Floats:
+    """Values (m,) at nodes, with those of nodes that carry no multiplier as means of their neighbours."""
+    inner, following, preceding = pair.between
+    values[inner] = 0.5 * (values[following] + values[preceding])
+    return values
+
+
+def _states_between(pair: ContactPair, states: Ints) -> Ints:
+    """States (m,): a node without multiplier touches where a neighbour does, and slides where one does."""
+    inner, following, preceding = pair.between
+    whole = states.copy()
+    whole[inner] = np.maximum(states[following], states[preceding])
+    return whole
+
+
+def _node_gap(pair: ContactPair, gaps: Floats) -> Floats:
+    lowest = by_slot(pair, gaps).min(axis=0)
+    return np.where(lowest < FAR, lowest, np.nan)
+
+
+def friction_bound(pair: ContactPair, seen: ContactSnapshot) -> Floats:
+    """Largest tangential force (k,) [N] that the friction law allows each multiplier."""
+    normal_force = seen.forces[0]
+    if pair.friction is None:
+        return np.zeros_like(normal_force)
+    law = pair.friction.bound()
+    adhesion = law.adhesion * seen.cover
+    if np.isfinite(law.cap):
+        adhesion = np.minimum(adhesion, law.cap * normal_force)
+    return np.asarray(law.coefficient * normal_force + adhesion)
+
+
+def states_of(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:
+    """States (m,) of the nodes that carry multipliers: 0 open, 1 stick, 2 slip."""
+    normal_force, tangential_force = seen.forces
+    pressed = (normal_force > 0.0) | (tangential_force != 0.0)
+    stick = pressed & (np.abs(tangential_force) < bound * (1.0 - 1e-9))
+    per_slot = np.where(stick, 1, np.where(pressed, 2, 0)).astype(np.int32)
+    return np.asarray(per_slot.reshape(pair.rows_per_node, -1).max(axis=0), np.int32)

@@ -1,0 +1,171 @@
+"""The contact record: what each slave node feels in every step, sampled into a buffer and handed on in blocks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import Floats, Layout, Step
+from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.api.contact_steps import contact_record
+from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.record import RecordColumns, RecordScratch, RecordTable, record_pair
+from contactlab.model.contact.operator_pair import OperatorPair
+from contactlab.model.contact.overlap_relaxation import OverlapRelaxation
+from contactlab.model.contact.pair import ContactPair
+from contactlab.model.model import Model
+from contactlab.results.contact_nodes import facing_segments, node_values
+from contactlab.results.slips import slips_of
+
+if TYPE_CHECKING:
+    from contactlab.results.record_plan import RecordPlan
+
+BLOCK = 512  # rows between hand-overs
+
+Block = Mapping[str, np.ndarray]
+"""Rows of each contact by its name, see `contactlab.api.contact_steps.contact_record`."""
+
+
+class ContactSampler:
+    """Samples the contacts of a model after steps that the plan keeps. `sample` is what the loop calls.
+
+    `take` gets a block of at most BLOCK rows of every contact, and may keep it.
+    """
+
+    def __init__(self, model: Model, layout: Layout, plan: RecordPlan, take: Callable[[Block], None]) -> None:
+        assert model.contact is not None
+        self.plan, self.take, self.count = plan, take, 0
+        self.types = {contact.name: contact_record(contact) for contact in layout.contacts}
+        self.when: Floats = np.zeros((2, BLOCK))
+        self.arrays = {name: _columns(kind) for name, kind in self.types.items()}
+        pairs = [(pair, self.arrays[pair.name]) for pair in model.contact.pairs]
+        self.sample = self._sample_of(model, [_recorder_of(model, pair, columns) for pair, columns in pairs])
+
+    def flush(self) -> None:
+        """Hand on the rows since the last time."""
+        if not self.count:
+            return
+        block, count, self.count = {}, self.count, 0
+        for name, kind in self.types.items():
+            rows = np.empty(count, kind)
+            rows["step"], rows["time"] = self.when[:, :count]
+            for field, values in self.arrays[name].items():
+                rows[field] = values[:count]
+            block[name] = rows
+        self.take(block)
+
+    def _sample_of(self, model: Model, recorders: list[Callable[[int, float], None]]) -> Callable[[Step, float], None]:
+        clock, following, (numbers, times) = model.state["clock"], self.plan.following, self.when
+        due = following(model.state.step)
+
+        def sample(step: Step, dt: float) -> None:
+            nonlocal due
+            number = clock[1]
+            if number < due:
+                return
+            row = self.count
+            for record in recorders:
+                record(row, dt)
+            times[row], numbers[row] = clock[0], number
+            due = following(int(number))
+            self.count = row + 1
+            if row + 1 == BLOCK:
+                self.flush()
+
+        return sample
+
+
+def _columns(kind: np.dtype[Any]) -> dict[str, np.ndarray]:
+    """An array (BLOCK, m) for each quantity of a row."""
+    assert kind.names is not None
+    return {name: np.zeros((BLOCK, *kind[name].shape), kind[name].base) for name in kind.names[2:]}
+
+
+def _recorder_of(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int, float], None]:
+    """What fills a row of one contact from the model after a step of length dt."""
+    if isinstance(pair, OperatorPair):
+        return _compiled(model, pair, columns)
+    return _by_numpy(model, pair, columns)
+
+
+def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) -> Callable[[int, float], None]:
+    contact: Any = model.contact
+    slid = np.zeros(pair.slots)
+    bound = _bound(model, pair, columns, slid)
+    address, arrays, relaxed = bound.address, pair.arrays, _relaxed(pair)
+    own = slice(pair.first_slot, pair.first_slot + pair.slots)
+
+    def record(row: int, dt: float) -> None:
+        rows = contact.rows
+        record_pair(row, arrays.address, address, rows.packed.address, rows.count, dt, relaxed())
+
+    def record_implicit(row: int, dt: float) -> None:
+        if pair.friction is not None:
+            slid[:] = contact.conditions.slip[own]
+        record_pair(row, arrays.address, address, 0, -1, dt, relaxed())
+
+    chosen = record_implicit if hasattr(contact, "conditions") else record
+    chosen.bound = bound  # type: ignore[attr-defined]  # keeps the addresses good
+    return chosen
+
+
+def _relaxed(pair: ContactPair) -> Callable[[], float]:
+    """How much of the distances of the start does not count."""
+    start = pair.overlap_relaxation
+    if isinstance(start, OverlapRelaxation):
+        return lambda: 1.0 - start.ramp(float(start.time[0]))
+    share = 0.0 if start is None else 1.0
+    return lambda: share
+
+
+def _bound(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray], slid: Floats) -> BoundArrays:
+    contact: Any = model.contact
+    k, m, law, start = pair.slots, len(pair.slave.nodes), np.zeros(5), pair.overlap_relaxation
+    if pair.friction is not None:
+        coefficient, adhesion, cap = pair.friction.bound()
+        finite = math.isfinite(cap)
+        law[:] = coefficient, adhesion, cap if finite else 0.0, 1.0, float(finite)
+    distance = np.zeros(k)
+    if start is not None:
+        distance[:] = start.overlap if isinstance(start, OverlapRelaxation) else start.distance
+    none = np.zeros((0, m), np.float32)
+    force = model.state["contact_force"] if "contact_force" in model.state else np.zeros((0, 2))
+    sides = np.zeros((m, 2)), np.zeros((len(pair.master.nodes), 2))
+    return BoundArrays(
+        RecordTable, model.position, force, contact.multipliers, _inverse_masses(model), law,
+        np.array([pair.first_slot], np.int32), pair.master.node_segments, *pair.between, distance,
+        RecordScratch(*sides, np.zeros((k, 2)), np.zeros((k, 2)), np.zeros((2, k)), slid),
+        RecordColumns(*(columns.get(name, none) for name in RecordColumns._fields)),
+    )  # fmt: skip
+
+
+def _inverse_masses(model: Model) -> Floats:
+    """Inverse masses (N, 2), 0 where motion is prescribed; none where a model has no masses."""
+    if not len(model.mass):
+        return np.zeros((0, 2))
+    out = np.repeat(np.divide(1.0, model.mass, out=np.zeros_like(model.mass), where=model.mass > 0.0), 2)
+    out[model.prescribed.dof] = 0.0
+    return np.ascontiguousarray(out.reshape(-1, 2))
+
+
+def _by_numpy(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int, float], None]:
+    """For pairs whose conditions come finished: they are made in Python, too."""
+    contact: Any = model.contact
+    own = slice(pair.first_slot, pair.first_slot + pair.slots)
+
+    def record(row: int, dt: float) -> None:
+        seen = pair.snapshot(model.state, model.position)
+        for name, values in node_values(pair, seen).items():
+            if name in columns:
+                columns[name][row] = values
+        columns["segment"][row] = facing_segments(pair)
+        if "slip" in columns:
+            implicit = hasattr(contact, "conditions")
+            slips = contact.conditions.slip[own] if implicit else slips_of(model, dt)[own]
+            slips = np.where(seen.gaps < FAR, slips, 0.0)
+            columns["slip"][row] = slips.reshape(pair.rows_per_node, -1).mean(axis=0)
+
+    return record
