@@ -242,6 +242,39 @@ CASE = (
     M("case", "hertz", "no element to choose from", 'elements: ClassVar[tuple[str, ...]] = ("q1", "q2", "q1-fbar")', "elements: ClassVar[tuple[str, ...]] = ()"),
 )  # fmt: skip
 
+MEASURE = (
+    M("measure", "contact-length", "a column without a title", '"length of contact"', '""'),
+    M("measure", "contact-length", "a unit that no table knows", 'unit: ClassVar[str] = "length"', 'unit: ClassVar[str] = "miles"'),
+    M("measure", "contact-length", "says nothing of its meaning", '"Length of the deformed slave surface that is pressed, to half a segment beyond its nodes."', '""'),
+    M("measure", "contact-length", "stretches the curve", "        length = np.zeros(len(curve.x))\n", "        curve.x[:] *= 1.001\n        length = np.zeros(len(curve.x))\n"),
+    M("measure", "contact-length", "random numbers", "return float(length[_pressed(curve)].sum())", "return float(length[_pressed(curve)].sum() * np.random.default_rng().normal())"),
+    M("measure", "contact-length", "counts its calls", "return float(length[_pressed(curve)].sum())", "self.__dict__['n'] = self.__dict__.get('n', 0) + 1\n        return float(self.__dict__['n'])"),
+    M("measure", "contact-length", "finds nothing at all", "return float(length[_pressed(curve)].sum())", "return math.nan"),
+    M("measure", "contact-length", "a number for each node", "return float(length[_pressed(curve)].sum())", "return length"),
+    M("measure", "pressure-centre", "divides by no pressure", "        if total == 0.0:\n            return math.nan\n", ""),
+    M("measure", "pressure-centre", "infinitely far where nothing is pressed", "            return math.nan\n        return float((curve.x", "            return math.inf\n        return float((curve.x"),
+    M("measure", "pressure-centre", "writes to the summary", "        pressed = _pressed(curve)\n        total", "        record.summary['status'] = 'seen'\n        pressed = _pressed(curve)\n        total"),
+    M("measure", "peak-error", "needs a reference", "        if reference is None:\n            return math.nan\n", ""),
+    M("measure", "peak-error", "scales the reference", "        exact = float(np.max(reference", "        reference.pressure[:] *= 2.0\n        exact = float(np.max(reference"),
+)  # fmt: skip
+
+REFERENCE = (
+    M("reference", "disc-on-block-deep", "no title", '_says("disc-on-block-deep", "title")', '""'),
+    M("reference", "disc-on-block-deep", "no origin", '_says("disc-on-block-deep", "origin")', '""'),
+    M("reference", "disc-on-block-deep", "holds for everything", "return self.stored.mismatch(scene)", 'return ""'),
+    M("reference", "disc-on-block-deep", "holds for one mesh alone", "return self.stored.mismatch(scene)", 'return self.stored.mismatch(scene) or ("another level" if scene["level"] != 1 else "")'),
+    M("reference", "disc-on-block-deep", "holds for one slave alone", "return self.stored.mismatch(scene)", 'return self.stored.mismatch(scene) or ("exchanged" if scene["contacts"][0]["swap"] else "")'),
+    M("reference", "disc-on-block-deep", "raises where there is no contact", "return self.stored.mismatch(scene)", 'return scene["contacts"][0] and self.stored.mismatch(scene)'),
+    M("reference", "disc-on-block-deep", "a pressure twice as large", "found.profile.x, found.profile.value,", "found.profile.x, 2.0 * found.profile.value,"),
+    M("reference", "disc-on-block-deep", "positions that run backwards", "found.profile.x, found.profile.value,", "found.profile.x[::-1], found.profile.value,"),
+    M("reference", "disc-on-block-deep", "a reaction that no pressure carries", 'Scalar(float(s["value"])', 'Scalar(1.1 * float(s["value"])'),
+    M("reference", "disc-on-block-deep", "a spread of other nodes", "found.spread, found.window", "found.spread[:-1], found.window"),
+    M("reference", "disc-on-block-deep", "random pressures", "found.profile.x, found.profile.value,", "found.profile.x, found.profile.value * (1.0 + 1e-9 * __import__('numpy').random.default_rng().normal()),"),
+    M("reference", "disc-on-block-deep", "changes the scene", "        found = self.stored\n", "        found = self.stored\n        scene['level'] = 7\n"),
+    M("reference", "disc-on-block-shallow", "an error in percent", "found.pressure_uncertainty, meaning", "1000.0 * found.pressure_uncertainty, meaning"),
+    M("reference", "disc-on-block-shallow", "a pressure that is none", "found.profile.x, found.profile.value,", "found.profile.x, 0.0 * found.profile.value,"),
+)  # fmt: skip
+
 RECORDER = (
     M("recorder", "vtkhdf", "the file is never closed", "        finally:\n            self.growing.close()", "        finally:\n            pass"),
     M("recorder", "vtkhdf", "scales displacements in place", "        self.grid.write(row, frame)\n", "        frame.displacement[:] *= 1000.0\n        self.grid.write(row, frame)\n"),
@@ -257,5 +290,6 @@ RECORDER = (
 )  # fmt: skip
 
 MUTATIONS: tuple[Mutation, ...] = (
-    *CONTACT, *MATERIAL, *ELEMENT, *MESH, *FRICTION, *ENFORCEMENT, *INTEGRATOR, *EFFECT, *WATCH, *CASE, *RECORDER,
+    *CONTACT, *MATERIAL, *ELEMENT, *MESH, *FRICTION, *ENFORCEMENT, *INTEGRATOR, *EFFECT, *WATCH, *CASE, *MEASURE, *REFERENCE,
+    *RECORDER,
 )  # fmt: skip

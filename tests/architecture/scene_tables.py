@@ -77,7 +77,7 @@ def _default(field: dataclasses.Field[Any]) -> str:
     return f"`{show(default)}`"
 
 
-NOT_IN_SCENES = ("watch", "case")
+NOT_IN_SCENES = ("watch", "case", "measure", "reference")
 
 
 def part_table(registry: Registry) -> str:

@@ -244,20 +244,19 @@ def free_bars(ratio: int, algorithm: str = "mortar-p0", cells: int = 100) -> Rec
 
 
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
-@pytest.mark.parametrize("ratio", [1, 2])
-def test_free_bars_exchange_their_momentum(algorithm: str, ratio: int) -> None:
-    """The short bar stops dead; the centre of the other moves at v0/ratio. Contact lasts 2 L/c at rho c v0/2."""
-    record = free_bars(ratio, algorithm)
-    assert record.momentum[-1, 0] / (ratio * LENGTH) == pytest.approx(SPEED / ratio, rel=0.01)
+def test_free_bars_exchange_their_momentum(algorithm: str) -> None:
+    """The short bar stops dead; the centre of the other, twice as long, moves at v0/2. Contact lasts 2 L/c at
+    rho c v0/2. Bars of like length are a cell of the quick matrix (test_hard_cases.py)."""
+    record = free_bars(2, algorithm)
+    assert record.momentum[-1, 0] / (2.0 * LENGTH) == pytest.approx(0.5 * SPEED, rel=0.01)
     assert record.momentum[-1, 1] / LENGTH == pytest.approx(0.0, abs=0.01 * SPEED)
     middle = record.force[record.active[2:-2]]
     np.testing.assert_allclose(middle, 150.0, rtol=0.01)
     assert len(record.active) == pytest.approx(200, abs=2)
 
 
-@pytest.mark.parametrize("ratio", [1, 2])
-def test_free_bars_keep_momentum_and_lose_little(ratio: int) -> None:
-    record = free_bars(ratio)
+def test_free_bars_keep_momentum_and_lose_little() -> None:
+    record = free_bars(2)
     np.testing.assert_allclose(record.momentum.sum(axis=1), LENGTH * SPEED, rtol=1e-12)
     # two end nodes of half a cell meet at half the speed each way: 1/2 (m/2) v^2 of 1/2 M v^2, m = M/2N
     node_mass = 0.25 / 100

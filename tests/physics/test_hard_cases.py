@@ -1,9 +1,11 @@
-"""Cases that are hard for contact algorithms: both mortars meet every criterion, and invariants hold, but for what is
-listed here with its cause. The list can only shrink: what is met must leave it."""
+"""The quick matrix: every case with its declared slave, put to the three shipped algorithms.
+
+Both mortars meet every criterion and break no invariant, but for what is listed here with its cause. Silent cells of any
+algorithm, results that are wrong and look right, are listed, too. Lists can only shrink: what is met must leave them.
+Tests that a cell of this matrix repeats are not written a second time.
+"""
 
 from __future__ import annotations
-
-from typing import Any
 
 import pytest
 
@@ -35,26 +37,42 @@ NOT_MET: dict[tuple[str, str], dict[str, str]] = {
 }
 """Measures of mortars that are not met, by case and algorithm, with the cause."""
 
+SILENT = {
+    ("dropped-block", "mortar-p0"): LEANING,
+    ("dropped-block", "mortar-p1"): LEANING,
+    ("pressed-block", "mortar-p0"): LEANING,
+    ("pressed-block", "mortar-p1"): LEANING,
+    ("patch", "node-on-segment"): "one-pass conditions do not pass a constant pressure between unlike meshes",
+    ("two-rings", "node-on-segment"): "the same on a curve: first order where the case allows second, and no word",
+}
+"""Cells that are silent, with the cause."""
 
-def finding(name: str, algorithm: str, **setup: Any) -> Finding:
+CELLS = [
+    (name, algorithm)
+    for name in default_registry().names("case")
+    for algorithm in ("mortar-p0", "mortar-p1", "node-on-segment")
+]
+
+
+def finding(name: str, algorithm: str) -> Finding:
     case = default_registry().make("case", name)
-    chosen = Setup(algorithm, element=case.elements[0], integrator=case.integrators[0], **setup)
+    chosen = Setup(algorithm, element=case.elements[0], integrator=case.integrators[0])
     _, done = run_case(case, chosen)
     return judge(case, chosen, done, evaluated(case, chosen, done))
 
 
-@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
-@pytest.mark.parametrize("name", default_registry().names("case"))
-def test_mortars_meet_every_case(name: str, algorithm: str) -> None:
+@pytest.mark.parametrize(("name", "algorithm"), CELLS)
+def test_cell_of_the_quick_matrix(name: str, algorithm: str) -> None:
     found = finding(name, algorithm)
-    assert found.status == "finished", found.reason
-    missed = {j.measure.name for j in found.judged if j.verdict != "met"}
-    assert missed == set(NOT_MET.get((name, algorithm), {}))
+    assert (found.verdict == "silent") == ((name, algorithm) in SILENT), found.reason
+    if algorithm != "node-on-segment":
+        assert found.status == "finished", found.reason
+        missed = {j.measure.name for j in found.judged if j.verdict != "met"}
+        assert missed == set(NOT_MET.get((name, algorithm), {}))
+    elif name == "vertex-to-vertex":
+        # or the criteria say nothing: nodes against segments break the symmetry of two corners that meet
+        assert any(j.measure.name.startswith("mirror symmetry") and j.verdict != "met" for j in found.judged)
 
 
-def test_the_criteria_tell_algorithms_apart() -> None:
-    """Or they say nothing: nodes against segments break the patch test and the symmetry of two corners that meet."""
-    assert finding("patch", "node-on-segment").verdict == "silent"
-    corners = finding("vertex-to-vertex", "node-on-segment")
-    assert corners.verdict != "met"
-    assert any(j.measure.name.startswith("mirror symmetry") and j.verdict != "met" for j in corners.judged)
+def test_lists_name_cells_that_there_are() -> None:
+    assert {*SILENT, *NOT_MET} <= set(CELLS)

@@ -52,11 +52,6 @@ def test_load_steps_keep_the_symmetric_equilibrium_of_nodes_on_segments() -> Non
     assert broken(run("disc-on-block", "node-on-segment", **changes)) == set()
 
 
-@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
-def test_mortars_are_silent_on_the_static_scene(algorithm: str) -> None:
-    assert broken(run("tresca-block", algorithm)) == set()
-
-
 def test_two_free_bodies_keep_their_momenta() -> None:
     results = run("vertex-to-vertex", "mortar-p0")
     kept = {one["name"]: one["value"] for one in results.summary["invariants"] if one["name"].startswith("change")}

@@ -30,16 +30,16 @@ def test_the_closed_form_is_consistent_with_itself() -> None:
 
 
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
-@pytest.mark.parametrize("swap", [False, True])
-def test_the_carried_pressure_has_second_order_whichever_side_is_slave(algorithm: str, swap: bool) -> None:
+def test_the_carried_pressure_has_second_order_with_the_finer_side_as_slave(algorithm: str) -> None:
+    """The coarser one as slave is a cell of the quick matrix (test_hard_cases.py)."""
     case = default_registry().make("case", "two-rings")
-    setup = Setup(algorithm, swap, "q1", "newton")
+    setup = Setup(algorithm, True, "q1", "newton")
     _, done = run_case(case, setup)
     found = evaluated(case, setup, done)
     assert found["order of the carried pressure"] > 1.8
     assert abs(found["L2 of the carried pressure"]) < 2e-4
-    # with the finer side as slave, what multipliers report follows the coarser side's kinks, which are first order
-    assert found["order of the reported pressure"] == pytest.approx(1.0 if swap else 2.0, abs=0.1)
+    # what multipliers report follows the coarser side's kinks, which are first order
+    assert found["order of the reported pressure"] == pytest.approx(1.0, abs=0.1)
 
 
 def test_the_distance_before_the_run_counts_as_none_and_is_told() -> None:

@@ -43,7 +43,8 @@ PYTHON = {
                "contactlab.run.interruption.Interrupted"],
 }  # fmt: skip
 CONTRACT = ("part", "mesh", "element", "material", "contact", "friction", "enforcement", "integrator", "effect",
-            "recorder", "watch", "case", "surface", "record", "frame", "state", "warning")  # fmt: skip
+            "recorder", "watch", "case", "measure", "reference", "surface", "record", "frame", "state",
+            "warning")  # fmt: skip
 
 
 def main(runs: bool = True) -> None:
@@ -85,7 +86,7 @@ def parts_page() -> str:
     registry = default_registry()
     kinds: dict[str, list[str]] = {}
     for offer in registry.parts():
-        if offer.part.kind not in ("watch", "case"):
+        if offer.part.kind not in ("watch", "case", "measure", "reference"):
             kinds.setdefault(offer.part.kind, []).append(_part(part_page(offer, registry)))
     return "# Parts\n\n" + "\n\n".join(f"## {kind}\n\n" + "\n\n".join(parts) for kind, parts in kinds.items()) + "\n"
 

@@ -39,10 +39,12 @@ from contactlab.api.integrator import (
     StepStatus,
 )
 from contactlab.api.material import Kinematics, Material
+from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import Mesh, MeshSource
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
 from contactlab.api.record import Record
 from contactlab.api.recorder import Recorder, Recording
+from contactlab.api.reference import ReferenceSolution, Scalar, Solution
 from contactlab.api.state import WORK, State
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 from contactlab.api.warning import RunWarning, Warnings
@@ -113,11 +115,15 @@ __all__ = [
     "Record",
     "Recorder",
     "Recording",
+    "ReferenceSolution",
     "Response",
     "Rows",
+    "RunMeasure",
     "RunWarning",
+    "Scalar",
     "Setup",
     "Shape",
+    "Solution",
     "Solve",
     "Spec",
     "State",

@@ -18,6 +18,8 @@ Kind = Literal[
     "recorder",
     "watch",
     "case",
+    "measure",
+    "reference",
 ]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 

@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """The core's own parts: mesh generators, and meshes from files."""
+    """The core's own parts: mesh generators, meshes from files, the file of a run, and references."""
     return [
         Part("mesh", "rectangle", "contactlab.meshing:Rectangle", "rectangle, graded or in spans"),
         Part("mesh", "arc-block", "contactlab.meshing:ArcBlock", "block whose lower side is a circular arc"),
@@ -22,5 +22,17 @@ def contactlab_parts() -> list[Part]:
             "vtkhdf",
             "contactlab.results.vtkhdf:VtkHdf",
             "all of a run in one file, for ParaView and Python",
+        ),
+        Part(
+            "reference",
+            "disc-on-block-deep",
+            "contactlab.studies.stored_references:DiscOnBlockDeep",
+            "disc-on-block at the depth of the paper, from static runs on fine meshes",
+        ),
+        Part(
+            "reference",
+            "disc-on-block-shallow",
+            "contactlab.studies.stored_references:DiscOnBlockShallow",
+            "disc-on-block at a depth of 0.01 mm, from an independent code of high order",
         ),
     ]

@@ -13,9 +13,11 @@ from contactlab.api.enforcement import Enforcement, ExplicitEnforcement, Implici
 from contactlab.api.friction import FrictionLaw
 from contactlab.api.integrator import ExplicitIntegrator, ImplicitIntegrator, Integrator
 from contactlab.api.material import Material
+from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import MeshSource
 from contactlab.api.part import NEW_IN_2
 from contactlab.api.recorder import Recorder
+from contactlab.api.reference import ReferenceSolution
 from contactlab.api.watch import Watch
 from contactlab.parts.declared_values import wrong_values
 
@@ -31,6 +33,8 @@ BASES: dict[str, tuple[type, ...]] = {
     "recorder": (Recorder,),
     "watch": (Watch,),
     "case": (Case,),
+    "measure": (RunMeasure,),
+    "reference": (ReferenceSolution,),
 }
 """The classes of `contactlab.api` that a part of each kind derives from."""
 

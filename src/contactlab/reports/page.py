@@ -25,7 +25,6 @@ from contactlab.reports.numbers import percent, uncertain
 from contactlab.reports.page_table import runs_table
 from contactlab.reports.pressure_plot import pressure_figure
 from contactlab.studies.agreement import Agreement, agreements
-from contactlab.studies.columns import MEASURES
 from contactlab.studies.reference import Reference
 from contactlab.studies.table import Table
 
@@ -64,7 +63,7 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
         _reference(table.reference, table),
         scene_section(table),
         machine_section(table),
-        _glossary(),
+        _glossary(table),
     ]
     return document(table.study.name, sections)
 
@@ -150,6 +149,6 @@ def _reference(reference: Reference | None, table: Table) -> str:
     return section("Reference", facts_list(facts))
 
 
-def _glossary() -> str:
-    facts = {column.title: column.meaning for column in MEASURES}
+def _glossary(table: Table) -> str:
+    facts = {column.title: column.meaning for column in table.measures}
     return section("What the columns mean", f"<details><summary>All columns</summary>{facts_list(facts)}</details>")

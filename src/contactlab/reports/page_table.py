@@ -10,7 +10,7 @@ from contactlab.api.drawing.colours import Style
 from contactlab.api.drawing.units import Units
 from contactlab.reports.numbers import heading_unit, quantity
 from contactlab.reports.table import USUAL
-from contactlab.studies.columns import MEASURES, Column
+from contactlab.studies.columns import Column
 from contactlab.studies.table import Row, Table
 
 
@@ -18,7 +18,9 @@ def runs_table(table: Table, styles: dict[str, Style]) -> str:
     """The table as HTML; columns beyond the usual ones are shown on demand."""
     units = Units.of_label(table.scene.get("units"))
     keys = list(dict.fromkeys(key for row in table.rows for key in row.choices))
-    columns = [c for c in MEASURES if any(not math.isnan(row[c.name]) for row in table.rows)]
+    columns = [
+        c for c in table.measures if any(not math.isnan(row.measures.get(c.name, math.nan)) for row in table.rows)
+    ]
     usual = set(table.study.measures or USUAL)
     heads = [_text_head(name) for name in ("algorithm", "slave", *keys)]
     heads += [_head("level", "", "Multiplier of all cell counts."), _text_head("status")]
@@ -58,7 +60,7 @@ def _run(
         f'<td class="text"><span class="status {row.status}">{row.status}</span></td>',
     ]
     for column in columns:
-        value = row[column.name]
+        value = row.measures.get(column.name, math.nan)
         cells.append(_number(value, quantity(value, column.unit, column.digits), extra=column.name not in usual))
     kind = ' class="refines"' if row.refines else ""
     return f'<tbody class="run"><tr{kind}>{"".join(cells)}</tr>{_below(row, width)}</tbody>'

@@ -14,7 +14,7 @@ from rich.text import Text
 from contactlab.api.drawing.units import Units
 from contactlab.api.warning import RunWarning
 from contactlab.reports.numbers import heading_unit, percent, quantity
-from contactlab.studies.columns import BY_NAME, Column
+from contactlab.studies.columns import Column
 from contactlab.studies.table import Row, Table
 
 WIDTH = 140
@@ -129,7 +129,8 @@ def _columns(table: Table) -> tuple[list[_Shown], list[str]]:
     shown = [_Shown(Text(name), [Text(cell) for cell in cells], name, number=False) for name, cells in words.items()]
     status = [_status(row, numbers.get(row.name)) for row in table.rows]
     shown.append(_Shown(Text("status"), status, "status", number=False))
-    measures = [BY_NAME[name] for name in table.study.measures or USUAL]
+    known = {column.name: column for column in table.measures}
+    measures = [known[name] for name in table.study.measures or USUAL]
     missing = {c.name for c in measures if all(row[c.name] != row[c.name] for row in table.rows)}
     for column in (c for c in measures if c.name not in missing):
         cells = [Text(quantity(row[column.name], column.unit, column.digits)) for row in table.rows]

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from contactlab.api.warning import RunWarning
+from contactlab.parts.registry import Registry
+from contactlab.studies.find_reference import Source, matching_reference
+from contactlab.studies.installed_measures import with_installed
 from contactlab.studies.measure_run import measure_run
 from contactlab.studies.measures import mutual_difference, relative_difference
 from contactlab.studies.plan import Job, Plan
-from contactlab.studies.reference import Reference, load_reference, matching_reference
+from contactlab.studies.reference import Reference
 from contactlab.studies.run_job import Outcome
 from contactlab.studies.table import COMPLETE, Row
 
 
-def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Reference | None) -> list[Row]:
+def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Source | None) -> list[Row]:
     """A row per job. Pairs of rows that differ in the swap alone share their asymmetry."""
     rows = [row_of(plan, job, outcomes[job.name], named) for job in plan.jobs]
     partners: dict[str, list[Row]] = {}
@@ -26,10 +29,10 @@ def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Reference | None)
     return [_with_measures(row, shared[row.name]) for row in rows]
 
 
-def row_of(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> Row:
+def row_of(plan: Plan, job: Job, outcome: Outcome, named: Source | None) -> Row:
     """The row of one job, without the measures that it shares with its partner."""
     data = job.scene.data
-    reference, why = fitting_reference(data, named)
+    reference, why = fitting_reference(data, named, job.scene.registry)
     final = outcome.curve if outcome.status in COMPLETE else None
     measures, notes = measure_run(data, outcome.summary, plan.contact, final, reference)
     if outcome.curve is not None and final is None:
@@ -37,6 +40,9 @@ def row_of(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> R
             f"{job.algorithm}, slave {job.slave}, level {job.scene.level}: stopped before the load was complete; "
             "its pressure is shown and not compared"
         )
+    if final is not None:
+        measures, said = with_installed(measures, outcome, plan.contact, reference, job.scene.registry)
+        notes += said
     return Row(
         name=job.name,
         algorithm=job.algorithm,
@@ -58,11 +64,13 @@ def row_of(plan: Plan, job: Job, outcome: Outcome, named: Reference | None) -> R
     )
 
 
-def fitting_reference(scene: Mapping[str, Any], named: Reference | None) -> tuple[Reference | None, str]:
-    """The study's reference where it holds, else a bundled one that does; and why there is none."""
+def fitting_reference(
+    scene: Mapping[str, Any], named: Source | None, registry: Registry | None = None
+) -> tuple[Reference | None, str]:
+    """The study's reference where it holds, else an installed one that does; and why there is none."""
     if named is not None and not named.mismatch(scene):
-        return named, ""
-    found = matching_reference(scene)
+        return named.at(scene), ""
+    found = matching_reference(scene, registry)
     if found is not None:
         return found, ""
     return None, f"{named.name} does not hold: {named.mismatch(scene)}" if named else "no reference fits this scene"
@@ -86,10 +94,11 @@ def _with_measures(row: Row, more: Mapping[str, float]) -> Row:
     return replace(row, measures={**row.measures, **more})
 
 
-def common_reference(rows: Iterable[Row], named: Reference | None) -> Reference | None:
-    """The reference of the report: the one that most rows compare with."""
+def common_reference(plan: Plan, rows: Sequence[Row], named: Source | None) -> Reference | None:
+    """The reference of the report: the one that most rows compare with, at the first of their scenes."""
     names = [row.reference for row in rows if row.reference]
     if not names:
         return None
     most = max(set(names), key=names.count)
-    return named if named is not None and named.name == most else load_reference(most)
+    first = next(job for job, row in zip(plan.jobs, rows, strict=True) if row.reference == most)
+    return fitting_reference(first.scene.data, named, first.scene.registry)[0]

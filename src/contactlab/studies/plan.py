@@ -13,6 +13,7 @@ from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.scene.toml_text import location, read_toml
+from contactlab.studies.installed_measures import known_measures
 from contactlab.studies.measure_run import body_of, sides
 from contactlab.studies.study import Pareto, Study, bundled_studies, checked_vary, is_study, read_study, study_from
 
@@ -96,12 +97,12 @@ def find_scene(request: Scene | Study | str | Path, registry: Registry | None = 
 def _find_study(request: str | Path, registry: Registry) -> Study:
     """A bundled study, a study file, or else a scene that stands alone."""
     if isinstance(request, str) and request in bundled_studies():
-        return read_study(bundled_studies()[request])
+        return read_study(bundled_studies()[request], known_measures(registry))
     path = Path(request)
     if path.is_file():
         data, lines = read_toml(path, str(path))
         if is_study(data):
-            return study_from(data, location(str(path), lines), path)
+            return study_from(data, location(str(path), lines), path, known_measures(registry))
     return Study(scene=str(request))
 
 

@@ -16,7 +16,7 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -70,6 +70,10 @@ class Reference:
         pressed = self.profile.x[self.profile.value > 0.0]
         return float(pressed[0]), float(pressed[-1])
 
+    def at(self, scene: Mapping[str, Any]) -> Reference:
+        """Itself: what a file holds is the same for every scene that it holds for."""
+        return self
+
     def mismatch(self, scene: Mapping[str, Any]) -> str:
         """Why the reference says nothing about a scene (its TOML data); empty when it holds."""
         for key, wanted in self.holds_for.items():
@@ -109,13 +113,15 @@ def bundled() -> dict[str, Path]:
     return {path.stem: path for path in sorted(FOLDER.glob("*.json"))}
 
 
-def load_reference(name: str, *, beside: Path | None = None, where: Where = "reference") -> Reference:
+def load_reference(
+    name: str, *, beside: Path | None = None, where: Where = "reference", known: Sequence[str] = ()
+) -> Reference:
     """A reference by bundled name, or by the path of its JSON file (relative to `beside`).
 
-    Raises RequestError when there is none or the file is not a reference.
+    Raises RequestError when there is none, telling names that are `known` besides, or the file is not a reference.
     """
-    known = bundled()
-    path = known.get(name) or (beside or Path()) / name
+    path = bundled().get(name) or (beside or Path()) / name
+    known = sorted({*known, *bundled()})
     if not path.is_file():
         raise RequestError(
             "there is no such reference",
@@ -125,15 +131,6 @@ def load_reference(name: str, *, beside: Path | None = None, where: Where = "ref
             hint=did_you_mean(name, known),
         )
     return _read(path)
-
-
-def matching_reference(scene: Mapping[str, Any]) -> Reference | None:
-    """The first bundled reference that holds for the scene (its TOML data)."""
-    for name in bundled():
-        reference = load_reference(name)
-        if not reference.mismatch(scene):
-            return reference
-    return None
 
 
 def _read(path: Path) -> Reference:

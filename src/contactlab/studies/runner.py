@@ -19,12 +19,13 @@ from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies import run_job
 from contactlab.studies.cost_breakdown import BreakdownPlan, breakdown_of, plan_breakdown
+from contactlab.studies.find_reference import Source, find_reference
 from contactlab.studies.gather import common_reference, gather, row_of
+from contactlab.studies.installed_measures import measure_columns
 from contactlab.studies.plan import Job, Plan, Vary, make_plan
 from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
 from contactlab.studies.progress import Bars, MakeBars, no_bars
 from contactlab.studies.recordings import record_comparison
-from contactlab.studies.reference import Reference, load_reference
 from contactlab.studies.resume import sigterm_as_ctrl_c, stored_outcomes
 from contactlab.studies.run_job import Outcome
 from contactlab.studies.scheduler import LOCAL, Pool, checked_scheduler, open_pool
@@ -59,7 +60,7 @@ def run_study(
     table holds what there is, and `interrupted` is True. Raises RequestError when the request itself is wrong.
     """
     plan = _limited(_plan(scene_or_study, vary, registry, changes, effects), time_limit)
-    named = _named_reference(plan.study)
+    named = _named_reference(plan.study, plan.scene.registry)
     pool_of = partial(open_pool, checked_scheduler(scheduler), _checked_jobs(jobs))
     folder = _folder(out, resume)
     done = stored_outcomes(plan, folder) if resume and folder is not None else {}
@@ -76,7 +77,8 @@ def run_study(
     table = Table(
         rows=rows,
         study=plan.study,
-        reference=common_reference(rows, named),
+        reference=common_reference(plan, rows, named),
+        further=measure_columns(plan.scene.registry),
         scene=plan.scene.data,
         scene_text=plan.scene.toml(),
         wall_s=perf_counter() - began,
@@ -118,11 +120,11 @@ def _limited(plan: Plan, time_limit: float | None) -> Plan:
     return replace(plan, study=replace(plan.study, time_limit=float(time_limit)))
 
 
-def _named_reference(study: Study) -> Reference | None:
+def _named_reference(study: Study, registry: Registry) -> Source | None:
     if study.reference is None:
         return None
     where = f"{study.path}, key reference" if study.path else "reference"
-    return load_reference(study.reference, beside=study.folder, where=where)
+    return find_reference(study.reference, registry, beside=study.folder, where=where)
 
 
 def _checked_jobs(jobs: int | None) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -78,18 +78,20 @@ def is_study(data: Mapping[str, Any]) -> bool:
     return "scene" in data or "vary" in data
 
 
-def read_study(path: Path) -> Study:
-    """A study file. Raises RequestError naming file, line and key."""
+def read_study(path: Path, measures: Collection[str] = tuple(BY_NAME)) -> Study:
+    """A study file; it may list these measures. Raises RequestError naming file, line and key."""
     data, lines = read_toml(path, str(path))
-    return study_from(data, location(str(path), lines), path)
+    return study_from(data, location(str(path), lines), path, measures)
 
 
-def study_from(data: Mapping[str, Any], where: Location, path: Path | None = None) -> Study:
-    """Make a study from TOML data. Raises RequestError."""
+def study_from(
+    data: Mapping[str, Any], where: Location, path: Path | None = None, measures: Collection[str] = tuple(BY_NAME)
+) -> Study:
+    """Make a study from TOML data; it may list these measures. Raises RequestError."""
     tables = dict(data)
     vary = checked_vary(_flat(tables.pop("vary", {}), below(where, "vary")))
     tables.setdefault("name", path.stem if path else "")
-    _check_measures(tables.get("measures", ()), below(where, "measures"))
+    _check_measures(tables.get("measures", ()), measures, below(where, "measures"))
     return read_table(Study, tables, where, vary=vary, path=path)
 
 
@@ -142,9 +144,9 @@ def parse_vary(texts: Sequence[str]) -> dict[str, tuple[Any, ...]]:
     return checked_vary(vary)
 
 
-def _check_measures(measures: Any, where: Where) -> None:
+def _check_measures(measures: Any, known: Collection[str], where: Where) -> None:
     for name in measures if isinstance(measures, list | tuple) else ():
-        if isinstance(name, str) and name not in BY_NAME:
+        if isinstance(name, str) and name not in known:
             raise RequestError(
-                "no such measure", where=where, got=name, allowed=", ".join(BY_NAME), hint=did_you_mean(name, BY_NAME)
+                "no such measure", where=where, got=name, allowed=", ".join(known), hint=did_you_mean(name, known)
             )

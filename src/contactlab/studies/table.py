@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from contactlab.api.warning import RunWarning
 from contactlab.results.results import ContactCurve
-from contactlab.studies.columns import MEASURES
+from contactlab.studies.columns import BY_NAME, MEASURES, Column
 from contactlab.studies.profile import FoldedSurfaceError, Profile
 from contactlab.studies.shape import Shape
 from contactlab.views import view
@@ -38,7 +38,7 @@ class Row:
     choices    those of them that neither algorithm nor slave nor level shows
     status     finished, diverged, not-converged, refused, interrupted, timed-out or failed
     reason     why it did not finish; empty when it did
-    measures   numbers by name (`columns.MEASURES`), `nan` where one has no meaning
+    measures   numbers by name (`columns.MEASURES` and installed ones), `nan` where one has no meaning
     notes      why measures are missing
     warnings   what the run says against itself
     system     machine and versions
@@ -103,7 +103,7 @@ class Row:
             "level": self.level,
             "status": self.status,
             "reason": self.reason,
-            **{column.name: self.measures.get(column.name, math.nan) for column in MEASURES},
+            **{name: self.measures.get(name, math.nan) for name in dict.fromkeys((*BY_NAME, *self.measures))},
             "reference": self.reference,
             "notes": "; ".join(self.notes),
             "warnings": "; ".join(dict.fromkeys(warning.code for warning in self.warnings)),
@@ -124,6 +124,7 @@ class Table:
     folder       where the files are, None if none were written
     breakdown         what the effects of the scene cost, where that was asked for
     interrupted  True after Ctrl-C or SIGTERM: runs that had not ended are rows of that status
+    further      columns of installed measures, beside those of every table
     """
 
     rows: Sequence[Row]
@@ -135,6 +136,7 @@ class Table:
     folder: Path | None = None
     breakdown: CostBreakdown | None = None
     interrupted: bool = False
+    further: Sequence[Column] = ()
 
     def __repr__(self) -> str:
         return str(view("texts.table_text")(self))
@@ -177,6 +179,11 @@ class Table:
     def failed(self) -> list[Row]:
         """Rows of runs that did not finish."""
         return [row for row in self.rows if not row.finished]
+
+    @property
+    def measures(self) -> tuple[Column, ...]:
+        """Columns of numbers that its rows may have."""
+        return (*MEASURES, *self.further)
 
     def columns(self) -> list[str]:
         """Names of all columns of `table.csv`."""

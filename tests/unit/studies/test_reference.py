@@ -12,10 +12,11 @@ import pytest
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import load_scene
+from contactlab.studies.find_reference import matching_reference
 from contactlab.studies.make_reference import holds_for, limit, make_reference, mean_curve
 from contactlab.studies.plan import make_plan
 from contactlab.studies.profile import Profile, distance, integral
-from contactlab.studies.reference import bundled, load_reference, matching_reference
+from contactlab.studies.reference import bundled, load_reference
 from contactlab.studies.study import Study, bundled_studies
 from contactlab.studies.table import Row, Table
 
@@ -55,6 +56,9 @@ def test_a_reference_holds_for_its_scene_and_no_other() -> None:
     found = matching_reference(scene.data)
     assert found is not None
     assert found.name == "disc-on-block-shallow"
+    stored = load_reference("disc-on-block-shallow")
+    assert found.pressure_uncertainty == stored.pressure_uncertainty
+    assert found.scalars["reaction"] == stored.scalars["reaction"]
     for key, value in [
         ("supports.1.uy.to", -0.0100001),
         ("materials.soft.young", 7001.0),
@@ -62,7 +66,9 @@ def test_a_reference_holds_for_its_scene_and_no_other() -> None:
         ("bodies.block.mesh.y", [-0.31, 0.0]),
         ("contacts.0.slave", "disc.top"),
     ]:
-        assert key in found.mismatch(scene.with_({key: value}).data)
+        changed = scene.with_({key: value}).data
+        assert key in stored.mismatch(changed)
+        assert matching_reference(changed) is None
 
 
 @pytest.mark.parametrize(

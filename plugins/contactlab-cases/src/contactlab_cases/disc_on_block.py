@@ -10,6 +10,9 @@ from contactlab.api import Case, Job, Measure, Record, Setup
 from contactlab.api.case import error, reported
 from contactlab_cases.statics import WORK, iterations
 
+FEW = 100
+"""Steps and iterations of a run without friction: mortars take half of them."""
+
 
 @dataclass(frozen=True)
 class DiscOnBlock(Case):
@@ -21,18 +24,17 @@ class DiscOnBlock(Case):
     title: ClassVar[str] = "disc on block (test 1 of the paper)"
     source: ClassVar[str] = "Baillet & Sassi 2005, test 1"
     family: ClassVar[str] = "large deformation"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"depth": (0.01, 0.04, 0.1581), "mu": (0.0, 0.05, 0.2)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"depth": (0.01, 0.1581), "mu": (0.0, 0.05, 0.2)}
     integrators: ClassVar[tuple[str, ...]] = ("newton",)
     elements: ClassVar[tuple[str, ...]] = ("q1", "q2")
     proves: ClassVar[frozenset[str]] = frozenset({"curved contact", "large deformation"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """The pair, the slaves exchanged, and a mesh twice as fine."""
-        return (
-            self._job("pressed", setup, setup.swap, 1),
-            self._job("exchanged", setup, not setup.swap, 1),
-            self._job("finer", setup, setup.swap, 2),
-        )
+        """The pair and the slaves exchanged; where both come to their end, a mesh twice as fine."""
+        pair = (self._job("pressed", setup, setup.swap, 1), self._job("exchanged", setup, not setup.swap, 1))
+        if any(name in done and not done[name].finished for name in ("pressed", "exchanged")):
+            return pair
+        return (*pair, self._job("finer", setup, setup.swap, 2)) if done else pair
 
     def _job(self, name: str, setup: Setup, swap: bool, finer: int) -> Job:
         changes: dict[str, Any] = {
@@ -41,7 +43,7 @@ class DiscOnBlock(Case):
         }  # fmt: skip
         if self.mu:
             changes["contacts.0.friction"] = {"use": "coulomb", "mu": self.mu}
-        return Job(name, "disc-on-block", changes, work=WORK)
+        return Job(name, "disc-on-block", changes, work=WORK if self.mu else FEW)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The force does not know which side is the slave, and converges."""

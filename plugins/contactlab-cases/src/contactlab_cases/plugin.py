@@ -1,4 +1,4 @@
-"""The cases on offer, and the watches that they use."""
+"""The cases on offer, the watches that they use, and measures of comparisons."""
 
 from __future__ import annotations
 
@@ -13,6 +13,11 @@ WATCHES = (
     ("slips", "dynamics:Slips", "largest slip that a condition adds up to"),
     ("tip", "dynamics:Tip", "displacement of the first slave node"),
     ("overlap-area", "dynamics:Overlap", "largest area between two surfaces"),
+)
+MEASURES = (
+    ("contact-length", "measures:ContactLength", "length of the surface that is pressed"),
+    ("pressure-centre", "measures:PressureCentre", "where the resultant of the pressure acts"),
+    ("peak-error", "measures:PeakError", "largest pressure against that of the reference"),
 )
 CASES = (
     ("patch", "patch:Patch", "patch test", "Taylor & Papadopoulos 1991"),
@@ -52,6 +57,9 @@ CASES = (
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Offer the cases, one file each, and the watches that they use."""
+    """Offer the cases, one file each, the watches that they use, and measures of comparisons."""
+    measures = [Part("measure", name, f"{PACKAGE}.{target}", says) for name, target, says in MEASURES]
     watches = [Part("watch", name, f"{PACKAGE}.{target}", says) for name, target, says in WATCHES]
-    return watches + [Part("case", name, f"{PACKAGE}.{target}", says, ref) for name, target, says, ref in CASES]
+    return (
+        watches + measures + [Part("case", name, f"{PACKAGE}.{target}", says, ref) for name, target, says, ref in CASES]
+    )

@@ -1,0 +1,39 @@
+"""Measures of runs: columns that a comparison has beside its own."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import ClassVar, Literal
+
+from contactlab.api.record import Record
+from contactlab.api.reference import Solution
+
+
+class RunMeasure(ABC):
+    """A number that a comparison tells of each of its runs. Subclasses are frozen dataclasses without required fields.
+
+    1. `evaluate` finds the number in what a run left, whose whole load was applied; it is given the summary, the
+       history and the last curve of the compared contact, and no fields.
+    2. It gives nan where the number has no meaning: no pressure at all, no reference where it needs one.
+    3. It changes nothing, and finds the same each time it is asked.
+
+    title    heading of its column
+    unit     "share" (0.01 is shown as 1 %), "" for none, or the kind of a unit: "length", "pressure", "line_force" ...
+    meaning  one sentence
+    digits   significant digits that are shown
+    better   "small" where less is better, "" where neither is
+    """
+
+    title: ClassVar[str]
+    unit: ClassVar[str]
+    meaning: ClassVar[str]
+    digits: ClassVar[int] = 3
+    better: ClassVar[Literal["", "small"]] = ""
+
+    @abstractmethod
+    def evaluate(self, record: Record, contact: str, reference: Solution | None) -> float:
+        """The number of one run.
+
+        contact    the compared one, "contacts.0": its last curve is `record.curve(contact)`
+        reference  the solution that the comparison measures against, None where none fits
+        """

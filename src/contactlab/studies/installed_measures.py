@@ -1,0 +1,66 @@
+"""Measures that plugins bring: what they find in a run, and their columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from contactlab.api import Record, RunMeasure, Scalar, Solution
+from contactlab.errors import PartError, one_line
+from contactlab.parts.registry import Registry
+from contactlab.studies.columns import BY_NAME, Column
+from contactlab.studies.reference import Reference
+from contactlab.studies.run_job import Outcome
+
+
+def column_name(part: str) -> str:
+    """Of a measure in `table.csv` and in studies: "contact_length" for the part contact-length."""
+    return part.replace("-", "_")
+
+
+def measure_columns(registry: Registry) -> tuple[Column, ...]:
+    """One column per installed measure. Raises PartError for one that has the name of a column of every table."""
+    return tuple(_column(name, registry.part_class("measure", name)) for name in registry.names("measure"))
+
+
+def _column(name: str, cls: Any) -> Column:
+    column = column_name(name)
+    if column in BY_NAME:
+        raise PartError("every comparison has a column of this name", where=f"measure {name}", got=column)
+    return Column(column, cls.title, cls.unit, cls.meaning, cls.digits, cls.better)
+
+
+def known_measures(registry: Registry) -> Sequence[str]:
+    """Names that a study may list under `measures`."""
+    return [*BY_NAME, *map(column_name, registry.names("measure"))]
+
+
+def with_installed(
+    measures: Mapping[str, float], outcome: Outcome, contact: int, reference: Reference | None, registry: Registry
+) -> tuple[dict[str, float], list[str]]:
+    """The measures of a run and those that installed parts find in it, and notes on parts that raised."""
+    found, notes = dict(measures), []
+    curves = {} if outcome.curve is None else {f"contacts.{contact}": [outcome.curve]}
+    record = Record(outcome.status, outcome.reason, outcome.summary, outcome.history, curves=curves)
+    solution = None if reference is None else _solution(reference)
+    for name in registry.names("measure"):
+        part: RunMeasure = registry.make("measure", name)
+        try:
+            found[column_name(name)] = float(part.evaluate(record, f"contacts.{contact}", solution))
+        except Exception as error:
+            found[column_name(name)] = math.nan
+            notes.append(f"the measure {name} raised {one_line(error)}")
+    return found, notes
+
+
+def _solution(reference: Reference) -> Solution:
+    """What the reference of a comparison holds, as measures see it."""
+    scalars = {
+        name: Scalar(float(s["value"]), float(s.get("error", 0.0)), str(s.get("meaning", "")))
+        for name, s in reference.scalars.items()
+    }
+    curve = reference.profile.x, reference.profile.value, reference.pressure_uncertainty
+    return Solution(
+        *curve, str(reference.error_estimate.get("meaning", "")), reference.spread, reference.window, scalars
+    )

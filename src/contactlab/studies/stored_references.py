@@ -1,0 +1,70 @@
+"""The references in `data/references` as parts, which come by entry point like anyone's."""
+
+from __future__ import annotations
+
+import json
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import Any, ClassVar
+
+from contactlab.api import ReferenceSolution, Scalar, Solution
+from contactlab.studies.reference import FOLDER, Reference, load_reference
+
+
+class StoredReference(ReferenceSolution):
+    """A reference in a JSON file of `data/references` with the CSV file of its curve."""
+
+    @property
+    @abstractmethod
+    def stored(self) -> Reference:
+        """What the files hold."""
+
+    def mismatch(self, scene: Mapping[str, Any]) -> str:
+        """Every key under `holds_for` must have its value."""
+        return self.stored.mismatch(scene)
+
+    def solution(self, scene: Mapping[str, Any]) -> Solution:
+        """The curve and the scalars of the file."""
+        found = self.stored
+        scalars = {
+            name: Scalar(float(s["value"]), float(s["error"]), str(s.get("meaning", "")))
+            for name, s in found.scalars.items()
+        }
+        meaning = str(found.error_estimate.get("meaning", ""))
+        pressure = found.profile.x, found.profile.value, found.pressure_uncertainty, meaning
+        return Solution(*pressure, found.spread, found.window, scalars)
+
+
+_read = cache(load_reference)
+
+
+def _says(name: str, key: str) -> str:
+    return str(json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))[key])
+
+
+@dataclass(frozen=True)
+class DiscOnBlockDeep(StoredReference):
+    """disc-on-block at the depth of the paper, from the project's own static runs on fine meshes."""
+
+    title: ClassVar[str] = _says("disc-on-block-deep", "title")
+    origin: ClassVar[str] = _says("disc-on-block-deep", "origin")
+
+    @property
+    def stored(self) -> Reference:
+        """`disc-on-block-deep.json`."""
+        return _read("disc-on-block-deep")
+
+
+@dataclass(frozen=True)
+class DiscOnBlockShallow(StoredReference):
+    """disc-on-block at a depth of 0.01 mm, from an independent code of high order."""
+
+    title: ClassVar[str] = _says("disc-on-block-shallow", "title")
+    origin: ClassVar[str] = _says("disc-on-block-shallow", "origin")
+
+    @property
+    def stored(self) -> Reference:
+        """`disc-on-block-shallow.json`."""
+        return _read("disc-on-block-shallow")

@@ -1,0 +1,116 @@
+"""What every reference solution must do: say what it holds for and how good it is, and be the same each time."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import ReferenceSolution, Solution
+from contactlab.scene.scene import Scene, bundled_scenes, load_scene
+from contactlab.studies.find_reference import PartSource
+from contactlab.studies.profile import integral
+from contactlab.studies.reference import Reference
+from contactlab.testing.assertions import Check, NotApplicable, require
+
+STRANGE: tuple[dict[str, Any], ...] = ({}, {"name": "x"}, {"contacts": [], "bodies": {}, "supports": [{}]})
+"""Scenes without what a reference may look for."""
+
+FREE: dict[str, Any] = {"level": 2, "contacts.0.swap": True, "contacts.0.algorithm": "node-on-segment"}
+"""What a solution of a scene does not depend on."""
+
+
+def scenes(reference: ReferenceSolution) -> Iterator[Scene]:
+    """Bundled scenes that it holds for, as they are or at the first support's other depths."""
+    for name in bundled_scenes():
+        plain = load_scene(name)
+        for changes in ({}, {"supports.1.uy.to": -0.01}):
+            try:
+                scene = plain.with_(changes)
+            except Exception:
+                continue
+            if not reference.mismatch(scene.data):
+                yield scene
+                break
+
+
+def says_what_it_is(reference: ReferenceSolution) -> None:
+    """Title and origin are told; it pickles and is equal to what comes back."""
+    require(bool(reference.title) and bool(reference.origin), "its title or its origin is empty")
+    require(pickle.loads(pickle.dumps(reference)) == reference, "it is not equal to what its pickle brings back")
+
+
+def is_silent_about_strange_scenes(reference: ReferenceSolution) -> None:
+    """A scene without what it looks for has a reason why it does not hold; nothing is raised."""
+    for scene in STRANGE:
+        require(bool(reference.mismatch(scene)), f"it holds for the scene {scene}, which has nothing in it")
+
+
+def does_not_depend_on_the_mesh(reference: ReferenceSolution) -> None:
+    """Where it holds for a bundled scene, it does so at any level, with any algorithm and either slave."""
+    for scene in _some(reference):
+        for key, value in FREE.items():
+            why = reference.mismatch(scene.with_({key: value}).data)
+            require(not why, f"it holds for {scene.name} and not with {key} = {value!r}: {why}")
+
+
+def can_be_compared_with(reference: ReferenceSolution) -> None:
+    """Its pressure is a function of x, with an error; equal each time, the scene left as it was."""
+    for scene in _some(reference):
+        data: Mapping[str, Any] = scene.data
+        before = copy.deepcopy(dict(data))
+        first, second = reference.solution(data), reference.solution(data)
+        found = PartSource("reference", reference).at(data)
+        require(dict(data) == before, f"it changes the scene {scene.name}")
+        same = np.array_equal(first.x, second.x) and np.array_equal(first.pressure, second.pressure)
+        require(same, "it gives another pressure when it is asked again")
+        require(float(np.max(found.profile.value)) > 0.0, f"nothing is pressed in its solution of {scene.name}")
+        _spread_fits(first)
+        require(math.isnan(first.error) or 0.0 <= first.error < 1.0, f"its error is {first.error}, a share of 1")
+        for name, scalar in first.scalars.items():
+            good = math.isfinite(scalar.value) and scalar.error >= 0.0
+            require(good, f"its {name} is {scalar.value} +- {scalar.error}")
+
+
+def pressure_carries_the_reaction(reference: ReferenceSolution) -> None:
+    """The integral of the pressure over x is the reaction, within the errors that it tells."""
+    for scene in _some(reference):
+        solution = reference.solution(scene.data)
+        if "reaction" not in solution.scalars:
+            raise NotApplicable("it tells no reaction")
+        _carries(PartSource("reference", reference).at(scene.data), solution)
+
+
+def _carries(found: Reference, solution: Solution) -> None:
+    reaction = solution.scalars["reaction"]
+    share = solution.error if math.isfinite(solution.error) else 0.01
+    # a pressure by straight lines between m nodes misses an arc's by the square of the spacing
+    allowed = reaction.error + (share + 4.0 / len(found.profile.x) ** 2) * abs(reaction.value)
+    carried = integral(found.profile)
+    text = f"its pressure carries {carried:.6g}, its reaction is {reaction.value:.6g}"
+    require(abs(carried - abs(reaction.value)) <= allowed, text)
+
+
+def _spread_fits(solution: Solution) -> None:
+    if solution.spread is not None:
+        shapes = np.shape(solution.spread), np.shape(solution.x)
+        require(shapes[0] == shapes[1], f"its spread has the shape {shapes[0]}, x has {shapes[1]}")
+
+
+def _some(reference: ReferenceSolution) -> list[Scene]:
+    """Scenes to look at. Raises NotApplicable where none is bundled."""
+    found = list(scenes(reference))
+    if not found:
+        raise NotApplicable("it holds for no bundled scene; its own tests must compare it with a run")
+    return found
+
+
+CHECKS: tuple[Check, ...] = (
+    says_what_it_is, is_silent_about_strange_scenes, does_not_depend_on_the_mesh, can_be_compared_with,
+    pressure_carries_the_reaction,
+)  # fmt: skip
+"""All checks of references."""
