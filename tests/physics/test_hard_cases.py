@@ -1,8 +1,8 @@
 """The quick matrix: every case with its declared slave, put to the three shipped algorithms.
 
-Both mortars meet every criterion and break no invariant, but for what is listed here with its cause. Silent cells of any
-algorithm, results that are wrong and look right, are listed, too. Lists can only shrink: what is met must leave them.
-Tests that a cell of this matrix repeats are not written a second time.
+Both mortars meet every criterion and break no invariant, but for what is listed here with its cause. Silent cells of
+any algorithm, results that are wrong and look right, are listed, too. Lists can only shrink: what is met must leave
+them. Tests that a cell of this matrix repeats are not written a second time.
 """
 
 from __future__ import annotations
