@@ -12,7 +12,7 @@ INSTALLED := $(VENV)/installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test faults fuzz mutants paper packages site lint bench clean
+.PHONY: demo test faults fuzz mutants paper pages packages site lint bench clean
 
 demo: $(INSTALLED)
 	@out=runs/demo; n=2; while [ -e $$out ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
@@ -33,6 +33,10 @@ mutants: $(INSTALLED)
 
 paper: $(INSTALLED)
 	$(BIN)/python benchmarks/studies/paper/make.py
+
+# all pages that hold measured numbers, from what is kept; CASES=FOLDER takes the rows of a matrix in it first
+pages: $(INSTALLED)
+	$(BIN)/python benchmarks/studies/pages.py $(CASES)
 
 # all wheels and source distributions into dist/, after they were built, looked into and run alone
 packages: $(INSTALLED)

@@ -14,6 +14,7 @@ import sys
 from pathlib import Path
 
 from contactlab.archive.archive import CHOICES, FILE, Archive
+from contactlab.matrix.plan import Request, plan
 from contactlab.parts.registry import default_registry
 
 HERE = Path(__file__).parent
@@ -24,22 +25,24 @@ Row = dict[str, str]
 
 HEAD = """# Every case, with its numbers
 
-Written by `python benchmarks/studies/cases_page.py` from the archive of `contactlab matrix`. What verdicts mean stands
+Written by `make pages` from the archive of `contactlab matrix`. What verdicts mean stands
 in `docs/matrix.md`, what each case is in its file in `plugins/contactlab-cases`. Numbers that miss what is allowed are
 bold. {counts}
 """
 
 
 def rows_of(archive: Path) -> list[Row]:
-    """The newest cell of each configuration, one row per measure."""
+    """The newest cell of each configuration of the quick matrix, one row per measure; an archive may hold more."""
+    quick = {tuple(cell.choices.values()) for cell in plan(Request(), default_registry())}
     seen: set[tuple[str, ...]] = set()
     found: list[Row] = []
     with Archive(archive, write=False) as kept:
         for cell in kept.cells():
             head = {name: str(cell[name]) for name in CHOICES}
-            if tuple(head.values()) in seen or cell["verdict"] == "not-applicable":
+            key = tuple(head.values())
+            if key not in quick or key in seen or cell["verdict"] == "not-applicable":
                 continue
-            seen.add(tuple(head.values()))
+            seen.add(key)
             ends = {"cell": cell["verdict"], "reason": (cell["reason"] or "").splitlines()[0] if cell["reason"] else ""}
             for m in cell["measures"]:
                 values = {name: short(m[name]) for name in ("value", "least", "most")}
@@ -51,6 +54,14 @@ def rows_of(archive: Path) -> list[Row]:
 def short(value: float | None) -> str:
     """A number as the page shows it; nothing for a bound that is none."""
     return "" if value is None or math.isinf(value) else "nan" if math.isnan(value) else f"{value:.4g}"
+
+
+def keep(rows: list[Row]) -> None:
+    """Put rows into cases.csv."""
+    with STORED.open("w", newline="", encoding="utf-8") as file:
+        made = csv.DictWriter(file, COLUMNS)
+        made.writeheader()
+        made.writerows(rows)
 
 
 def stored() -> list[Row]:
@@ -109,11 +120,7 @@ def allowed(row: Row) -> str:
 def main(words: list[str]) -> None:
     """Take rows from an archive where one is named, and write the page."""
     if words:
-        rows = rows_of(Path(words[0]) / FILE)
-        with STORED.open("w", newline="", encoding="utf-8") as file:
-            made = csv.DictWriter(file, COLUMNS)
-            made.writeheader()
-            made.writerows(rows)
+        keep(rows_of(Path(words[0]) / FILE))
     PAGE.write_text(page(stored()), encoding="utf-8")
 
 

@@ -99,6 +99,14 @@ def summary(rows: list[dict[str, str]]) -> list[str]:
     return lines
 
 
+def page(rows: list[dict[str, str]]) -> str:
+    """docs/friction.md."""
+    text = (HERE / "friction.md").read_text()
+    detail = ["| " + " | ".join(rows[0]) + " |", "|---" * len(rows[0]) + "|"]
+    detail += ["| " + " | ".join(r.values()) + " |" for r in rows]
+    return text.replace("<!-- summary -->", "\n".join(summary(rows))).replace("<!-- rows -->", "\n".join(detail))
+
+
 def main() -> None:
     """Run everything, keep the rows, write the page."""
     if sys.argv[1:] == ["page"]:
@@ -110,12 +118,7 @@ def main() -> None:
             table = csv.DictWriter(file, list(rows[0]))
             table.writeheader()
             table.writerows(rows)
-    text = (HERE / "friction.md").read_text()
-    detail = ["| " + " | ".join(rows[0]) + " |", "|---" * len(rows[0]) + "|"]
-    detail += ["| " + " | ".join(r.values()) + " |" for r in rows]
-    PAGE.write_text(
-        text.replace("<!-- summary -->", "\n".join(summary(rows))).replace("<!-- rows -->", "\n".join(detail))
-    )
+    PAGE.write_text(page(rows))
 
 
 if __name__ == "__main__":

@@ -1,9 +1,11 @@
-"""docs/cases.md is what its rows say, and its rows are what an archive says."""
+"""Pages with measured numbers are what their rows say, and the rows of cases are what an archive says."""
 
 from __future__ import annotations
 
 import importlib.util
 import math
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 
@@ -18,24 +20,47 @@ CHOICES = {
     "contact": "mortar-p1",
     "slave": "declared",
     "element": "q1",
-    "integrator": "n",
+    "integrator": "newton",
 }
 
 
+STUDIES = ROOT / "benchmarks" / "studies"
+
+
 @pytest.fixture(scope="module")
-def study() -> ModuleType:
-    specification = importlib.util.spec_from_file_location(
-        "cases_page", ROOT / "benchmarks" / "studies" / "cases_page.py"
-    )
+def pages() -> Iterator[ModuleType]:
+    """The program that writes all pages with measured numbers."""
+    path = list(sys.path)
+    specification = importlib.util.spec_from_file_location("pages", STUDIES / "pages.py")
     assert specification is not None
     assert specification.loader is not None
     module = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)
-    return module
+    yield module
+    sys.path[:] = path
 
 
-def test_the_page_is_not_stale(study: ModuleType) -> None:
-    assert study.PAGE.read_text() == study.page(study.stored())
+@pytest.fixture(scope="module")
+def study(pages: ModuleType) -> ModuleType:
+    found: ModuleType = pages.cases_page
+    return found
+
+
+def test_no_page_is_stale(pages: ModuleType) -> None:
+    """Every table and every number in prose of these pages is what is kept of the runs."""
+    assert set(pages.PAGES) == {"cases.md", "hard-cases.md", "statics-cases.md", "friction.md", "paper.md"}
+    assert pages.stale() == []
+
+
+def test_a_number_that_was_changed_by_hand_is_seen(
+    pages: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in pages.PAGES:
+        text = (pages.DOCS / name).read_text()
+        last = max(text.rfind(digit) for digit in "123456789")
+        (tmp_path / name).write_text(f"{text[:last]}0{text[last + 1 :]}")
+    monkeypatch.setattr(pages, "DOCS", tmp_path)
+    assert pages.stale() == list(pages.PAGES)
 
 
 def test_every_installed_case_has_its_numbers(study: ModuleType) -> None:
@@ -59,6 +84,7 @@ def test_rows_are_the_newest_of_the_archive(study: ModuleType, tmp_path: Path) -
     }
     with Archive(tmp_path / FILE) as archive:
         archive.add_cell("a", "here", CHOICES, found)
+        archive.add_cell("b", "here", CHOICES | {"slave": "exchanged"}, found)  # no cell of the quick matrix
     (row,) = study.rows_of(tmp_path / FILE)
     assert (row["value"], row["least"], row["verdict"]) == ("2.5", "", "missed")
     assert "**2.5** missed" in study.page([row])

@@ -1,0 +1,82 @@
+"""All pages that hold measured numbers, written from what is kept: `make pages`.
+
+    python benchmarks/studies/pages.py              # from the rows that are kept beside this file
+    python benchmarks/studies/pages.py runs/cases   # first takes rows of cases from the archive of a matrix there
+    python benchmarks/studies/pages.py --check      # writes nothing; exit status 1 where a page is stale
+
+docs/cases.md comes from the archive of `contactlab matrix`; docs/hard-cases.md, statics-cases.md, friction.md and
+paper.md from the rows that their studies keep. Numbers in prose are marks in a page's source, filled like tables.
+"""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+HERE = Path(__file__).parent
+DOCS = HERE.parents[1] / "docs"
+sys.path[:0] = [str(HERE), str(HERE / "paper")]
+
+import cases_page  # noqa: E402
+import friction  # noqa: E402
+import hard_cases  # noqa: E402
+import statics_cases  # noqa: E402
+
+
+def cases() -> str:
+    """docs/cases.md."""
+    return cases_page.page(cases_page.stored())
+
+
+def hard() -> str:
+    """docs/hard-cases.md."""
+    return hard_cases.page(hard_cases.stored(hard_cases.STORED))
+
+
+def statics() -> str:
+    """docs/statics-cases.md."""
+    return statics_cases.page(statics_cases.stored())
+
+
+def rubbing() -> str:
+    """docs/friction.md."""
+    with friction.STORED.open(newline="") as file:
+        return friction.page(list(csv.DictReader(file)))
+
+
+def paper() -> str:
+    """docs/paper.md: numbers of its figures, as `make paper` kept them beside the pictures."""
+    import make
+
+    return make.filled(make.PAGE.read_text(), json.loads(make.NUMBERS.read_text()))
+
+
+PAGES: dict[str, Callable[[], str]] = {
+    "cases.md": cases, "hard-cases.md": hard, "statics-cases.md": statics, "friction.md": rubbing, "paper.md": paper,
+}  # fmt: skip
+"""Every page and what it must be."""
+
+
+def stale() -> list[str]:
+    """Pages that are not what their rows say."""
+    return [name for name, made in PAGES.items() if (DOCS / name).read_text(encoding="utf-8") != made()]
+
+
+def main(words: list[str]) -> int:
+    """Write all pages, or say which are stale."""
+    if words == ["--check"]:
+        found = stale()
+        print("\n".join(f"docs/{name} is stale: make pages" for name in found) or "all pages are what their rows say")
+        return 1 if found else 0
+    if words:
+        cases_page.keep(cases_page.rows_of(Path(words[0]) / cases_page.FILE))
+    for name, made in PAGES.items():
+        (DOCS / name).write_text(made(), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
