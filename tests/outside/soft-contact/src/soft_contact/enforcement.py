@@ -1,6 +1,8 @@
 """Contact as smooth springs: y_n = e w ln(1 + exp(-g/w)), with friction y_t = clip(a_t - e d, bound).
 
-Far open the force falls exponentially, far closed it is that of a penalty; there is no kink for Newton's method.
+Far open the force falls exponentially, far closed it is that of a penalty; there is no kink for Newton's method. Whether a
+condition sticks is asked of y_t - k (d - (a_t - y_t)/e), with the stiffness k of the nodes: of a_t - e d alone Newton's
+method would go to and fro between both ends of the bound, as springs e are far stiffer than what they hold.
 """
 
 from __future__ import annotations
@@ -49,10 +51,11 @@ class Soft(ImplicitEnforcement):
     @staticmethod
     def _rub(c: Conditions, e: Floats, out: Response) -> None:
         limit, growth = _limit(c)
-        trial = c.anchor[1] - e * c.slip
+        spring = c.anchor[1] - e * c.slip
+        trial = c.force[1] + np.divide(c.stiffness, e, out=np.zeros_like(e), where=e > 0.0) * (spring - c.force[1])
         sticks = c.present & (np.abs(trial) < limit)
         sign = np.sign(trial)
-        out.residual[1] = c.force[1] - np.where(sticks, trial, sign * limit)
+        out.residual[1] = c.force[1] - np.where(sticks, spring, sign * limit)
         out.by_force[1] = 1.0
         out.by_gap[1] = np.where(sticks, e, 0.0)
         out.cross_force[:] = np.where(sticks, 0.0, -sign * growth)
