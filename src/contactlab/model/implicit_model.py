@@ -27,7 +27,8 @@ SAME = 1e-9  # of the ramp: times that differ by less are one
 class ImplicitModel(Model):
     """Implements `contactlab.api.ImplicitEquations`.
 
-    estimates  states that are expected at times to come, from a coarser mesh
+    estimates    states that are expected at times to come, from a coarser mesh
+    stiffness_s  what of `seconds` went into stiffness matrices
     """
 
     contact: ImplicitContactSystem | None
@@ -40,6 +41,7 @@ class ImplicitModel(Model):
         self.estimates: Sequence[Estimate] = ()
         self._start = None if self.increment is None else np.zeros_like(self.increment)
         self._tangent: Tangent | None = None
+        self.stiffness_s = 0.0
         self._load_stiffness: LoadStiffness | None = None
         self._derivatives = [
             np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
@@ -85,7 +87,8 @@ class ImplicitModel(Model):
         if self._tangent is None:
             self._tangent = Tangent(len(self.reference), self.forces)
         matrix = self._tangent.assemble(dt)
-        self.seconds += perf_counter() - began
+        spent = perf_counter() - began
+        self.seconds, self.stiffness_s = self.seconds + spent, self.stiffness_s + spent
         return matrix
 
     def add_load_stiffness(self, time: float, stiffness: Any, share: float, rate: float) -> None:

@@ -24,6 +24,7 @@ from contactlab.reports.html import (
 from contactlab.reports.numbers import percent, uncertain
 from contactlab.reports.page_table import runs_table
 from contactlab.reports.pressure_plot import pressure_figure
+from contactlab.reports.times_table import times_section
 from contactlab.studies.agreement import Agreement, agreements
 from contactlab.studies.reference import Reference
 from contactlab.studies.table import Table
@@ -58,6 +59,7 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
         figure_section(figures, "pressure", "Contact pressure", _PRESSURE),
         section("All runs", runs_table(table, chosen) + _notes(table)),
         figure_section(figures, "error-against-cost", "What accuracy costs", _COST, narrow=True),
+        times_section(table),
         _agreement(table),
         figure_section(figures, "bodies", "The deformed bodies", _bodies_caption(table), narrow=True),
         _reference(table.reference, table),

@@ -150,18 +150,44 @@ def _energy_lines(balance: Mapping[str, Any], units: Units) -> Iterator[Line]:
 
 
 def _cost_lines(cost: Mapping[str, Any]) -> Iterator[Line]:
-    total = _float(cost.get("run_cpu_s"))
+    total, wall = _float(cost.get("run_cpu_s")), _float(cost.get("run_wall_s"))
     yield "CPU time of the steps", significant(total, 3), "s"
+    if wall == wall:
+        yield f"wall time of the steps{why_apart(total, wall)}", significant(wall, 3), "s"
     phases = cost.get("phases", {})
     whole = sum(phases.values())
     for name, seconds in phases.items():
         if whole > 0.0:
             yield f"  of it {name}", percent(seconds / whole), "%"
+            for what, parts in cost.get("parts", {}).get(name, {}).items():
+                for part, time in parts.items():
+                    yield f"    {what}{part_label(part)}", percent(time / whole), "%"
     for key, name in (("compile_s", "  of it compiling and loading kernels"), ("build_s", "building the model")):
         if key in cost:
             yield name, significant(_float(cost[key]), 2), "s"
     if "peak_memory_mib" in cost:
         yield "memory at most", significant(_float(cost["peak_memory_mib"]), 3), "MiB"
+
+
+APART = 2.0
+"""Ratio of wall and CPU time from which on a word is due."""
+
+
+def why_apart(cpu: float, wall: float) -> str:
+    """What may be behind wall and CPU times that differ much."""
+    if wall > APART * cpu:
+        return f" ({wall / max(cpu, 1e-9):.1f} times CPU: others were at work on the machine, or files were waited for)"
+    if cpu > APART * wall:
+        return f" (CPU is {cpu / max(wall, 1e-9):.1f} times that: several threads were at work)"
+    return ""
+
+
+def part_label(part: str) -> str:
+    """A part of a phase; its distribution is told where it is not the project's own."""
+    name, _, package = part.partition(" (")
+    if name == "contactlab":
+        return ""
+    return f": {name}" if not package or package.startswith("contactlab") else f": {part}"
 
 
 def _vector(force: Iterable[float]) -> str:

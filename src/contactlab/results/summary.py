@@ -12,10 +12,9 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.api.compiled.kernel import COMPILATION
 from contactlab.api.frame import Layout
-from contactlab.model.held_arrays import held_arrays
 from contactlab.model.model import Model
+from contactlab.results.cost import cost_of
 from contactlab.results.invariants import invariants
-from contactlab.results.peak_memory import peak_memory_mib
 from contactlab.results.reaction_balance import reaction_mismatch
 from contactlab.results.sample import Sample
 
@@ -30,8 +29,8 @@ IN_TIME, QUASI_STATIC, THE_END_ONLY = "in time", "quasi-static", "the end only"
 class Clock:
     """Where the time of a run goes [s]; `before` is the cost of the parts of a run that was interrupted.
 
-    `arrays_mib` is what the run's arrays hold: to look at all of them costs more than to save them, so it is done
-    when the run begins and again at its end (`None` asks for it).
+    `arrays_mib` is what the run's arrays hold, and `elements` where their time goes: to look at all of them costs more
+    than to save them, so it is done when the run begins and again at its end (`None` asks for it).
     """
 
     build_s: float = 0.0
@@ -42,6 +41,7 @@ class Clock:
     compiled: float = field(default_factory=lambda: COMPILATION.seconds)
     before: Mapping[str, Any] = field(default_factory=dict)
     arrays_mib: float | None = None
+    elements: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def start(self) -> None:
         """Start the clocks, as the steps begin now."""
@@ -97,7 +97,7 @@ def summarise(
         "steps": counts.steps,
         "iterations": counts.iterations,
         "contact_sweeps": counts.sweeps,
-        "cost": _cost(model, clock),
+        "cost": cost_of(model, clock, layout, status),
         "reactions": {} if sample is None else {on: list(force) for on, force in sample.reactions.items()},
         "reaction_mismatch": reaction_mismatch(model),
         "contacts": {}
@@ -175,36 +175,4 @@ def _balance(sample: Sample) -> dict[str, float]:
         "numerical": e["numerical"],
         "ledger_error": e["error"],
         "stored_against_work": abs(e["internal"] - stored - e["plastic"]) / scale,
-    }
-
-
-def _cost(model: Model, clock: Clock) -> dict[str, Any]:
-    contact = model.contact.seconds if model.contact is not None else 0.0
-    wall = clock.run_wall_s
-    cost = {
-        "import_s": clock.import_s,
-        "build_s": clock.build_s,
-        "compile_s": clock.compile_s,
-        "run_wall_s": wall,
-        "run_cpu_s": clock.run_cpu_s,
-        "phases": {
-            "elements": model.seconds,
-            "contact": contact,
-            "recording": clock.recording_s,
-            "rest": max(0.0, wall - model.seconds - contact - clock.recording_s),
-        },
-    }
-    if clock.arrays_mib is None:
-        clock.arrays_mib = sum(array.bytes for array in held_arrays(model)) / 2.0**20
-    return _sum(cost, clock.before) | {
-        "peak_memory_mib": max(peak_memory_mib(), clock.before.get("peak_memory_mib", 0.0)),
-        "arrays_mib": clock.arrays_mib,
-    }
-
-
-def _sum(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, Any]:
-    """Costs of the parts of an interrupted run add up."""
-    return {
-        name: _sum(value, b.get(name, {})) if isinstance(value, Mapping) else value + b.get(name, 0.0)
-        for name, value in a.items()
     }

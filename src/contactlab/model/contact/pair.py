@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from time import perf_counter
 from typing import ClassVar
 
 import numpy as np
@@ -84,6 +85,7 @@ class ContactPair(ABC):
                how distances of the start come to count, or do not; None where they count at once
     sliding    what friction needs; None without
     evaluated  whether the conditions are those of the last accepted step
+    search_s   wall time [s] spent on near lists
     """
 
     factored: ClassVar[bool] = False
@@ -110,6 +112,7 @@ class ContactPair(ABC):
         self.sliding = Sliding(friction.bound(), self.slots, self.at) if friction is not None else None
         self.evaluated = False
         self._view: ContactView | None = None
+        self.search_s = 0.0
 
     @property
     def rows_per_node(self) -> int:
@@ -170,7 +173,9 @@ class ContactPair(ABC):
 
     def find_near(self, slave: Floats, master: Floats) -> Near:
         """Make the near list anew, for these positions of the surfaces (m, 2)."""
+        began = perf_counter()
         self.near, self._view = Near.of(self.slave, self.master, slave, master, self.size), None
+        self.search_s += perf_counter() - began
         return self.near
 
     def restore(self, slave: Floats, master: Floats) -> None:

@@ -1,8 +1,9 @@
 """Contact as smooth springs: y_n = e w ln(1 + exp(-g/w)), with friction y_t = clip(a_t - e d, bound).
 
-Far open the force falls exponentially, far closed it is that of a penalty; there is no kink for Newton's method. Whether a
-condition sticks is asked of y_t - k (d - (a_t - y_t)/e), with the stiffness k of the nodes: of a_t - e d alone Newton's
-method would go to and fro between both ends of the bound, as springs e are far stiffer than what they hold.
+Far open the force falls exponentially, far closed it is that of a penalty; there is no kink for Newton's method.
+Whether a condition sticks is asked of y_t - k (d - (a_t - y_t)/e), with the stiffness k of the nodes: of a_t - e d
+alone Newton's method would go to and fro between both ends of the bound, as springs e are far stiffer than what they
+hold.
 """
 
 from __future__ import annotations
