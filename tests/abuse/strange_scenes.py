@@ -6,6 +6,7 @@ import random
 from collections.abc import Iterator
 from typing import Any
 
+from contactlab.model import sizes
 from contactlab.scene.scene import load_scene
 
 SMALL = {
@@ -29,8 +30,9 @@ BASES: dict[str, dict[str, Any]] = {
     },
     "newton": STATIC,
     "newton, friction": {**STATIC, "contacts.0.friction": COULOMB},
-    "implicit-dynamics": {**SMALL, "integrator": {"use": "implicit-dynamics", "steps": 40}, "time.end": 1e-5},
+    "implicit-dynamics": {**SMALL, "integrator": {"use": "implicit-dynamics", "steps": 24}, "time.end": 2e-6},
 }  # fmt: skip
+WEIGHTS = {"newton": 1, "newton, friction": 1, "implicit-dynamics": 1}  # others 3: a run of theirs costs a quarter
 STRANGE: list[Any] = [
     0, -1, 1, 2, 3, 7, 10**9, 0.0, -0.0, 1e-300, 1e300, -1e-3, 0.1, 0.3, 0.4999, 0.5, 1.0, float("nan"), float("inf"),
     "", "x", "auto", "q1", "q2", "mortar-p1", "node-on-segment", "disc.arc", "block.top", "block.bottom", True, False,
@@ -54,18 +56,27 @@ class Scenes:
 
     def __init__(self, names: tuple[str, ...] = tuple(BASES)) -> None:
         self.bases = {name: load_scene("disc-on-block").with_(BASES[name]) for name in names}
+        self.weights = [WEIGHTS.get(name, 3) for name in names]
         self.places = {name: list(keys(base.data)) for name, base in self.bases.items()}
         self.numbers = {name: [(k, v) for k, v in places if _number(v)] for name, places in self.places.items()}
 
     def wrong(self, chance: random.Random) -> tuple[str, dict[str, Any]]:
         """A base and one or two changes, most of them wrong."""
-        name = chance.choice(list(self.bases))
+        (name,) = chance.choices(list(self.bases), self.weights)
         chosen = chance.sample(self.places[name], chance.choice((1, 1, 2)))
         return name, {place: changed(value, chance) for place, value in chosen}
 
+    def large(self, chance: random.Random, machine: float) -> tuple[str, dict[str, Any]]:
+        """A base at a level at which it takes from a tenth of the machine's memory to more than it has."""
+        (name,) = chance.choices(list(self.bases), self.weights)
+        base, level, wanted = self.bases[name], 1, chance.uniform(0.1, 1.3) * machine
+        while sizes.estimated_bytes(base.with_({"level": level}), base.registry) < wanted:
+            level += 1
+        return name, {"level": level}
+
     def mild(self, chance: random.Random) -> tuple[str, dict[str, Any]]:
         """A base and one to three numbers that are a little off: most of these run."""
-        name = chance.choice(list(self.bases))
+        (name,) = chance.choices(list(self.bases), self.weights)
         chosen = chance.sample(self.numbers[name], chance.choice((1, 2, 3)))
         return name, {place: type(value)(value * chance.choice(MILD)) for place, value in chosen}
 

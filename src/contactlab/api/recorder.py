@@ -73,6 +73,13 @@ class Recorder(ABC):
     def open(self, folder: Path, layout: Layout) -> Recording:
         """Start a recording in `folder`. Import what is heavy here."""
 
+    def disk_bytes(self, layout: Layout, steps: float, memory: float) -> float:
+        """How much a run will leave on the disk, in bytes; 0 where nobody can say. It begins where there is room.
+
+        The run has `layout.frames` frames and about so many steps, and a restart needs `memory` bytes of it.
+        """
+        return 0.0
+
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
         """Go on with an interrupted run: by default a new recording of all that `run` has stored."""
         recording = self.open(folder, layout)

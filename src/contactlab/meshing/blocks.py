@@ -40,6 +40,9 @@ class Rectangle(MeshSource):
         return structured(element, (along_x.cells, along_y.cells), lambda s, t: (along_x(s), along_y(t)))
 
 
+LARGEST = 1e150  # mm, of a radius
+
+
 @dataclass(frozen=True)
 class ArcBlock(MeshSource):
     """The region between the arc y = radius - sqrt(radius^2 - x^2), |x| <= half_width, and the flat y = top.
@@ -62,6 +65,8 @@ class ArcBlock(MeshSource):
 
     def __post_init__(self) -> None:
         _check_grid(self.cells, self.grading)
+        if not self.radius < LARGEST:
+            raise ValueError(f"radius: got {self.radius}, allowed: below {LARGEST:g}, a number that can be squared")
         if not 0.0 < self.half_width <= self.radius:
             raise ValueError(f"half_width: got {self.half_width}, allowed: 0 < half_width <= radius = {self.radius}")
         if not self.top > self._arc(self.half_width):

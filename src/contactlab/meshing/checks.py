@@ -20,7 +20,7 @@ NO_AREA = 1e-12  # determinant of a cell over the square of its size: round-off
 def check_mesh(mesh: Mesh, element: Element, where: Where) -> None:
     """Raise SceneError for nodes that are nowhere, cells without area, folded or there twice, and loose pieces."""
     if not len(mesh.cells):
-        raise SceneError("the mesh has no cells", where=where)
+        raise SceneError("the mesh has no cells", where=where, got="0 cells", allowed="at least one")
     _check_places(mesh, where)
     _check_twice(mesh, where)
     _check_areas(mesh, element, where)

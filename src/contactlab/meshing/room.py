@@ -6,7 +6,7 @@ import math
 import os
 from pathlib import Path
 
-CELL_BYTES = 600.0  # of a model, per linear cell: 741 MiB were measured for a million, libraries included
+NODE_BYTES = 700.0  # of a model, per node: 741 MiB were measured for a million, libraries included
 FILE_BYTES = 4.0  # that a byte of a mesh file takes once read, at least: texts of ten bytes become numbers of eight
 
 
@@ -39,7 +39,7 @@ def check_file_size(path: Path) -> None:
 def check_refined_size(cells: int, level: int) -> None:
     """Raise ValueError where the cells of a file, each cut into level x level, are more than this machine can hold."""
     number = cells * float(level) ** 2
-    size, limit = CELL_BYTES * number, machine_memory()
+    size, limit = NODE_BYTES * number, machine_memory()
     if size > limit:
         raise ValueError(
             f"path: got {cells} cells at level {level}, {number:.3g} cells: about {in_gib(size)}, "

@@ -30,7 +30,7 @@ from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.loading import Loading
 from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import Model
-from contactlab.model.sizes import check_sizes
+from contactlab.model.sizes import check_meshed_size, check_sizes
 from contactlab.model.timing import Timing, find_timing
 from contactlab.parts.error_origin import part_errors
 from contactlab.scene.reading import refused_later
@@ -54,10 +54,11 @@ def build(scene: Scene, registry: Registry) -> Model:
 
 
 def _built(scene: Scene, registry: Registry) -> Model:
-    check_sizes(scene)
+    check_sizes(scene, registry)
     integrator = registry.make("integrator", scene.integrator, scene.where("integrator"))
     model_class = _model_class(integrator)
     bodies = build_bodies(scene, registry)
+    check_meshed_size(scene, registry, bodies)
     rigid = _rigid_surfaces(scene, bodies)
     plans, bodies = _contact_plans(scene, registry, bodies, rigid, integrator)
     reference = positions_of(bodies, rigid)

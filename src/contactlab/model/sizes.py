@@ -4,25 +4,63 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contactlab.api import Element, ExplicitIntegrator, Material
 from contactlab.errors import SceneError
-from contactlab.meshing.room import CELL_BYTES, in_gib, machine_memory
+from contactlab.meshing.room import NODE_BYTES, in_gib, machine_memory
 
 if TYPE_CHECKING:
     from contactlab.errors import Location
+    from contactlab.model.bodies.body import Body
+    from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 
+FACTOR_BYTES = 800.0  # of an implicit model, per node and doubling of nodes: factors of its matrices grow as n log n
+DENSER = 1.4  # times as much with elements that have more nodes than corners: a node has more neighbours
 SEGMENT_BYTES = 200.0  # of a rigid surface: positions, edges and what a contact keeps for each
 FRAME_BYTES = 12.0  # that a frame keeps in memory until the run ends, per node: positions and a value to show
 THREADS_PER_CORE = 4
 FEWER = "fewer cells, a smaller level, or longer segments"
 
 
-def check_sizes(scene: Scene) -> None:
+@dataclass
+class ModelSize:
+    """What decides how much memory a model takes.
+
+    implicit  whether matrices are factorised; dense: whether elements have more nodes than corners
+    history   numbers that materials remember at all points
+    """
+
+    implicit: bool
+    nodes: float = 0.0
+    history: float = 0.0
+    dense: bool = False
+
+    def add(self, cells: float, element: type[Element], material: type[Material]) -> None:
+        """A body of so many cells more."""
+        corner, side, all_nodes = 4, sum(len(edge) - 2 for edge in element.edges), len(element.nodes)
+        self.nodes += cells * (1.0 + side / 2.0 + (all_nodes - corner - side))  # sides and corners are shared
+        self.history += cells * all_nodes * material.history_size
+        self.dense = self.dense or all_nodes > corner
+
+    @property
+    def bytes(self) -> float:
+        """As measured, to a quarter (docs/reliability.md)."""
+        factors = FACTOR_BYTES * math.log2(max(self.nodes, 1.0)) if self.implicit else 0.0
+        return self.nodes * (NODE_BYTES + (DENSER if self.dense else 1.0) * factors) + 16.0 * self.history
+
+    @property
+    def words(self) -> str:
+        """What takes the memory."""
+        return f"{self.nodes:.3g} nodes so far{', with matrices of all of them' if self.implicit else ''}"
+
+
+def check_sizes(scene: Scene, registry: Registry) -> None:
     """Raise SceneError, with key, estimate and limit, for what cannot fit into this machine."""
     most = THREADS_PER_CORE * (os.cpu_count() or 1)
     if scene.threads > most:
@@ -32,16 +70,27 @@ def check_sizes(scene: Scene) -> None:
             got=scene.threads,
             allowed=f"at most {most}: {THREADS_PER_CORE} for each core of this machine",
         )
-    total = 0.0
+    size = _no_nodes(scene, registry)
     for name, body in scene.bodies.items():
-        total += _cells(body.mesh, scene.level)
-        _fits(CELL_BYTES * total, scene.where(f"bodies.{name}.mesh.cells"), _mesh_words(body.mesh, scene.level, total))
+        _add(size, scene, registry, name, _cells(body.mesh, scene.level))
+        got = f"{body.mesh.get('cells')} at level {scene.level}, {size.words}"
+        _fits(size.bytes, scene.where(f"bodies.{name}.mesh.cells"), got)
 
 
-def estimated_bytes(scene: Scene) -> float:
-    """Bytes that the model of a scene will take, by its cells; 0 where a mesh does not say how many it will have."""
-    cells = [_cells(body.mesh, scene.level) for body in scene.bodies.values()]
-    return CELL_BYTES * sum(cells) if all(cells) else 0.0
+def check_meshed_size(scene: Scene, registry: Registry, bodies: Sequence[Body]) -> None:
+    """The same once there are meshes: from a file, or of a kind whose `cells` are not all of its cells."""
+    size = _no_nodes(scene, registry)
+    for body in bodies:
+        _add(size, scene, registry, body.name, len(body.cells))
+        _fits(size.bytes, scene.where(f"bodies.{body.name}.mesh"), f"{len(body.cells)} cells, {size.words}")
+
+
+def estimated_bytes(scene: Scene, registry: Registry, cells: Mapping[str, int] | None = None) -> float:
+    """Bytes that the model of a scene will take, with so many cells in its bodies, or as many as it says."""
+    size = _no_nodes(scene, registry)
+    for name, body in scene.bodies.items():
+        _add(size, scene, registry, name, cells[name] if cells is not None else _cells(body.mesh, scene.level))
+    return size.bytes
 
 
 def check_frame_size(frames: int, nodes: int, where: Location) -> None:
@@ -57,9 +106,7 @@ def check_rigid_size(points: float, where: Location, segment: float) -> None:
     _fits(SEGMENT_BYTES * points, where, f"{points:.3g} segments of {segment:.3g} mm")
 
 
-def _fits(
-    size: float, where: Location, got: str, hint: str = "fewer cells, a smaller level, or longer segments"
-) -> None:
+def _fits(size: float, where: Location, got: str, hint: str = FEWER) -> None:
     limit = machine_memory()
     if size > limit:
         raise SceneError(
@@ -71,8 +118,18 @@ def _fits(
         )
 
 
-def _mesh_words(mesh: Any, level: int, total: float) -> str:
-    return f"{mesh.get('cells')} at level {level}, {total:.3g} cells so far"
+def _no_nodes(scene: Scene, registry: Registry) -> ModelSize:
+    integrator = registry.part_class("integrator", scene.integrator["use"], scene.where("integrator"))
+    return ModelSize(implicit=not issubclass(integrator, ExplicitIntegrator))
+
+
+def _add(size: ModelSize, scene: Scene, registry: Registry, name: str, cells: float) -> None:
+    body = scene.bodies[name]
+    element = registry.part_class("element", body.element["use"], scene.where(f"bodies.{name}.element"))
+    law = registry.part_class(
+        "material", scene.materials[body.material]["use"], scene.where(f"materials.{body.material}")
+    )
+    size.add(cells, element, law)
 
 
 def _cells(mesh: Mapping[str, Any], level: int) -> float:

@@ -80,7 +80,8 @@ def find_timing(
         raise SceneError(
             "nothing can move: every degree of freedom is supported",
             where=scene.where("time.end"),
-            hint="give a number of seconds",
+            got=scene.time.end,
+            allowed="a number of seconds where no body can swing",
         )
     period = 2.0 * math.pi / frequency
     ramp = PERIODS * period if time.ramp is None else time.ramp

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import Any, ClassVar, Literal, get_args, get_origin, get_type_hints
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from contactlab.errors import did_you_mean, show
 
 LEAST = {"degree": 1, "order": 1, "rows_per_node": 1}
 """Smallest value of the class attributes that count something; 0 for all others."""
+
+_DECLARED: WeakKeyDictionary[type, dict[str, Any]] = WeakKeyDictionary()
 
 
 def wrong_values(target: type) -> list[str]:
@@ -26,14 +29,16 @@ def wrong_values(target: type) -> list[str]:
     return found + ([] if found else _unnamed_history(target))
 
 
-def declared(target: type) -> dict[str, Any]:
-    """Type of each class attribute that a class of the contract promises, by name."""
+def declared(target: type) -> Mapping[str, Any]:
+    """Type of each class attribute that a class of the contract promises, by name; worked out once for a class."""
+    if target in _DECLARED:
+        return _DECLARED[target]
     hints: dict[str, Any] = {}
     for base in reversed(target.__mro__):
         if base.__module__.startswith("contactlab.api."):
             own = get_type_hints(base)
             hints |= {name: get_args(hint)[0] for name, hint in own.items() if get_origin(hint) is ClassVar}
-    return hints
+    return _DECLARED.setdefault(target, hints)
 
 
 def _wanted(name: str, hint: Any, value: Any) -> str:

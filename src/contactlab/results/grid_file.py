@@ -34,6 +34,16 @@ def write_grid(grid: h5py.Group, layout: Layout) -> None:
     steps.create_group("CellDataOffsets")
 
 
+def frame_bytes(layout: Layout) -> float:
+    """What `GridFile` writes for one frame [bytes]."""
+    nodes, cells = len(layout.nodes), sum(len(body.cells) for body in layout.bodies)
+    vectors = 3 if layout.has_velocity else 2  # positions, displacements, velocities
+    contact = 9 if layout.contacts else 0  # a pressure and a state
+    shear = 8 if any(contact.friction for contact in layout.contacts) else 0
+    variables = len({name for body in layout.bodies for name in body.shown_variables})
+    return nodes * (24.0 * vectors + contact + shear) + cells * 8.0 * (6 + 1 + variables)
+
+
 class GridFile:
     """The arrays of the grid that have a slab per frame. A frame is there once `times` shows it."""
 

@@ -46,6 +46,11 @@ class RecordPlan:
         thinner = max(1, math.ceil(meant / sure))
         return cls(first, last, asked, asked * thinner, rows, sure)
 
+    def disk_bytes(self, layout: Layout, steps: int) -> float:
+        """What the record of so many steps takes on the disk."""
+        kept = (min(steps, self.last) - self.first) // self.every + 1
+        return max(0.0, kept) * sum(contact_record(contact).itemsize for contact in layout.contacts)
+
     def following(self, step: int) -> float:
         """The first step after `step` that is kept; infinite where none is."""
         begin, every, rows = self.first, self.every, self.sure

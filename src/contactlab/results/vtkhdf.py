@@ -20,12 +20,12 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import ContactCurve, ContactLayout, Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recorder, Recording
-from contactlab.results.checkpoint_slots import Slots
+from contactlab.results.checkpoint_slots import TEXT, Slots
 from contactlab.results.checksums import GROUP as SUMS
 from contactlab.results.checksums import SEAL, FrameSums, of_rows, seal
-from contactlab.results.contact_table import ContactTable, is_recorded
+from contactlab.results.contact_table import ROOM, ContactTable, is_recorded
 from contactlab.results.event_table import EventTable
-from contactlab.results.grid_file import GridFile, write_grid
+from contactlab.results.grid_file import GridFile, frame_bytes, write_grid
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.iteration_table import GROUP, IterationTable
 from contactlab.results.layout_file import FORMAT, write_layout
@@ -34,6 +34,8 @@ from contactlab.results.stored_file import FILE
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
 STEP_ROWS = 1024  # steps by which their room grows, at least
 CHUNK_STEPS = 256
+METADATA = 350_000.0  # bytes of a file beside its numbers, as measured: some 60 datasets and what is set aside for them
+FRAME_METADATA = 1200.0  # and of a frame: each dataset tells where its chunk is
 SUMMARY_METADATA = 8192  # bytes for the one dataset that is added at the end
 
 
@@ -44,6 +46,13 @@ class VtkHdf(Recorder):
     by_default: ClassVar[bool] = True
     every_step: ClassVar[bool] = True
     every_contact: ClassVar[bool] = True
+
+    def disk_bytes(self, layout: Layout, steps: float, memory: float) -> float:
+        """Frames, steps, twice what a restart needs with a summary, and headers."""
+        curves = 8.0 * len(ContactCurve.COLUMNS) * sum(len(contact.slave_nodes) for contact in layout.contacts)
+        frames = layout.frames * (frame_bytes(layout) + curves + FRAME_METADATA)
+        beside = METADATA + (ROOM if layout.contacts else 0.0)
+        return beside + frames + 8.0 * steps * (len(layout.steps) + 1) + 2.0 * (memory + TEXT)
 
     def open(self, folder: Path, layout: Layout) -> Recording:
         """Create the file of a new run."""

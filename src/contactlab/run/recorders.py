@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.api.frame import Layout
 from contactlab.api.recorder import Recorder, Recording, replay
-from contactlab.errors import RequestError, one_line
+from contactlab.errors import RequestError, SceneError, one_line
+from contactlab.meshing.room import in_gib
 from contactlab.results.results import Results
 
 if TYPE_CHECKING:
+    from contactlab.errors import Location
     from contactlab.parts.registry import Registry
+    from contactlab.results.record_plan import RecordPlan
     from contactlab.scene.scene import Scene
 
 
@@ -32,6 +36,33 @@ def recorders_of(scene: Scene, registry: Registry) -> dict[str, Recorder]:
 def default_recorders(registry: Registry) -> list[str]:
     """Names of the installed recorders that serve where a scene names none."""
     return [name for name in registry.names("recorder") if registry.part_class("recorder", name).by_default]
+
+
+def check_disk_space(
+    recorders: Mapping[str, Recorder],
+    folder: Path,
+    layout: Layout,
+    steps: int,
+    memory: float,
+    plan: RecordPlan | None,
+    where: Location,
+) -> None:
+    """Raise SceneError where the files of a run will not fit on the disk, beside what of them is there already.
+
+    memory  bytes that a restart needs; plan: of the contact record, None without one
+    """
+    wanted = sum(recorder.disk_bytes(layout, steps, memory) for recorder in recorders.values())
+    wanted += plan.disk_bytes(layout, steps) if plan is not None else 0.0
+    there = sum(path.stat().st_size for path in folder.iterdir() if path.is_file())
+    free = shutil.disk_usage(folder).free
+    if wanted - there > free:
+        raise SceneError(
+            "this needs more room on the disk than is free",
+            where=where,
+            got=f"{layout.frames} frames of {len(layout.nodes)} nodes, {steps} steps: about {in_gib(wanted)}",
+            allowed=f"what fits into {in_gib(free + there)} in {folder}",
+            hint="fewer frames, a coarser mesh, or a folder on another disk",
+        )
 
 
 def open_recordings(

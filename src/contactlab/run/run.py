@@ -27,7 +27,7 @@ from contactlab.results.sample import take_sample
 from contactlab.results.summary import Clock, Counts, summarise
 from contactlab.run.culprit import KeptState
 from contactlab.run.guards import EVERY, Guards
-from contactlab.run.recorders import open_recordings, recorders_of
+from contactlab.run.recorders import check_disk_space, open_recordings, recorders_of
 from contactlab.run.restart import changed_versions, check_memory, saved_run, stored_results
 from contactlab.run.schedule import Schedule
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
@@ -280,7 +280,8 @@ def prepare_run(
     used = _with_recorders(scene, recorders)
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
     # there is never a frame without a step: room for more would be taken for nothing
-    layout = replace(layout, frames=min(layout.frames, run.schedule.estimated_steps()))
+    steps = run.schedule.estimated_steps()
+    layout = replace(layout, frames=min(layout.frames, steps))
     check_frame_size(layout.frames, len(layout.nodes), scene.where("record.frames"))
     wanted = {
         "steps": frozenset(name for name, recorder in recorders.items() if recorder.every_step),
@@ -289,7 +290,9 @@ def prepare_run(
     if folder is None:
         run.journal = Journal(model, layout, {}, wanted)
         return run
-    plan = RecordPlan.of(scene.record, layout, run.schedule.estimated_steps()) if wanted["contact_steps"] else None
+    plan = RecordPlan.of(scene.record, layout, steps) if wanted["contact_steps"] else None
+    memory = sum(array.nbytes for array in run.saved().values())
+    check_disk_space(recorders, folder, layout, steps, memory, plan, scene.where("record.frames"))
     claimed = HistoryFile(folder)
     past = _take_up(run, layout, folder) if resume else None
     write_scene(folder, layout.scene)

@@ -31,7 +31,9 @@ def split_target(target: str) -> tuple[str, str]:
 
 def _check_bodies(scene: Scene) -> None:
     if not scene.bodies:
-        raise SceneError("the scene has no body", where=scene.where("bodies"), allowed="at least one [bodies.NAME]")
+        raise SceneError(
+            "the scene has no body", where=scene.where("bodies"), got="none", allowed="at least one [bodies.NAME]"
+        )
     used = set()
     for name, body in scene.bodies.items():
         if body.material not in scene.materials:
@@ -65,6 +67,7 @@ def _check_rigid(scene: Scene) -> None:
                 "no contact names this rigid surface",
                 where=where,
                 got=name,
+                allowed=f"surfaces that a contact names: {', '.join(sorted(touched))}",
                 hint=f'take the table out, or write master = "{name}" at a contact',
             )
 
@@ -100,7 +103,9 @@ def _check_side(scene: Scene, contact: Contact, side: str, where: Location) -> t
     targets = (written,) if isinstance(written, str) else tuple(written)
     acts_as_slave = (side == "slave") != contact.swap
     if not targets or len(set(targets)) < len(targets):
-        raise SceneError("an edge set is needed here, each once", where=where, got=list(targets))
+        raise SceneError(
+            "an edge set is needed here, each once", where=where, got=list(targets), allowed="BODY.EDGE_SET, or a list"
+        )
     for target in targets:
         if target not in scene.rigid:
             _check_target(scene, target, where, needs_edges=True)
@@ -109,6 +114,7 @@ def _check_side(scene: Scene, contact: Contact, side: str, where: Location) -> t
                 "a rigid surface cannot be the slave: its nodes cannot give way to any multiplier",
                 where=where,
                 got=target,
+                allowed="edge sets of bodies",
                 hint="make it the master" + (", swap = false" if contact.swap else ""),
             )
     return targets
@@ -123,7 +129,11 @@ def _check_supports(scene: Scene) -> None:
         given = ["ux", "uy"] if support.turn else [c for c in ("ux", "uy") if getattr(support, c) is not None]
         if not given:
             raise SceneError(
-                "this support holds nothing", where=where, allowed="ux, uy, turn", hint="add ux = 0.0 or uy = 0.0"
+                "this support holds nothing",
+                where=where,
+                got="none of its keys",
+                allowed="ux, uy, turn",
+                hint="add ux = 0.0 or uy = 0.0",
             )
         for component in given:
             first = taken.setdefault((support.on, component), number)

@@ -14,6 +14,7 @@ import typing
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin
+from weakref import WeakKeyDictionary
 
 from contactlab.errors import NOTHING, Where
 
@@ -24,6 +25,8 @@ PartSpec = dict[str, Any]
 
 ReadPart = Callable[[str, Any, Where], PartSpec]
 """Checks a part of the given kind as it was written (kind, value, where)."""
+
+_HINTS: WeakKeyDictionary[type, dict[str, Any]] = WeakKeyDictionary()
 
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*")
 
@@ -68,10 +71,12 @@ def keys_of(cls: type) -> dict[str, dataclasses.Field[Any]]:
     return {f.name.rstrip("_"): f for f in dataclasses.fields(cls) if f.init and not f.metadata.get("hidden")}
 
 
-def hints_of(cls: type) -> dict[str, Any]:
-    """Types of the keys of a table."""
-    hints = typing.get_type_hints(cls)
-    return {name: hints[field.name] for name, field in keys_of(cls).items()}
+def hints_of(cls: type) -> Mapping[str, Any]:
+    """Types of the keys of a table, worked out once for a class."""
+    if cls not in _HINTS:
+        hints = typing.get_type_hints(cls)
+        _HINTS[cls] = {name: hints[field.name] for name, field in keys_of(cls).items()}
+    return _HINTS[cls]
 
 
 def is_required(field: dataclasses.Field[Any]) -> bool:

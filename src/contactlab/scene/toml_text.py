@@ -29,7 +29,9 @@ def read_toml(path: Path, shown: str) -> tuple[dict[str, Any], dict[str, int]]:
         content = path.read_bytes()
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
-        raise SceneError(f"the file cannot be read: {reason}", where=shown, allowed="a TOML file") from error
+        raise SceneError(
+            f"the file cannot be read: {reason}", where=shown, got=str(path), allowed="a TOML file"
+        ) from error
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -48,7 +50,8 @@ def parse_toml(text: str, shown: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         raise _broken_toml(text, str(error), shown) from error
     except RecursionError as error:
-        raise SceneError("this is nested too deeply", where=shown, allowed="a scene in TOML") from error
+        got = f"{len(text)} characters"
+        raise SceneError("this is nested too deeply", where=shown, got=got, allowed="a scene in TOML") from error
 
 
 _HINTS = {

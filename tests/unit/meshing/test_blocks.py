@@ -83,6 +83,7 @@ def test_straight_sides_give_the_bilinear_map() -> None:
         (lambda: QuadBlock(SQUARE[::-1], (2, 2)), "counter-clockwise"),
         (lambda: QuadBlock(SQUARE, (2, 2), (1.5, 0.0, 0.0, 0.0)), "half the length"),
         (lambda: ArcBlock(1.0, 0.8, 0.6, (5, 3), (2.0, 1.0)), "even number"),
+        (lambda: ArcBlock(1e300, 0.8, 0.6, (6, 2)), r"radius: got 1e\+300, allowed: below 1e\+150"),
         (lambda: Disc(-1.0, (2, 2)), "radius > 0"),
         (lambda: Ring((2.0, 1.0), (4, 2)), "inner < outer"),
         (lambda: Ring((1.0, 2.0), (2, 2)), "at least 3"),

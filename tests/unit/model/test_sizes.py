@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import resource
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from contactlab.errors import RequestError
 from contactlab.model import sizes
+from contactlab.run import recorders
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import load_scene
 
@@ -28,8 +30,10 @@ TOO_LARGE: dict[str, dict[str, Any]] = {
         "rigid": {"die": {"line": [[0.0, -5.0], [1e30, -5.0]], "segment": 0.5}},
         "contacts.0.master": "die",
     },
+    "cells, with matrices": {"integrator": "newton", "bodies.block.mesh.cells": [1500, 1000]},  # explicit: 1 GiB
+    "cells, of more nodes": {"bodies.block.element": "q2-lagrange", "bodies.block.mesh.cells": [4000, 1000]},
     "threads": {"threads": 1_000_000_000},
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", TOO_LARGE)
@@ -50,7 +54,21 @@ def test_too_large_a_scene_is_refused_in_words(name: str, monkeypatch: pytest.Mo
 def test_what_fits_is_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     """A million cells take 741 MiB; the estimate is no more."""
     monkeypatch.setattr(sizes, "machine_memory", lambda: 741.0 * 2**20)
-    sizes.check_sizes(load_scene("disc-on-block").with_({"bodies.block.mesh.cells": [1000, 999]}))
+    scene = load_scene("disc-on-block").with_({"bodies.block.mesh.cells": [1000, 999]})
+    sizes.check_sizes(scene, scene.registry)
+
+
+def test_a_mesh_with_more_cells_than_its_counts_say_is_refused_when_it_is_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A disc of [20, 20] has five times 400 cells, which are 1.4 MB."""
+    disc = {"use": "disc", "radius": 1.0, "cells": [20, 20]}
+    scene = load_scene("disc-on-block").with_({"bodies.disc.mesh": disc, "supports.1.on": "disc.top"})
+    monkeypatch.setattr(sizes, "machine_memory", lambda: 1e6)
+    with pytest.raises(RequestError, match="more memory than there is") as error:
+        simulate(scene)
+    assert "bodies.disc.mesh" in str(error.value)
+    assert "2000 cells" in str(error.value.got)
 
 
 def test_room_is_made_for_no_more_frames_than_steps(tmp_path: Any) -> None:
@@ -79,3 +97,23 @@ def test_frames_that_cannot_be_kept_are_refused(monkeypatch: pytest.MonkeyPatch)
         simulate(scene)
     assert "record.frames" in str(error.value)
     assert error.value.got == "1000000 frames of 66 nodes: about 0.738 GiB"
+
+
+def test_a_disk_that_is_too_small_is_told_before_the_run(tmp_path: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The estimate is what the file is in the end, to a tenth: headers are counted by their number alone."""
+    scene = load_scene("disc-on-block").with_(
+        {"bodies.disc.mesh.cells": [16, 4], "bodies.block.mesh.cells": [24, 4], "time.end": 2e-6, "record.frames": 100,
+         "contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "record.recorders": ["vtkhdf"]}
+    )  # fmt: skip
+    disk = SimpleNamespace(free=0)
+    monkeypatch.setattr(recorders.shutil, "disk_usage", lambda folder: disk)
+    with pytest.raises(RequestError, match="more room on the disk than is free") as error:
+        simulate(scene, tmp_path / "run")
+    assert "record.frames" in str(error.value)
+    assert "0 GiB" in str(error.value.allowed)
+    assert not list((tmp_path / "run").iterdir())
+    wanted = float(str(error.value.got).split("about ")[1].split()[0]) * 2**30
+    disk.free = 1.01 * wanted  # three digits are told
+    simulate(scene, tmp_path / "run")
+    size = (tmp_path / "run/results.vtkhdf").stat().st_size
+    assert wanted == pytest.approx(size, rel=0.1)

@@ -11,6 +11,8 @@ from contactlab.api.frame import Layout, StoredRun
 from contactlab.api.recorder import Recorder, Recording
 
 FILE = "timeline.rrd"
+NODE_BYTES = 11.0  # of a stored frame, per node, as measured: position and colour in single precision
+STEP_BYTES = 11.0  # of a step, per scalar
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,10 @@ class Rerun(Recorder):
             raise ValueError(f"every: got {self.every}, allowed: at least 1")
         if self.lanes < 0:
             raise ValueError(f"lanes: got {self.lanes}, allowed: at least 0")
+
+    def disk_bytes(self, layout: Layout, steps: float, memory: float) -> float:
+        """Meshes of the frames that are shown, and scalars of all steps."""
+        return NODE_BYTES * len(layout.nodes) * layout.frames / self.every + STEP_BYTES * steps * len(layout.steps)
 
     def open(self, folder: Path, layout: Layout) -> Recording:
         """Begin to gather; the file is written when the run ends, with one colour scale for all of it."""

@@ -66,6 +66,7 @@ def _adjust(plan: Any, positions: Floats) -> None:
         "the slave's nodes cannot be moved onto the master",
         where=below(plan.where, "start"),
         got=f"{np.abs(error).max():.3g} mm left after {ROUNDS} rounds",
+        allowed="surfaces that can be fitted",
         hint='mend the mesh, or write start = { overlap = "ramp" }',
     )
 
@@ -85,6 +86,7 @@ def _moved(body: Body, positions: Floats, where: Where) -> Body:
             f"moving the slave's nodes onto the master inverts {len(folded)} cells of {body.name}",
             where=below(where, "start"),
             got=f"cell {folded[0]} first",
+            allowed="overlaps that leave every cell its area",
             hint='move the body with shift, or write start = { overlap = "ramp" }',
         )
     return moved

@@ -217,5 +217,5 @@ def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:
             "all contacts of a scene share one enforcement",
             where=plans[-1].where,
             got=", ".join(sorted(type(e).__name__ for e in enforcements)),
-            hint="write the same enforcement for every contact",
+            allowed="the same one for every contact",
         )

@@ -33,7 +33,13 @@ def edge_set(bodies: tuple[Body, ...], name: str, where: Where) -> tuple[Body, I
             "no such edge set", where=where, got=name, allowed=", ".join(names), hint=did_you_mean(name, names)
         )
     if not len(sets[set_name]):
-        raise SceneError("the edge set is empty", where=where, got=name, hint="name another one, or mend the mesh")
+        raise SceneError(
+            "the edge set is empty",
+            where=where,
+            got=name,
+            allowed="a set with edges",
+            hint="name another one, or mend the mesh",
+        )
     return body, (sets[set_name] + body.first).astype(np.int32)
 
 

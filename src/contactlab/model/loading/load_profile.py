@@ -12,6 +12,8 @@ from contactlab.errors import SceneError
 if TYPE_CHECKING:
     from contactlab.scene.keys import LoadProfile
 
+ROWS = "rows of two finite numbers, the first ones rising"
+
 
 def factors(profile: LoadProfile, points: Floats) -> Floats:
     """Factors (e, g) [-] of a load at points (e, g, 2) [mm] of its edges.
@@ -38,11 +40,13 @@ def _read(profile: LoadProfile) -> Floats:
     try:
         table = np.loadtxt(str(profile.file), delimiter=",", ndmin=2)
     except (OSError, ValueError) as error:
-        raise SceneError("no table can be read here", where="loads, key profile.file", got=str(error)) from error
+        raise SceneError(
+            "no table can be read here", where="loads, key profile.file", got=str(error), allowed=ROWS
+        ) from error
     if table.shape[1] != 2 or len(table) < 2 or not np.all(np.diff(table[:, 0]) > 0.0) or not np.isfinite(table).all():
         raise SceneError(
             "not a table of a load", where=f"loads, key profile.file, {profile.file}",
             got=f"{table.shape[0]} rows of {table.shape[1]}",
-            allowed="rows of two finite numbers, the first ones rising",
+            allowed=ROWS,
         )  # fmt: skip
     return table

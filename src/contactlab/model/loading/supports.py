@@ -223,6 +223,7 @@ class _Plan:
                 f"node {dof // 2} is given two different displacements in {'xy'[dof % 2]}",
                 where=where,
                 got=f"{_words(new)} after {_words(old)}",
+                allowed="one displacement for each node",
                 hint="let supports overlap only where they agree",
             )
 
