@@ -100,7 +100,10 @@ def test_entities(run: Results, reader: Reader) -> None:
     )} | {f"/axes/0/{name}" for name in ("view", "axes", "grid", "labels")}  # fmt: skip
     tracks = {path for path in reader.paths if path.startswith("/run/state/contacts.0/s-")}
     assert 2 <= len(tracks) <= 8
-    assert reader.paths - tracks == expected
+    pictures = {f"/run/steps/contacts.0/{kind}/{part}" for kind in ("state", "segment", "pressure")
+                for part in ("picture", "page", "cursor")}  # fmt: skip
+    names = {path for path in reader.paths if path.startswith("/run/steps/") and "/nodes/" in path}
+    assert reader.paths - tracks - names == expected | pictures
 
 
 def test_scalars_of_every_step_are_those_of_the_results_file(run: Results, reader: Reader) -> None:
@@ -182,15 +185,40 @@ def test_arrows_are_contact_tractions_in_the_colours_of_the_states(run: Results,
 def test_profiles_are_the_contact_curves(run: Results, reader: Reader) -> None:
     """Values are affine in what is drawn: the scales follow from the axes' own corners."""
     strips = reader.rows("/run/profile/contacts.0/pressure", "LineStrips3D:strips")
-    assert strips.steps.tolist() == [frame.step for frame in run.frames]
+    # every step has its curve: frames, the first of which is the start, and the contact record
+    assert strips.steps.tolist() == [0, *run.steps["step"]]
     peaks = [max(point[1] for point in strip[0]) for strip in strips.values]
-    expected = [frame.curves["contacts.0"].pressure.max() for frame in run.frames]
+    expected = [0.0, *run.contact["contacts.0"].steps["pressure"].max(axis=1)]
     assert np.corrcoef(peaks, expected)[0, 1] > 1.0 - 1e-9
+    assert max(peaks) <= 1.0 + SINGLE, "the axis reaches the largest pressure of any step"
     labels = reader.constant("/axes/0/labels", "Points3D:labels")
     assert "p [MPa]" in labels
     assert "s along disc.arc [mm]" in labels
     ticks = [float(label) for label in labels if label.replace(".", "").replace("-", "").isdigit()]
     assert max(ticks) <= 1.05 * max(expected)
+
+
+@pytest.mark.parametrize("kind", ["state", "segment"])
+def test_pictures_have_a_column_per_step_and_a_row_per_node(kind: str, run: Results, reader: Reader) -> None:
+    """Pixels of a page are told apart as the record's numbers are; the last page ends with the last step."""
+    import io
+
+    from PIL import Image
+
+    record = run.contact["contacts.0"].steps
+    pages = reader.rows(f"/run/steps/contacts.0/{kind}/picture", "EncodedImage:blob")
+    count = len(record["step"])
+    assert pages.steps.tolist() == sorted({1, *range(count - 199, 0, -200)})
+    last = np.asarray(Image.open(io.BytesIO(bytes(pages.values[-1][0]))))
+    nodes = record[kind].shape[1]
+    high = last.shape[0] // nodes
+    shown = last[high // 2 :: high, 1::3].T[:, np.argsort(np.argsort(run.contact["contacts.0"].last.s))]
+    closed, expected = record["state"][-200:] > 0, record[kind][-200:]
+    assert ((shown > 0) == closed).all()
+    pairs = set(zip(expected[closed].tolist(), shown[closed].tolist(), strict=True))
+    assert len({value for value, _ in pairs}) == len(pairs) >= 2
+    cursor = reader.rows(f"/run/steps/contacts.0/{kind}/cursor", "Boxes2D:centers")
+    assert cursor.steps.tolist() == record["step"].tolist()
 
 
 def test_lanes_change_with_the_states(run: Results, reader: Reader) -> None:
@@ -348,6 +376,8 @@ def test_failed_run_says_so_at_its_end(tmp_path: Path) -> None:
     read = Reader(tmp_path / "run" / FILE)
     texts = [text for (text,) in read.rows("/run/events", "TextLog:text").values]
     assert texts[-1] == f"diverged: {run.reason}"
+    (page,) = read.constant("/run/scene", "TextDocument:text")
+    assert f"(diverged at step {run.summary['steps']})" in page.splitlines()[0]
     levels = [level for (level,) in read.rows("/run/events", "TextLog:level").values]
     assert levels[-1] == "ERROR"
 

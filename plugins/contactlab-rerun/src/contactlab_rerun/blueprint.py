@@ -17,6 +17,7 @@ from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.profiles import Profile
 from contactlab_rerun.projection import bounds
 from contactlab_rerun.series import Series
+from contactlab_rerun.step_pictures import BELOW, LEFT, Picture
 from contactlab_rerun.stream import Arrangement
 
 LEGEND = np.array([0.75, 0.0])  # room for a legend right of a plot
@@ -32,12 +33,14 @@ class Shown:
 
     box     what its mesh view shows
     series  with which of their lines are worth drawing
+    pictures  of the contact record, node by step
     """
 
     appearance: Appearance
     run: Gathered
     box: tuple[Floats, Floats]
     series: Sequence[tuple[Series, Sequence[bool]]]
+    pictures: Sequence[Picture] = ()
 
 
 def arrange(shown: Sequence[Shown], profiles: Sequence[Profile], converged: bool, timeline: str) -> Arrangement:
@@ -59,7 +62,10 @@ def _one(shown: Sequence[Shown], profiles: Sequence[rrb.View], solver: rrb.Conta
     energy = _series_view(shown, "energy", f"energy{_in(u.line_energy)}", legend=True)
     reaction = _series_view(shown, "reaction", f"reaction{_in(u.line_force)}", legend=True)
     below: list[rrb.Container | rrb.View] = [_tabs([energy, reaction]), solver, *_states(shown), _words(shown)]
-    above = rrb.Horizontal(mesh, _tabs(profiles), column_shares=[3, 2]) if profiles else mesh
+    beside: rrb.Container = _tabs(profiles)
+    if pictures := [_picture_view(picture, picture.name) for picture in shown[0].pictures]:
+        beside = rrb.Vertical(beside, _tabs(pictures), row_shares=[1, 1])
+    above = rrb.Horizontal(mesh, beside, column_shares=[3, 2]) if profiles else mesh
     shares = [1.0] * (len(below) - 1) + [1.3]
     return rrb.Vertical(above, rrb.Horizontal(*below, column_shares=shares), row_shares=[3, 2])
 
@@ -193,11 +199,27 @@ def _lines(
     )
 
 
-def _states(shown: Sequence[Shown]) -> list[rrb.View]:
+def _picture_view(picture: Picture, name: str) -> rrb.Spatial2DView:
+    return rrb.Spatial2DView(
+        origin=picture.path,
+        name=name,
+        visual_bounds=rrb.VisualBounds2D(
+            x_range=[-LEFT, picture.width + 10.0], y_range=[-10.0, picture.height + BELOW]
+        ),
+        background=PAPER,
+    )
+
+
+def _states(shown: Sequence[Shown]) -> list[rrb.View | rrb.Container]:
+    """Tracks of some nodes; among several runs the picture of all nodes of each in a tab beside."""
     if not any(one.run.layout.contacts for one in shown):
         return []
     tracks = [f"+ {one.appearance.path}/state/**" for one in shown]
-    return [rrb.StateTimelineView(origin="/", contents=tracks, name="states of slave nodes", time_view=_WHOLE)]
+    view = rrb.StateTimelineView(origin="/", contents=tracks, name="states of slave nodes", time_view=_WHOLE)
+    if len(shown) == 1 or not any(one.pictures for one in shown):
+        return [view]
+    pictures = [_picture_view(one.pictures[0], one.appearance.title) for one in shown if one.pictures]
+    return [_tabs([view, *pictures])]
 
 
 def _words(shown: Sequence[Shown]) -> rrb.Container:

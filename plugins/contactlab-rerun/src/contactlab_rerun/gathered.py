@@ -74,7 +74,10 @@ class Surface:
 
 @dataclass
 class Gathered:
-    """One run: its frames, events and Newton iterations. `finish` must come before anything is asked of it."""
+    """One run: its frames, events and Newton iterations. `finish` must come before anything is asked of it.
+
+    recorded, records  rows of the contact record by contact, in blocks and, once it is finished, in one
+    """
 
     layout: Layout
     shown_field: str
@@ -84,6 +87,8 @@ class Gathered:
     iterations: list[IterationRow] = field(default_factory=list)
     skipped: Instant | None = None
     surfaces: dict[str, Surface] = field(default_factory=dict)
+    recorded: dict[str, list[np.ndarray]] = field(default_factory=dict)
+    records: dict[str, np.ndarray] = field(default_factory=dict)
 
     def add(self, frame: Frame) -> None:
         """Keep a frame, or hold it back in case that it is the last one."""
@@ -108,10 +113,17 @@ class Gathered:
             self.instants.append(self.skipped)
             self.skipped = None
         self.surfaces = {contact.name: self._surface(contact.name) for contact in self.layout.contacts}
+        self.records = {name: np.concatenate(blocks) for name, blocks in self.recorded.items()}
+        self.recorded.clear()
         if summary.get("status", "finished") != "finished" and self.instants:
             last = self.instants[-1]
             text = f"{summary['status']}: {summary.get('reason', '')}"
             self.events.append(Event(max(int(summary.get("steps", 0)), last.step), last.time, "error", text))
+
+    def records_of(self, contact: str) -> list[str]:
+        """Tractions that the record of a contact has."""
+        rows = self.records.get(contact)
+        return [] if rows is None else [name for name in ("pressure", "shear") if name in (rows.dtype.names or ())]
 
     def _surface(self, name: str) -> Surface:
         curves = [instant.curves[name] for instant in self.instants]

@@ -13,10 +13,12 @@ from contactlab.api.drawing.colours import rgb
 from contactlab.api.drawing.units import Units
 from contactlab.api.frame import ContactLayout
 from contactlab_rerun.axes import Axes, dashed, dashed_columns, log_legend, solid_columns, ticks
-from contactlab_rerun.gathered import Appearance, Gathered, Surface, nice
+from contactlab_rerun.gathered import Appearance, Gathered, nice
 from contactlab_rerun.series import times
 
 MARGIN = 0.08  # of what is ever pressed, on either side
+MOST_POINTS = 400_000  # of the curves of a run, beside its last steps
+LAST = 200  # steps before the end whose curves are always there
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ def profile_of(contact: ContactLayout, runs: Sequence[tuple[str, Gathered]], pat
     margin = max(MARGIN * (s1 - s0), 2.0 * np.diff(np.sort(s)).max(initial=0.0))
     frictional = any(c.friction for name, run in runs for c in run.layout.contacts if c.name == name)
     values = [values for surface in surfaces for values in (surface.pressure, surface.shear)]
+    values += [run.records[name][what] for name, run in runs for what in run.records_of(name)]
     high = nice(max(float(part.max(initial=0.0)) for part in values))
     low = min(float(part.min(initial=0.0)) for part in values)
     low = -nice(-low) if low < -0.01 * high else 0.0
@@ -67,25 +70,53 @@ def _log_curves(recording: rr.RecordingStream, axes: Axes, run: Gathered, appear
     surface = run.surfaces[contact]
     order = surface.along
     order = order[(surface.s[order] >= axes.x0 - 1e-12) & (surface.s[order] <= axes.x1 + 1e-12)]
-    when = times([i.step for i in run.instants], [i.time for i in run.instants])
-    path = f"{appearance.path}/profile/{contact}"
-    pressure = axes.points(
-        np.broadcast_to(surface.s[order], (len(run.instants), len(order))), surface.pressure[:, order]
-    )
+    shown = curves_of(run, contact, len(order))
+    when, path = times(shown.step, shown.time), f"{appearance.path}/profile/{contact}"
+    pressure = axes.points(np.broadcast_to(surface.s[order], (len(shown.step), len(order))), shown.pressure[:, order])
     recording.send_columns(f"{path}/pressure", when, solid_columns(pressure))
     names = ["pressure"]
     if next(c.friction for c in run.layout.contacts if c.name == contact):
-        recording.send_columns(f"{path}/shear", when, dashed_columns(_dashed_shear(axes, surface, order)))
+        recording.send_columns(
+            f"{path}/shear", when, dashed_columns(_dashed_shear(axes, surface.s[order], shown.shear[:, order]))
+        )
         names.append("shear")
     for name in names:
         style = rr.LineStrips3D.from_fields(colors=[rgb(appearance.colour)], radii=[-1.3])
         recording.log(f"{path}/{name}", style, static=True)
 
 
-def _dashed_shear(axes: Axes, surface: Surface, order: np.ndarray) -> np.ndarray:
-    lines = [dashed(surface.s[order], shear[order]) for shear in surface.shear]
+def _dashed_shear(axes: Axes, along: Floats, shears: np.ndarray) -> np.ndarray:
+    lines = [dashed(along, shear) for shear in shears]
     s: Floats = np.array([s for s, _ in lines])
     return axes.points(s, np.array([shear for _, shear in lines]))
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Pressure and shear (n, m) of the slave nodes at n instants."""
+
+    step: np.ndarray
+    time: np.ndarray
+    pressure: np.ndarray
+    shear: np.ndarray
+
+
+def curves_of(run: Gathered, contact: str, nodes: int) -> Curves:
+    """Curves of the frames, and of the contact record: all of its last steps, earlier ones as far as there is room."""
+    surface, rows = run.surfaces[contact], run.records.get(contact, np.zeros(0))
+    step, time = np.array([i.step for i in run.instants]), np.array([i.time for i in run.instants])
+    if not len(rows):
+        return Curves(step, time, surface.pressure, surface.shear)
+    sparse = -(-len(rows) * nodes // MOST_POINTS)
+    kept = np.union1d(np.arange(0, len(rows), sparse), np.arange(max(0, len(rows) - LAST), len(rows)))
+    rows = rows[kept]
+    rows = rows[~np.isin(rows["step"], step)]
+    order = np.argsort(np.concatenate([step, rows["step"]]), kind="stable")
+    shear = rows["shear"] if "shear" in (rows.dtype.names or ()) else np.zeros_like(rows["pressure"])
+    both = (
+        (step, rows["step"]), (time, rows["time"]), (surface.pressure, rows["pressure"]), (surface.shear, shear)
+    )  # fmt: skip
+    return Curves(*(np.concatenate(parts)[order] for parts in both))
 
 
 def _in(unit: str) -> str:

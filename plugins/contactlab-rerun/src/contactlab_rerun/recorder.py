@@ -17,7 +17,7 @@ STEP_BYTES = 11.0  # of a step, per scalar
 
 @dataclass(frozen=True)
 class Rerun(Recorder):
-    """Writes `timeline.rrd`: every step's scalars; the deformed mesh and the contacts at stored frames.
+    """Writes `timeline.rrd`: scalars and contact record of every step; the deformed mesh at stored frames.
 
     field      what colours the mesh: von_mises or (hydrostatic) pressure [MPa], an internal variable of the laws such
                as plastic_strain, or "none"
@@ -28,6 +28,7 @@ class Rerun(Recorder):
 
     by_default: ClassVar[bool] = True
     every_step: ClassVar[bool] = True
+    every_contact: ClassVar[bool] = True
     shown_file: ClassVar[str] = FILE
 
     field: str = "von_mises"

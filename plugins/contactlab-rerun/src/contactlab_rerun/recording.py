@@ -8,6 +8,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import STYLES, styles
 from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
@@ -56,6 +58,11 @@ class RunRecording(Recording):
             self.waiting.append(block.copy())
         else:
             self._series().add(block)
+
+    def contact_steps(self, block: Mapping[str, np.ndarray]) -> None:
+        """Keep rows of the contact record for the end of the file."""
+        for name, rows in block.items():
+            self.run.recorded.setdefault(name, []).append(rows)
 
     def event(self, event: Event) -> None:
         """Keep an event for the end of the file."""

@@ -14,6 +14,8 @@ from contactlab.api.frame import Layout
 from contactlab_rerun.gathered import Appearance
 
 COUNTS = ("solver", "nodes")
+LINES = (*(style.colour for style in STYLES), "#F0E442", "#9AA0A6", "#F4A582", "#B2DF8A")
+"""Colours of the lines of one plot, no two alike among the ten that a plot has at most."""
 ROWS = 8192  # steps that are sent together: what a call costs is then shared by many
 
 
@@ -103,7 +105,7 @@ class SeriesWriter:
             for name in series.names:
                 number = numbers[series.group] = numbers.get(series.group, -1) + 1
                 names.append(self.appearance.title if several else name)
-                colours.append(rgb(self.appearance.colour if several else STYLES[number % len(STYLES)].colour))
+                colours.append(rgb(self.appearance.colour if several else LINES[number % len(LINES)]))
             style = rr.SeriesLines(
                 names=names,
                 colors=colours,

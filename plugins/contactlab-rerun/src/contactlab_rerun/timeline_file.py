@@ -6,6 +6,7 @@ import errno
 import os
 import shutil
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -20,6 +21,7 @@ from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Appearance,
 from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks
 from contactlab_rerun.profiles import Profile, log_profile, profile_of
 from contactlab_rerun.series import SeriesWriter
+from contactlab_rerun.step_pictures import log_pictures
 from contactlab_rerun.stream import drop_streams, stream_to
 
 if TYPE_CHECKING:
@@ -75,7 +77,15 @@ class TimelineFile:
             run.finish(summary)
             writer.flush()
             writer.log_styles(several)
+        self.runs = [
+            (run, replace(appearance, title=_ended(appearance.title, summary)), writer)
+            for (run, appearance, writer), summary in zip(self.runs, summaries, strict=True)
+        ]
         shown, profiles = self._draw(), self._profiles()
+        shown = [
+            replace(one, pictures=log_pictures(self.recording, one.run, one.appearance, _unit(one.run)))
+            for one in shown
+        ]
         converged = log_convergence(
             self.recording, [(run, appearance) for run, appearance, _ in self.runs], 2.0 * self._hang
         )
@@ -133,6 +143,16 @@ class TimelineFile:
             log_profile(self.recording, profile, these)
             profiles.append(profile)
         return profiles
+
+
+def _ended(title: str, summary: Mapping[str, Any]) -> str:
+    """The title of a run, and how it ended where that was before its time."""
+    status = summary.get("status", "finished")
+    return title if status == "finished" else f"{title} ({status} at step {summary.get('steps', 0)})"
+
+
+def _unit(run: Gathered) -> str:
+    return Units.of_label(run.layout.units).pressure
 
 
 def _label(field: str, units: str) -> str:
