@@ -100,15 +100,6 @@ def test_ironing_with_slivers_of_cover_at_the_rim() -> None:
     assert found.status == "finished"
 
 
-def test_a_jump_of_forces_says_what_to_try() -> None:
-    """One-pass conditions with friction and a coarse slave stall where a node of the block passes a vertex."""
-    coarse = {"bodies.block.mesh.cells": [7, 6], "bodies.foundation.mesh.cells": [60, 15]}
-    results = simulate(ironing.ironing("node-on-segment", steps=24, slide=0.6).with_(coarse))
-    assert results.status == "not-converged"
-    for words in ("residuals of", "vertex", "another contact algorithm", "swap"):
-        assert words in results.reason
-
-
 def test_steps_end_where_the_loading_turns() -> None:
     """Six steps for a path with corners at 0.25 and 0.5 of the time: the largest displacement is reached, whatever the
     number of steps, and frames that lie on corners are stored there."""
