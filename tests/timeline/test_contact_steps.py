@@ -79,6 +79,16 @@ def test_a_record_beyond_its_budget_is_thinned_and_says_so(small_scene: MakeScen
     assert any(event.text.startswith(f"contact is recorded every {stride[0]} steps") for event in run.events)
 
 
+def test_runs_of_a_comparison_have_a_budget_of_their_own(
+    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from contactlab.studies import run_job
+
+    monkeypatch.setattr(run_job, "COMPARED", 0.02)
+    run_job.run(small_scene(), tmp_path / "run", 0, 1, lambda message: None)
+    assert 0 < contactlab.load_results(tmp_path / "run").contact["contacts.0"].steps.nbytes <= 0.02e6
+
+
 def test_no_record_without_a_budget_or_contact(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

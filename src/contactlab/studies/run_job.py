@@ -14,6 +14,7 @@ from typing import Any
 
 from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError
+from contactlab.results.record_plan import COMPARED
 from contactlab.results.results import ContactCurve, Results
 from contactlab.scene.scene import Scene
 from contactlab.studies.shape import Shape, shapes_of
@@ -71,7 +72,9 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
             begun = False
             shutil.rmtree(place)
         progress = _progress(report, number, repeat)
-        return simulate(scene, out=place, registry=scene.registry, progress=progress, resume=begun)
+        return simulate(
+            scene, out=place, registry=scene.registry, progress=progress, resume=begun, record_budget=COMPARED
+        )
 
     if folder is None or not folder.exists():
         _be_ready(scene)
