@@ -1,6 +1,6 @@
 """Kills at random moments, full disks and damaged files: what is stored must be whole, or said not to be.
 
-    python tests/abuse/faults.py [--kills N] [--disks N] [--damages N] [--seed S]
+    python tests/abuse/faults.py [--kills N] [--comparisons N] [--disks N] [--damages N] [--seed S]
 
 Prints the seed and a table; exit status 1 where a number came back that was not stored, or a traceback.
 """
@@ -8,10 +8,15 @@ Prints the seed and a table; exit status 1 where a number came back that was not
 from __future__ import annotations
 
 import argparse
+import json
+import os
 import random
 import shutil
+import signal
+import subprocess
 import sys
 import tempfile
+import time
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -25,8 +30,11 @@ from test_resume import COULOMB, IMPLICIT, PLASTIC, STATICS  # noqa: E402
 
 import contactlab  # noqa: E402
 
+FRAMES = 20
+COMPARED = ["mortar-p0", "mortar-p1", "node-on-segment"]
+TRIES = 10  # at a moment within the run: a machine that is busy may end it sooner than it was meant to live
 SMALL = {
-    "bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "time.end": 8e-6, "record.frames": 20,
+    "bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "time.end": 8e-6, "record.frames": FRAMES,
     "record.recorders": ["vtkhdf"],
 }  # fmt: skip
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -44,13 +52,44 @@ GOOD = ("same", "killed too early or too late", "as before", "told", "told, some
 
 def kill(fork_server: ForkServer, scene: Any, whole: Path, cpu: float, folder: Path, chance: random.Random) -> str:
     """Kill a run once or twice, take it up again, and compare everything."""
-    hit = False
-    for attempt in range(chance.choice((1, 1, 2))):
-        ended = fork_server.run(scene, folder, resume=attempt > 0, lives=chance.uniform(0.1, 0.9) * cpu)
-        hit = hit or ended.status < 0
+    for _ in range(TRIES):
+        hit = False
+        for attempt in range(chance.choice((1, 1, 2))):
+            ended = fork_server.run(scene, folder, resume=attempt > 0, lives=chance.uniform(0.1, 0.9) * cpu)
+            hit = hit or ended.status < 0
+        if hit:
+            break
+        shutil.rmtree(folder)
     if fork_server.run(scene, folder, resume=True).status != 0:
         return "not taken up"
     return _compared(whole, folder, "same" if hit else "killed too early or too late")
+
+
+def kill_comparison(scene: Path, whole: Path, folder: Path, chance: random.Random) -> str:
+    """Kill a comparison and its workers when so many frames are stored, take it up again, and compare all runs."""
+    command = [sys.executable, "-m", "contactlab", "compare", str(scene), "--out", str(folder), "--jobs", "1"]
+    command += ["--vary", f"contacts.0.algorithm={json.dumps(COMPARED)}"]
+    wanted = chance.randrange(1, len(COMPARED) * FRAMES) if whole != folder else sys.maxsize
+    process = subprocess.Popen(command, start_new_session=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while process.poll() is None and _stored(folder) < wanted:
+        time.sleep(0.005)
+    if process.poll() is None:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
+        good = "same"
+        again = subprocess.run([*command, "--resume"], capture_output=True, text=True, check=False)
+        if again.returncode:
+            return f"not taken up: {again.stderr[-300:]}"
+    else:
+        good = "killed too early or too late"
+    places = sorted(place.parent.relative_to(whole) for place in whole.rglob("results.vtkhdf"))
+    came = {_compared(whole / place, folder / place, good) for place in places}
+    return good if came == {good} and len(places) == len(COMPARED) else f"runs of it: {came}"
+
+
+def _stored(folder: Path) -> int:
+    """Frames of all runs of a comparison so far."""
+    return sum(max(0, path.read_text().count("\n") - 1) for path in folder.rglob("history.csv"))
 
 
 def fill_disk(fork_server: ForkServer, scene: Any, whole: Path, folder: Path, chance: random.Random) -> str:
@@ -71,10 +110,23 @@ def _compared(whole: Path, folder: Path, good: str) -> str:
     return good
 
 
+def comparisons(number: int, root: Path, chance: random.Random) -> Counter[str]:
+    """Kill so many comparisons of one scene; what came of them."""
+    counts: Counter[str] = Counter()
+    if number:
+        scene, whole = root / "small.toml", root / "comparison"
+        scene.write_text(contactlab.load_scene("disc-on-block").with_(SMALL).toml())
+        kill_comparison(scene, whole, whole, chance)
+    for _ in range(number):
+        counts[kill_comparison(scene, whole, root / "try", chance)] += 1
+        shutil.rmtree(root / "try")
+    return counts
+
+
 def main() -> int:
     """Do it, and print what came of it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    for name, number in (("kills", 300), ("disks", 20), ("damages", 300), ("seed", 1)):
+    for name, number in (("kills", 290), ("comparisons", 10), ("disks", 20), ("damages", 300), ("seed", 1)):
         parser.add_argument(f"--{name}", type=int, default=number)
     asked = parser.parse_args()
     print(f"seed {asked.seed}", flush=True)
@@ -110,6 +162,8 @@ def main() -> int:
             shutil.rmtree(folder)
         print(kind, dict(counts[kind]), flush=True)
     fork_server.close()
+    counts["comparisons"] = comparisons(asked.comparisons, root, chance)
+    print("comparisons", dict(counts["comparisons"]), flush=True)
     shutil.rmtree(root)
     return int(any(came not in GOOD for counter in counts.values() for came in counter))
 

@@ -68,19 +68,30 @@ def _pairs(at: Floats, low: Floats, high: Floats) -> Iterator[tuple[Any, Any]]:
 
 
 def _distances(points: Floats, a: Floats, b: Floats) -> Floats:
-    """Distance of each point to the nearest of the edges from a to b (e, 2)."""
+    """Distance of each point to the nearest of the edges from a to b (e, 2).
+
+    Edges are looked at by their lengths, each kind at most twice as long as its shortest: a long one would make all
+    short ones near it candidates. The longest come first: how near they are bounds where shorter ones are looked for.
+    """
     if len(points) * len(a) <= TOGETHER:
-        return np.array([_distance(point, a, b) for point in points])
+        return np.array([_distance(point, a, b).min() for point in points])
     from scipy.spatial import KDTree
 
-    nearest, _ = KDTree(a).query(points)
-    middles, half = KDTree(0.5 * (a + b)), 0.5 * float(np.hypot(*(b - a).T).max())
-    near = middles.query_ball_point(points, (nearest + half) * (1.0 + 1e-9))
-    return np.array([_distance(point, a[found], b[found]) for point, found in zip(points, near, strict=True)])
+    length = np.hypot(*(b - a).T)
+    kind = np.floor(np.log2(np.maximum(length, 1e-300))).astype(np.int64)
+    least = np.array(KDTree(a).query(points)[0])
+    for longest in np.unique(kind)[::-1]:
+        own = np.flatnonzero(kind == longest)
+        reach = (least + 0.5 * length[own].max()) * (1.0 + 1e-9)
+        near = KDTree(0.5 * (a[own] + b[own])).query_ball_point(points, reach)
+        point = np.repeat(np.arange(len(points)), [len(found) for found in near])
+        edge = own[np.concatenate(near).astype(np.int64)]
+        np.minimum.at(least, point, _distance(points[point], a[edge], b[edge]))
+    return least
 
 
-def _distance(point: Floats, a: Floats, b: Floats) -> float:
-    """Distance of a point (2,) to the nearest of the edges from a to b (e, 2)."""
+def _distance(point: Floats, a: Floats, b: Floats) -> Floats:
+    """Distance (e,) of a point (2,), or of a point for each (e, 2), to edges from a to b (e, 2)."""
     along, to_a = b - a, a - point
     share = np.clip(-np.einsum("ei,ei->e", to_a, along) / np.einsum("ei,ei->e", along, along), 0.0, 1.0)
-    return float(np.hypot(*(to_a + share[:, None] * along).T).min())
+    return np.asarray(np.hypot(*(to_a + share[:, None] * along).T))

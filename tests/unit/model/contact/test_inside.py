@@ -73,3 +73,24 @@ def test_long_edges_are_found_from_their_ends(seed: int) -> None:
     points = positions.mean(axis=0) + 1e-9 * chance.uniform(-1.0, 1.0, (5, 2))
     points = np.concatenate([points, positions + 1e-12 * (positions.mean(axis=0) - positions)])
     assert depths_inside(points, positions, edges) == pytest.approx(brute_force(points, positions, edges), abs=1e-11)
+
+
+def test_one_long_edge_does_not_make_all_short_ones_candidates(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A block with fine edges below and long ones elsewhere, nodes just within: 4 times as many, 4 times the work."""
+    looked_at: list[int] = []
+    distance = inside._distance
+
+    def counted(point: Floats, a: Floats, b: Floats) -> Floats:
+        looked_at[-1] += len(a)
+        return distance(point, a, b)
+
+    monkeypatch.setattr(inside, "_distance", counted)
+    for count in (1100, 4400):  # more pairs than are looked at one by one
+        x = np.linspace(0.0, 1.0, count)
+        positions = np.concatenate([np.stack([x, np.zeros(count)], axis=1), [[1.0, 1.0], [0.0, 1.0]]])
+        nodes = np.arange(count + 2)
+        points = np.stack([x[1:-1], np.full(count - 2, 1e-5)], axis=1)
+        looked_at.append(0)
+        depth = depths_inside(points, positions, np.stack([nodes, (nodes + 1) % (count + 2)], axis=1))
+        assert depth == pytest.approx(np.minimum(1e-5, np.minimum(x, 1.0 - x)[1:-1]), rel=1e-9)
+    assert looked_at[1] < 6 * looked_at[0]
