@@ -180,8 +180,8 @@ def build_bodies(scene: Scene, registry: Registry) -> tuple[Body, ...]:
         name: registry.make("material", spec, scene.where(f"materials.{name}"))
         for name, spec in scene.materials.items()
     }
-    for material in materials.values():
-        refuse_wrong_speeds(material)
+    for name, material in materials.items():
+        refuse_wrong_speeds(material, scene.where(f"materials.{name}"))
     bodies: list[Body] = []
     first = 0
     for name, spec in scene.bodies.items():

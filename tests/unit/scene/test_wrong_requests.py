@@ -44,6 +44,7 @@ WRONG = {
     "unknown table": edit("[record]", "[recrod]", "key recrod", '"record"', "allowed"),
     "unknown top key": edit('units = "mm N s t"', "unit = 3", "key unit", '"units"'),
     "wrong type": edit("young = 70000.0", 'young = "70000"', "key materials.steel.young", '"70000"', "a number", "without quotes"),
+    "endless speed": edit("young = 7000.0", "young = 1e308", "key materials.soft", "inf", "a number", at="[materials.soft]"),
     "bool for a number": edit("young = 70000.0", "young = true", "key materials.steel.young", "true", "a number"),
     "table for a number": edit("[record]", "[level]", "key level", "frames = 50", "whole number"),
     "number for a text": edit('slave = "disc.arc"', "slave = 3", "key contacts.0.slave", "3", "a text"),

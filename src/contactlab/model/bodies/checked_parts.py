@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Element, Material
-from contactlab.errors import WrongAnswer
+from contactlab.errors import SceneError, Where, WrongAnswer
 
 
 def refuse_wrong_tables(element: Element) -> None:
@@ -28,9 +28,16 @@ def refuse_wrong_tables(element: Element) -> None:
         _refuse(element, "edge_shape", " and ".join(map(str, trace)), f"{(3, b)} twice for 3 points")
 
 
-def refuse_wrong_speeds(material: Material) -> None:
-    """Raise WrongAnswer where a law does not tell two speeds that can set a step."""
+def refuse_wrong_speeds(material: Material, where: Where) -> None:
+    """Raise WrongAnswer where a law does not tell two speeds that can set a step, SceneError where these overflow."""
     speeds: Any = material.wave_speeds()
+    if np.shape(speeds) == (2,) and max(speeds) == np.inf:
+        raise SceneError(
+            "waves in this material have no speed that is a number",
+            where=where,
+            got=f"{speeds[0]:.3g} and {speeds[1]:.3g} mm/s",
+            allowed="a stiffness and a density whose quotient is a number",
+        )
     if np.shape(speeds) != (2,) or not all(np.isfinite(speeds)) or not speeds[0] > speeds[1] >= 0.0:
         _refuse(material, "wave_speeds", str(speeds), "a dilatational and a smaller shear speed, finite")
 
