@@ -158,7 +158,7 @@ def test_tresca_bounds_the_shear_where_it_says(where: str) -> None:
 
 @pytest.mark.parametrize("depth", [0.01, 0.1581], ids=["shallow", "deep"])
 def test_loading_speed_does_not_decide_the_reaction(depth: float) -> None:
-    """Half the speed moves the quasi-static reaction by less than 0.5 %, with Coulomb 0.2, level 1."""
+    """Twice the speed moves the quasi-static reaction by less than 0.5 %, with Coulomb 0.2, level 1."""
     scene = load_scene("disc-on-block").with_(
         {
             "level": 1,
@@ -168,8 +168,8 @@ def test_loading_speed_does_not_decide_the_reaction(depth: float) -> None:
             "record.frames": 2,
         }
     )
-    fast = simulate(scene)
-    slow = simulate(scene.with_({"time.ramp": 2.0 * fast.summary["resolved"]["ramp"]}))
+    slow = simulate(scene)
+    fast = simulate(scene.with_({"time.ramp": 0.5 * slow.summary["resolved"]["ramp"]}))
     reactions = [results.summary["reactions"]["disc.top"][1] for results in (fast, slow)]
     assert (fast.status, slow.status) == ("finished", "finished")
     assert reactions[0] == pytest.approx(reactions[1], rel=5e-3)

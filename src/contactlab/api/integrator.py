@@ -263,6 +263,10 @@ class Integrator(ABC):
     dissipates: ClassVar[bool] = False
     without: ClassVar[Mapping[str, str]] = {}
 
+    def enforcement(self) -> Mapping[str, Any]:
+        """The enforcement of contacts that name none, as a scene would write it: `default_enforcement`."""
+        return {"use": self.default_enforcement}
+
     def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
         """Shapes of further state fields that the integrator needs, by name."""
         return {}

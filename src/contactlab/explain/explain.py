@@ -96,7 +96,7 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
         step=schedule.dt,
         steps_follow=schedule.parameter,
         estimated_steps=steps,
-        history=str(model.history),
+        history=_history(model),
         seconds_to_first_step=seconds[0],
         seconds_per_step=seconds[1],
         estimated_seconds=seconds[0] + (steps - 1) * seconds[1],
@@ -114,6 +114,13 @@ def _schedule(model: Model, scene: Scene) -> Any:
     from contactlab.run.run import schedule_of
 
     return schedule_of(model, scene)
+
+
+def _history(model: Model) -> str:
+    """By which keys the end depends on the way there, and what a run that settles makes of the way."""
+    if model.timing.follows:
+        return str(model.history)
+    return f"{model.history}; states on the way are not in equilibrium (time.history = true asks for that)"
 
 
 def _seconds(trial: TrialRun | None, steps: int) -> tuple[float, float]:

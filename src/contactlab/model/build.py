@@ -37,6 +37,7 @@ from contactlab.scene.reading import refused_later
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
+    from contactlab.model.bodies.frequency import Joints
     from contactlab.model.contact.plan import ContactPlan
     from contactlab.model.loading.rigid import RigidSurface
     from contactlab.parts.registry import Registry
@@ -66,8 +67,10 @@ def _built(scene: Scene, registry: Registry) -> Model:
     supports = plan_supports(scene, bodies, rigid, reference)
     check_supported(scene, bodies, supports, integrator)
     history = history_of(scene, bodies, integrator)
-    timing = find_timing(scene, bodies, reference, mass, supports, integrator)
-    prescribed = supports.bind(timing.ramp)
+    timing = find_timing(
+        scene, bodies, reference, mass, supports, integrator, history, lambda: _joints(plans, reference)
+    )
+    prescribed = supports.bind(timing.ramps)
     _refuse_impossible(scene, bodies, rigid, reference, prescribed, timing.end or timing.ramp)
     state = State(_shapes(len(reference), bodies, integrator, plans, timing))
     position, increment = reference.copy(), _increment(bodies, len(reference))
@@ -75,7 +78,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     _initial_velocity(scene, bodies, reference, mass, state)
     contact = _contact(plans, bodies, reference, prescribed.dof, state, timing.ramp)
     effects = _effects(scene, registry, bodies, rigid, reference, state)
-    loads = _loads(scene, bodies, reference, position, timing.ramp)
+    loads = _loads(scene, bodies, reference, position, timing.ramps)
     model = model_class(
         reference=reference,
         position=position,
@@ -131,6 +134,17 @@ def _contact_plans(
 
     plans = plan_contacts(scene, registry, bodies, rigid, integrator)
     return plans, adjusted_bodies(bodies, rigid, plans)
+
+
+def _joints(plans: tuple[Any, ...], reference: Floats) -> Joints:
+    """Where bodies touch from the start, so that they vibrate together."""
+    from contactlab.model.bodies.frequency import NO_JOINTS
+
+    if not plans:
+        return NO_JOINTS
+    from contactlab.model.contact.touching import touching
+
+    return touching(plans, reference)
 
 
 def _refuse_impossible(scene: Scene, *arguments: Any) -> None:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from contactlab.model.loading.ramps import course_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -13,6 +15,9 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 
+VALUES = ("ux", "uy", "turn", "pressure", "shear", "tx", "ty")  # of supports, rigid surfaces and loads
+
+
 @dataclass(frozen=True)
 class History:
     """Keys of a scene by which its end depends on the way there.
@@ -20,7 +25,8 @@ class History:
     laws      bodies whose law remembers (plastic flow, stresses in rate form) or depends on rate
     friction  contacts with friction
     motion    what asks for inertia in time: a duration in seconds beside an integrator with inertia
-    asked     `time.history`, where it is true: the way is wanted though the end may not depend on it
+    asked     keys by which the way is wanted though the end may not depend on it: `time.history`, and, of runs with
+              inertia that end when they have settled, times that the scene gives itself
     """
 
     laws: tuple[str, ...] = ()
@@ -48,5 +54,25 @@ def history_of(scene: Scene, bodies: Iterable[Body], integrator: Integrator) -> 
         laws=tuple(f"bodies.{name}.material" for name in remembering),
         friction=tuple(f"contacts.{i}.friction" for i, contact in enumerate(scene.contacts) if contact.friction),
         motion=("time.end",) if integrator.inertia and scene.time.end != "auto" else (),
-        asked=("time.history",) if scene.time.history else (),
+        asked=(("time.history",) if scene.time.history else ()) + _own_times(scene, integrator),
     )
+
+
+def _own_times(scene: Scene, integrator: Integrator) -> tuple[str, ...]:
+    """Keys in seconds by which a run that finds its own times otherwise is told when or how fast something happens."""
+    if not integrator.inertia or scene.time.end != "auto":
+        return ()
+    given = [f"time.{name}" for name in ("ramp", "damping", "relaxation") if getattr(scene.time, name) is not None]
+    tables: list[tuple[str, Any]] = [(f"supports.{i}", spec) for i, spec in enumerate(scene.supports)]
+    tables += [(f"loads.{i}", spec) for i, spec in enumerate(scene.loads)]
+    tables += [(f"rigid.{name}", spec) for name, spec in scene.rigid.items()]
+    given += [
+        f"{table}.{name}"
+        for table, spec in tables
+        for name in VALUES
+        if getattr(spec, name, None) is not None and course_of(getattr(spec, name)).timed
+    ]
+    given += [f"contacts.{i}.start.duration" for i, spec in enumerate(scene.contacts) if spec.start.duration]
+    # what an effect does may go by the clock, or need it (springs aside): its way is its own
+    given += [f"effects.{i}" for i in range(len(scene.effects))]
+    return tuple(given)

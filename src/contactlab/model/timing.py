@@ -3,22 +3,40 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from contactlab.api import Floats, Integrator
 from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body
+from contactlab.model.history import History
+from contactlab.model.loading.ramps import RampTime
 from contactlab.model.loading.supports import SupportPlan
 
 if TYPE_CHECKING:
+    from contactlab.model.bodies.frequency import Joints
     from contactlab.scene.scene import Scene
 
-PERIODS = 50.0  # ramp in periods of the lowest mode that the loading excites
-DAMPING = 0.2  # alpha / w1
-RELAXATION = 3.0  # times 1/w1: vibrations at w1 and above are damped, what lasts longer is left alone
+
+class Pace(NamedTuple):
+    """How a quasi-static run is driven, by the frequency w1 of the lowest mode that the loading excites.
+
+    periods     of that mode in a ramp
+    damping     alpha / w1
+    relaxation  times 1/w1: vibrations at w1 and above are damped, what lasts longer is left alone; 0: all is damped
+    """
+
+    periods: float
+    damping: float
+    relaxation: float
+
+
+THE_WAY = Pace(100.0, 0.2, 3.0)  # every state on the way in equilibrium
+LONGEST_HOLD = 50.0  # periods: contact that closes late takes its own time, however fast the ramp was
+THE_END = Pace(6.0, 1.0, 0.0)  # the way left to what it may be: half of critical damping of w1 when it is over
 
 
 @dataclass(frozen=True)
@@ -33,6 +51,7 @@ class Timing:
              time in which the drift, which damping leaves alone, follows velocities; 0: damping acts on all motion
     until_settled
              False where the scene fixes the hold: the run then takes all of it
+    follows  whether states on the way there are meant to be in equilibrium
     """
 
     end: float | None
@@ -42,6 +61,12 @@ class Timing:
     damping: float
     relaxation: float
     until_settled: bool
+    follows: bool = True
+
+    @property
+    def ramps(self) -> RampTime:
+        """What ramps that name no duration go by; a way in equilibrium begins and ends without a jolt."""
+        return RampTime(self.ramp, self.end is None and self.follows)
 
     def resolved(self) -> dict[str, float]:
         """What `auto` chose, as keys of `[time]`; empty where the scene fixed the end."""
@@ -63,8 +88,13 @@ def find_timing(
     mass: Floats,
     supports: SupportPlan,
     integrator: Integrator,
+    history: History,
+    joints: Callable[[], Joints],
 ) -> Timing:
-    """Find the times of a scene: for `end = "auto"` a ramp of 50 periods of the lowest mode w1, and damping 0.2 w1."""
+    """Find the times of a scene: with `end = "auto"` from the lowest mode of the bodies as joints tie them.
+
+    `THE_WAY` is the pace of a scene with a history, `THE_END` that of others (docs/theory/explicit-scheme.md).
+    """
     time = scene.time
     if time.end != "auto":
         end = float(time.end)
@@ -72,10 +102,9 @@ def find_timing(
         return Timing(end, ramp, 0.0, end, time.damping or 0.0, 0.0, False)
     if not integrator.inertia:
         return Timing(1.0, 1.0, 0.0, 1.0, 0.0, 0.0, False)
-    from contactlab.model.bodies.frequency import loaded_frequency
+    from contactlab.model.bodies.frequency import lowest_frequency
 
-    directions = _directions(supports)
-    frequency = min(loaded_frequency(body, positions, mass, supports.dof, directions) for body in bodies)
+    frequency = lowest_frequency(bodies, positions, mass, supports.dof, _directions(supports), joints())
     if not math.isfinite(frequency):
         raise SceneError(
             "nothing can move: every degree of freedom is supported",
@@ -83,12 +112,13 @@ def find_timing(
             got=scene.time.end,
             allowed="a number of seconds where no body can swing",
         )
+    pace = THE_WAY if history else THE_END
     period = 2.0 * math.pi / frequency
-    ramp = PERIODS * period if time.ramp is None else time.ramp
-    hold = ramp if time.hold is None else time.hold
-    damping = DAMPING * frequency if time.damping is None else time.damping
-    relaxation = RELAXATION / frequency if time.relaxation is None else time.relaxation
-    return Timing(None, ramp, hold, period, damping, relaxation, time.hold is None)
+    ramp = pace.periods * period if time.ramp is None else time.ramp
+    hold = max(ramp, LONGEST_HOLD * period) if time.hold is None else time.hold
+    damping = pace.damping * frequency if time.damping is None else time.damping
+    relaxation = pace.relaxation / frequency if time.relaxation is None else time.relaxation
+    return Timing(None, ramp, hold, period, damping, relaxation, time.hold is None, bool(history))
 
 
 def _directions(supports: SupportPlan) -> Floats:

@@ -83,7 +83,7 @@ def _run_lines(summary: Mapping[str, Any], units: Units) -> Iterator[Line]:
     if summary.get("iterations"):
         yield "iterations per step", significant(summary["iterations"] / max(1, steps), 3), ""
     if summary.get("history", {}).get("curve") == THE_END_ONLY:
-        yield "the way to the end", "not followed: history.csv is no force-displacement curve", ""
+        yield "the way to the end", "not in equilibrium: history.csv is no force-displacement curve", ""
     for level in summary.get("nested", ()):
         yield f"level {level['level']} before", f"{level['iterations']} iterations", ""
     for key, value in summary.get("resolved", {}).items():

@@ -121,7 +121,7 @@ def curve_of(model: Model) -> str:
     """What stored states are on the way to the end: of a motion in time, in equilibrium, or no way at all."""
     if model.history.motion:
         return IN_TIME
-    return QUASI_STATIC if model.way_followed else THE_END_ONLY
+    return QUASI_STATIC if model.way_followed and model.timing.follows else THE_END_ONLY
 
 
 def _contact(report: ContactReport) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -21,11 +21,22 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 
 @dataclass(frozen=True)
 class CentralDifference(ExplicitIntegrator):
-    """Leapfrog with lumped mass; velocities live half a step before positions."""
+    """Leapfrog with lumped mass; velocities live half a step before positions.
+
+    forces  of contacts that name no enforcement: "published", or "conjugate", which make no energy and cost two to
+            four times as much (docs/theory/contact-energy.md)
+    """
 
     default_enforcement: ClassVar[str] = "forward-increment"
     order: ClassVar[int] = 2
     without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
+
+    forces: Literal["conjugate", "published"] = "published"
+
+    def enforcement(self) -> Mapping[str, Any]:
+        """Multipliers by forward increments, with the forces that are asked for."""
+        own: dict[str, Any] = {"use": self.default_enforcement}
+        return own if self.forces == "published" else own | {"forces": self.forces}
 
     def bind(self, equations: ExplicitEquations, state: State) -> Callable[[float], Step]:
         """The step function; the first step starts from v_0 (half a step of acceleration)."""

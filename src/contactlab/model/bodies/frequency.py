@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_matrix, csc_matrix
+from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats, Ints
@@ -14,42 +16,132 @@ from contactlab.model.bodies.body import Body
 from contactlab.model.bodies.stiffness import cell_stiffness
 
 ROUND = 1e-12  # of the mean stiffness over mass: rigid motions keep round-off of the moduli
+STIFF = 100.0  # of the largest nodal stiffness: springs of joints then give a hundredth of what a cell does
 
 
-def loaded_frequency(body: Body, positions: Floats, mass: Floats, fixed: Ints, directions: Floats) -> float:
+class Joints(NamedTuple):
+    """Nodes that are tied to a point of an edge: u[node] = (1 - share) u[ends[0]] + share u[ends[1]].
+
+    node (j,), ends (j, 2) node numbers; share (j,) from 0 to 1
+    """
+
+    node: Ints
+    ends: Ints
+    share: Floats
+
+
+NO_JOINTS = Joints(np.zeros(0, np.int32), np.zeros((0, 2), np.int32), np.zeros(0))
+
+
+def lowest_frequency(
+    bodies: Sequence[Body], positions: Floats, mass: Floats, fixed: Ints, directions: Floats, joints: Joints
+) -> float:
     """Circular frequency [1/s] of the lowest mode that pushing along `directions` (d, 2) excites.
 
-    Rayleigh's method: the deflection u under its own inertia forces in a direction gives
-    w^2 = u K u / u M u, a few per cent above the mode's own. `fixed` dofs (2 * node + component) are
-    held. A body that they leave adrift is stretched evenly instead.
-    inf where every degree of freedom is held.
+    Bodies that joints tie together vibrate together, as contact will have them. Where that leaves some of them adrift
+    (a body that could roll or slide), each counts alone. inf where every degree of freedom is held.
     """
-    n, a = body.cells.shape
-    dof = (2 * body.cells[:, :, None] + np.arange(2)).reshape(n, 2 * a)
-    rows, columns = np.repeat(dof, 2 * a, axis=1).ravel(), np.tile(dof, (1, 2 * a)).ravel()
-    size = 2 * len(positions)
-    stiffness = coo_matrix((cell_stiffness(body, positions).ravel(), (rows, columns)), shape=(size, size)).tocsc()
-    everything = np.unique(dof)
-    own = np.setdiff1d(everything, fixed)
+    found: list[float] = []
+    for group in _tied_together(bodies, joints):
+        together = _frequency(group, positions, mass, fixed, directions, joints)
+        alone = (_alone(body, positions, mass, fixed, directions) for body in group)
+        found.append(min(alone) if together is None else together)
+    return min(found)
+
+
+def _alone(body: Body, positions: Floats, mass: Floats, fixed: Ints, directions: Floats) -> float:
+    """Frequency of a body by itself; one that its supports leave adrift is stretched evenly."""
+    found = _frequency([body], positions, mass, fixed, directions, NO_JOINTS)
+    if found is not None:
+        return found
+    own = _free([body], fixed)
+    nodal = np.repeat(mass, 2)[own]
+    return _rayleigh(_stiffness([body], positions)[own][:, own], nodal, [_stretch(positions, nodal, own)])
+
+
+def _frequency(
+    bodies: Sequence[Body], positions: Floats, mass: Floats, fixed: Ints, directions: Floats, joints: Joints
+) -> float | None:
+    """Rayleigh's method for bodies as joints tie them; None where they are adrift.
+
+    The deflection u under its own inertia forces in a direction gives w^2 = u K u / u M u, a few per cent above the
+    mode's own. `fixed` dofs (2 * node + component) are held.
+    """
+    own = _free(bodies, fixed)
     if not len(own):
         return float("inf")
     nodal = np.repeat(mass, 2)[own]
+    stiffness = _stiffness(bodies, positions)
+    stiffness = (stiffness + _springs(bodies, joints, STIFF * stiffness.diagonal().max(), stiffness.shape[0])).tocsc()
     reduced = stiffness[own][:, own]
-    if _adrift(reduced, positions, nodal, own):
-        shapes = [_stretch(positions, nodal, own)]
-    else:
-        solve = splu(reduced).solve
-        shapes = [solve(nodal * direction[own % 2]) for direction in directions]
-    squares = [(u @ (reduced @ u)) / (u @ (nodal * u)) for u in shapes if np.any(u)]
+    if _adrift(bodies, reduced, positions, nodal, own):
+        return None
+    solve = splu(reduced).solve
+    return _rayleigh(reduced, nodal, [solve(nodal * direction[own % 2]) for direction in directions])
+
+
+def _rayleigh(stiffness: Any, nodal: Floats, shapes: Sequence[Floats]) -> float:
+    squares = [(u @ (stiffness @ u)) / (u @ (nodal * u)) for u in shapes if np.any(u)]
     return float(np.sqrt(min(squares))) if squares else float("inf")
 
 
-def _adrift(stiffness: Any, positions: Floats, nodal: Floats, own: Ints) -> bool:
-    """Whether the supports leave the body some rigid motion, which costs no energy."""
-    x = positions - positions[own // 2].mean(axis=0)
-    turn = np.stack([-x[:, 1], x[:, 0]], axis=1).reshape(-1)[own]
-    modes = np.stack([own % 2 == 0, own % 2 == 1, turn / np.abs(x).max()], axis=1).astype(np.float64)
-    energy, inertia = modes.T @ (stiffness @ modes), modes.T @ (nodal[:, None] * modes)
+def _free(bodies: Sequence[Body], fixed: Ints) -> Ints:
+    """Degrees of freedom of the bodies that nothing holds, ascending."""
+    nodes = np.unique(np.concatenate([body.cells.ravel() for body in bodies]))
+    return np.asarray(np.setdiff1d((2 * nodes[:, None] + np.arange(2)).ravel(), fixed))
+
+
+def _stiffness(bodies: Sequence[Body], positions: Floats) -> Any:
+    size = 2 * len(positions)
+    total = csc_matrix((size, size))
+    for body in bodies:
+        n, a = body.cells.shape
+        dof = (2 * body.cells[:, :, None] + np.arange(2)).reshape(n, 2 * a)
+        rows, columns = np.repeat(dof, 2 * a, axis=1).ravel(), np.tile(dof, (1, 2 * a)).ravel()
+        total += coo_matrix((cell_stiffness(body, positions).ravel(), (rows, columns)), shape=(size, size)).tocsc()
+    return total
+
+
+def _springs(bodies: Sequence[Body], joints: Joints, stiffness: float, size: int) -> Any:
+    """Stiff springs in both directions at the joints of these bodies."""
+    mine = np.isin(joints.node, _nodes(bodies)) | np.isin(joints.ends, _nodes(bodies)).any(axis=1)
+    node, ends, share = joints.node[mine], joints.ends[mine], joints.share[mine]
+    count = len(node)
+    nodes = np.stack([node, ends[:, 0], ends[:, 1]], axis=1)
+    weights = np.stack([np.ones(count), share - 1.0, -share], axis=1)
+    both = np.concatenate([2 * nodes, 2 * nodes + 1])
+    rows = np.repeat(np.arange(2 * count), 3)
+    ties = coo_matrix((np.tile(weights, (2, 1)).ravel(), (rows, both.ravel())), shape=(2 * count, size)).tocsc()
+    return stiffness * (ties.T @ ties)
+
+
+def _nodes(bodies: Sequence[Body]) -> Ints:
+    return np.concatenate([np.arange(body.first, body.first + body.count) for body in bodies])
+
+
+def _tied_together(bodies: Sequence[Body], joints: Joints) -> list[list[Body]]:
+    """Bodies in groups that joints connect; rigid surfaces, which hold on to nothing, connect none."""
+    first = np.array([body.first for body in bodies])
+    last = np.array([body.first + body.count for body in bodies])
+    of = [np.searchsorted(first, nodes, side="right") - 1 for nodes in (joints.node, joints.ends[:, 0])]
+    real = (joints.node < last[of[0]]) & (joints.ends[:, 0] < last[of[1]])
+    links = coo_matrix((np.ones(real.sum()), (of[0][real], of[1][real])), shape=(len(bodies), len(bodies)))
+    count, label = connected_components(links, directed=False)
+    return [[body for body, own in zip(bodies, label, strict=True) if own == k] for k in range(count)]
+
+
+def _adrift(bodies: Sequence[Body], stiffness: Any, positions: Floats, nodal: Floats, own: Ints) -> bool:
+    """Whether supports and joints leave some rigid motion of the bodies, which costs no energy."""
+    modes = []
+    for body in bodies:
+        mine = (own >= 2 * body.first) & (own < 2 * (body.first + body.count))
+        if not mine.any():
+            continue
+        x = positions - positions[own[mine] // 2].mean(axis=0)
+        turn = np.stack([-x[:, 1], x[:, 0]], axis=1).reshape(-1)[own]
+        modes += [mine * (own % 2 == 0), mine * (own % 2 == 1), mine * turn / np.abs(turn[mine]).max()]
+    shapes = np.stack([mode for mode in modes if np.any(mode)], axis=1).astype(np.float64)
+    energy, inertia = shapes.T @ (stiffness @ shapes), shapes.T @ (nodal[:, None] * shapes)
     # a support that holds any of them strains its cells: far above round-off of the stiffest ones
     rigid = ROUND * stiffness.diagonal().sum() / nodal.sum()
     return bool(eigh(energy, inertia, eigvals_only=True)[0] < rigid)

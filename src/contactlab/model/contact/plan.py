@@ -95,7 +95,7 @@ def _plan(
 ) -> ContactPlan:
     slave_key, master_key = ("master", "slave") if spec.swap else ("slave", "master")
     slave, master = spec.targets
-    enforcement_spec = spec.enforcement or integrator.default_enforcement
+    enforcement_spec = spec.enforcement or integrator.enforcement()
     enforcement = registry.make("enforcement", enforcement_spec, below(where, "enforcement"))
     if not isinstance(enforcement, integrator.needs):
         raise PartError(

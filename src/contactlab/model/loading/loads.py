@@ -13,7 +13,7 @@ from contactlab.kernels.edge_loads import edge_forces
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import edge_set
 from contactlab.model.loading.load_profile import factors
-from contactlab.model.loading.ramps import Course, Ramp, course_of
+from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of
 
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
@@ -25,7 +25,7 @@ POINTS = 3  # Gauss points of an edge: exact for the quadratic trace times the d
 
 
 def build_loads(
-    scene: Scene, bodies: tuple[Body, ...], reference: Floats, position: Floats, ramp_time: float
+    scene: Scene, bodies: tuple[Body, ...], reference: Floats, position: Floats, run: RampTime
 ) -> tuple[Load, ...]:
     """One call for each of the scene's loads. `position` (N, 2) is read anew in each call."""
     loads = []
@@ -36,10 +36,10 @@ def build_loads(
             table.vary(factors(spec.profile, table.places(reference)))
         if spec.pressure is not None or spec.shear is not None:
             courses = [course_of(0.0 if value is None else value) for value in (spec.pressure, spec.shear)]
-            loads.append(_along_edges(table, reference, position if spec.follower else None, courses, ramp_time))
+            loads.append(_along_edges(table, reference, position if spec.follower else None, courses, run))
         if spec.tx is not None or spec.ty is not None:
             courses = [course_of(0.0 if value is None else value) for value in (spec.tx, spec.ty)]
-            loads.append(_dead(table, reference, courses, ramp_time))
+            loads.append(_dead(table, reference, courses, run))
     return tuple(loads)
 
 
@@ -108,10 +108,10 @@ def _pairs(edges: Ints) -> tuple[Ints, Ints]:
 
 
 def _along_edges(
-    table: _EdgeTable, reference: Floats, position: Floats | None, courses: list[Course], ramp_time: float
+    table: _EdgeTable, reference: Floats, position: Floats | None, courses: list[Course], run: RampTime
 ) -> Load:
     """Pressure and shear; on the undeformed edges where no `position` is given."""
-    (p, pressure), (q, shear) = ((course.to, course.bind(ramp_time)) for course in courses)
+    (p, pressure), (q, shear) = ((course.to, course.bind(run)) for course in courses)
     if position is not None:
         return FollowerLoad(table, position, (p, q), (pressure, shear))
     units = [np.zeros_like(reference), np.zeros_like(reference)]
@@ -120,11 +120,11 @@ def _along_edges(
     return _fixed(units, [p, q], [pressure, shear])
 
 
-def _dead(table: _EdgeTable, reference: Floats, courses: list[Course], ramp_time: float) -> Load:
+def _dead(table: _EdgeTable, reference: Floats, courses: list[Course], run: RampTime) -> Load:
     lengths, units = table.lengths(reference), [np.zeros_like(reference), np.zeros_like(reference)]
     for component, unit in enumerate(units):
         unit[:, component] = lengths
-    return _fixed(units, [course.to for course in courses], [course.bind(ramp_time) for course in courses])
+    return _fixed(units, [course.to for course in courses], [course.bind(run) for course in courses])
 
 
 def _fixed(units: list[Floats], values: list[float], ramps: list[Ramp]) -> Load:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -12,6 +13,15 @@ if TYPE_CHECKING:
 
 Ramp = Callable[[float], float]
 """Fraction of the final value at a time [s]."""
+
+SET_OUT, ARRIVE = 0.12, 0.35  # of the ramp: some ten periods each, at the pace of a run that follows the way
+
+
+class RampTime(NamedTuple):
+    """How long ramps take that name no duration [s], and whether they set out and arrive gently."""
+
+    duration: float
+    gentle: bool = False
 
 
 class Course(NamedTuple):
@@ -30,12 +40,14 @@ class Course(NamedTuple):
     begin: float = 0.0
     points: tuple[tuple[float, float], ...] = ()
 
-    def bind(self, ramp_time: float) -> Ramp:
-        """The fraction in time when a ramp that names no duration takes `ramp_time` [s]."""
+    def bind(self, run: RampTime) -> Ramp:
+        """The fraction in time when ramps that name no duration are those of the `run`."""
         if self.shape == "table":
             return _table(self.points, self.begin)
-        shape, duration = SHAPES[self.shape], ramp_time if self.duration is None else self.duration
-        return _shifted(shape(duration), self.begin)
+        shape = SHAPES[self.shape]
+        if run.gentle and self.duration is None and self.shape != "constant":
+            return _shifted(gentle(shape(1.0), run.duration), self.begin)
+        return _shifted(shape(run.duration if self.duration is None else self.duration), self.begin)
 
     def corners(self, ramp_time: float) -> tuple[float, ...]:
         """Times [s] at which the value's speed may jump."""
@@ -44,6 +56,11 @@ class Course(NamedTuple):
         if self.shape == "constant":
             return (self.begin,)
         return self.begin, self.begin + (ramp_time if self.duration is None else self.duration)
+
+    @property
+    def timed(self) -> bool:
+        """Whether it says in seconds when or how fast it changes."""
+        return self.duration is not None or self.begin > 0.0 or self.shape == "table"
 
     @property
     def steady(self) -> bool:
@@ -91,6 +108,30 @@ def smooth(duration: float) -> Ramp:
 def constant(duration: float) -> Ramp:
     """Ramp that has its full value from the start."""
     return lambda time: 1.0
+
+
+def gentle(shape: Ramp, duration: float) -> Ramp:
+    """A ramp along `shape`, which is one at 1, paced so that "parabola" sets out and arrives without a jolt.
+
+    Speed rises over `SET_OUT` of the time, stays, and falls over `ARRIVE` of it, both as 3 q^2 - 2 q^3. All shapes run
+    on the same clock, so that several of them pass through the same states as without it.
+    """
+    whole = 1.0 - 0.5 * (SET_OUT + ARRIVE)
+
+    def value(time: float) -> float:
+        s = min(time / duration, 1.0)
+        if s > 1.0 - ARRIVE:
+            left = ARRIVE * _eased((1.0 - s) / ARRIVE)
+        else:
+            left = whole - (SET_OUT * _eased(s / SET_OUT) if s < SET_OUT else s - 0.5 * SET_OUT)
+        return shape(1.0 - math.sqrt(max(left, 0.0) / whole))
+
+    return value
+
+
+def _eased(q: float) -> float:
+    """The integral of 3 q^2 - 2 q^3 from 0 to q."""
+    return q * q * q * (1.0 - 0.5 * q)
 
 
 SHAPES: dict[str, Callable[[float], Ramp]] = {

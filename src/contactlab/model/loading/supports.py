@@ -13,7 +13,7 @@ from contactlab.api import Floats, Ints
 from contactlab.errors import SceneError, below
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import nodes_of
-from contactlab.model.loading.ramps import Course, Ramp, course_of
+from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
@@ -48,9 +48,9 @@ class Shift(NamedTuple):
     course: Course
     size: int = 1
 
-    def bind(self, ramp_time: float) -> Ramp:
+    def bind(self, run: RampTime) -> Ramp:
         """A function that gives the displacement at a time [s]."""
-        return self.course.bind(ramp_time)
+        return self.course.bind(run)
 
     @property
     def steady(self) -> bool:
@@ -80,10 +80,10 @@ class Rotation(NamedTuple):
         """Number of values: two for each node."""
         return 2 * len(self.offsets)
 
-    def bind(self, ramp_time: float) -> Values:
+    def bind(self, run: RampTime) -> Values:
         """A function that gives the displacements (2 n,) [mm] at a time [s]."""
         courses = (self.angle, self.ux, self.uy)
-        angle, ux, uy = ((course.to, course.bind(ramp_time)) for course in courses)
+        angle, ux, uy = ((course.to, course.bind(run)) for course in courses)
         x, y = np.array(self.offsets).T
 
         def values(time: float) -> Floats:
@@ -104,7 +104,7 @@ Motion = Shift | Rotation
 class Prescribed:
     """Implements `contactlab.api.PrescribedMotion`: displacement = scale * ramp value."""
 
-    def __init__(self, dof: Ints, scale: Floats, ramp: Ints, motions: tuple[Motion, ...], ramp_time: float) -> None:
+    def __init__(self, dof: Ints, scale: Floats, ramp: Ints, motions: tuple[Motion, ...], run: RampTime) -> None:
         self.dof, self.scale, self.ramp = dof, scale, ramp
         sizes = [motion.size for motion in motions]
         self._values = np.zeros(max(1, sum(sizes)))
@@ -113,11 +113,11 @@ class Prescribed:
         for begin, motion in zip(np.cumsum([0, *sizes]).tolist(), motions, strict=False):
             place = slice(begin, begin + motion.size)
             if motion.steady:
-                self._values[place] = motion.bind(ramp_time)(0.0)
+                self._values[place] = motion.bind(run)(0.0)
             elif isinstance(motion, Shift):
-                self._single.append((begin, motion.bind(ramp_time)))
+                self._single.append((begin, motion.bind(run)))
             else:
-                self._several.append((place, motion.bind(ramp_time)))
+                self._several.append((place, motion.bind(run)))
 
     def values(self, time: float) -> Floats:
         """Ramp values at `time` [s]; the same array every call."""
@@ -145,9 +145,9 @@ class SupportPlan:
     sets: tuple[SupportedSet, ...]
     moving: tuple[bool, bool]
 
-    def bind(self, ramp_time: float) -> Prescribed:
-        """The prescribed motion when ramps that name no duration take `ramp_time` [s]."""
-        return Prescribed(self.dof, self.scale, self.ramp, self.motions, ramp_time)
+    def bind(self, run: RampTime) -> Prescribed:
+        """The prescribed motion when ramps that name no duration are those of the `run`."""
+        return Prescribed(self.dof, self.scale, self.ramp, self.motions, run)
 
 
 def plan_supports(

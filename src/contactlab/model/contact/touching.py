@@ -1,0 +1,43 @@
+"""Which nodes of two surfaces touch, whatever algorithm will join them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactlab.api import Floats, Surface
+from contactlab.kernels.contact.search import near_segments
+from contactlab.model.bodies.frequency import NO_JOINTS, Joints
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.plan import ContactPlan
+
+TOUCH = 1e-6  # of a segment: round-off of meshes that are made to fit
+
+
+def touching(plans: Iterable[ContactPlan], positions: Floats) -> Joints:
+    """Nodes of either side of all contacts that lie on an edge of the other side at `positions` (N, 2)."""
+    found = [joints for plan in plans for joints in _both_ways(plan.slave, plan.master, positions)]
+    return Joints(*map(np.concatenate, zip(*found, strict=True))) if found else NO_JOINTS
+
+
+def _both_ways(slave: Surface, master: Surface, positions: Floats) -> Iterator[Joints]:
+    yield _nodes_on_edges(slave, master, positions)
+    yield _nodes_on_edges(master, slave, positions)
+
+
+def _nodes_on_edges(own: Surface, other: Surface, positions: Floats) -> Joints:
+    x, y = positions[own.nodes], positions[other.nodes]
+    reach = TOUCH * float(np.hypot(*np.ptp(y[other.segments], axis=1).T).max())
+    near = near_segments(x, own.segments, y, other.segments, reach)
+    segment = np.repeat(np.arange(len(own.segments)), np.diff(near.start))
+    node = own.segments[segment].ravel()
+    ends = np.repeat(other.segments[near.master], 2, axis=0)
+    a, along = y[ends[:, 0]], y[ends[:, 1]] - y[ends[:, 0]]
+    share = np.clip(((x[node] - a) * along).sum(axis=1) / (along * along).sum(axis=1), 0.0, 1.0)
+    closed = np.flatnonzero(np.hypot(*(a + share[:, None] * along - x[node]).T) <= reach)
+    _, first = np.unique(node[closed], return_index=True)
+    chosen = closed[first]
+    return Joints(own.nodes[node[chosen]], other.nodes[ends[chosen]], share[chosen])
