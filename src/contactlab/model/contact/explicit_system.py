@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from time import perf_counter
 
 import numpy as np
@@ -34,6 +35,10 @@ class ContactSystem:
             self.factored = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap))
         self.last = Solve(0, 0.0, 0, 0.0)
         self.seconds = self.solution_s = 0.0
+
+    def calls_per_step(self) -> Counter[str]:
+        """How often a step calls the algorithms, by what they are asked for."""
+        return sum((Counter(pair.calls_per_step()) for pair in self.pairs), Counter())
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         """Rows at `predicted`, forces from the enforcement; see `contactlab.api.ContactEquations`."""

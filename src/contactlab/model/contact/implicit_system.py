@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from time import perf_counter
 from typing import Any
 
@@ -35,6 +36,10 @@ class ImplicitContactSystem:
         self.rows = allocate_rows(self.multipliers.shape[1], 32, self.friction)
         self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
+
+    def calls_per_step(self) -> Counter[str]:
+        """How often an iteration calls the algorithms, by what they are asked for."""
+        return sum((Counter(pair.calls_per_step()) for pair in self.pairs), Counter())
 
     def _memory(self, pair: ContactPair) -> Floats:
         name = f"memory.{pair.name}"
