@@ -12,7 +12,7 @@ INSTALLED := $(VENV)/installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test faults fuzz mutants paper pages packages site lint bench clean
+.PHONY: demo test faults fuzz mutants check-parts paper pages packages site lint bench clean
 
 demo: $(INSTALLED)
 	@out=runs/demo; n=2; while [ -e $$out ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
@@ -30,6 +30,9 @@ fuzz: $(INSTALLED)
 
 mutants: $(INSTALLED)
 	$(BIN)/python tests/abuse/mutants.py $(MUTANTS)
+
+check-parts: $(INSTALLED)
+	$(BIN)/python tests/abuse/check_parts.py $(PARTS)
 
 paper: $(INSTALLED)
 	$(BIN)/python benchmarks/studies/paper/make.py

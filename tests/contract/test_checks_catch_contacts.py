@@ -41,6 +41,10 @@ class Rods(GapAlgorithm):
         along = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
         if self.flaw == "tangent turned round":
             along = -along
+        if self.flaw == "single precision":
+            normal = normal.astype(np.float32)
+        if self.flaw == "columns side by side":
+            normal = np.asfortranarray(normal)
         return GapConditions(
             start=3 * np.arange(k + 1, dtype=np.int32),
             node=np.array([nodes for nodes, *_ in rows], np.int32).reshape(-1),
@@ -214,10 +218,13 @@ WRONG: list[tuple[Check, Any]] = [
     (contact.same_answer_twice, Flawed(flaw="counts its calls")),
     (contact_inputs.inputs_are_only_read, Flawed(flaw="positions written")),
     (contact_inputs.pieces_are_filled, Flawed(flaw="adds to what was there")),
+    (contact_inputs.arrays_are_of_their_types, Rods("single precision")),
+    (contact_inputs.arrays_are_of_their_types, Rods("columns side by side")),
     (contact_inputs.positions_change_in_place, Flawed(flaw="knows its array again")),
     (contact_inputs.memory_is_all_it_remembers, Flawed(flaw="remembers the last step")),
     (contact_inputs.a_notch_is_held_by_both_sides, Single()),
     (contact_derivatives.derivatives_are_right, Flawed(flaw="no derivatives at all")),
+    (contact_derivatives.derivatives_are_right, Rods("tangent turned round")),
 ]
 
 

@@ -79,6 +79,8 @@ class Flawed(FourNodes):
             value = 1.001 * value
         if self.flaw == "two nodes exchanged":
             value, gradient = value[:, [1, 0, 2, 3]], gradient[:, [1, 0, 2, 3]]
+        if self.flaw == "single precision":
+            value = value.astype(np.float32)
         if self.flaw == "derivative halved":
             gradient = gradient * [1.0, 0.5]
         return Shape(value, gradient)
@@ -163,6 +165,7 @@ WRONG: list[tuple[Check, Element]] = [
     (element.kernels_are_at_the_points, Outward()),
     (element.reference_nodes, Clockwise()),
     (element.edges_of_the_cell, TurnedEdge()),
+    (element.tables_are_of_their_types, Flawed("single precision")),
     (element.partition_of_unity, Flawed("sum above one")),
     (element.delta_property, Flawed("two nodes exchanged")),
     (element.gradient_is_the_derivative, Flawed("derivative halved")),

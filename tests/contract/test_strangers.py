@@ -140,7 +140,9 @@ def compares_like_the_shipped_ones(folder: Path) -> None:
     # the shipped one takes the mean of two normals where a node sits on a vertex
     assert force["closest-point"] == pytest.approx(force["node-on-segment"], rel=0.01)
     assert [*folder.glob("*.svg")]
-    assert "closest-point" in (folder / "report.html").read_text()
+    report = (folder / "report.html").read_text()
+    assert "integration: closest-point (closest-point 0.1.0)" in report
+    assert "Where the time went" in report
 
 
 def case_is_met(rows: list[dict[str, str]]) -> None:

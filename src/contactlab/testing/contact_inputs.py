@@ -17,6 +17,8 @@ from contactlab.testing.surfaces import Chains, chains, conditions, curved, dens
 
 SURFACE = ("nodes", "segments", "node_segments", "edges", "segment_edge")
 GARBAGE = {np.dtype(np.int32): -7, np.dtype(np.float64): np.nan}
+NUMBERS = ("start", "node", "owner")
+"""Arrays of gap conditions that hold int32."""
 NOTCH = 0.6  # slope of its sides
 
 
@@ -68,6 +70,19 @@ def pieces_are_filled(algorithm: ContactMethod) -> None:
         require(len(clean[0]) == len(dirty[0]), "the number of pieces depends on what was in the room before")
         for one, other in zip(clean, dirty, strict=True):
             identical(other, one, "pieces in a room that was not empty")
+
+
+def arrays_are_of_their_types(algorithm: ContactMethod) -> None:
+    """Finished conditions come as contiguous arrays of float64 and int32: others lose digits, or are copied."""
+    if not isinstance(algorithm, GapAlgorithm):
+        raise NotApplicable("pieces are written into arrays of the core")
+    for tangent in (False, True):
+        found = algorithm.conditions(view_of(algorithm, curved()), tangent=tangent)
+        for name in (f.name for f in fields(found)):
+            array, wanted = getattr(found, name), np.dtype(np.int32 if name in NUMBERS else np.float64)
+            require(isinstance(array, np.ndarray), f"{name}: got {type(array).__name__}, needed an array of {wanted}")
+            require(array.dtype == wanted, f"{name}: got an array of {array.dtype}, needed {wanted}")
+            require(array.flags.c_contiguous, f"{name}: got an array that is not contiguous: np.ascontiguousarray")
 
 
 def positions_change_in_place(algorithm: ContactMethod) -> None:
@@ -123,6 +138,7 @@ def a_notch_is_held_by_both_sides(algorithm: ContactMethod) -> None:
 CHECKS: tuple[Check, ...] = (
     inputs_are_only_read,
     pieces_are_filled,
+    arrays_are_of_their_types,
     positions_change_in_place,
     memory_is_all_it_remembers,
     a_notch_is_held_by_both_sides,

@@ -47,6 +47,19 @@ def edges_of_the_cell(element: Element) -> None:
     require(len(seen) == 4, "edges: a side is listed twice")
 
 
+def tables_are_of_their_types(element: Element) -> None:
+    """Shape functions, gradients, points, weights and nodes are arrays of float64."""
+    shape, rule, trace = element.shape(_points()), element.quadrature(), element.edge_shape(np.linspace(-1.0, 1.0, 5))
+    tables = {
+        "nodes": element.nodes, "shape: values": shape[0], "shape: gradient": shape[1],
+        "quadrature: points": rule.points, "quadrature: weights": rule.weights,
+        "edge_shape: values": trace[0], "edge_shape: derivatives": trace[1],
+    }  # fmt: skip
+    for name, table in tables.items():
+        require(isinstance(table, np.ndarray), f"{name}: got {type(table).__name__}, needed an array of float64")
+        require(table.dtype == np.float64, f"{name}: got an array of {table.dtype}, needed float64")
+
+
 def partition_of_unity(element: Element) -> None:
     """Shape functions sum to one and their gradients to zero."""
     value, gradient = element.shape(_points())
@@ -244,6 +257,7 @@ def kernels_are_at_the_points(element: Element) -> None:
 CHECKS: tuple[Check, ...] = (
     reference_nodes,
     edges_of_the_cell,
+    tables_are_of_their_types,
     partition_of_unity,
     delta_property,
     gradient_is_the_derivative,

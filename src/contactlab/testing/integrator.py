@@ -18,6 +18,7 @@ from contactlab.testing.oscillator import AnyIntegrator, Oscillator, Ramp
 MASS = np.array([2.0, 1.0, 0.5])
 STIFFNESS = np.array([2.0, 4.0, 8.0])  # circular frequencies 1, 2 and 4
 START = np.array([[1.0, 0.0], [0.0, -1.0], [0.5, 0.5]])
+AT = np.array([[0.3, 0.0], [0.0, 0.2], [-0.1, 0.4]])  # displacements at the start
 END = 2.0  # time at which errors are compared: between the zeros of all three solutions
 
 
@@ -40,19 +41,21 @@ def declarations(integrator: AnyIntegrator) -> None:
 
 
 def _exact(time: float, damping: float) -> Floats:
-    """Displacement (N, 2) of u'' + damping u' + w^2 u = 0 with u(0) = 0 and u'(0) = START."""
+    """Displacement (N, 2) of u'' + damping u' + w^2 u = 0 with u(0) = AT and u'(0) = START."""
     root = np.sqrt(np.asarray(STIFFNESS / MASS - 0.25 * damping**2, complex))
-    factor = np.exp(-0.5 * damping * time) * np.sin(root * time) / root
-    return np.asarray(START * factor.real[:, None])
+    decay = np.exp(-0.5 * damping * time)
+    of_speed = (decay * np.sin(root * time) / root).real[:, None]
+    of_place = (decay * np.cos(root * time)).real[:, None]
+    return np.asarray(AT * of_place + (START + 0.5 * damping * AT) * of_speed)
 
 
 def _error(integrator: AnyIntegrator, steps: int, damping: float) -> float:
-    model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, damping=damping)
+    model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, displacement=AT, damping=damping)
     return float(np.abs(model.run(steps, END / steps)[-1] - _exact(END, damping)).max())
 
 
 def converges_at_its_order(integrator: AnyIntegrator) -> None:
-    """Halving the step divides the error of an oscillator by 2 to the promised order, with damping too."""
+    """Halving the step divides the error of an oscillator, out of rest and place, by 2 to the promised order."""
     _moving(integrator)
     for damping in (0.0, 0.5):
         coarse, fine = _error(integrator, 200, damping), _error(integrator, 400, damping)
@@ -252,7 +255,7 @@ def changing_steps_keep_the_order(integrator: AnyIntegrator) -> None:
     _moving(integrator)
     errors = []
     for steps in (200, 400):
-        model = Oscillator(integrator, MASS, STIFFNESS, velocity=START)
+        model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, displacement=AT)
         lengths = 1.0 + 0.3 * np.sin(np.arange(steps) * 2.0 * np.pi / steps)
         lengths *= END / lengths.sum()
         for dt in lengths:

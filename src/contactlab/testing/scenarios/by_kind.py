@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contactlab.testing.scenarios import Scenario, case, contact, element
+from contactlab.testing.scenarios import Scenario, case, contact, element, integrator
 from contactlab.testing.scenarios.invariance import INVARIANCE, comes_to_its_end
 
 SMALL = (comes_to_its_end, *INVARIANCE)
@@ -13,7 +13,7 @@ SCENARIOS: dict[str, tuple[Scenario, ...]] = {
     "element": (*SMALL, *element.SCENARIOS),
     "friction": SMALL,
     "enforcement": SMALL,
-    "integrator": SMALL,
+    "integrator": (*SMALL, *integrator.SCENARIOS),
     "effect": SMALL,
     "case": case.SCENARIOS,
 }
