@@ -39,7 +39,7 @@ def test_step_columns_are_explained() -> None:
         assert name in text or name.rpartition(".")[2] in text, name
 
 
-@pytest.mark.parametrize("page", ["look-inside-a-contact.md", "results-in-paraview-and-python.md"])
+@pytest.mark.parametrize("page", ["look-inside-a-contact.md", "find-the-step.md", "results-in-paraview-and-python.md"])
 def test_pictures_of_a_page_are_there_and_small(page: str) -> None:
     for picture in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", (DOCS / page).read_text(encoding="utf-8")):
         assert (DOCS / picture).stat().st_size < LARGEST_PICTURE, picture

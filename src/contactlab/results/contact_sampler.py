@@ -59,7 +59,9 @@ class ContactSampler:
 
     def _sample_of(self, model: Model, recorders: list[Callable[[int, float], None]]) -> Callable[[Step, float], None]:
         clock, following, (numbers, times) = model.state["clock"], self.plan.following, self.when
-        due = following(model.state.step)
+        due, every = following(model.state.step), self.plan.every
+        # rows up to there are followed by one `every` steps on
+        even = min(self.plan.first + (self.plan.sure - 1) * every, self.plan.last - every)
 
         def sample(step: Step, dt: float) -> None:
             nonlocal due
@@ -70,7 +72,7 @@ class ContactSampler:
             for record in recorders:
                 record(row, dt)
             times[row], numbers[row] = clock[0], number
-            due = following(int(number))
+            due = number + every if number <= even else following(int(number))
             self.count = row + 1
             if row + 1 == BLOCK:
                 self.flush()
