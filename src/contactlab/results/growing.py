@@ -22,7 +22,8 @@ import h5py
 import numpy as np
 
 HEADERS = ("v108", "v108")  # the oldest format whose headers have checksums; later ones do not survive a kill
-METADATA = 65536  # bytes set aside beside the rows, for chunk indices
+METADATA = 65536  # bytes set aside beside the rows, for headers
+CHUNK_INDEX = 100  # bytes for each chunk: entries of up to 48 in nodes that may be half empty
 
 
 class GrowingFile:
@@ -60,7 +61,7 @@ class GrowingFile:
     def grow(self, columns: Iterable[Column], rows: int) -> None:
         """Make room for `rows` more rows of each of the columns."""
         columns = list(columns)
-        self.reserve(sum(column.row_bytes * rows for column in columns))
+        self.reserve(sum(column.growth(rows) for column in columns))
         for column in columns:
             column.resize(column.room + rows)
         self.file.flush()
@@ -98,6 +99,13 @@ class Column:
     def row_bytes(self) -> int:
         """Size of one row in bytes."""
         return int(self.height * np.prod(self.shape, dtype=np.int64) * self.dtype.itemsize)
+
+    def growth(self, rows: int) -> int:
+        """Bytes that `rows` rows more take: whole chunks, and what tells where they are."""
+        chunk, *inner = self.dataset.chunks
+        before, after = (-(-number * self.height // chunk) for number in (self.room, self.room + rows))
+        size = int(chunk * np.prod(inner, dtype=np.int64) * self.dtype.itemsize)
+        return (after - before) * (size + CHUNK_INDEX)
 
     def resize(self, rows: int) -> None:
         """Change the number of rows to `rows`."""

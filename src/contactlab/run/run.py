@@ -247,12 +247,12 @@ class Run:
         self._look_again()
         self.clock.arrays_mib = None
         complete, folder = self.journal.restartable, self.journal.folder
-        self.tell_warnings()
-        if status in ENDS:
-            try:
+        try:
+            self.tell_warnings()
+            if status in ENDS:
                 self.save()
-            except SimulationFailure as failure:
-                status, reason = failure.status, failure.reason
+        except SimulationFailure as failure:  # the disk is full at the very end
+            status, reason = failure.status, failure.reason
         results = self.journal.finish(self.summary(status, reason))
         return stored_results(folder, results) if complete and folder is not None else results
 
