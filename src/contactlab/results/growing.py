@@ -105,7 +105,7 @@ class Column:
         chunk, *inner = self.dataset.chunks
         before, after = (-(-number * self.height // chunk) for number in (self.room, self.room + rows))
         size = int(chunk * np.prod(inner, dtype=np.int64) * self.dtype.itemsize)
-        return (after - before) * (size + CHUNK_INDEX)
+        return int((after - before) * (size + CHUNK_INDEX))
 
     def resize(self, rows: int) -> None:
         """Change the number of rows to `rows`."""
