@@ -50,7 +50,7 @@ class ModelSize:
 
     @property
     def bytes(self) -> float:
-        """As measured: the peak is at most 1.5 times as large (docs/reliability.md)."""
+        """As measured, to a factor of 2 (docs/reliability.md): what conditions of a contact keep is not counted."""
         factors = FACTOR_BYTES * math.log2(max(self.nodes, 1.0)) if self.implicit else 0.0
         return self.nodes * (NODE_BYTES + (DENSER if self.dense else 1.0) * factors) + 16.0 * self.history
 
