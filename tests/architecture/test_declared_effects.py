@@ -77,7 +77,8 @@ def test_a_key_calls_for_its_effects_and_no_other(changes: dict[str, Any], effec
 
 
 def test_friction_brings_its_arrays() -> None:
-    plain, rough = set(names(scene())), set(names(scene(COULOMB)))
+    way = {"time.history": True}  # friction asks for it by itself
+    plain, rough = set(names(scene(way))), set(names(scene(COULOMB)))
     # conditions without friction need no rows: they are solved as columns and coupling
     factored = {name for name in plain if name.startswith("contact.factored.")}
     assert factored
