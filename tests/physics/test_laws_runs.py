@@ -119,7 +119,7 @@ def test_sides_of_a_sharp_corner_fold_onto_a_rough_die(tmp_path: Path) -> None:
     force = {}
     for algorithm in ("mortar-p0", "mortar-p1", "node-on-segment"):
         changes = {"bodies.block.mesh.cells": [4, 6], "bodies.block.element": "q1-fbar", "time.ramp": 5e-4,
-                   "time.damping": 2e4, "contacts.0.algorithm": algorithm}  # fmt: skip
+                   "time.hold": 1e-3, "time.damping": 2e4, "contacts.0.algorithm": algorithm}  # fmt: skip
         results = run(tmp_path, BY_A_ROUGH_DIE, changes)
         y = 15.0 - (results.nodes + results.displacement)[:, 1] - 8.0
         side = np.isclose(results.nodes[:, 0], 10.0) & (results.nodes[:, 1] < 14.9)

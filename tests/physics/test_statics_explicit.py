@@ -41,6 +41,6 @@ def test_explicit_and_static_runs_agree(changes: dict[str, Any], algorithm: str,
     slow, still = simulate(scene), simulate(scene.with_({"integrator": {"use": "newton", "steps": steps}}))
     assert slow.status == still.status == "finished"
     reactions = [results.summary["reactions"]["block.bottom"][1] for results in (slow, still)]
-    assert reactions[1] == pytest.approx(reactions[0], rel=3e-3)
+    assert reactions[1] == pytest.approx(reactions[0], rel=4e-3 if changes is PLASTIC else 3e-3)
     curves = [results.contact["contacts.0"].last for results in (slow, still)]
     assert pressure_difference(*curves) < 0.02

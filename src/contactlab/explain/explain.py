@@ -119,7 +119,7 @@ def _history(model: Model) -> str:
     """By which keys the end depends on the way there, and what a run that settles makes of the way."""
     if model.timing.follows:
         return str(model.history)
-    return f"{model.history}; states on the way are not in equilibrium (time.history = true asks for that)"
+    return f"{model.history} (key time.history)"
 
 
 def _seconds(trial: TrialRun | None, steps: int) -> tuple[float, float]:

@@ -114,7 +114,7 @@ def _judge_facets(model: Model, pair: ContactPair) -> None:
     )
     displacement = model.state["displacement"]
     apart = displacement[slave] - displacement[master[nearest]]
-    approach = float(np.abs(np.einsum("ni,ni->n", apart, pair.normals[pressed])).max())
+    approach = float(np.abs(np.einsum("ni,ni->n", apart, _normals(pair.slave, model.position)[pressed])).max())
     if depth <= FACETS * approach or depth <= 1e-9 * pair.size:
         return
     model.warnings.add(
@@ -132,9 +132,21 @@ def _judge_facets(model: Model, pair: ContactPair) -> None:
 def _facets_fit(pair: ContactPair, position: Floats, pressed: Ints, nearest: Ints) -> bool:
     """Whether each pressed slave node has a master node beside it, so that both sides have the same facets."""
     apart = position[pair.slave.nodes[pressed]] - position[pair.master.nodes[nearest]]
-    normal = pair.normals[pressed]
+    normal = _normals(pair.slave, position)[pressed]
     along = np.abs(apart[:, 0] * normal[:, 1] - apart[:, 1] * normal[:, 0])
     return bool(along.max() <= FIT * pair.size and len(np.unique(nearest)) == len(nearest))
+
+
+def _normals(surface: Surface, position: Floats) -> Floats:
+    """Unit normals (m, 2) of the nodes, of either sign: those of their segments, summed.
+
+    Not those of the pair, which belong to where nodes were expected in the last step: a run that is taken up at its end
+    has others.
+    """
+    begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
+    across = (end - begin)[:, ::-1] * [1.0, -1.0]
+    total = np.where(surface.node_segments[..., None] >= 0, across[surface.node_segments], 0.0).sum(axis=1)
+    return np.asarray(total / np.maximum(np.hypot(*total.T), 1e-300)[:, None])
 
 
 def facet_depths(surface: Surface, reference: Floats) -> Floats:

@@ -60,18 +60,18 @@ class Parabola(ReferenceSolution):
 @hookimpl
 def contactlab_parts():
     return [
-        Part("measure", "middle-error", "strangers:Steps", "m"),
-        Part("measure", "failing", "strangers:Failing", "f"),
-        Part("reference", "a-parabola", "strangers:Parabola", "r"),
+        Part("measure", "middle-error", "measures_of_others:Steps", "m"),
+        Part("measure", "failing", "measures_of_others:Failing", "f"),
+        Part("reference", "a-parabola", "measures_of_others:Parabola", "r"),
     ]
 '''
 
 
 @pytest.fixture
 def registry(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Registry:
-    monkeypatch.delitem(sys.modules, "strangers", raising=False)
-    (tmp_path / "strangers.py").write_text(STRANGER)
-    return Registry(files=[tmp_path / "strangers.py"])
+    monkeypatch.delitem(sys.modules, "measures_of_others", raising=False)
+    (tmp_path / "measures_of_others.py").write_text(STRANGER)
+    return Registry(files=[tmp_path / "measures_of_others.py"])
 
 
 @pytest.mark.usefixtures("fake_runs")
@@ -114,8 +114,8 @@ def test_a_study_may_name_them(registry: Registry, tmp_path: Path) -> None:
 
 
 def test_a_name_of_a_column_that_is_there_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.delitem(sys.modules, "strangers", raising=False)
-    (tmp_path / "strangers.py").write_text(STRANGER.replace('"middle-error"', '"edge-error"'))
-    registry = Registry(files=[tmp_path / "strangers.py"])
+    monkeypatch.delitem(sys.modules, "measures_of_others", raising=False)
+    (tmp_path / "measures_of_others.py").write_text(STRANGER.replace('"middle-error"', '"edge-error"'))
+    registry = Registry(files=[tmp_path / "measures_of_others.py"])
     with pytest.raises(RequestError, match="every comparison has a column"):
         measure_columns(registry)
