@@ -193,7 +193,7 @@ class GapAlgorithm(ContactMethod):
         """How the weights of `found`, the conditions of this view, change with positions; read-only, memory too.
 
         Asked for by implicit integrators. The default says None, and the core takes differences of `conditions`:
-        right where a condition follows from its own nodes and two more on either side of each along the surfaces, and
-        slower by four calls for each node of the widest condition, or about thirty for one node on one segment.
+        slower by about thirty calls for one node on one segment, or four calls for each node of the widest condition.
+        Where conditions follow from nodes far from those that they name, it finds out, and takes differences by more nodes.
         """
         return None

@@ -50,7 +50,7 @@ def derivatives_are_right(algorithm: ContactMethod) -> None:
     """Derivatives of gaps, slips and nodal forces are those of the conditions, with friction and without.
 
     Of an algorithm that gives none the differences are judged that the core takes in their place: they are right where
-    weights follow from few nodes, and tangent weights are normal ones turned by -90 degrees.
+    tangent weights are normal ones turned by -90 degrees.
     """
     if algorithm.explicit_only:
         raise NotApplicable("the algorithm is for explicit runs alone")

@@ -1,9 +1,13 @@
 """Derivatives of finished gap conditions by central differences, for algorithms that give none.
 
-Nodes that share no condition are moved together (Curtis, Powell & Reid 1974).
+Nodes that share no condition are moved together (Curtis, Powell & Reid 1974). What conditions follow from is not told
+by the nodes that they name alone: it is guessed, tried by moving all nodes at once, and widened where that shows more.
 """
 
 from __future__ import annotations
+
+from itertools import count
+from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, eye_array
@@ -16,6 +20,7 @@ from contactlab.model.contact.gap_pair import GapPair
 STEP = 1e-5  # segment lengths; central differences of smooth weights then err by about 1e-10
 ROUND_OFF = 1e-10  # of a weight over a segment length: what differences make of a derivative of zero
 RING = 2  # further nodes on either side that averaged normals may bring into a condition
+MISSED = 1e-6  # of a weight over a segment length, along one move of all nodes: far above the error of differences
 
 
 class ConditionDifferences:
@@ -24,48 +29,77 @@ class ConditionDifferences:
     def __init__(self, pair: GapPair) -> None:
         self.pair = pair
         self.reach = _reach(pair)
-        self.colours = _Colours(np.zeros(0, np.int32), np.zeros((0, 0), np.int32), ())
+        self.colours: dict[int, _Colours] = {}  # by how often the pattern was widened
+        self.at_once = np.random.default_rng(0).uniform(-1.0, 1.0, (len(pair.of_slave), 2))
 
     def of(self, memory: Floats) -> ConditionDerivatives:
         """Derivatives of the weights of the pair's present conditions."""
-        pair, found = self.pair, self.pair.found
+        found = self.pair.found
         assert found is not None
-        order = _order(found)
-        self._colour(found)
+        if not len(found.owner):
+            return ConditionDerivatives(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, 2)))
+        order, depends = _order(found), self._guessed(found)
+        sides = [self._weights(found, order, sign * self.at_once, memory) for sign in (1.0, -1.0)]
+        for width in count():
+            if width not in self.colours or not self.colours[width].are_of(depends):
+                self.colours[width] = _Colours.of(depends)
+            derivatives = self._of_colours(self.colours[width], found, order, memory)
+            wider = self._wider(depends)
+            if wider.nnz == depends.nnz or self._tells_all(derivatives, order, sides):
+                break
+            depends = wider
+        return derivatives
+
+    def _of_colours(self, colours: _Colours, found: GapConditions, order: Ints, memory: Floats) -> ConditionDerivatives:
+        """Differences with the nodes of one colour moved at a time, once along each axis."""
         row = np.repeat(np.arange(len(found.owner)), np.diff(found.start))
-        step, here = STEP * pair.size, found.normal_weight[order]
+        here, size = found.normal_weight[order], self.pair.size
         entries, moved, values = [], [], []
-        for number, chosen in enumerate(self.colours.members):
-            node = self.colours.node[row, number]
-            for direction in range(2):
-                sides = [self._weights(found, order, chosen, direction, s * step, memory) for s in (1.0, -1.0)]
-                value = _difference(sides[0], here, sides[1], step)
-                kept = np.flatnonzero((node >= 0) & (np.abs(value).max(axis=1) > ROUND_OFF / pair.size))
+        for number, chosen in enumerate(colours.members):
+            node = colours.node[row, number]
+            for direction, axis in enumerate(np.eye(2)):
+                move = chosen[:, None] * axis
+                high, low = (self._weights(found, order, sign * move, memory) for sign in (1.0, -1.0))
+                value = _difference(high, here, low, STEP * size)
+                kept = np.flatnonzero((node >= 0) & (np.abs(value).max(axis=1) > ROUND_OFF / size))
                 entries.append(order[kept])
                 moved.append(2 * node[kept] + direction)
                 values.append(value[kept])
-        if not entries:
-            return ConditionDerivatives(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros((0, 2)))
         return ConditionDerivatives(np.concatenate(entries), np.concatenate(moved), np.concatenate(values))
 
-    def _weights(
-        self, found: GapConditions, order: Ints, chosen: Flags, direction: int, move: float, memory: Floats
-    ) -> Floats:
-        """Normal weights (z, 2), in order, with the chosen nodes moved; nan in conditions that have other nodes."""
+    def _weights(self, found: GapConditions, order: Ints, move: Floats, memory: Floats) -> Floats:
+        """Normal weights (z, 2), in order, with nodes moved by `STEP` times `move` (N, 2); nan where nodes differ."""
         pair = self.pair
-        at = SurfacePositions(pair.at.slave.copy(), pair.at.master.copy())
-        at.slave[chosen[pair.slave.nodes], direction] += move
-        at.master[chosen[pair.master.nodes], direction] += move
+        by = STEP * pair.size * move
+        at = SurfacePositions(pair.at.slave + by[pair.slave.nodes], pair.at.master + by[pair.master.nodes])
         return _aligned(found, order, pair.ask(pair.seen(memory)._replace(at=at, memory=memory.copy())), pair.slots)
 
-    def _colour(self, found: GapConditions) -> None:
-        """Colours for these conditions; those of the last ones where the pattern is the same."""
+    # --- what conditions follow from --------------------------------------------------------------
+
+    def _guessed(self, found: GapConditions) -> csr_array:
+        """Nodes (k, N) that conditions name, and those beside them."""
         row = np.repeat(np.arange(len(found.owner)), np.diff(found.start))
         pattern = coo_array((np.ones(len(row)), (row, found.node)), shape=(len(found.owner), self.reach.shape[0]))
-        depends = csr_array(pattern.tocsr() @ self.reach)
-        depends.sort_indices()
-        if not self.colours.are_of(depends):
-            self.colours = _Colours.of(depends)
+        return _pattern(pattern.tocsr() @ self.reach)
+
+    def _wider(self, depends: csr_array) -> csr_array:
+        """Also what those conditions follow from that share a node; all nodes of both surfaces where that is no more.
+
+        Rows of a mortar whose T was inverted name one slave node, and follow from all that face their masters.
+        """
+        wider = _pattern(depends @ depends.T @ depends)
+        if wider.nnz > depends.nnz:
+            return wider
+        of_either = np.zeros(depends.shape[1])
+        of_either[self.pair.slave.nodes] = of_either[self.pair.master.nodes] = 1.0
+        return _pattern(csr_array(np.ones((depends.shape[0], 1)) * of_either))
+
+    def _tells_all(self, given: ConditionDerivatives, order: Ints, sides: list[Floats]) -> bool:
+        """Whether derivatives tell how weights change as all nodes move at once; what has a kink is left aside."""
+        along = np.zeros((len(order), 2))
+        np.add.at(along, given.entry, given.value * self.at_once.ravel()[given.moved, None])
+        missed = np.abs((sides[0] - sides[1]) / (2.0 * STEP * self.pair.size) - along[order])
+        return not bool(np.any(missed > MISSED / self.pair.size))  # nan, beyond a kink, is no miss
 
 
 class _Colours:
@@ -94,6 +128,14 @@ class _Colours:
         """Whether they were made for this pattern."""
         same = len(self.node) == depends.shape[0] and np.array_equal(self.columns, depends.indices)
         return bool(same and np.array_equal((self.node >= 0).sum(axis=1), np.diff(depends.indptr)))
+
+
+def _pattern(product: Any) -> csr_array:
+    """Where a product is not zero, in order."""
+    found = csr_array(product)
+    found.sort_indices()
+    found.data[:] = 1.0
+    return found
 
 
 def _reach(pair: GapPair) -> csr_array:
