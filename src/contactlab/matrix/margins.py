@@ -16,6 +16,7 @@ from contactlab.matrix.cell import CellResult, run_cell
 from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.matrix.run import keep
 from contactlab.parts.registry import Registry
+from contactlab.studies.call import Call
 from contactlab.studies.scheduler import LOCAL, open_pool
 
 HALVINGS = 6
@@ -83,7 +84,7 @@ def run_margins(
     pairs = [pair for pair in asked if registry.make("case", pair[0]).margin is not None]
     found: dict[tuple[str, str], Margin] = {}
     with Archive(folder / FILE) as archive, open_pool(scheduler, jobs) as pool:
-        futures = {pool.submit(find_margin, *pair, registry, folder / FILE): pair for pair in pairs}
+        futures = {pool.submit(Call(find_margin, (*pair, registry, folder / FILE))): pair for pair in pairs}
         for future in as_completed(futures):
             margin, cells = future.result()
             for cell, result in cells:

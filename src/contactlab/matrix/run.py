@@ -12,8 +12,9 @@ from contactlab.archive.archive import FILE, Archive
 from contactlab.matrix.cell import CellResult, cell_key, known_cell, run_cell
 from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.parts.registry import Registry
+from contactlab.studies.call import Call, Pool
 from contactlab.studies.pool import ProcessDiedError, RaisedError
-from contactlab.studies.scheduler import LOCAL, Pool, open_pool
+from contactlab.studies.scheduler import LOCAL, open_pool
 from contactlab.views import view
 
 Told = Callable[[Cell, CellResult, int, int], None]
@@ -74,7 +75,7 @@ def _all(cells: Sequence[Cell], registry: Registry, archive: Path, pool: Pool) -
         if known is not None:
             yield number, known
         else:
-            futures[pool.submit(run_cell, cell, registry, archive)] = number
+            futures[pool.submit(Call(run_cell, (cell, registry, archive)))] = number
     for future in as_completed(futures):
         yield futures[future], _result(future)
 

@@ -9,22 +9,23 @@ from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, wait
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, ClassVar
 
 import distributed
 
 from contactlab.errors import RequestError
 from contactlab.studies import dask_worker
-from contactlab.studies.pool import ProcessDiedError, RaisedError, Report, TimedOutError
+from contactlab.studies.call import Call, Pool, Report
+from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
 
 ANSWER = 10.0
 """Seconds that a scheduler may take to answer."""
 
 
-class DaskPool:
+class DaskPool(Pool):
     """Calls as tasks of a cluster. A task whose worker dies is given to another one."""
 
-    elsewhere = True
+    elsewhere: ClassVar[bool] = True
 
     def __init__(self, scheduler: str, jobs: int, folder: Path | None) -> None:
         self._name = uuid.uuid4().hex[:12]
@@ -43,24 +44,17 @@ class DaskPool:
         if self._token is not None:
             self._token.touch()
 
-    def submit(
-        self,
-        function: Callable[..., Any],
-        *arguments: Any,
-        report: Report = lambda message: None,
-        limit: float | None = None,
-        folder: Path | None = None,
-    ) -> Future[Any]:
-        """See `Pool.submit`."""
+    def submit(self, call: Call) -> Future[Any]:
+        """As a task of the cluster; files in `folder` come back with its result where a worker does not see it."""
         mine: Future[Any] = Future()
         key = f"contactlab-{self._name}-{len(self._calls)}"
-        content = pickle.dumps((function, arguments))
-        self._calls[key] = mine, report  # before the task is there: a worker may report at once
+        content = pickle.dumps((call.function, call.arguments))
+        self._calls[key] = mine, call.report  # before the task is there: a worker may report at once
         task = self._client.submit(
-            dask_worker.call, self._name, content, limit, folder, self._token, key=key, pure=False
+            dask_worker.call, self._name, content, call.limit, call.folder, self._token, key=key, pure=False
         )  # fmt: skip
         self._tasks.append(task)
-        task.add_done_callback(lambda done: self._ended(mine, done, folder))
+        task.add_done_callback(lambda done: self._ended(mine, done, call.folder))
         return mine
 
     def _heard(self, event: tuple[Any, Any]) -> None:
@@ -95,9 +89,6 @@ class DaskPool:
     def kill(self) -> None:
         """Drop what has not begun and end what runs at once."""
         self._client.run(dask_worker.kill, self._name, on_error="ignore")
-
-    def __enter__(self) -> DaskPool:
-        return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

@@ -19,13 +19,11 @@ import tempfile
 import threading
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor
-from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from contactlab.studies import worker as far_end
+from contactlab.studies.call import Call, Pool, Report
 from contactlab.studies.worker import BEGUN, STOP, receive, send
-
-Report = Callable[[Any], None]
 
 _THREAD_VARIABLES = ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -193,10 +191,10 @@ def _environment() -> dict[str, str]:
     return {**dict.fromkeys(_THREAD_VARIABLES, "1"), **os.environ}
 
 
-class WorkerPool:
+class WorkerPool(Pool):
     """`jobs` processes behind the interface of `concurrent.futures`."""
 
-    elsewhere = False
+    elsewhere: ClassVar[bool] = False
 
     def __init__(self, jobs: int) -> None:
         self._threads = ThreadPoolExecutor(max_workers=jobs, thread_name_prefix="contactlab-compare")
@@ -205,28 +203,14 @@ class WorkerPool:
         self._lock = threading.Lock()
         self._closed = False
 
-    def submit(
-        self,
-        function: Callable[..., Any],
-        *arguments: Any,
-        report: Report = lambda message: None,
-        limit: float | None = None,
-        folder: Path | None = None,
-    ) -> Future[Any]:
-        """function(*arguments, report) in a process; `report` is called in a thread of this one.
+    def submit(self, call: Call) -> Future[Any]:
+        """In a process; `report` is called in a thread of this one. `folder` is on this disk and needs no care."""
+        return self._threads.submit(self._run, call)
 
-        `limit` is the time that the call may take [s], from when it reports `BEGUN`. The future raises RaisedError,
-        ProcessDiedError or TimedOutError; other calls are not touched by any of them. `folder`, what the call writes,
-        is on this machine's disk and needs no care here.
-        """
-        return self._threads.submit(self._run, function, arguments, report, limit)
-
-    def _run(
-        self, function: Callable[..., Any], arguments: tuple[Any, ...], report: Report, limit: float | None
-    ) -> Any:
+    def _run(self, call: Call) -> Any:
         worker = self._take()
         try:
-            return worker.call(function, arguments, report, limit)
+            return worker.call(call.function, call.arguments, call.report, call.limit)
         finally:
             if worker.overtime:
                 worker.close(patience=0.0)
@@ -258,9 +242,6 @@ class WorkerPool:
             self._closed = True
             for worker in self._workers:
                 worker.kill()
-
-    def __enter__(self) -> WorkerPool:
-        return self
 
     def __exit__(self, *exception: object) -> None:
         try:

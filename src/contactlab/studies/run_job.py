@@ -17,11 +17,10 @@ from contactlab.errors import RequestError
 from contactlab.results.record_plan import COMPARED
 from contactlab.results.results import ContactCurve, Results
 from contactlab.scene.scene import Scene
+from contactlab.studies.call import Report
 from contactlab.studies.shape import Shape, shapes_of
 from contactlab.studies.system import machine, system_facts
 from contactlab.studies.worker import BEGUN
-
-Report = Callable[[Any], None]
 
 COSTS = "costs.json"
 """In the folder of a run: the cost of each repetition."""

@@ -18,6 +18,7 @@ from contactlab.run.folders import claimed_folder, full_disk_told, made_folder
 from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies import run_job
+from contactlab.studies.call import Call, Pool
 from contactlab.studies.cost_breakdown import BreakdownPlan, breakdown_of, plan_breakdown
 from contactlab.studies.find_reference import Source, find_reference
 from contactlab.studies.gather import common_reference, gather, row_of
@@ -28,7 +29,7 @@ from contactlab.studies.progress import Bars, MakeBars, no_bars
 from contactlab.studies.recordings import record_comparison
 from contactlab.studies.resume import sigterm_as_ctrl_c, stored_outcomes
 from contactlab.studies.run_job import Outcome
-from contactlab.studies.scheduler import LOCAL, Pool, checked_scheduler, open_pool
+from contactlab.studies.scheduler import LOCAL, checked_scheduler, open_pool
 from contactlab.studies.study import Study
 from contactlab.studies.system import usable_cores
 from contactlab.studies.table import Row, Table
@@ -208,7 +209,7 @@ def _warm_up(pool: Pool, plan: Plan, jobs: Sequence[Job], bars: Bars) -> None:
     bars.say("compiling kernels")
     for job in first.values():
         # Whatever is wrong here is wrong in the run itself, and told there.
-        pool.submit(run_job.warm_up, job.scene, report=bars.say, limit=_call_limit(plan)).exception()
+        pool.submit(Call(run_job.warm_up, (job.scene,), bars.say, _call_limit(plan))).exception()
     bars.say("")
 
 
@@ -219,10 +220,8 @@ def _submit(pool: Pool, plan: Plan, job: Job, folder: Path | None, bars: Bars) -
         if message != BEGUN:
             bars.advance(job.name, *message)
 
-    repeat = plan.study.repeat
-    return pool.submit(
-        run_job.run, job.scene, place, plan.contact, repeat, report=report, limit=_call_limit(plan), folder=place
-    )
+    arguments = job.scene, place, plan.contact, plan.study.repeat
+    return pool.submit(Call(run_job.run, arguments, report, _call_limit(plan), place))
 
 
 def _call_limit(plan: Plan) -> float | None:

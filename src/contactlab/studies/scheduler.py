@@ -2,62 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from concurrent.futures import Future
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Protocol, Self
 
 from contactlab.errors import RequestError
-from contactlab.studies.pool import Report, WorkerPool
+from contactlab.studies.call import Pool
+from contactlab.studies.pool import WorkerPool
 
 LOCAL = "local"
 ALLOWED = "local, dask (a cluster on this machine) or tcp://HOST:PORT of a dask scheduler"
-
-
-class Pool(Protocol):
-    """Runs calls side by side; each may die, hang or raise without harm to the others.
-
-    elsewhere  whether calls may run on machines that do not see the files of this one
-    """
-
-    elsewhere: bool
-
-    def submit(
-        self,
-        function: Callable[..., Any],
-        *arguments: Any,
-        report: Report = ...,
-        limit: float | None = None,
-        folder: Path | None = None,
-    ) -> Future[Any]:
-        """function(*arguments, report) in another process.
-
-        report  is called with what the call reports
-        limit   time that the call may take [s]
-        folder  what the call writes, if it writes: one of its arguments. Its files are there when the future is done.
-
-        The future raises RaisedError, ProcessDiedError or TimedOutError.
-        """
-        ...
-
-    def stop(self) -> None:
-        """Drop what has not begun and tell what runs to stop in order."""
-        ...
-
-    def kill(self) -> None:
-        """Drop what has not begun and end what runs at once."""
-        ...
-
-    def __enter__(self) -> Self:
-        """The pool itself."""
-        ...
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        """Wait for what runs; after an exception, stop it."""
-        ...
 
 
 def checked_scheduler(scheduler: str) -> str:

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from contactlab.studies import pool as pool_module
+from contactlab.studies.call import Call
 from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
 
 TASKS = """
@@ -70,7 +71,7 @@ def tasks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> object:
 def test_results_and_reports_come_back(tasks: object) -> None:
     heard: list[object] = []
     with WorkerPool(2) as pool:
-        futures = [pool.submit(tasks.square, x, report=heard.append) for x in range(5)]
+        futures = [pool.submit(Call(tasks.square, (x,), report=heard.append)) for x in range(5)]
         assert sorted(f.result() for f in as_completed(futures)) == [0, 1, 4, 9, 16]
     assert sorted(heard) == [("half", x) for x in range(5)]
 
@@ -78,15 +79,15 @@ def test_results_and_reports_come_back(tasks: object) -> None:
 def test_an_exception_keeps_its_text_and_traceback(tasks: object) -> None:
     with WorkerPool(1) as pool:
         with pytest.raises(RaisedError, match="ValueError: no root of -1") as caught:
-            pool.submit(tasks.fail, -1).result()
+            pool.submit(Call(tasks.fail, (-1,))).result()
         assert "in fail" in caught.value.details
-        assert pool.submit(tasks.square, 3).result() == 9
+        assert pool.submit(Call(tasks.square, (3,))).result() == 9
 
 
 def test_a_dying_process_is_replaced_and_the_others_go_on(tasks: object) -> None:
     with WorkerPool(2) as pool:
-        doomed = [pool.submit(tasks.leave, 7), pool.submit(tasks.kill, 0)]
-        fine = [pool.submit(tasks.square, x) for x in range(6)]
+        doomed = [pool.submit(Call(tasks.leave, (7,))), pool.submit(Call(tasks.kill, (0,)))]
+        fine = [pool.submit(Call(tasks.square, (x,))) for x in range(6)]
         with pytest.raises(ProcessDiedError, match=r"exit status 7 .*last words"):
             doomed[0].result()
         with pytest.raises(ProcessDiedError, match="killed by SIGKILL"):
@@ -97,7 +98,7 @@ def test_a_dying_process_is_replaced_and_the_others_go_on(tasks: object) -> None
 def test_processes_are_kept_fresh_and_single_threaded(tasks: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
     with WorkerPool(1) as pool:
-        first, second = (pool.submit(tasks.process, 0).result() for _ in range(2))
+        first, second = (pool.submit(Call(tasks.process, (0,))).result() for _ in range(2))
     assert first == second
     assert first[0] != os.getpid()
     assert first[1] == "1"
@@ -107,8 +108,8 @@ def test_processes_are_kept_fresh_and_single_threaded(tasks: object, monkeypatch
 def test_an_interrupt_stops_runs_in_order_and_drops_the_rest(tasks: object) -> None:
     begun: list[object] = []
     with WorkerPool(1) as pool:
-        running = pool.submit(tasks.patient, 0, report=lambda message: (begun.append(message), pool.stop()))
-        waiting = pool.submit(tasks.square, 1)
+        running = pool.submit(Call(tasks.patient, (0,), report=lambda message: (begun.append(message), pool.stop())))
+        waiting = pool.submit(Call(tasks.square, (1,)))
         assert running.result() == "stopped in order"
     assert begun == ["begun"]
     assert waiting.cancelled()
@@ -130,8 +131,8 @@ def test_a_call_that_hangs_costs_its_time_and_nothing_else(
     seen: list[int] = []
     began = time.monotonic()
     with WorkerPool(2) as pool:
-        hung = pool.submit(getattr(tasks, way), 0, report=seen.append, limit=1.0)
-        fine = [pool.submit(tasks.square, x, limit=60.0) for x in range(6)]
+        hung = pool.submit(Call(getattr(tasks, way), (0,), report=seen.append, limit=1.0))
+        fine = [pool.submit(Call(tasks.square, (x,), limit=60.0)) for x in range(6)]
         with pytest.raises(TimedOutError, match="time limit of 1 s") as caught:
             hung.result()
         assert [f.result() for f in fine] == [x * x for x in range(6)]
@@ -143,15 +144,18 @@ def test_a_call_that_hangs_costs_its_time_and_nothing_else(
 def test_a_call_over_its_time_may_end_in_order(tasks: object) -> None:
     with WorkerPool(1) as pool:
         with pytest.raises(TimedOutError) as caught:
-            pool.submit(tasks.patient, 0, limit=0.5).result()
+            pool.submit(Call(tasks.patient, (0,), limit=0.5)).result()
         assert caught.value.result == "stopped in order"
-        assert pool.submit(tasks.square, 3).result() == 9  # by another process
+        assert pool.submit(Call(tasks.square, (3,))).result() == 9  # by another process
 
 
 def test_nobody_is_left_behind(tasks: object) -> None:
     seen: list[int] = []
     with WorkerPool(2) as pool:
-        calls = [pool.submit(tasks.halt, 0, report=seen.append), pool.submit(tasks.deaf, 0, report=seen.append)]
+        calls = [
+            pool.submit(Call(tasks.halt, (0,), report=seen.append)),
+            pool.submit(Call(tasks.deaf, (0,), report=seen.append)),
+        ]
         while len(seen) < 4:
             time.sleep(0.01)
         pool.stop()
@@ -166,9 +170,10 @@ def test_processes_that_were_started_without_ctrl_c_are_told_to_stop(tmp_path: P
     """In the background of a script SIGINT is ignored, by children, too."""
     program = """
         import pool_tasks
+        from contactlab.studies.call import Call
         from contactlab.studies.pool import WorkerPool
         with WorkerPool(1) as pool:
-            running = pool.submit(pool_tasks.patient, 0, report=lambda message: pool.stop())
+            running = pool.submit(Call(pool_tasks.patient, (0,), report=lambda message: pool.stop()))
             print(running.result(timeout=30))
     """
     done = subprocess.run(

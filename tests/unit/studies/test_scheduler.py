@@ -22,6 +22,7 @@ from contactlab.comparison import compare
 from contactlab.errors import RequestError
 from contactlab.matrix.files import verdicts
 from contactlab.studies import dask_pool
+from contactlab.studies.call import Call
 from contactlab.studies.dask_pool import DaskPool
 from contactlab.studies.dask_worker import SCRATCH
 from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
@@ -118,11 +119,11 @@ def test_calls_raise_die_and_run_out_of_time_alone_and_files_come_back(cluster: 
     heard: list[object] = []
     tasks = cluster.tasks
     with open_pool(cluster.address, 2, tmp_path) as pool:
-        squares = [pool.submit(tasks.square, x, report=heard.append) for x in range(4)]
-        failed, left = pool.submit(tasks.fail, -1), pool.submit(tasks.leave, 7)
-        late = pool.submit(tasks.sleep, limit=0.2)
+        squares = [pool.submit(Call(tasks.square, (x,), report=heard.append)) for x in range(4)]
+        failed, left = pool.submit(Call(tasks.fail, (-1,))), pool.submit(Call(tasks.leave, (7,)))
+        late = pool.submit(Call(tasks.sleep, limit=0.2))
         folder = tmp_path / "results"
-        written = pool.submit(tasks.write, folder, folder=folder)
+        written = pool.submit(Call(tasks.write, (folder,), folder=folder))
         assert [f.result() for f in squares] == [0, 1, 4, 9]
         with pytest.raises(RaisedError, match="ValueError: no root of -1") as caught:
             failed.result()
@@ -142,7 +143,7 @@ def test_calls_raise_die_and_run_out_of_time_alone_and_files_come_back(cluster: 
 
 def test_what_has_not_begun_is_dropped_after_a_stop(cluster: Cluster) -> None:
     with open_pool(cluster.address, 2) as pool:
-        futures = [pool.submit(cluster.tasks.sleep) for _ in range(4)]
+        futures = [pool.submit(Call(cluster.tasks.sleep)) for _ in range(4)]
         while sum(future.running() for future in futures) < 2:
             time.sleep(0.05)
         pool.kill()
@@ -194,7 +195,7 @@ def test_wrong_schedulers_are_refused_before_anything_is_made(tmp_path: Path, mo
 
 def test_a_call_of_a_worker_that_is_killed_is_served_by_another(cluster: Cluster, tmp_path: Path) -> None:
     with open_pool(cluster.address, 2) as pool:
-        future = pool.submit(cluster.tasks.once_more, 5, str(tmp_path))
+        future = pool.submit(Call(cluster.tasks.once_more, (5, str(tmp_path))))
         trace = tmp_path / "tried-5"
         while not trace.exists() or not trace.read_text():
             time.sleep(0.05)
