@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from abc import abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
@@ -14,12 +13,22 @@ from contactlab.studies.reference import FOLDER, Reference, load_reference
 
 
 class StoredReference(ReferenceSolution):
-    """A reference in a JSON file of `data/references` with the CSV file of its curve."""
+    """A reference in a JSON file of `data/references` with the CSV file of its curve. Subclasses name it.
+
+    name  of its files
+    """
+
+    name: ClassVar[str]
+
+    def __init_subclass__(cls) -> None:
+        """Title and origin are those of the file."""
+        content = json.loads((FOLDER / f"{cls.name}.json").read_text(encoding="utf-8"))
+        cls.title, cls.origin = str(content["title"]), str(content["origin"])
 
     @property
-    @abstractmethod
     def stored(self) -> Reference:
         """What the files hold."""
+        return _read(self.name)
 
     def mismatch(self, scene: Mapping[str, Any]) -> str:
         """Every key under `holds_for` must have its value."""
@@ -40,31 +49,15 @@ class StoredReference(ReferenceSolution):
 _read = cache(load_reference)
 
 
-def _says(name: str, key: str) -> str:
-    return str(json.loads((FOLDER / f"{name}.json").read_text(encoding="utf-8"))[key])
-
-
 @dataclass(frozen=True)
 class DiscOnBlockDeep(StoredReference):
     """disc-on-block at the depth of the paper, from the project's own static runs on fine meshes."""
 
-    title: ClassVar[str] = _says("disc-on-block-deep", "title")
-    origin: ClassVar[str] = _says("disc-on-block-deep", "origin")
-
-    @property
-    def stored(self) -> Reference:
-        """`disc-on-block-deep.json`."""
-        return _read("disc-on-block-deep")
+    name: ClassVar[str] = "disc-on-block-deep"
 
 
 @dataclass(frozen=True)
 class DiscOnBlockShallow(StoredReference):
     """disc-on-block at a depth of 0.01 mm, from an independent code of high order."""
 
-    title: ClassVar[str] = _says("disc-on-block-shallow", "title")
-    origin: ClassVar[str] = _says("disc-on-block-shallow", "origin")
-
-    @property
-    def stored(self) -> Reference:
-        """`disc-on-block-shallow.json`."""
-        return _read("disc-on-block-shallow")
+    name: ClassVar[str] = "disc-on-block-shallow"
