@@ -43,9 +43,6 @@ class ShrinkFit(Case):
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """One run that pushes the overlap out."""
-        return [] if done else [self._job(setup)]
-
-    def _job(self, setup: Setup) -> Job:
         (a, b, c), n = RADII, CELLS * setup.level
         radii = {"inner": [a, b * (1.0 + self.interference)], "outer": [b, c]}
         counts = {"inner": n, "outer": round(n * self.ratio)}
@@ -58,13 +55,13 @@ class ShrinkFit(Case):
             }
             for name in radii
         }
-        return static_job(
+        return [static_job(
             "fitted", setup, {name: {"young": young, "poisson": POISSON} for name, young in moduli.items()}, bodies,
             {"slave": "inner.outer", "master": "outer.inner", "start": {"overlap": "ramp"}},
             supports=[
                 {"on": f"{body}.{end}", axis: 0.0} for body in bodies for end, axis in (("start", "uy"), ("end", "ux"))
             ],
-        )  # fmt: skip
+        )]  # fmt: skip
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The mean of the pressure, and how far nodes differ from it."""

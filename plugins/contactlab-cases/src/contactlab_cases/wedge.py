@@ -41,24 +41,21 @@ class BluntWedge(Case):
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """One run: the wedge comes down."""
-        return [] if done else [self._job(setup)]
-
-    def _cell(self, level: int) -> float:
-        return 0.1 * WIDTH / level
-
-    def _job(self, setup: Setup) -> Job:
         h, far = self._cell(setup.level), 0.5 * SIZE
         apex = self.offset * h
         line = [[apex - far, far * self.slope], [apex, 0.0], [apex + far, far * self.slope]]
         # depth of a half plane whose displacement is held at four times SIZE below; the width is measured
         depth = self.slope * WIDTH * (1.0 + np.log(8.0 * SIZE / WIDTH)) * 2.0 / np.pi
-        return static_job(
+        return [static_job(
             "pressed", setup, {"plane": {"young": YOUNG, "poisson": 0.3}},
             {"block": {"material": "plane", "mesh": block_mesh(SIZE, h / SIZE, 0.04)}},
             {"slave": "block.top", "master": "wedge"},
             rigid={"wedge": {"line": line}},
             supports=[{"on": "block.bottom", "ux": 0.0, "uy": float(depth)}],
-        )  # fmt: skip
+        )]  # fmt: skip
+
+    def _cell(self, level: int) -> float:
+        return 0.1 * WIDTH / level
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Errors of the pressure, and whether it swings where it grows without bound."""

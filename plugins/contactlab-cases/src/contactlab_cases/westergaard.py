@@ -42,9 +42,6 @@ class Westergaard(Case):
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """One run: the wave comes down, or the half plane's foot comes up, by what the mean pressure needs."""
-        return [] if done else [self._job(setup)]
-
-    def _job(self, setup: Setup) -> Job:
         half, n = 0.5 * LENGTH, CELLS * setup.level
         x = np.linspace(-0.1 * half, 1.1 * half, POINTS + 1)
         line = [[float(v), float(AMPLITUDE * (1.0 - np.cos(2.0 * np.pi * v / LENGTH)))] for v in x]
@@ -58,7 +55,7 @@ class Westergaard(Case):
                 "grading": [1.0, 1.0 / 12.0],
             },
         }  # fmt: skip
-        return static_job(
+        return [static_job(
             "pressed", setup, {"soft": {"young": YOUNG, "poisson": 0.3}}, {"layer": body},
             {"slave": "layer.top", "master": "wave"},
             rigid={"wave": {"line": line}},
@@ -66,7 +63,7 @@ class Westergaard(Case):
                 {"on": "layer.left", "ux": 0.0}, {"on": "layer.right", "ux": 0.0},
                 {"on": "layer.bottom", "uy": down},
             ],
-        )  # fmt: skip
+        )]  # fmt: skip
 
     @staticmethod
     def _full(modulus: float) -> float:
