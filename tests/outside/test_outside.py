@@ -18,45 +18,6 @@ from contactlab.testing import run_checks
 
 MU = 0.3
 STEEL = {"use": "neo-hookean", "young": 1000.0, "poisson": 0.3, "density": 1e-6}
-SCENE = """
-format = 1
-name = "thrown"
-[time]
-end = 1e-4
-step = 4e-6
-[integrator]
-use = "central-difference"
-[materials.m]
-use = "neo-hookean"
-young = 1000.0
-poisson = 0.3
-density = 1e-6
-[bodies.upper]
-element = "q1"
-material = "m"
-mesh = { use = "rectangle", x = [0.3, 1.7], y = [0.0, 1.0], cells = [4, 2] }
-velocity = [300.0, -500.0]
-[bodies.lower]
-element = "q1"
-material = "m"
-mesh = { use = "rectangle", x = [0.0, 3.0], y = [-1.0, 0.0], cells = [7, 2] }
-[[contacts]]
-slave = "upper.bottom"
-master = "lower.top"
-algorithm = "node-on-segment"
-friction = { use = "coulomb", mu = 0.2 }
-[[supports]]
-on = "lower.bottom"
-ux = 0.0
-uy = 0.0
-"""
-
-
-@pytest.fixture
-def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "thrown.toml").write_text(SCENE)
-    return "thrown.toml"
 
 
 def test_the_integrator_keeps_its_contract() -> None:
@@ -71,13 +32,15 @@ def test_the_enforcement_keeps_its_contract() -> None:
     assert not [outcome for outcome in run_checks("enforcement", Soft()) if outcome.status == "failed"]
 
 
-def test_run_names_the_parts_and_their_packages(scene: str, tmp_path: Path) -> None:
+def test_run_names_the_parts_and_their_packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a slider in its first twentieth of the way, which presses on its base and rubs on it."""
+    monkeypatch.chdir(tmp_path)
     words = ["--set", "integrator=plain-leapfrog", "--set", "contacts.0.algorithm=closest-point", "--out", "one"]
-    assert main(["run", scene, *words]) == 0
+    assert main(["run", "corner-slide", "--set", "time.end=4e-5", *words]) == 0
     summary = json.loads((tmp_path / "one" / "summary.json").read_text())
     assert "plain-leapfrog" in json.dumps(summary["versions"])
     assert summary["parts"]["integrator"].startswith("plain-leapfrog")
-    assert summary["reactions"]["lower.bottom"][1] > 0.0
+    assert summary["reactions"]["base.bottom"][1] > 0.0
     assert summary["balance"]["ledger_error"] < 1e-6
 
 
