@@ -42,6 +42,11 @@ class ContactReport:
     active: int
     sticking: int
 
+    def force_error(self, integral: Floats) -> float:
+        """How far an integral of the tractions (2,) [N] is from the nodal forces, over them; 0 where they are none."""
+        force = float(np.hypot(*self.resultant))
+        return float(np.hypot(*(self.resultant - integral))) / force if force > 0.0 else 0.0
+
     @property
     def intervals(self) -> list[list[list[float]]]:
         """End points of every stretch of pressed slave nodes, deformed; one ends where its chain ends."""

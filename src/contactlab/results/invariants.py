@@ -170,10 +170,9 @@ def _contact(pair: ContactPair, report: ContactReport) -> Iterator[Invariant]:
     )  # fmt: skip
     if not pressure.max(initial=0.0) > 0.0:
         return
-    force = float(np.hypot(*report.resultant))
-    if force > 0.0:
+    if np.any(report.resultant):
         limit, why = _promised(pair, report)
-        apart = float(np.hypot(*(report.resultant - report.pressure_integral))) / force
+        apart = report.force_error(report.pressure_integral)
         yield Invariant("resultant against integral of the pressure", "pressure-integral", pair.name, apart, limit, why)
     depth = report.max_penetration / pair.size
     allowed = DEEP + (pressed_depth(curve) + _overlap(pair)) / pair.size

@@ -42,11 +42,11 @@ def judge(model: Model, sample: Sample | None, closed: Flags) -> None:
         _judge_facets(model, pair)
         _judge_friction(model, pair)
     for name, report in sample.contacts.items():
-        _judge_pressure(name, report.resultant, report.covered_integral, sample.step)
+        _judge_pressure(name, report.force_error(report.covered_integral), sample.step)
 
 
 def _never_closed(model: Model, pair: ContactPair) -> None:
-    distance = _distance(model.position[pair.slave.nodes], model.position[pair.master.nodes])
+    distance = float(_nearest(model.position[pair.slave.nodes], model.position[pair.master.nodes])[0].min())
     model.warnings.add(
         RunWarning(
             "open-contact", distance, 0.0, pair.name,
@@ -56,19 +56,13 @@ def _never_closed(model: Model, pair: ContactPair) -> None:
     )  # fmt: skip
 
 
-def _distance(points: Floats, others: Floats) -> float:
-    chunks = np.array_split(points, max(1, len(points) * len(others) // 1_000_000))
-    return float(min(np.hypot(*(chunk[:, None] - others[None]).transpose(2, 0, 1)).min() for chunk in chunks))
-
-
-def _judge_pressure(name: str, force: Floats, covered: Floats, step: int) -> None:
-    """The nodal forces on the slave against the integral of its pressure and shear over what is `covered`.
+def _judge_pressure(name: str, share: float, step: int) -> None:
+    """`share` of the nodal forces on the slave that the integral of its tractions over what is covered lacks.
 
     Multipliers of segments that a rim covers in part are shown on whole segments: that is warned of. A run is wrong
     where even the integral over the covered part is another force.
     """
-    share = float(np.hypot(*(force - covered)) / max(np.hypot(*force), 1e-300))
-    if np.any(force) and share > WRONG:
+    if share > WRONG:
         raise SimulationFailure(
             "not-converged",
             f"step {step}: {name}: the pressure over the slave adds up to a force that differs by {share:.0%} from "
@@ -105,7 +99,7 @@ def _judge_facets(model: Model, pair: ContactPair) -> None:
     if not len(pressed):
         return
     slave, master = pair.slave.nodes[pressed], pair.master.nodes
-    nearest = _nearest(model.position[slave], model.position[master])
+    nearest = _nearest(model.position[slave], model.position[master])[1]
     if _facets_fit(pair, model.position, pressed, nearest):
         return  # facets of one side lie on those of the other, however deep
     depth = max(
@@ -164,7 +158,9 @@ def facet_depths(surface: Surface, reference: Floats) -> Floats:
     return depth
 
 
-def _nearest(points: Floats, others: Floats) -> Ints:
-    """Find the nearest of `others` to each point."""
-    chunks = np.array_split(points, max(1, len(points) * len(others) // 1_000_000))
-    return np.concatenate([((c[:, None] - others[None]) ** 2).sum(axis=2).argmin(axis=1) for c in chunks])
+def _nearest(points: Floats, others: Floats) -> tuple[Floats, Ints]:
+    """Distance of each point to the nearest of `others`, and which one that is."""
+    from scipy.spatial import cKDTree
+
+    distance, which = cKDTree(others).query(points)
+    return distance, which
