@@ -81,11 +81,15 @@ def half_width(curve: ContactCurve) -> float:
 
 
 def hertz_measures(peak: float, width: float, l2: float, why: str) -> list[Measure]:
-    """Errors of p0 and of p, and of the half-width in segments; where one is infinite, it is only reported."""
+    """Errors of p0 and of p, and of the half-width in segments; where one is infinite, it is only reported.
+
+    A run that warns of a saw-tooth has named what its errors of the pressure come from.
+    """
+    saw = ("pressure-saw",)
     return [
-        _or_told(error("largest pressure", peak, why)),
+        _or_told(error("largest pressure", peak, why, codes=saw)),
         _or_told(error("half-width in segments", width, "nodes tell where contact ends by half a segment", "h")),
-        _or_told(error("L2 of the pressure", l2, why)),
+        _or_told(error("L2 of the pressure", l2, why, codes=saw)),
         reported("L2 of exact nodal values"),
         reported("segments in the half-width"),
         reported("iterations"),
