@@ -14,7 +14,6 @@ from contactlab.api.contact_steps import contact_record
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.record import RecordColumns, RecordScratch, RecordTable, record_pair
 from contactlab.model.contact.operator_pair import OperatorPair
-from contactlab.model.contact.overlap_relaxation import OverlapRelaxation
 from contactlab.model.contact.pair import ContactPair
 from contactlab.model.model import Model
 from contactlab.results.contact_nodes import facing_segments, node_values
@@ -97,42 +96,38 @@ def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) 
     contact: Any = model.contact
     slid = np.zeros(pair.slots)
     bound = _bound(model, pair, columns, slid)
-    address, arrays, relaxed = bound.address, pair.arrays, _relaxed(pair)
+    address, arrays, uncounted = bound.address, pair.arrays, _uncounted(pair)
     own = slice(pair.first_slot, pair.first_slot + pair.slots)
 
     def record(row: int, dt: float) -> None:
         rows = contact.rows
-        record_pair(row, arrays.address, address, rows.packed.address, rows.count, dt, relaxed())
+        record_pair(row, arrays.address, address, rows.packed.address, rows.count, dt, uncounted())
 
     def record_implicit(row: int, dt: float) -> None:
         if pair.friction is not None:
             slid[:] = contact.conditions.slip[own]
-        record_pair(row, arrays.address, address, 0, -1, dt, relaxed())
+        record_pair(row, arrays.address, address, 0, -1, dt, uncounted())
 
     chosen = record_implicit if hasattr(contact, "conditions") else record
     chosen.bound = bound  # type: ignore[attr-defined]  # keeps the addresses good
     return chosen
 
 
-def _relaxed(pair: ContactPair) -> Callable[[], float]:
-    """How much of the distances of the start does not count."""
-    start = pair.overlap_relaxation
-    if isinstance(start, OverlapRelaxation):
-        return lambda: 1.0 - start.ramp(float(start.time[0]))
-    share = 0.0 if start is None else 1.0
-    return lambda: share
+def _uncounted(pair: ContactPair) -> Callable[[], float]:
+    """What share of the gaps of the start does not count."""
+    return (lambda: 0.0) if pair.start_gaps is None else pair.start_gaps.uncounted
 
 
 def _bound(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray], slid: Floats) -> BoundArrays:
     contact: Any = model.contact
-    k, m, law, start = pair.slots, len(pair.slave.nodes), np.zeros(5), pair.overlap_relaxation
+    k, m, law, start = pair.slots, len(pair.slave.nodes), np.zeros(5), pair.start_gaps
     if pair.friction is not None:
         coefficient, adhesion, cap = pair.friction.bound()
         finite = math.isfinite(cap)
         law[:] = coefficient, adhesion, cap if finite else 0.0, 1.0, float(finite)
     distance = np.zeros(k)
     if start is not None:
-        distance[:] = start.overlap if isinstance(start, OverlapRelaxation) else start.distance
+        distance[:] = start.value
     none = np.zeros((0, m), np.float32)
     force = model.state["contact_force"] if "contact_force" in model.state else np.zeros((0, 2))
     sides = np.zeros((m, 2)), np.zeros((len(pair.master.nodes), 2))

@@ -48,7 +48,7 @@ class RecordTable(NamedTuple):
     slots            (1,) where the pair's multipliers begin
     next_master      (l, 2) segments that end and begin at each master node
     inner, following, preceding  nodes without a multiplier and those on either side
-    distance         (k,) [mm] what does not count of the gaps, all of it at `relaxed` = 1
+    distance         (k,) [mm] what does not count of the gaps, all of it at `uncounted` = 1
     """
 
     position: Floats2
@@ -67,12 +67,12 @@ class RecordTable(NamedTuple):
 
 
 @kernel
-def record_pair(row, bound_pair, bound, bound_rows, count, dt, relaxed):
+def record_pair(row, bound_pair, bound, bound_rows, count, dt, uncounted):
     """Fill a row of the record of a pair from what the accepted step has left.
 
     bound_pair, bound, bound_rows  addresses of a `PairTable`, a `RecordTable` and the model's `RowsTable`, of which
                                    `count` rows are in use; -1: `slid` is filled already
-    relaxed  share of `distance` that does not count [-]
+    uncounted  share of `distance` that does not count [-]
     """
     pair, r = unpack(bound_pair, PairTable), unpack(bound, RecordTable)
     c, friction = pair.coupling, r.law[3] > 0.0
@@ -81,9 +81,9 @@ def record_pair(row, bound_pair, bound, bound_rows, count, dt, relaxed):
     separations(
         c, pair.columns, (r.scratch.slave, r.scratch.master), pair.pieces.normal, r.scratch.parted, r.scratch.apart
     )
-    if relaxed != 0.0:
+    if uncounted != 0.0:
         for k in range(r.distance.size):
-            r.scratch.apart[k, 0] -= relaxed * r.distance[k]
+            r.scratch.apart[k, 0] -= uncounted * r.distance[k]
     _tractions(c, r, friction)
     if friction and count >= 0:
         _slips(unpack(bound_rows, RowsTable), count, dt * dt, r)

@@ -104,7 +104,7 @@ class GapPair(ContactPair):
     def compute_gaps(self, positions: Floats) -> None:
         """Gaps at `positions`, with the weights of the last `update`."""
         self.gaps[:] = self.gaps_at(positions)
-        self._relax_overlaps(self.gaps)
+        self._take_start_gaps(self.gaps)
 
     def gaps_at(self, positions: Floats) -> Floats:
         """Gaps (k, 2) at `positions` with the weights of the last `update`, in an array of their own."""

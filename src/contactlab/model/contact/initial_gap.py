@@ -15,8 +15,8 @@ from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.meshing.mesh import inverted_cells
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_overlap, overlap_error
-from contactlab.model.contact.overlap_relaxation import OverlapRelaxation
 from contactlab.model.contact.pair import ContactPair
+from contactlab.model.contact.start_gaps import RampedOverlap
 from contactlab.model.loading.ramps import smooth
 
 if TYPE_CHECKING:
@@ -112,9 +112,9 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
             raise overlap_error(float(depth[worst]), points[worst], inside, False, plan.where)
 
 
-def relaxation(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> OverlapRelaxation:
+def ramped_overlap(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> RampedOverlap:
     """How overlaps at `positions` come to count over `duration` [s]; the first of `time` is that of the gaps [s]."""
-    return OverlapRelaxation(initial_gaps(pair, positions), time, smooth(duration))
+    return RampedOverlap(initial_gaps(pair, positions), time, smooth(duration))
 
 
 def check_ramp_steps(plans: tuple[Any, ...], ramp_time: float, step: float) -> None:

@@ -115,8 +115,7 @@ class OperatorPair(ContactPair):
             self._check(count)
         self.count = count
         self._join()
-        if self.overlap_relaxation is not None:
-            self.overlap_relaxation.relax(self.gaps)
+        self._take_start_gaps(self.gaps)
 
     def _check(self, count: Any) -> None:
         """Raise WrongAnswer for pieces that point outside the arrays, which compiled code would follow."""
@@ -145,7 +144,7 @@ class OperatorPair(ContactPair):
         """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
         kernels.place(self.arrays.address, positions, positions, positions, kernels.MEASURED)
         kernels.compute_gaps(self.arrays.address)
-        self._relax_overlaps(self.gaps)
+        self._take_start_gaps(self.gaps)
 
     def gaps_at(self, positions: Floats) -> Floats:
         """Gaps (k, 2) at `positions` with the rows of the last `update`, in an array of their own."""

@@ -26,7 +26,7 @@ from contactlab.api.surface import SurfacePositions
 from contactlab.kernels.contact import edges, rows
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.model.contact.near_list import REACH, Near, longest_segment
-from contactlab.model.contact.overlap_relaxation import OverlapRelaxation, StartDistance
+from contactlab.model.contact.start_gaps import StartGaps
 
 
 @dataclass(frozen=True)
@@ -81,8 +81,7 @@ class ContactPair(ABC):
     size       [mm] longest segment of both sides
     at         positions of the nodes of both sides, where conditions are made
     gaps       (k, 2) [mm] normal gaps and tangential separations, where they were last measured
-    overlap_relaxation
-               how distances of the start come to count, or do not; None where they count at once
+    start_gaps what of the gaps at the start does not count; None where they count in full
     sliding    what friction needs; None without
     evaluated  whether the conditions are those of the last accepted step
     search_s   wall time [s] spent on near lists
@@ -108,7 +107,7 @@ class ContactPair(ABC):
         self.size = longest_segment(self.at, slave, master)
         self.near: Near | None = None
         self.gaps = np.full((self.slots, 2), FAR)
-        self.overlap_relaxation: OverlapRelaxation | StartDistance | None = None
+        self.start_gaps: StartGaps | None = None
         self.sliding = Sliding(friction.bound(), self.slots, self.at) if friction is not None else None
         self.evaluated = False
         self._view: ContactView | None = None
@@ -165,7 +164,7 @@ class ContactPair(ABC):
 
     @abstractmethod
     def gaps_at(self, positions: Floats) -> Floats:
-        """Gaps (k, 2) as `compute_gaps` finds them, in an array of their own, overlaps of the start not relaxed."""
+        """Gaps (k, 2) as `compute_gaps` finds them, in an array of their own, gaps of the start counted in full."""
 
     @abstractmethod
     def compute_start_normals(self, positions: Floats, memory: Floats) -> None:
@@ -203,12 +202,12 @@ class ContactPair(ABC):
     @property
     def start_distance(self) -> Floats | None:
         """Distances (k,) [mm] of the start that count as gaps of zero; None where they count in full."""
-        start = self.overlap_relaxation
-        return start.distance if isinstance(start, StartDistance) else None
+        start = self.start_gaps
+        return None if start is None or start.ramped else start.value
 
-    def _relax_overlaps(self, gaps: Floats) -> None:
-        if self.overlap_relaxation is not None:
-            self.overlap_relaxation.relax(gaps)
+    def _take_start_gaps(self, gaps: Floats) -> None:
+        if self.start_gaps is not None:
+            self.start_gaps.take_from(gaps)
 
     # --- from conditions to rows ----------------------------------------------------------------
 
@@ -253,7 +252,7 @@ class ContactPair(ABC):
             self.update(position, memory)
             self.evaluated = True
         gaps = self.gaps_at(position)
-        self._relax_overlaps(gaps)
+        self._take_start_gaps(gaps)
         forces = np.zeros((2, self.slots))
         known = state["multipliers"][:, self.first_slot : self.first_slot + self.slots]
         forces[: len(known) if self.friction is not None else 1] = known if self.friction is not None else known[0]

@@ -26,9 +26,9 @@ from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_facing, refuse_held_slave, refuse_joined_twice
 from contactlab.model.contact.contact_pairs import contact_pair
 from contactlab.model.contact.explicit_system import ContactSystem
-from contactlab.model.contact.initial_gap import initial_gaps, refuse_overlap, relaxation
-from contactlab.model.contact.overlap_relaxation import StartDistance
+from contactlab.model.contact.initial_gap import initial_gaps, ramped_overlap, refuse_overlap
 from contactlab.model.contact.pair import ContactPair
+from contactlab.model.contact.start_gaps import ZeroStart
 from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
@@ -188,9 +188,9 @@ def build_contact(
         refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
         pair = plan.pair(reference, first, immobile)
         if plan.start.overlap == "ramp":
-            pair.overlap_relaxation = relaxation(pair, time, plan.start.duration or ramp_time, reference)
+            pair.start_gaps = ramped_overlap(pair, time, plan.start.duration or ramp_time, reference)
         elif plan.start.gap == "zero":
-            pair.overlap_relaxation = StartDistance(initial_gaps(pair, reference))
+            pair.start_gaps = ZeroStart(initial_gaps(pair, reference))
         refuse_overlap(plan, pair, bodies, reference)
         pairs.append(pair)
         first += plan.slots
