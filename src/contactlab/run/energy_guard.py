@@ -33,7 +33,7 @@ class EnergyGuard:
         self.largest = max(model.initial_energy, float(model.mass.sum()) * (ROUND * wave_speed) ** 2)
         pairs = model.contact.pairs if model.contact is not None else ()
         # an overlap of the start is pushed out: energy that the scene lets contact put in
-        self.judges_contact = bool(pairs) and not any(pair.start_gaps is not None for pair in pairs)
+        self.judges_contact = bool(pairs) and not any(pair.pushes_overlaps_out for pair in pairs)
         self.judges_gain = self.judges_contact or not pairs
 
     def check(self, last: bool = False) -> None:

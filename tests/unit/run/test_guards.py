@@ -392,6 +392,17 @@ def test_overlaps_that_a_scene_lets_out_are_no_gain() -> None:
     assert results.history["energy.stored"][-1] > 0.5
 
 
+def test_what_contact_makes_is_judged_unless_the_scene_has_overlaps_pushed_out() -> None:
+    """Gaps of the start that never count let nothing out: with them, contact is judged as without."""
+    starts = {"none": {}, "zero": {"start": {"gap": "zero"}}, "ramp": {"start": {"overlap": "ramp", "duration": 2e-3}}}
+    judged = {}
+    for name, start in starts.items():
+        asked = scene(TWO, contacts=[CONTACT | start], supports=[HELD], time={"end": 3e-3})
+        model = build(asked, default_registry())
+        judged[name] = Guards(model).energy.judges_contact
+    assert judged == {"none": True, "zero": True, "ramp": False}
+
+
 # --- the counting -----------------------------------------------------------------------------------
 
 

@@ -23,7 +23,7 @@ class ConjugateContactSystem(ContactSystem):
         self.factored = None
         self.gradients = [conjugate_rows(pair) for pair in pairs]
         # an overlap of the start that is pushed out puts energy in on purpose
-        self.strict = [pair.start_gaps is None for pair in pairs]
+        self.strict = [not pair.pushes_overlaps_out for pair in pairs]
         self.velocity = state["velocity"]
 
     def calls_per_step(self) -> Counter[str]:

@@ -205,6 +205,11 @@ class ContactPair(ABC):
         start = self.start_gaps
         return None if start is None or start.ramped else start.value
 
+    @property
+    def pushes_overlaps_out(self) -> bool:
+        """Whether overlaps of the start are pushed out, so that contact puts energy in on purpose."""
+        return self.start_gaps is not None and self.start_gaps.ramped
+
     def _take_start_gaps(self, gaps: Floats) -> None:
         if self.start_gaps is not None:
             self.start_gaps.take_from(gaps)
