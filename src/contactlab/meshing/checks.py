@@ -57,22 +57,26 @@ def _check_twice(mesh: Mesh, where: Where) -> None:
 
 def _check_areas(mesh: Mesh, element: Element, where: Where) -> None:
     empty = np.flatnonzero(np.abs(_relative_areas(mesh, element)).max(axis=1) <= NO_AREA)
-    if len(empty):
+    _refuse_cells(
+        mesh, empty, where, "have no area", "cells whose corners do not lie on one line or in one place",
+        "look for nodes that lie on each other",
+    )  # fmt: skip
+    _refuse_cells(
+        mesh, inverted_cells(mesh, element), where, "are inverted",
+        "cells numbered counter-clockwise with positive area at every node and point",
+        "check the order of the nodes and the numbers of the mesh",
+    )  # fmt: skip
+
+
+def _refuse_cells(mesh: Mesh, found: np.ndarray, where: Where, what: str, allowed: str, hint: str) -> None:
+    """Raise SceneError where cells were found, with the first of them."""
+    if len(found):
         raise SceneError(
-            f"{len(empty)} of {len(mesh.cells)} cells have no area",
+            f"{len(found)} of {len(mesh.cells)} cells {what}",
             where=where,
-            got=f"cell {empty[0]} first, nodes {mesh.cells[empty[0]].tolist()}",
-            allowed="cells whose corners do not lie on one line or in one place",
-            hint="look for nodes that lie on each other",
-        )
-    folded = inverted_cells(mesh, element)
-    if len(folded):
-        raise SceneError(
-            f"{len(folded)} of {len(mesh.cells)} cells are inverted",
-            where=where,
-            got=f"cell {folded[0]} first, nodes {mesh.cells[folded[0]].tolist()}",
-            allowed="cells numbered counter-clockwise with positive area at every node and point",
-            hint="check the order of the nodes and the numbers of the mesh",
+            got=f"cell {found[0]} first, nodes {mesh.cells[found[0]].tolist()}",
+            allowed=allowed,
+            hint=hint,
         )
 
 
