@@ -201,7 +201,7 @@ class ImplicitEquations(Equations, Protocol):
     def begin_step(self, dt: float) -> None:
         """Take the state as the start of a step of length dt [s], also after it was restored (then of length 0).
 
-        Conditions that follow the time, as overlaps that are relaxed, are those of the end of the step.
+        Conditions that follow the time, as overlaps that are pushed out in a ramp, are those of the end of the step.
         """
 
     def stiffness(self, dt: float) -> Any:

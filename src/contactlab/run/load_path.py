@@ -23,7 +23,7 @@ class LoadPath:
     """Fraction of the loading (0 to 1) as a function of time, and back.
 
     Between two times the loading advances by the largest change of any prescribed displacement, over the range
-    of that displacement, of any load, over the largest one, or of what is left of overlaps that are relaxed.
+    of that displacement, of any load, over the largest one, or of what is left of overlaps that are pushed out.
     Inertia plays no part in statics: what counts for the accuracy of a step is how much is loaded in it, not how
     long it takes. Laws that depend on rate are the exception: time then counts as much as load.
 
