@@ -167,6 +167,10 @@ class Rate(Material):
     def wave_speeds(self) -> tuple[float, float]:
         return SPEEDS
 
+    def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
+        largest = np.abs(stress).max(axis=0) if self.flaw != "never stiffens" else 0.0
+        out[:] = 1.0 + 4.0 * largest / SHEAR
+
 
 RIGHT: tuple[Material, ...] = (Small(), Finite(), Rate())
 
@@ -210,6 +214,7 @@ WRONG: list[tuple[Check, Material]] = [
     (material.energy_is_positive, Small("energy at rest")),
     (material.energy_belongs_to_the_stress, Finite("energy per undeformed volume")),
     (material.stiffening_bounds_the_waves, Finite("never stiffens")),
+    (material.stiffening_bounds_the_waves, Rate("never stiffens")),
     (material.any_cut_gives_the_same, Small("depends on its neighbours")),
     (material.no_points_at_all, Small("asks for the largest")),
     (material.inputs_untouched, Small("gradient centred in place")),

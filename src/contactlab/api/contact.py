@@ -194,6 +194,6 @@ class GapAlgorithm(ContactMethod):
 
         Asked for by implicit integrators. The default says None, and the core takes differences of `conditions`:
         slower by about thirty calls for one node on one segment, or four calls for each node of the widest condition.
-        Where conditions follow from nodes far from those that they name, it finds out, and takes differences by more nodes.
+        Where conditions follow from nodes far from those that they name, it finds out, and takes more calls.
         """
         return None

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import copy
-import pickle
-from dataclasses import fields
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -13,13 +12,15 @@ from contactlab.api import ContactMethod, ContactView, Floats, GapAlgorithm, Pie
 from contactlab.kernels.contact.search import near_segments
 from contactlab.model.contact.near_list import REACH
 from contactlab.testing.assertions import Check, NotApplicable, identical, require, untouched
-from contactlab.testing.surfaces import Chains, chains, conditions, curved, dense, flat
+from contactlab.testing.surfaces import Chains, chains, conditions, curved, dense, flat, stations
 
 SURFACE = ("nodes", "segments", "node_segments", "edges", "segment_edge")
 GARBAGE = {np.dtype(np.int32): -7, np.dtype(np.float64): np.nan}
 NUMBERS = ("start", "node", "owner")
 """Arrays of gap conditions that hold int32."""
 NOTCH = 0.6  # slope of its sides
+GLIDE, STRIDE = 0.15, 0.005
+"""How far a slave glides and its steps [mm]: half a segment, in steps a third of where nodes face two segments."""
 
 
 def view_of(algorithm: ContactMethod, at: Chains, memory: Floats | None = None) -> ContactView:
@@ -98,22 +99,33 @@ def positions_change_in_place(algorithm: ContactMethod) -> None:
         identical(one, other, "answers after positions have changed in place")
 
 
+def _anew(algorithm: Any) -> Any:
+    """A new part with the same values."""
+    return replace(algorithm)
+
+
 def memory_is_all_it_remembers(algorithm: ContactMethod) -> None:
-    """Taken up from its memory by a new part, it goes on with the same bits; in any order of other calls."""
-    path = [curved().lifted((0.02 * step, -0.004 * step)) for step in range(5)]
-    memory = np.zeros((algorithm.memory_size, len(path[0].slave.nodes)))
-    straight = []
-    for number, at in enumerate(path):
-        if number == 2:
-            saved = memory.copy()
-        straight.append(asked(algorithm, view_of(algorithm, at, memory)))
-    again: Any = pickle.loads(pickle.dumps(algorithm))
-    for at in (flat(), path[4], path[0]):
-        asked(again, view_of(again, at))
-    for number in (2, 3, 4):
-        for one, other in zip(asked(again, view_of(again, path[number], saved)), straight[number], strict=True):
-            identical(one, other, f"answers at position {number} after a restart at position 2")
-    identical(saved, memory, "memory after a restart")
+    """Taken up from its memory by a new part that has seen other positions, it goes on with the same bits.
+
+    A slave glides in a bowl and back, so slowly that nodes stand where two segments are as near: there an algorithm
+    with memory answers by the side that it came from.
+    """
+    way = np.concatenate([np.arange(0.0, GLIDE, STRIDE), np.arange(GLIDE, 0.0, -STRIDE)])
+    slave, master = stations(-0.6, 0.6, 6, seed=3), stations(-1.0, 1.0, 7, seed=4)
+    bowl = chains(np.stack([slave, 0.3 * slave**2], axis=1), np.stack([master, 0.3 * master**2], axis=1))
+    path = [bowl.lifted((float(by), 0.1)) for by in way]
+    memories, answers = [np.zeros((algorithm.memory_size, len(path[0].slave.nodes)))], []
+    for at in path:
+        memory = memories[-1].copy()
+        answers.append(asked(algorithm, view_of(algorithm, at, memory)))
+        memories.append(memory)
+    aside, again = np.zeros_like(memories[0]), _anew(algorithm)
+    for number in reversed(range(len(path))):
+        asked(again, view_of(again, path[number], aside))
+        memory = memories[number].copy()
+        for one, other in zip(asked(again, view_of(again, path[number], memory)), answers[number], strict=True):
+            identical(one, other, f"answers at position {number} of a new part that was given the memory")
+        identical(memory, memories[number + 1], "memory of a new part that was given that of another")
     require(copy.copy(algorithm) == algorithm, "a copy of the part is not equal to it: it holds more than its fields")
 
 

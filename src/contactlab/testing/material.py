@@ -8,11 +8,11 @@ from contactlab.api import Floats, Material
 from contactlab.api.differences import tangent_by_differences
 from contactlab.testing import material_states
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
+from contactlab.testing.material_waves import stiffening_bounds_the_waves
 from contactlab.testing.other_values import others, switched_on
 from contactlab.testing.points import (
     DT,
     at_rest,
-    conjugate,
     deformation,
     gradients,
     matrices,
@@ -22,6 +22,7 @@ from contactlab.testing.points import (
     rotations,
     rows_of,
     some_history,
+    stress_of_work,
     tensors,
 )
 
@@ -146,7 +147,7 @@ def energy_belongs_to_the_stress(law: Material) -> None:
     # laws with history store what they do not dissipate: there the elastic range close to rest is taken
     size, step, allowed = (1e-4, 1e-6, 1e-9) if law.history_size else (0.01, 1e-5, 1e-7)
     gradient = gradients(law, POINTS, size if law.kinematics == "small" or law.history_size else STRAIN)
-    work, base = _work_conjugate(law, gradient), deformation(law, gradient)
+    work, base = stress_of_work(law, gradient), deformation(law, gradient)
     for i in range(2):
         for j in range(2):
             shift = np.zeros((2, 2))
@@ -174,49 +175,6 @@ def _energy_of(law: Material, deformation: Floats) -> Floats:
     if law.kinematics == "small":
         return _energy(law, deformation)
     return np.asarray(np.linalg.det(deformation) * _energy(law, np.asarray(np.linalg.inv(deformation))))
-
-
-def _work_conjugate(law: Material, gradient: Floats) -> Floats:
-    """P = J sigma F^-T for "finite", sigma for "small", from rest."""
-    return conjugate(law, gradient, respond(law, gradient, no_history(law, gradient.shape[1]))[0])
-
-
-def stiffening_bounds_the_waves(law: Material) -> None:
-    """No wave in a strained point is faster than `stiffening` says, or explicit steps would be too long."""
-    if law.kinematics != "finite":
-        raise NotApplicable("only the waves of a finite law follow from its gradient alone")
-    if law.history_size:
-        raise NotApplicable("the bound is checked on laws without history")
-    gradient = gradients(law, 200, 0.3, seed=8)
-    stress, _ = respond(law, gradient, no_history(law, 200))
-    bound = np.full(200, np.nan)
-    law.stiffening(gradient, stress, bound)
-    fastest = _acoustic_moduli(law, gradient).max(axis=0)
-    allowed = bound * modulus(law) * (1.0 + 1e-6)  # differences
-    worst = int(np.argmax(fastest / allowed))
-    seen = (
-        f"{fastest[worst] / modulus(law):.4f} of the modulus at rest at gradient {gradient[:, worst].round(3).tolist()}"
-    )
-    require(np.all(fastest <= allowed), f"stiffening: a wave has {seen}, the bound is {bound[worst]:.4f}")
-
-
-def _acoustic_moduli(law: Material, gradient: Floats) -> Floats:
-    """Largest J-scaled acoustic eigenvalue (directions, P): the moduli that current geometry and fixed mass see."""
-    base, step = deformation(law, gradient), 1e-5
-    derivative = np.empty((len(base), 2, 2, 2, 2))
-    for k in range(2):
-        for m in range(2):
-            shift = np.zeros((2, 2))
-            shift[k, m] = step
-            high, low = (
-                _work_conjugate(law, rows_of(np.asarray(np.linalg.inv(base + s * shift)))) for s in (1.0, -1.0)
-            )
-            derivative[:, :, :, k, m] = (high - low) / (2.0 * step)
-    spatial = np.einsum("pjJ,plL,piJkL->pijkl", base, base, derivative) / np.linalg.det(base)[:, None, None, None, None]
-    angles = np.linspace(0.0, np.pi, 24, endpoint=False)
-    normals = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    acoustic = np.einsum("pijkl,nj,nl->npik", spatial, normals, normals)
-    return np.asarray(np.linalg.eigvalsh(0.5 * (acoustic + acoustic.transpose(0, 1, 3, 2)))[..., -1])
 
 
 def any_cut_gives_the_same(law: Material) -> None:

@@ -44,7 +44,7 @@ class Oscillator:
 
     force      (N, 2) load [N], or one that depends on time
     clearance  (N,) [mm] below which each mass meets a rigid floor; friction there is Coulomb's coefficient
-    broken     while it is True no force is a number: no step can be accepted
+    calls_left  of `internal_force`, after which no force is a number
     """
 
     def __init__(
@@ -69,7 +69,7 @@ class Oscillator:
         self.position = self.reference.copy()
         self.relaxation = relaxation
         self.prescribed: PrescribedMotion = prescribed or Ramp(np.zeros(0, np.int32), np.zeros(0))
-        self.broken = False
+        self.calls_left = np.inf
         self._force = force
         shapes: dict[str, tuple[int, ...]] = {"clock": (3,), "displacement": (n, 2)}
         shapes |= {"velocity": (n, 2)} if integrator.inertia else {}
@@ -111,6 +111,12 @@ class Oscillator:
         self.state["internal_force"][:] = self.springs[:, None] * self.state["displacement"]
         if self.broken:
             self.state["internal_force"][:] = np.nan
+        self.calls_left -= 1
+
+    @property
+    def broken(self) -> bool:
+        """Whether no force is a number."""
+        return self.calls_left <= 0
 
     def external_force(self, time: float, out: Floats) -> bool:
         """Fill in the force, if one was given."""

@@ -72,6 +72,11 @@ def conjugate(law: Material, gradient: Floats, stress: Floats) -> Floats:
     return np.asarray((tensors(stress) @ inverse.transpose(0, 2, 1)) / np.linalg.det(inverse)[:, None, None])
 
 
+def stress_of_work(law: Material, gradient: Floats) -> Floats:
+    """What is conjugate to F for "finite" laws, and to the strain for "small" ones, reached from rest."""
+    return conjugate(law, gradient, respond(law, gradient, no_history(law, gradient.shape[1]))[0])
+
+
 def rotations(count: int, seed: int = 5) -> Floats:
     """Rotation matrices (P, 2, 2) by any angle."""
     angle = np.random.default_rng(seed).uniform(-np.pi, np.pi, count)

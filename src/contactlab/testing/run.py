@@ -6,11 +6,16 @@ import importlib
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
+from traceback import walk_tb
 from typing import Any, Literal
 
 from contactlab.api.part import KINDS
 from contactlab.errors import RequestError, one_line
 from contactlab.testing.assertions import Check, Expected, NotApplicable, Undeclared
+
+LIBRARIES = ("numpy", "scipy", "numba")
+"""Where parts stumble in them, the line of the part is told."""
 
 Status = Literal["passed", "failed", "not applicable", "expected"]
 
@@ -59,10 +64,27 @@ def _ended(check: Callable[[Any], None], part: object) -> tuple[Status, str]:
         return "not applicable", str(reason)
     except Expected as reason:
         return "expected", str(reason)
-    except AssertionError as failure:
-        return "failed", str(failure)
     except RequestError as error:
         return "failed", f"the part was refused: {one_line(error, name=False)}"
     except (Exception, SystemExit) as error:
-        return "failed", f"the part raised {type(error).__name__}: {error}"
+        if isinstance(error, AssertionError) and _packages(error)[-1] == "contactlab":
+            return "failed", str(error)
+        said = f": {error}" if str(error) else ""
+        return "failed", f"the part raised {type(error).__name__}{_place(error)}{said}"
     return "passed", ""
+
+
+def _packages(error: BaseException) -> list[str]:
+    """The package of each frame that the error came through, outermost first."""
+    return [str(frame.f_globals.get("__name__")).partition(".")[0] for frame, _ in walk_tb(error.__traceback__)]
+
+
+def _place(error: BaseException) -> str:
+    """File and line of the last frame before those of libraries that a part calls; empty where it is the core's."""
+    places = [(frame.f_code.co_filename, line) for frame, line in walk_tb(error.__traceback__)]
+    packages = _packages(error)
+    own = [n for n, package in enumerate(packages) if package not in ("contactlab", *LIBRARIES)]
+    if not own:
+        return ""
+    file, line = places[own[-1]]
+    return f" in {Path(file).name}, line {line}"
