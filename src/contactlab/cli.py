@@ -104,6 +104,8 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
         "--time-limit", type=_seconds, metavar="S", help="wall time for one run; one over it is a row `timed-out`"
     )
     command.add_argument("--jobs", type=_positive, metavar="N", help="runs at a time (default: one per core)")
+    command.add_argument("--quick", action="store_true", help="of a study of cases: a few of them in three CPU minutes")
+    command.add_argument("--repeat", type=_positive, metavar="N", help="runs of each combination; costs are medians")
     _add_json(command)
     _add_scheduler(command)
 

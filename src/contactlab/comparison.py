@@ -32,6 +32,7 @@ def compare(
     resume: bool = False,
     time_limit: float | None = None,
     scheduler: str = LOCAL,
+    repeat: int | None = None,
 ) -> Table:
     """Run every combination and measure accuracy against cost.
 
@@ -45,6 +46,7 @@ def compare(
     resume          go on with the comparison in `out`: runs that are over are read back, the others go on
     time_limit      wall time that one run may take [s], instead of the study's own: a run over it is stopped, and
                     killed where it does not answer; a row "timed-out"
+    repeat          runs of each combination, instead of the study's own; the costs are medians
     scheduler       "local", "dask" (a cluster on this machine) or tcp://HOST:PORT of a dask scheduler
 
     Each row goes into `archive.sqlite` in `out` as soon as its run is over.
@@ -56,8 +58,9 @@ def compare(
     bars = partial(progress_bars, show=progress)
     with RowKeeper(out) as rows:
         table = run_study(
-            scene_or_study, vary, out, jobs, registry, bars, changes, effects, resume, time_limit, scheduler, rows.keep
-        )
+            scene_or_study, vary, out, jobs, registry, bars, changes, effects, resume, time_limit, scheduler, rows.keep,
+            repeat,
+        )  # fmt: skip
     if table.folder is not None:
         with full_disk_told(table.folder, "the report"):
             write_report(table, table.folder)

@@ -30,7 +30,7 @@ LAYERS = (
     ("explain", "studies"),
     ("cases",),
     ("archive",),
-    ("matrix",),
+    ("accuracy", "matrix"),
     ("reports",),
     ("comparison",),
     ("testing", "commands", "cli", "__main__"),

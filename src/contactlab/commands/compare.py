@@ -6,6 +6,7 @@ import argparse
 import json
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
+from contactlab.errors import RequestError
 from contactlab.run.folders import results_folder
 
 INTERRUPTED = 130
@@ -13,6 +14,22 @@ INTERRUPTED = 130
 
 def compare(options: argparse.Namespace) -> int:
     """Run the combinations and print their table; failed rows are results: the status is 0 unless all failed."""
+    from contactlab.accuracy.study import find_case_study
+
+    cases = find_case_study(options.scene)
+    if cases is not None:
+        from contactlab.commands.accuracy import compare_accuracy
+
+        return compare_accuracy(cases, options)
+    if options.quick:
+        raise RequestError(
+            "only a study of cases has a quick form", where="--quick", got=options.scene, allowed="accuracy"
+        )
+    return _compare_scene(options)
+
+
+def _compare_scene(options: argparse.Namespace) -> int:
+    """Compare the runs of one scene."""
     from contactlab.comparison import compare as run_all
     from contactlab.reports.breakdown_table import print_breakdown
     from contactlab.reports.table import print_table
@@ -28,7 +45,7 @@ def compare(options: argparse.Namespace) -> int:
             result = run_all(
                 options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True,
                 effects=options.effects, resume=options.resume, time_limit=options.time_limit,
-                scheduler=options.scheduler,
+                scheduler=options.scheduler, repeat=options.repeat,
             )  # fmt: skip
         except KeyboardInterrupt:
             line = resume_line(
@@ -39,6 +56,7 @@ def compare(options: argparse.Namespace) -> int:
                 options.effects,
                 folder,
                 options.time_limit,
+                options.repeat,
             )
             console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
             return INTERRUPTED

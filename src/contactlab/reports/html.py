@@ -14,12 +14,13 @@ from contactlab.reports.numbers import significant
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies.table import Table
 
-_ASSETS = Path(__file__).parent.parent / "data" / "report"
+ASSETS = Path(__file__).parent.parent / "data" / "report"
+"""Styles and scripts of pages."""
 
 
 def document(title: str, sections: Iterable[str]) -> str:
     """Write a whole page that needs no other file."""
-    style, script = ((_ASSETS / name).read_text(encoding="utf-8") for name in ("page.css", "page.js"))
+    style, script = ((ASSETS / name).read_text(encoding="utf-8") for name in ("page.css", "page.js"))
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'

@@ -54,6 +54,7 @@ def resume_line(
     effects: bool,
     folder: Path,
     time_limit: float | None = None,
+    repeat: int | None = None,
 ) -> str:
     """Write the command that takes a comparison up again."""
     words = [word for text in vary for word in ("--vary", text)]
@@ -61,6 +62,7 @@ def resume_line(
     words += [word for text in files for word in ("--with", text)]
     words += ["--effects"] if effects else []
     words += ["--time-limit", f"{time_limit:g}"] if time_limit is not None else []
+    words += ["--repeat", str(repeat)] if repeat is not None else []
     return shlex.join(["contactlab", "compare", request, *words, "--out", str(folder), "--resume"])
 
 

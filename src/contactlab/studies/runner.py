@@ -53,6 +53,7 @@ def run_study(
     time_limit: float | None = None,
     scheduler: str = LOCAL,
     keep: Keep = lambda row, scene, machine: None,
+    repeat: int | None = None,
 ) -> Table:
     """Run every combination, and write what was measured into `out`; see `contactlab.comparison.compare`.
 
@@ -60,7 +61,7 @@ def run_study(
     as soon as its run is over, without the measures that need its partner. After Ctrl-C or SIGTERM the
     table holds what there is, and `interrupted` is True. Raises RequestError when the request itself is wrong.
     """
-    plan = _limited(_plan(scene_or_study, vary, registry, changes, effects), time_limit)
+    plan = _repeated(_limited(_plan(scene_or_study, vary, registry, changes, effects), time_limit), repeat)
     named = _named_reference(plan.study, plan.scene.registry)
     pool_of = partial(open_pool, checked_scheduler(scheduler), _checked_jobs(jobs))
     folder = _folder(out, resume)
@@ -119,6 +120,15 @@ def _limited(plan: Plan, time_limit: float | None) -> Plan:
     if not 0.0 < time_limit < math.inf:
         raise RequestError("no time to run in", where="time_limit", got=time_limit, allowed="seconds, above 0")
     return replace(plan, study=replace(plan.study, time_limit=float(time_limit)))
+
+
+def _repeated(plan: Plan, repeat: int | None) -> Plan:
+    """The plan with so many runs of each combination instead of the study's."""
+    if repeat is None:
+        return plan
+    if repeat < 1:
+        raise RequestError("there must be at least one run", where="repeat", got=repeat, allowed="1 or more")
+    return replace(plan, study=replace(plan.study, repeat=repeat))
 
 
 def _named_reference(study: Study, registry: Registry) -> Source | None:

@@ -1,0 +1,80 @@
+"""What a study of cases leaves beside its page: tables as CSV and all of it as JSON."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from contactlab.accuracy.orders import Order
+from contactlab.accuracy.point import Point
+from contactlab.accuracy.run import Accuracy
+from contactlab.accuracy.solved import Solved
+from contactlab.accuracy.targets import Cost
+from contactlab.studies.system import system_facts
+
+COUNTS = ("steps", "iterations", "sweeps")
+
+
+def point_row(point: Point, side_by_side: int) -> dict[str, Any]:
+    """A point as a row; `kernels` is its cost in times of the calibration kernel."""
+    return {
+        "case": point.case, "contender": point.contender, "slave": point.slave, "level": point.level,
+        "status": point.status, "reason": point.reason, "error": point.error, "cpu_s": point.cost,
+        "cpu_low_s": min(point.cpu, default=math.nan), "cpu_high_s": max(point.cpu, default=math.nan),
+        "kernels": point.cost / point.calibration if point.calibration > 0.0 else math.nan,
+        **{name: point.counts.get(name, math.nan) for name in COUNTS},
+        "memory_mib": point.memory_mib, "compile_s": point.compile_s, "side_by_side": side_by_side,
+    }  # fmt: skip
+
+
+def write(
+    found: Accuracy, costs: Sequence[Cost], orders: Sequence[Order], profiles: Sequence[Solved], folder: Path
+) -> None:
+    """Write `accuracy.csv` (points), `costs.csv` (targets), `orders.csv`, `solved.csv` and `accuracy.json`."""
+    points = [point_row(point, found.side_by_side) for point in found.points]
+    tables: dict[str, list[dict[str, Any]]] = {
+        "accuracy": points,
+        "costs": [asdict(cost) for cost in costs],
+        "orders": [asdict(order) | {"levels": " ".join(map(str, order.levels))} for order in orders],
+        "solved": [
+            {"contender": one.contender, "asked": one.asked, "number": number, "cpu_s": time}
+            for one in profiles
+            for number, time in enumerate(one.times, start=1)
+        ],
+    }
+    for name, rows in tables.items():
+        _write_csv(folder / f"{name}.csv", rows)
+    data = {
+        "format": 1, "name": found.study.name, "cases": [asdict(each) for each in found.asked],
+        "contenders": list(found.contenders), "interrupted": found.interrupted, "system": system_facts(),
+        "points": points, "costs": tables["costs"], "orders": [asdict(order) for order in orders],
+        "solved": [asdict(one) for one in profiles],
+    }  # fmt: skip
+    (folder / "accuracy.json").write_text(json.dumps(_finite(data), indent=1, allow_nan=False), encoding="utf-8")
+
+
+def _write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, list(rows[0]) if rows else ["nothing"])
+        table.writeheader()
+        table.writerows({name: _bare(value) for name, value in row.items()} for row in rows)
+
+
+def _bare(value: Any) -> Any:
+    """Nothing for a number that there is not, nine figures of others."""
+    if isinstance(value, float):
+        return f"{value:.9g}" if math.isfinite(value) else ""
+    return value
+
+
+def _finite(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _finite(item) for name, item in value.items()}
+    if isinstance(value, Iterable) and not isinstance(value, str):
+        return [_finite(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,0 +1,229 @@
+"""Running a study of cases: coarse levels of all lines first, each point kept in the archive as it is done."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, wait
+from dataclasses import dataclass, field, replace
+from functools import partial
+from itertools import zip_longest
+from pathlib import Path
+
+from contactlab.accuracy.point import Point, Task, named, run_point
+from contactlab.accuracy.problem import Problem, choices, contenders, problem_of
+from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
+from contactlab.archive.archive import FILE, Archive, StoredRun
+from contactlab.cases.record import refused, to_bytes
+from contactlab.errors import RequestError
+from contactlab.parts.registry import Registry
+from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
+from contactlab.studies.scheduler import LOCAL, Pool, open_pool
+from contactlab.studies.system import machine
+
+Told = Callable[[Point, int, int], None]
+"""Called after each point with how many are done of how many."""
+
+GROWTH = 3.0
+"""Power of the level that costs grow with, while a line has one point only."""
+SLOW = 4.0
+"""Wall time that a run may take, in limits: machines share their cores."""
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A case of the study with what its answer is worth.
+
+    uncertainty  of the reference, as a fraction
+    order        that theory gives the error, nan where the case does not say
+    """
+
+    label: str
+    title: str
+    measure: str
+    reference: str
+    uncertainty: float
+    order: float
+    why: str
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """All points of a study, in the order of the plan.
+
+    side_by_side  runs at a time: more than one disturb each other
+    """
+
+    study: CaseStudy
+    asked: Sequence[Asked]
+    contenders: Sequence[str]
+    points: Sequence[Point]
+    side_by_side: int
+    interrupted: bool = False
+
+
+@dataclass
+class _Line:
+    """What a line of convergence still has to run."""
+
+    tasks: list[Task]
+    done: list[Point] = field(default_factory=list)
+
+
+def run_accuracy(
+    study: CaseStudy, registry: Registry, folder: Path, jobs: int, told: Told, scheduler: str = LOCAL
+) -> Accuracy:
+    """Every point of a study. What the archive in `folder` holds of this machine is not run again.
+
+    Raises RequestError for a wrong request. Ctrl-C ends it with the points that are there.
+    """
+    asked, lines = plan(study, registry)
+    points: list[Point] = []
+    total = sum(len(line.tasks) for line in lines)
+    interrupted = False
+    with Archive(folder / FILE) as archive, open_pool(scheduler, jobs) as pool:
+        runner = _Runner(study, registry, folder / FILE, archive, pool)
+        try:
+            for point in runner.run(lines, jobs):
+                points.append(point)
+                told(point, len(points), total)
+        except KeyboardInterrupt:
+            interrupted = True
+            pool.stop()
+    labels = [contender.label for contender in contenders(study, registry)]
+    cases = [each.label for each in asked]
+    seen = {(p.case, p.contender, p.slave, p.level) for p in points}
+    points += [named(t, "interrupted", "stopped before it was run") for line in lines for t in line.tasks
+               if _place(t) not in seen]  # fmt: skip
+    points.sort(key=lambda p: (cases.index(p.case), labels.index(p.contender), p.slave, p.level))
+    return Accuracy(study, asked, labels, points, jobs, interrupted)
+
+
+def _place(task: Task) -> tuple[str, str, str, int]:
+    return task.choice.label, task.contender.label, task.slave, task.level
+
+
+def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[_Line]]:
+    """The cases and the lines of convergence of what can be put to them. Raises RequestError."""
+    folder = study.path.parent if study.path else None
+    asked, groups = [], []
+    for choice in choices(study, registry):
+        problem = problem_of(choice, registry, folder)
+        fitting = [
+            (contender, swap)
+            for contender in contenders(study, registry)
+            for swap in (False, True)
+            if not problem.refusal(contender, swap)
+        ]
+        if not fitting:
+            continue
+        asked.append(_asked(problem, fitting[0][0]))
+        levels = choice.levels or study.levels
+        asking = partial(Task, choice, limit=study.limit, repeat=study.repeat, folder=folder)
+        groups.append(
+            [
+                _Line([asking(contender=contender, swap=swap, level=level) for level in sorted(levels)])
+                for contender, swap in fitting
+            ]
+        )
+    if not groups:
+        raise RequestError("no contender can be put to any of the cases", where=str(study.path or study.name))
+    # a line of each case in turn: what a budget leaves is spread over the cases
+    return asked, [line for turn in zip_longest(*groups) for line in turn if line is not None]
+
+
+def _asked(problem: Problem, contender: Contender) -> Asked:
+    setup = problem.setup(contender, False, 1)
+    measure = problem.measure(setup)
+    choice: CaseChoice = problem.choice
+    return Asked(
+        choice.label, problem.case.title, measure.name, problem.reference(setup), problem.uncertainty(setup),
+        math.nan if measure.order is None else measure.order, choice.why,
+    )  # fmt: skip
+
+
+class _Runner:
+    """Submits the next level of a line once the one before is done, and keeps what comes."""
+
+    def __init__(self, study: CaseStudy, registry: Registry, path: Path, archive: Archive, pool: Pool) -> None:
+        self.study, self.registry, self.path, self.archive, self.pool = study, registry, path, archive, pool
+        self.spent = 0.0
+
+    def run(self, lines: Sequence[_Line], jobs: int) -> Iterator[Point]:
+        """Points as they are made: never more under way than processes, so that coarse levels come first."""
+        waiting = sorted(lines, key=lambda line: line.tasks[0].level)
+        running: dict[Future[tuple[Point, list[StoredRun]]], tuple[_Line, Task]] = {}
+        while waiting or running:
+            while waiting and len(running) < jobs:
+                line = waiting.pop(0)
+                task = line.tasks[len(line.done)]
+                known = self._without_running(line, task)
+                if known is not None:
+                    yield self._took(line, known, waiting)
+                    continue
+                limit = SLOW * task.limit * task.repeat
+                running[self.pool.submit(run_point, task, self.registry, self.path, limit=limit)] = line, task
+            for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
+                line, task = running.pop(future)
+                yield self._took(line, self._kept(future, task), waiting)
+
+    def _took(self, line: _Line, point: Point, waiting: list[_Line]) -> Point:
+        """Add a point to its line, which goes back among those that wait: by their next level."""
+        line.done.append(point)
+        self.spent += point.spent
+        if len(line.done) < len(line.tasks):
+            level = line.tasks[len(line.done)].level
+            place = sum(other.tasks[len(other.done)].level <= level for other in waiting)
+            waiting.insert(place, line)
+        return point
+
+    def _without_running(self, line: _Line, task: Task) -> Point | None:
+        """The point where nothing has to be run for it."""
+        if self.archive.record(task.key(), machine()) is not None:
+            return named(task, "timed-out", f"took longer than its limit of {task.limit:g} CPU s before")
+        expected = expected_cost(line.done, task.level)
+        if expected > task.limit:
+            return named(task, "over-limit", f"would take about {expected:.2g} CPU s, the limit is {task.limit:g}")
+        budget = self.study.budget
+        if budget is not None and self.spent + expected * task.repeat > budget:
+            return named(task, "over-budget", f"the {budget:g} CPU s of the study are used up")
+        return None
+
+    def _kept(self, future: Future[tuple[Point, list[StoredRun]]], task: Task) -> Point:
+        try:
+            point, made = future.result()
+        except TimedOutError:
+            return self._timed_out(task)
+        except ProcessDiedError as error:
+            return named(task, "failed", str(error))
+        except RaisedError as error:
+            return named(task, "failed", f"{error}")
+        for run in made:
+            self.archive.add_run(run)
+        if point.cpu and point.cost > task.limit:
+            reason = f"took {point.cost:.3g} CPU s, the limit is {task.limit:g}"
+            return replace(point, status="timed-out", reason=reason, error=math.nan)
+        return point
+
+    def _timed_out(self, task: Task) -> Point:
+        """Keep that the limit was not enough, so that nobody tries again with the same one."""
+        reason = f"stopped after {SLOW * task.limit * task.repeat:g} s of wall time, {SLOW:g} times its limit"
+        record = replace(refused(reason), status="timed-out")
+        end = ("timed-out", reason, 0.0, task.limit, to_bytes(record))
+        self.archive.add_run(StoredRun(task.key(), f"{task.choice.label} {task.contender.label}", "", *end, machine()))
+        return replace(named(task, "timed-out", reason), spent=task.limit)
+
+
+def expected_cost(done: Sequence[Point], level: int) -> float:
+    """CPU time [s] to expect of a level, from the last two that were run; 0 where none was, inf above a limit."""
+    if any(point.status in ("timed-out", "over-limit") for point in done):
+        return math.inf
+    timed = [point for point in done if point.cost > 0.0]
+    if not timed:
+        return 0.0
+    last = timed[-1]
+    power = GROWTH
+    if len(timed) > 1:
+        before = timed[-2]
+        power = math.log(last.cost / before.cost) / math.log(last.level / before.level)
+    return float(last.cost * (level / last.level) ** min(max(power, 1.0), 4.0))

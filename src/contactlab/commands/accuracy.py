@@ -1,0 +1,103 @@
+"""`contactlab compare` for a study of cases: what accuracy costs in time."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+
+from contactlab.accuracy.files import write
+from contactlab.accuracy.lines import lines_of
+from contactlab.accuracy.orders import orders_of
+from contactlab.accuracy.point import Point
+from contactlab.accuracy.run import Accuracy, plan, run_accuracy
+from contactlab.accuracy.solved import solved
+from contactlab.accuracy.study import CaseStudy
+from contactlab.accuracy.targets import Cost, costs_of
+from contactlab.commands.common import console, print_json, registry_with
+from contactlab.errors import RequestError
+from contactlab.reports.accuracy_page import write_accuracy_page
+from contactlab.reports.accuracy_table import print_costs
+from contactlab.run.folders import results_folder
+from contactlab.studies.resume import sigterm_as_ctrl_c
+from contactlab.studies.scheduler import checked_scheduler
+from contactlab.studies.system import usable_cores
+
+INTERRUPTED = 130
+
+
+def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
+    """Run the study, write its tables and page, and print the costs; failed points are results."""
+    _refuse_others(options)
+    registry = registry_with(options.files)
+    study = _asked(study, options)
+    jobs = options.jobs or usable_cores()
+    checked_scheduler(options.scheduler)
+    plan(study, registry)  # a wrong name is told before a folder is made
+    name = options.scene.removesuffix(".toml").rpartition("/")[2]
+    with results_folder(options.out, name, options.resume) as folder:
+        with sigterm_as_ctrl_c():
+            found = run_accuracy(study, registry, folder, jobs, _Teller(), options.scheduler)
+        costs = written(found, folder)
+    if options.json:
+        print_json({"folder": str(folder), **json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))})
+    else:
+        out = console()
+        print_costs(found, costs, out)
+        out.print(f"page: {folder / 'accuracy.html'}", markup=False, highlight=False, soft_wrap=True)
+    if found.interrupted:
+        line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
+        print(line, file=sys.stderr)
+        return INTERRUPTED
+    return 0 if any(point.finished for point in found.points) else 1
+
+
+def written(found: Accuracy, folder: Path) -> list[Cost]:
+    """Write all files of a study into the folder; gives the costs of the targets."""
+    lines = lines_of(found)
+    costs, orders = costs_of(found, lines), orders_of(found, lines)
+    profiles = solved(costs)
+    write(found, costs, orders, profiles, folder)
+    write_accuracy_page(found, lines, costs, orders, profiles, folder)
+    return costs
+
+
+def _asked(study: CaseStudy, options: argparse.Namespace) -> CaseStudy:
+    """The study as the options change it."""
+    if options.quick:
+        study = study.quickened()
+    if options.time_limit is not None:
+        study = replace(study, limit=options.time_limit)
+    return replace(study, repeat=options.repeat) if options.repeat else study
+
+
+def _refuse_others(options: argparse.Namespace) -> None:
+    for name, given in (("--vary", options.vary), ("--set", options.settings), ("--effects", options.effects)):
+        if given:
+            raise RequestError(
+                "a study of cases is not varied from the command line", where=name,
+                hint="copy the study into a file of your own and change its cases, contenders or levels",
+            )  # fmt: skip
+
+
+class _Teller:
+    """One line per point; one that is written over where somebody watches."""
+
+    def __init__(self) -> None:
+        self.began = monotonic()
+
+    def __call__(self, point: Point, done: int, total: int) -> None:
+        line = f"{done}/{total} {point.case}, {point.contender}, {point.slave}, level {point.level}: {self._end(point)}"
+        if sys.stderr.isatty():
+            print(f"\r\033[K{line[:110]}", end="" if done < total else "\n", file=sys.stderr, flush=True)
+        else:
+            print(line, file=sys.stderr, flush=True)
+
+    @staticmethod
+    def _end(point: Point) -> str:
+        if point.finished:
+            return f"{100.0 * point.error:.3g} % in {point.cost:.3g} s"
+        return f"{point.status}: {point.reason.splitlines()[0] if point.reason else ''}"

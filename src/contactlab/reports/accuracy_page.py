@@ -1,0 +1,130 @@
+"""`accuracy.html`: the page of a study of cases, one file with everything in it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from html import escape
+from pathlib import Path
+
+from matplotlib.figure import Figure
+
+from contactlab.accuracy.lines import Line
+from contactlab.accuracy.orders import Order
+from contactlab.accuracy.run import Accuracy
+from contactlab.accuracy.solved import Solved
+from contactlab.accuracy.targets import Cost
+from contactlab.reports.accuracy_costs import costs_section
+from contactlab.reports.accuracy_plots import cost_figure, solved_figure
+from contactlab.reports.accuracy_points import points_section
+from contactlab.reports.figures import save
+from contactlab.reports.html import ASSETS, document, facts_list, figure_section, plain_table, section
+from contactlab.reports.numbers import percent, significant
+from contactlab.studies.system import system_facts
+
+_FRONT = (
+    "Each line is a contender with the better of its slaves, from coarse to fine; colours are algorithms, markers "
+    "elements, dashes the way of solution. The broad grey step is the front: no other run is both cheaper and more "
+    "accurate. In the grey band the reference cannot tell. CPU seconds are of one thread, without imports, building "
+    "and compilation."
+)
+_SOLVED = (
+    "A question is a case, a slave and one of the targets. A line rises where a contender has answered one more of "
+    "those that it can be put to; what it never answers keeps it below 100 % for ever. The pale line is the best "
+    "contender of each question by itself. Contenders are asked different questions: the numbers beside their names "
+    "say how many."
+)
+
+
+def write_accuracy_page(
+    found: Accuracy, lines: Sequence[Line], costs: Sequence[Cost], orders: Sequence[Order],
+    profiles: Sequence[Solved], folder: Path,
+) -> None:  # fmt: skip
+    """Write the page and its figures into the folder."""
+    figures = {"error-against-cost": cost_figure(found, lines), "solved": solved_figure(found, profiles)}
+    for name, figure in figures.items():
+        save(figure, folder, name)
+    (folder / "accuracy.html").write_text(page(found, lines, costs, orders, figures), encoding="utf-8")
+
+
+def page(
+    found: Accuracy, lines: Sequence[Line], costs: Sequence[Cost], orders: Sequence[Order], figures: dict[str, Figure]
+) -> str:
+    """The page as one HTML text that needs no other file."""
+    style = (ASSETS / "accuracy.css").read_text(encoding="utf-8")
+    script = (ASSETS / "accuracy.js").read_text(encoding="utf-8")
+    sections = [
+        f"<style>\n{style}</style>",
+        _head(found),
+        costs_section(found, costs),
+        figure_section(figures, "error-against-cost", "Error against cost", _FRONT),
+        figure_section(figures, "solved", "How much is answered in a given time", _SOLVED, narrow=True),
+        _orders(orders),
+        _beside(found, lines),
+        points_section(found),
+        _references(found),
+        section("Machine and versions", facts_list(dict(system_facts()))),
+        f"<script>\n{script}</script>",
+    ]
+    return document(found.study.name, sections)
+
+
+def _head(found: Accuracy) -> str:
+    finished = sum(point.finished for point in found.points)
+    rest: dict[str, int] = {}
+    for point in found.points:
+        if not point.finished:
+            rest[point.status] = rest.get(point.status, 0) + 1
+    told = ", ".join(f"{count} {status}" for status, count in rest.items())
+    beside = (
+        f" {found.side_by_side} runs were made side by side and disturbed each other." if found.side_by_side > 1 else ""
+    )
+    return (
+        f"<header>\n<h1>{escape(found.study.name)}</h1>\n"
+        f'<p class="lead">{len(found.asked)} cases, {len(found.contenders)} contenders, {len(found.points)} points: '
+        f"{finished} finished{f', {told}' if told else ''}.{beside}"
+        f"{' The study was interrupted.' if found.interrupted else ''}</p>\n</header>"
+    )
+
+
+def _orders(orders: Sequence[Order]) -> str:
+    if not orders:
+        return ""
+    text = (
+        "<p>q of error ~ C h<sup>q</sup> by least squares over points above what the reference can tell, with its 95 % "
+        "interval; theory as the case gives it.</p>"
+    )
+    heads = ("case", "contender", "slave", "order", "± 95 %", "levels", "theory")
+    rows = (
+        (o.case, o.contender, o.slave, f"{o.order:.2f}", "" if math.isnan(o.half) else f"{o.half:.2f}",
+         " ".join(map(str, o.levels)), "" if math.isnan(o.theory) else f"{o.theory:g}")
+        for o in orders
+    )  # fmt: skip
+    table = plain_table(heads, rows, texts=3)
+    return section("Orders of convergence", f"{text}<details><summary>{len(orders)} lines</summary>{table}</details>")
+
+
+def _beside(found: Accuracy, lines: Sequence[Line]) -> str:
+    """Memory and first compilation: costs that CPU seconds of runs do not show."""
+    rows = []
+    for name in found.contenders:
+        points = [p for line in lines if line.contender == name for p in line.finished]
+        if points:
+            memory = max((p.memory_mib for p in points if p.memory_mib > 0.0), default=math.nan)
+            compiled = max((p.compile_s for p in points if p.compile_s >= 0.0), default=math.nan)
+            kernels = [p.cost / p.calibration for p in points if p.calibration > 0.0]
+            most = max(kernels, default=math.nan)
+            rows.append((name, significant(memory, 3), significant(compiled, 2), significant(most, 2)))
+    if not rows:
+        return ""
+    heads = ("contender", "largest memory, MiB", "longest compiling or loading, s", "dearest run, calibration kernels")
+    return section("Costs beside", plain_table(heads, rows, texts=1))
+
+
+def _references(found: Accuracy) -> str:
+    heads = ("case", "question", "error that counts", "reference", "known to, %", "why")
+    rows = (
+        (a.label, a.title, a.measure, a.reference, percent(a.uncertainty) if a.uncertainty else "exact", a.why)
+        for a in found.asked
+    )
+    return section("The cases and their references", plain_table(heads, rows, texts=4))

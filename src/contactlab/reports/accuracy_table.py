@@ -1,0 +1,49 @@
+"""What accuracy costs, on a terminal: a row per case and contender, a column per target."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich import box
+from rich.console import Console
+from rich.table import Table as RichTable
+from rich.text import Text
+
+from contactlab.accuracy.run import Accuracy
+from contactlab.accuracy.targets import Cost, best_of, shown
+from contactlab.reports.numbers import percent
+
+_STYLES = {"cheapest": "bold green", "tied": "green", "failed": "red", "grey": "dim", "not-run": "dim"}
+_MARKS = {"cheapest": "*", "tied": "~"}
+
+
+def print_costs(found: Accuracy, costs: Sequence[Cost], console: Console) -> None:
+    """CPU seconds to each target, and what the marks mean; cases with no answer at all are told below."""
+    best = best_of(costs)
+    targets = sorted(found.study.targets, reverse=True)
+    table = RichTable(box=box.SIMPLE_HEAD, pad_edge=False, title=f"{found.study.name}: CPU seconds to an error of",
+                      title_justify="left")  # fmt: skip
+    for name in ("case", "contender"):
+        table.add_column(name, overflow="fold")
+    for target in targets:
+        table.add_column(f"{percent(target, 1)} %", justify="right", no_wrap=True)
+    for asked in found.asked:
+        label = asked.label
+        for name in found.contenders:
+            cells = [best.get((asked.label, name, target)) for target in targets]
+            if any(cells):
+                table.add_row(Text(label), Text(name), *map(_cell, cells))
+                label = ""
+        table.add_section()
+    console.print(table)
+    notes = (
+        "* cheapest   ~ cannot be told from the cheapest   \N{LESS-THAN OR EQUAL TO} the coarsest mesh is that good   "
+        "\N{HORIZONTAL ELLIPSIS} below what the reference can tell"
+    )
+    console.print(notes, markup=False, highlight=False, soft_wrap=True)
+
+
+def _cell(cost: Cost | None) -> Text:
+    if cost is None:
+        return Text("")
+    return Text(f"{shown(cost)}{_MARKS.get(cost.mark, '')}", style=_STYLES.get(cost.mark or cost.kind, ""))

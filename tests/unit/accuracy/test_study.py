@@ -1,0 +1,116 @@
+"""Studies of cases: what they ask, and one that is run, resumed and written."""
+
+from __future__ import annotations
+
+import csv
+import re
+from pathlib import Path
+
+import pytest
+
+from contactlab.accuracy.problem import choices, contenders, problem_of
+from contactlab.accuracy.run import plan
+from contactlab.accuracy.study import CaseChoice, bundled_case_studies, find_case_study
+from contactlab.api import Setup
+from contactlab.cli import main
+from contactlab.errors import RequestError
+from contactlab.parts.registry import Registry, default_registry
+
+TINY = """
+levels = [1]
+join = false
+cases = [{ use = "shrink-fit", error = "mean pressure" }]
+contenders = [{ way = "statics", algorithm = "mortar-p1", element = "q1", integrator = "newton" }]
+"""
+
+
+def test_the_bundled_study_is_as_large_as_it_says() -> None:
+    study = find_case_study("accuracy")
+    assert study is not None
+    asked, lines = plan(study, default_registry())
+    assert len(asked) >= 10
+    assert sum(a.reference == "exact" for a in asked) >= 6
+    assert len(contenders(study, default_registry())) >= 10
+    assert sum(len(line.tasks) for line in lines) >= 1000
+    assert 0 < len(plan(study.quickened(), default_registry())[1]) < len(lines) / 3
+
+
+def test_parts_of_a_file_join(tmp_path: Path) -> None:
+    file = tmp_path / "mine.py"
+    file.write_text(
+        "from contactlab.api.plugin import Part, hookimpl\n"
+        "from contactlab_cases.hertz import Hertz\n"
+        "from contactlab_mortar.mortar import MortarP1\n"
+        "from dataclasses import dataclass\n"
+        "@dataclass(frozen=True)\n"
+        "class MyCase(Hertz): pass\n"
+        "@dataclass(frozen=True)\n"
+        "class MyContact(MortarP1): pass\n"
+        "@hookimpl\n"
+        "def contactlab_parts():\n"
+        "    both = ('case', 'my-case', 'MyCase'), ('contact', 'my-contact', 'MyContact')\n"
+        "    return [Part(kind, name, f'mine:{target}', 'mine') for kind, name, target in both]\n"
+    )
+    registry = Registry(files=[str(file)])
+    study = find_case_study("accuracy")
+    assert study is not None
+    assert "my-case" in [choice.label for choice in choices(study, registry)]
+    assert "my-contact q1 explicit" in [contender.label for contender in contenders(study, registry)]
+
+
+def test_errors_are_relative_whatever_a_case_measures() -> None:
+    registry, setup = default_registry(), Setup("mortar-p0", False, "q1", "central-difference")
+    bars = problem_of(CaseChoice(use="two-bars", error="force per height"), registry)
+    assert bars.error(setup, {"force per height": 14.85}) == pytest.approx(0.01)  # rho c v/2 is 15
+    hertz = problem_of(CaseChoice(use="hertz"), registry)
+    assert hertz.measure(setup).name == "L2 of the pressure"
+    assert hertz.error(setup, {"L2 of the pressure": -0.02}) == 0.02
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ("mean pressure", "mean presure", "mean pressure"),
+        ("shrink-fit", "shrink-it", "shrink-fit"),
+        ("way =", "away =", "way"),
+    ],
+)
+def test_wrong_studies_are_told(tmp_path: Path, old: str, new: str, named: str) -> None:
+    (tmp_path / "tiny.toml").write_text(TINY.replace(old, new))
+    with pytest.raises(RequestError, match=re.escape(named)):
+        _planned(str(tmp_path / "tiny.toml"))
+
+
+def _planned(path: str) -> None:
+    study = find_case_study(path)
+    assert study is not None
+    plan(study, default_registry())
+
+
+def test_a_study_is_run_once_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "tiny.toml").write_text(TINY)
+    words = ["compare", str(tmp_path / "tiny.toml"), "--out", str(tmp_path / "out"), "--jobs", "1"]
+    assert main(words) == 0
+    with (tmp_path / "out" / "accuracy.csv").open() as file:
+        first = list(csv.DictReader(file))
+    assert [row["status"] for row in first] == ["finished"] * 2
+    # Lame's pressure within 1 % on eight cells across each ring, as the case allows
+    assert all(0.0 < float(row["error"]) < 0.01 and float(row["cpu_s"]) > 0.0 for row in first)
+    page = (tmp_path / "out" / "accuracy.html").read_text()
+    assert "shrink-fit" in page
+    assert not re.search(r'(src|href)="(https?:)?//', page)  # it asks nobody for anything
+    assert main([*words, "--resume"]) == 0
+    with (tmp_path / "out" / "accuracy.csv").open() as file:
+        assert list(csv.DictReader(file)) == first  # times and all: nothing was run again
+    capsys.readouterr()
+
+
+def test_bundled_names_are_files() -> None:
+    assert list(bundled_case_studies()) == ["accuracy"]
+
+
+def test_the_example_of_the_page_is_a_study(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[3] / "docs" / "accuracy.md").read_text(encoding="utf-8")
+    (example,) = re.findall(r"^```toml\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    (tmp_path / "mine.toml").write_text(example)
+    _planned(str(tmp_path / "mine.toml"))
