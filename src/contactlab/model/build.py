@@ -7,25 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import (
-    WORK,
-    Element,
-    ExplicitIntegrator,
-    Floats,
-    Integrator,
-    Ints,
-    Material,
-    Mesh,
-    MeshSource,
-    State,
-)
-from contactlab.meshing.checks import check_mesh
-from contactlab.meshing.mesh import moved, nodal_measure
+from contactlab.api import WORK, ExplicitIntegrator, Floats, Integrator, Ints, State
 from contactlab.model.bodies.body import Body, BodyForces, positions_of
-from contactlab.model.bodies.checked_parts import refuse_wrong_speeds, refuse_wrong_tables
+from contactlab.model.bodies.build_bodies import build_bodies, masses_of
 from contactlab.model.bodies.thread_blocks import in_order
 from contactlab.model.history import history_of
-from contactlab.model.loading.edge_sets import with_parts
 from contactlab.model.loading.held_bodies import check_supported
 from contactlab.model.loading.loading import Loading
 from contactlab.model.loading.supports import plan_supports
@@ -33,15 +19,12 @@ from contactlab.model.model import Model
 from contactlab.model.sizes import check_meshed_size, check_sizes
 from contactlab.model.timing import Timing, find_timing
 from contactlab.parts.error_origin import part_errors
-from contactlab.scene.reading import refused_later
 
 if TYPE_CHECKING:
-    from contactlab.errors import Where
     from contactlab.model.bodies.frequency import Joints
     from contactlab.model.contact.plan import ContactPlan
     from contactlab.model.loading.rigid import RigidSurface
     from contactlab.parts.registry import Registry
-    from contactlab.scene.keys import Body as BodySpec
     from contactlab.scene.scene import Scene
 
 
@@ -63,7 +46,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     rigid = _rigid_surfaces(scene, bodies)
     plans, bodies = _contact_plans(scene, registry, bodies, rigid, integrator)
     reference = positions_of(bodies, rigid)
-    mass = _masses(bodies, rigid, integrator)
+    mass = masses_of(bodies, rigid) if integrator.inertia else np.zeros(0)
     supports = plan_supports(scene, bodies, rigid, reference)
     check_supported(scene, bodies, supports, integrator)
     history = history_of(scene, bodies, integrator)
@@ -183,54 +166,6 @@ def _effects(
     from contactlab.model.loading.effects import build_effects
 
     return build_effects(scene, registry, bodies, reference, lambda: masses_of(bodies, rigid), state)
-
-
-# --- bodies -------------------------------------------------------------------------------------
-
-
-def build_bodies(scene: Scene, registry: Registry) -> tuple[Body, ...]:
-    """Build all bodies in global node numbers, in scene order."""
-    materials = {
-        name: registry.make("material", spec, scene.where(f"materials.{name}"))
-        for name, spec in scene.materials.items()
-    }
-    for name, material in materials.items():
-        refuse_wrong_speeds(material, scene.where(f"materials.{name}"))
-    bodies: list[Body] = []
-    first = 0
-    for name, spec in scene.bodies.items():
-        body = _body(scene, registry, name, spec, materials[spec.material], first)
-        bodies.append(body)
-        first += body.count
-    return tuple(bodies)
-
-
-def _body(scene: Scene, registry: Registry, name: str, spec: BodySpec, material: Material, first: int) -> Body:
-    element: Element = registry.make("element", spec.element, scene.where(f"bodies.{name}.element"))
-    refuse_wrong_tables(element)
-    where = scene.where(f"bodies.{name}.mesh")
-    source: MeshSource = registry.make("mesh", spec.mesh, where)
-    mesh = moved(_meshed(source, element, scene.level, where), spec.rotate, spec.shift)
-    mesh = with_parts(mesh, spec.sets, scene.where(f"bodies.{name}.sets"))
-    check_mesh(mesh, element, where)
-    return Body(name, element, material, mesh, first, len(mesh.nodes), (mesh.cells + first).astype(np.int32))
-
-
-def _meshed(source: MeshSource, element: Element, level: int, where: Where) -> Mesh:
-    try:
-        return source.mesh(element, level)
-    except ValueError as problem:
-        raise refused_later(type(source), "no mesh can be made", str(problem), where) from problem
-
-
-def _masses(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], integrator: Integrator) -> Floats:
-    return masses_of(bodies, rigid) if integrator.inertia else np.zeros(0)
-
-
-def masses_of(bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...]) -> Floats:
-    """Lumped masses (N,) [t], zero for nodes of rigid surfaces."""
-    own = [body.material.density * nodal_measure(body.mesh, body.element) for body in bodies]
-    return np.concatenate([*own, *(np.zeros(surface.count) for surface in rigid)])
 
 
 # --- state --------------------------------------------------------------------------------------

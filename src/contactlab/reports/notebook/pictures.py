@@ -100,7 +100,7 @@ def _line(axes: Axes, x: Floats, y: Floats, style: int, label: str) -> None:
 
 def scene_figure(scene: Scene) -> Figure:
     """The meshes of a scene before the run, with rigid surfaces and the sides of its contacts."""
-    from contactlab.model.build import build_bodies
+    from contactlab.model.bodies.build_bodies import build_bodies
     from contactlab.model.loading.rigid import build_rigid
 
     bodies = build_bodies(scene, scene.registry)
