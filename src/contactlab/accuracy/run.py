@@ -17,8 +17,9 @@ from contactlab.archive.archive import FILE, Archive, StoredRun
 from contactlab.cases.record import refused, to_bytes
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
+from contactlab.studies.call import Call, Pool
 from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
-from contactlab.studies.scheduler import LOCAL, Pool, open_pool
+from contactlab.studies.scheduler import LOCAL, open_pool
 from contactlab.studies.system import machine
 
 Told = Callable[[Point, int, int], None]
@@ -162,7 +163,8 @@ class _Runner:
                     yield self._took(line, known, waiting)
                     continue
                 limit = SLOW * task.limit * task.repeat
-                running[self.pool.submit(run_point, task, self.registry, self.path, limit=limit)] = line, task
+                call = Call(run_point, (task, self.registry, self.path), limit=limit)
+                running[self.pool.submit(call)] = line, task
             for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
                 line, task = running.pop(future)
                 yield self._took(line, self._kept(future, task), waiting)
