@@ -302,7 +302,7 @@ class ImplicitIntegrator(Integrator):
         return 20
 
     def for_coarser_levels(self) -> ImplicitIntegrator | None:
-        """What solves coarser levels of the meshes first, where the end of a scene does not depend on the way there.
+        """What solves coarser levels of the meshes first, where the end of a scene does not depend on the loading path.
 
         Each step then ends where the loading does or turns, and `ImplicitEquations.estimate` tells it where to begin.
         None: load steps are taken on the way in any scene.

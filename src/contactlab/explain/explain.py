@@ -116,7 +116,7 @@ def _schedule(model: Model, scene: Scene) -> Any:
 
 
 def _history(model: Model) -> str:
-    """By which keys the end depends on the way there, and what a run that settles makes of the way."""
+    """By which keys the end depends on the loading path, and what a run that settles makes of the path."""
     if model.timing.follows:
         return str(model.history)
     return f"{model.history} (key time.history)"

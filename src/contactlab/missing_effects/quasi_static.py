@@ -18,7 +18,7 @@ UNRESISTED = 0.5  # a body that meets a resistance stores more than half of its 
 
 
 def quasi_static_detectors(scene: object, model: Model) -> Detectors:
-    """Detectors for runs with `end = "auto"` and inertia whose way there is meant to be in equilibrium."""
+    """Detectors for runs with `end = "auto"` and inertia whose loading path is meant to be in equilibrium."""
     del scene
     if model.timing.end is None and model.timing.follows and model.integrator.inertia:
         yield KineticEnergy(model)

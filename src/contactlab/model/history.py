@@ -1,4 +1,4 @@
-"""Whether the end of a scene depends on its way there: decided once, from what the scene declares."""
+"""Whether the end of a scene depends on its loading path: decided once, from what the scene declares."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ VALUES = ("ux", "uy", "turn", "pressure", "shear", "tx", "ty")  # of supports, r
 
 @dataclass(frozen=True)
 class History:
-    """Keys of a scene by which its end depends on the way there.
+    """Keys of a scene by which its end depends on the loading path.
 
     laws      bodies whose law remembers (plastic flow, stresses in rate form) or depends on rate
     friction  contacts with friction
     motion    what asks for inertia in time: a duration in seconds beside an integrator with inertia
-    asked     keys by which the way is wanted though the end may not depend on it: `time.history`, and, of runs with
+    asked     keys by which the path is wanted though the end may not depend on it: `time.history`, and, of runs with
               inertia that end when they have settled, times that the scene gives itself
     """
 
@@ -44,7 +44,7 @@ class History:
         return bool(self.because)
 
     def __str__(self) -> str:
-        return ", ".join(self.because) or "none: the end does not depend on the way there"
+        return ", ".join(self.because) or "none: the end does not depend on the loading path"
 
 
 def history_of(scene: Scene, bodies: Iterable[Body], integrator: Integrator) -> History:

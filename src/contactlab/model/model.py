@@ -32,7 +32,7 @@ class Model(ABC):
     Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator, the loading and the
     times of the run. `updates` are the bound block calls of all bodies. `seconds` counts the wall time spent on
     stresses and internal forces. Whoever sees something doubtful adds it to `warnings`. `way_followed` is False once a
-    step has skipped what the end does not depend on: work along the way is not known then. `start` is what the end is
+    step has skipped what the end does not depend on: work along the path is not known then. `start` is what the end is
     compared with.
     """
 

@@ -51,7 +51,7 @@ class Timing:
              time in which the drift, which damping leaves alone, follows velocities; 0: damping acts on all motion
     until_settled
              False where the scene fixes the hold: the run then takes all of it
-    follows  whether states on the way there are meant to be in equilibrium
+    follows  whether states on the loading path are meant to be in equilibrium
     """
 
     end: float | None

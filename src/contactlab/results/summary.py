@@ -109,7 +109,7 @@ def summarise(
 
 
 def _history(model: Model) -> dict[str, Any]:
-    """Whether the end depends on the way there, by which keys, and what `history.csv` is a curve of."""
+    """Whether the end depends on the loading path, by which keys, and what `history.csv` is a curve of."""
     return {
         "matters": bool(model.history),
         "because": list(model.history.because),

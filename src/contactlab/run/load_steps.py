@@ -27,7 +27,7 @@ class LoadSchedule(Schedule):
 
     Without inertia steps are equal parts of the loading (`LoadPath`) that end where it turns a corner, unless the scene
     fixes their length; otherwise of time. `wished` and `part` are the wished and the present step as fractions of the
-    whole. Where the end does not depend on the way there and the integrator nests, steps go from corner to corner at
+    whole. Where the end does not depend on the loading path and the integrator nests, steps go from corner to corner at
     once (`part` is 1), until one of them fails.
     """
 

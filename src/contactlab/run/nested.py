@@ -1,4 +1,4 @@
-"""Scenes whose end does not depend on the way there: coarse meshes first, each from the one before (docs/statics.md).
+"""Scenes whose end does not depend on the loading path: coarse meshes first, each from the last (docs/statics.md).
 
 A load step from rest takes more iterations the finer its mesh is, as contact must find its edge segment by segment.
 What a mesh with half of the cells found, interpolated, is right but for a few of them.

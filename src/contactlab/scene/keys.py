@@ -50,8 +50,8 @@ class Time:
     )
     history: bool = key(
         False,
-        says="true: every stored state is quasi-static, also where the end does not depend on the way there; "
-        "false: the way is followed where laws or friction remember it",
+        says="true: every stored state is quasi-static, also where the end does not depend on the loading path; "
+        "false: the path is followed where laws or friction remember it",
     )
 
 

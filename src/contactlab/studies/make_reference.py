@@ -203,7 +203,7 @@ def _without(table: Mapping[str, Any], *names: str) -> dict[str, Any]:
 
 
 def _end(value: Any) -> Any:
-    """Where a ramp ends; the way there makes no difference to a quasi-static answer."""
+    """Where a ramp ends; the loading path makes no difference to a quasi-static answer."""
     return {"to": value["to"]} if isinstance(value, Mapping) else value
 
 

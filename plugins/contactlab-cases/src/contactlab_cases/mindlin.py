@@ -29,7 +29,7 @@ class Mindlin(Case):
 
     mu        coefficient of friction
     segments  in a half-width, on both bodies
-    steps     load steps of the whole way
+    steps     load steps of the whole path
     """
 
     mu: float = 0.3

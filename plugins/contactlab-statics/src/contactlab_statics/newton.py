@@ -21,9 +21,9 @@ class Newton(ImplicitIntegrator):
     """Equilibrium at the end of every load step, without inertia.
 
     steps       equal load steps to try for the whole loading; failed ones are cut, easy ones grow back. Not written:
-                10, or none on the way where the end does not depend on it
-    nested      where the end does not depend on the way there and `steps` is not written, coarser levels of the meshes
-                are solved first, each from the one before, and only the end (and where the loading turns)
+                10, or none on the path where the end does not depend on it
+    nested      where the end does not depend on the loading path and `steps` is not written, coarser levels of the
+                meshes are solved first, each from the one before, and only the end (and where the loading turns)
     tolerance   largest unbalanced nodal force over the largest nodal force, and largest violation of a contact
                 condition in segment lengths, at which a step is accepted
     iterations  most iterations of a step before it is cut
