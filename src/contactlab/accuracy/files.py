@@ -42,7 +42,7 @@ def write(
         "costs": [asdict(cost) for cost in costs],
         "orders": [asdict(order) | {"levels": " ".join(map(str, order.levels))} for order in orders],
         "solved": [
-            {"contender": one.contender, "asked": one.asked, "number": number, "cpu_s": time}
+            {"contender": one.contender, "asked": one.asked, "put": one.put, "number": number, "cpu_s": time}
             for one in profiles
             for number, time in enumerate(one.times, start=1)
         ],

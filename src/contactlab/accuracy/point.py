@@ -66,7 +66,7 @@ class Point:
     calibration  CPU time of the calibration kernel beside them [s]
     counts       steps, iterations, sweeps
     memory_mib   largest memory; compile_s  CPU time of compiling or loading kernels in that process
-    spent        CPU time that was used now, all in all [s]; 0 where the archive knew it
+    spent        CPU time that was used now, without compilation [s]; 0 where the archive knew it
     runs         keys of the runs in the archive
     """
 
@@ -105,7 +105,7 @@ def run_point(
     task: Task, registry: Registry, archive: Path | None, report: Callable[[Any], None]
 ) -> tuple[Point, list[StoredRun]]:
     """Make one point; what the archive knows of this machine is not run again. Gives the runs that are new."""
-    began = process_time()
+    began = process_time() - _prepared()
     known = Archive(archive, write=False) if archive is not None and archive.exists() else None
     made: list[StoredRun] = []
     try:
@@ -119,7 +119,7 @@ def run_point(
     point = takes[0]
     cpu = tuple(cost for take in takes for cost in take.cpu)
     calibration = float(np.median([take.calibration for take in takes]))
-    spent = process_time() - began if made else 0.0
+    spent = process_time() - _prepared() - began if made else 0.0
     return replace(point, cpu=cpu, calibration=calibration, spent=spent), made
 
 
@@ -170,8 +170,17 @@ def _timed(job: Job, scene: Scene) -> Record:
     return replace(record, summary={**record.summary, "calibration_s": min(before, calibrate())})
 
 
+_preparations: list[float] = []
+"""CPU times [s] that this process has taken to be ready."""
+
+
+def _prepared() -> float:
+    return sum(_preparations)
+
+
 def _be_ready(task: Task, problem: Problem, registry: Registry) -> None:
     """Import, compile and load all that the task calls, by tiny steps on its coarsest mesh: no cost of its runs."""
+    began = process_time()
     jobs = problem.case.plan(problem.setup(task.contender, task.swap, 1), {})
     for job in jobs[:1]:
         with suppress(Exception):  # what is wrong is wrong in the run itself, and told there
@@ -179,6 +188,7 @@ def _be_ready(task: Task, problem: Problem, registry: Registry) -> None:
             if composition(scene) not in _WARM:
                 _WARM.add(composition(scene))
                 warm_up(scene, lambda message: None)
+    _preparations.append(process_time() - began)
 
 
 def cost_of(record: Record) -> float:

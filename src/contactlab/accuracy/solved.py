@@ -13,15 +13,16 @@ BEST = "virtual best"
 
 @dataclass(frozen=True)
 class Solved:
-    """Of one contender: costs [s] of the questions that it solved, in increasing order, out of `asked` ones.
+    """Of one contender: costs [s] of the questions that it solved, in increasing order, of `asked` in all.
 
     A question is a case, a slave and a target that the reference can tell; those that a contender cannot be put to
-    are not asked of it.
+    are among those that it does not solve. `put` counts the ones that it can be put to.
     """
 
     contender: str
     times: tuple[float, ...]
     asked: int
+    put: int
 
     def share(self, time: float) -> float:
         """Share of the questions solved within a time [s]; failures never count."""
@@ -40,6 +41,6 @@ def solved(costs: Sequence[Cost]) -> list[Solved]:
         questions[place] = min(cost.cost, questions.get(place, math.inf))
     found[BEST] = list(questions.values())
     return [
-        Solved(name, tuple(sorted(time for time in times if math.isfinite(time))), len(times))
+        Solved(name, tuple(sorted(time for time in times if math.isfinite(time))), len(questions), len(times))
         for name, times in found.items()
     ]

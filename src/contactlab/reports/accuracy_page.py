@@ -29,10 +29,9 @@ _FRONT = (
     "and compilation."
 )
 _SOLVED = (
-    "A question is a case, a slave and one of the targets. A line rises where a contender has answered one more of "
-    "those that it can be put to; what it never answers keeps it below 100 % for ever. The pale line is the best "
-    "contender of each question by itself. Contenders are asked different questions: the numbers beside their names "
-    "say how many."
+    "A question is a case, a slave and one of the targets that the reference can tell. A line rises where a contender "
+    "has answered one more; what it does not answer, or cannot be put to, keeps it below 100 % for ever. The pale line is the "
+    "best contender of each question by itself."
 )
 
 

@@ -23,6 +23,7 @@ from contactlab.reports.numbers import percent, significant
 _DASHES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)), (0, (8, 2, 1, 2)), (0, (3, 1)))
 _MARKERS = ("o", "s", "D", "^", "v", "P")
 _COLUMNS = 4
+_LEAST_RANGE = 5.0  # of an axis, largest over least: points that are closer than that look it
 
 
 @dataclass(frozen=True)
@@ -70,8 +71,10 @@ def cost_figure(found: Accuracy, lines: Sequence[Line]) -> Figure:
             axes.set_axis_off()
         if not cases:
             note(grid[0], "no run came to its end")
-        figure.supxlabel("CPU time [s]", color=MUTED, fontsize=9.5)
-        figure.supylabel("relative error [%]", color=MUTED, fontsize=9.5)
+        for axes in grid[max(0, len(cases) - columns) : len(cases)]:
+            axes.set_xlabel("CPU time [s]", fontsize=8.5)
+        for axes in grid[: len(cases) : columns]:
+            axes.set_ylabel("relative error [%]", fontsize=8.5)
         drawn = {line.contender for line in lines if line.finished}
         _legend(figure, {name: look for name, look in chosen.items() if name in drawn})
     return figure
@@ -128,8 +131,12 @@ def _worth(line: Line) -> float:
 def _scales(axes: Axes) -> None:
     for axis, text in ((axes.xaxis, significant), (axes.yaxis, percent)):
         low, high = axes.get_xlim() if axis is axes.xaxis else axes.get_ylim()
-        few = high / low > 60.0
-        axis.set_major_locator(LogLocator(subs=(1.0,) if few else (1.0, 3.0), numticks=9))
+        if high < _LEAST_RANGE * low:
+            middle = math.sqrt(low * high)
+            low, high = middle / math.sqrt(_LEAST_RANGE), middle * math.sqrt(_LEAST_RANGE)
+            (axes.set_xlim if axis is axes.xaxis else axes.set_ylim)(low, high)
+        subdivisions = (1.0,) if high / low > 60.0 else (1.0, 3.0) if high / low > 8.0 else (1.0, 2.0, 5.0)
+        axis.set_major_locator(LogLocator(subs=subdivisions, numticks=9))
         axis.set_major_formatter(FuncFormatter(lambda value, _, text=text: text(value, 1)))
         axis.set_minor_formatter(NullFormatter())
     axes.tick_params(labelsize=8)
@@ -174,7 +181,9 @@ def solved_figure(found: Accuracy, profiles: Sequence[Solved]) -> Figure:
 def _profile(axes: Axes, one: Solved, look: Look | None, low: float, high: float) -> None:
     x = [low, *one.times, high]
     y = [0.0, *((k + 1) / one.asked for k in range(len(one.times))), len(one.times) / one.asked]
-    label = f"{one.contender}: {len(one.times)} of {one.asked}"
+    label = f"{one.contender}: {len(one.times)} of the {one.put} it can be put to"
+    if one.contender == BEST:
+        label = f"{BEST}: {len(one.times)} of {one.asked}"
     if one.contender == BEST or look is None:
         axes.step(x, y, where="post", color=FAINT, linewidth=4.0, zorder=1, label=label)
         return

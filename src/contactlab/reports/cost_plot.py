@@ -12,26 +12,29 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from contactlab.api.drawing.colours import REFERENCE, Style, styles
+from contactlab.api.drawing.colours import REFERENCE, Style
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
+from contactlab.reports.series import series_of, series_styles
 from contactlab.studies.table import Row, Table
 
 _LINES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
+
+_NAMED = 6  # runs without a point that are named above a plot
 
 _FAR_BELOW = 0.4  # of the lowest error drawn: where the reference's own error needs no room in the plot
 
 
 def cost_figure(table: Table) -> Figure:
-    """One line per algorithm and slave, a marker per level; runs that did not finish are marked, not dropped."""
-    chosen = styles(row.algorithm for row in table.rows)
+    """One line per series and slave, a marker per level; runs that did not finish are marked, not dropped."""
+    chosen = series_styles(table.rows)
     slaves = list(dict.fromkeys(row.slave for row in table.rows))
     with house_style():
         figure = Figure(figsize=(8.6, 5.0), layout="constrained")
         axes = figure.subplots()
         drawn = [row for row in table.rows if _drawable(row)]
         for line in _lines(drawn):
-            _draw_line(axes, line, chosen[line[0].algorithm], slaves.index(line[0].slave))
+            _draw_line(axes, line, chosen[series_of(line[0], table.rows)], slaves.index(line[0].slave))
         _scales(axes, drawn)
         _draw_uncertainty(axes, table)
         _legend(axes, table, chosen, slaves)
@@ -133,7 +136,8 @@ def _legend(axes: Axes, table: Table, chosen: dict[str, Style], slaves: Sequence
 
 
 def _list_missing(axes: Axes, rows: Sequence[Row]) -> None:
-    """Name runs without a point below the plot."""
+    """Name runs without a point below the plot; of many the first."""
     if rows:
-        names = "; ".join(f"{row.algorithm}, slave {row.slave}, level {row.level}: {row.status}" for row in rows)
+        told = [f"{series_of(row, rows)}, slave {row.slave}, level {row.level}: {row.status}" for row in rows[:_NAMED]]
+        names = "; ".join(told) + (f" and {len(rows) - _NAMED} more" if len(rows) > _NAMED else "")
         axes.set_title(textwrap.fill(f"without a point: {names}", 110), fontsize=8.5, fontweight="normal", color=ALARM)

@@ -6,7 +6,9 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from contactlab.accuracy.lines import CLEAR
 from contactlab.reports.numbers import MISSING, percent, significant
+from contactlab.reports.series import series_of
 from contactlab.studies.table import Row, Table
 
 
@@ -62,10 +64,33 @@ def sentence(table: Table) -> str:
         return f"Not one of {len(rows)} runs{at} came to its end: {rows[0].status}, {rows[0].reason}."
     text = f"{len(rows)} runs{at}, {sum(row.finished for row in rows)} finished."
     measured = [row for row in rows if row.finished and row["pressure_error"] >= 0.0]
-    if measured:
-        best = min(measured, key=lambda row: row["pressure_error"])
-        text += (
-            f" The pressure is most accurate with {best.algorithm} (slave {best.slave}): "
-            f"{percent(best['pressure_error'])} % from the reference in {significant(best['cpu_s'], 2)} CPU seconds."
-        )
-    return text
+    return text + (_most_accurate(table, measured) if measured else "")
+
+
+def _most_accurate(table: Table, rows: Sequence[Row]) -> str:
+    """The most accurate run; where the reference cannot tell it from others, all of them, with the cheapest."""
+    alike = _alike(table, rows)
+    best = min(alike, key=lambda row: row["cpu_s"])
+    who = f"{series_of(best, table.main)} (slave {best.slave})"
+    cost = f"{significant(best['cpu_s'], 2)} CPU seconds"
+    if len(alike) == 1:
+        error = percent(best["pressure_error"])
+        return f" The pressure is most accurate with {who}: {error} % from the reference in {cost}."
+    known = table.reference.pressure_uncertainty if table.reference is not None else 0.0
+    return (
+        f" {len(alike)} of them are equally accurate as far as the reference can tell, which is known to "
+        f"{percent(known)} %: {span(_range(row['pressure_error'] for row in alike), '%')} from it. The cheapest of "
+        f"these is {who}: {cost}."
+    )
+
+
+def _alike(table: Table, rows: Sequence[Row]) -> list[Row]:
+    """The most accurate run and those that the reference cannot tell from it.
+
+    Errors below three times its uncertainty are alike, and so are errors no further apart than twice that: each of
+    them may be off by it.
+    """
+    known = table.reference.pressure_uncertainty if table.reference is not None else 0.0
+    known = 0.0 if math.isnan(known) else known
+    best = min(row["pressure_error"] for row in rows)
+    return [row for row in rows if row["pressure_error"] <= max(CLEAR * known, best + 2.0 * known)]

@@ -45,7 +45,9 @@ def write_report(table: Table, folder: Path) -> None:
 
 def draw(table: Table) -> dict[str, Figure]:
     """Draw all figures; returns them by the name of their files."""
-    figures = {"pressure": pressure_figure(table), "error-against-cost": cost_figure(table)}
+    figures = {"pressure": pressure_figure(table)}
+    if any(row["pressure_error"] > 0.0 for row in table.rows):
+        figures["error-against-cost"] = cost_figure(table)
     bodies = body_figure(table)
     return figures if bodies is None else {**figures, "bodies": bodies}
 
@@ -119,7 +121,16 @@ def _agreement(table: Table) -> str:
         return ""
     text = "<p>How far two algorithms are from each other on the same run; no reference is involved.</p>"
     heads = ("algorithms", "slave", "level", "reaction difference, %", "pressure difference, %")
-    return section("Do the algorithms agree?", text + plain_table(heads, map(_agreement_cells, pairs), texts=2))
+    if any(pair.varied for pair in pairs):
+        table_of = plain_table((heads[0], "with", *heads[1:]), (_with_varied(pair) for pair in pairs), texts=3)
+    else:
+        table_of = plain_table(heads, map(_agreement_cells, pairs), texts=2)
+    return section("Do the algorithms agree?", text + table_of)
+
+
+def _with_varied(pair: Agreement) -> tuple[str, ...]:
+    names, *rest = _agreement_cells(pair)
+    return names, pair.varied, *rest
 
 
 def _agreement_cells(pair: Agreement) -> tuple[str, ...]:

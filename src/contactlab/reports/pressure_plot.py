@@ -15,6 +15,8 @@ from contactlab.api.drawing.colours import REFERENCE, Style, styles
 from contactlab.api.drawing.units import Units
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
+from contactlab.reports.pressure_map import PANELS, pressure_map
+from contactlab.reports.series import varied_text
 from contactlab.studies.reference import Reference
 from contactlab.studies.table import Row, Table
 
@@ -25,10 +27,12 @@ _HEADROOM = 1.3  # of the largest reference pressure; higher peaks are cut and t
 
 
 def pressure_figure(table: Table) -> Figure:
-    """A row of panels per slave (and per further choice), a column per algorithm, the same axes in all."""
+    """A row of panels per slave (and per further choice), a column per algorithm, the same axes in all; else a map."""
     rows = table.main
     algorithms = list(dict.fromkeys(row.algorithm for row in rows))
     cases = list(dict.fromkeys(_case(row, rows) for row in rows))
+    if len(algorithms) * len(cases) > PANELS:
+        return pressure_map(table)
     found = {(_case(row, rows), row.algorithm): row for row in rows}
     units, chosen = Units.of_label(table.scene.get("units")), styles(row.algorithm for row in table.rows)
     with house_style():
@@ -63,7 +67,7 @@ def _in(unit: str) -> str:
 
 def _case(row: Row, rows: Sequence[Row]) -> str:
     """What tells the rows of panels apart."""
-    choices = [f"{key.rpartition('.')[2]} {value}" for key, value in row.choices.items()]
+    choices = [varied_text(row)] if row.choices else []
     if len({r.level for r in rows}) > 1:
         choices.append(f"level {row.level}")
     return ", ".join([f"slave: {row.slave}", *choices])

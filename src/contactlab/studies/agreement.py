@@ -15,6 +15,7 @@ from contactlab.studies.table import Row
 class Agreement:
     """Two algorithms on runs that differ in nothing else.
 
+    varied    what else they share of what the study varies
     reaction  relative difference of the reactions
     pressure  2 ||p_a - p_b|| / (||p_a|| + ||p_b||)
     """
@@ -25,6 +26,7 @@ class Agreement:
     level: int
     reaction: float
     pressure: float
+    varied: str = ""
 
 
 def agreements(rows: Sequence[Row]) -> list[Agreement]:
@@ -40,4 +42,5 @@ def _compare(a: Row, b: Row) -> Agreement:
     if a.profile is not None and b.profile is not None:
         pressure = mutual_difference(a.profile, b.profile)
     reaction = relative_difference(a["reaction"], b["reaction"])
-    return Agreement(a.algorithm, b.algorithm, a.slave, a.level, reaction, pressure)
+    varied = ", ".join(f"{key} = {value}" for key, value in a.choices.items())
+    return Agreement(a.algorithm, b.algorithm, a.slave, a.level, reaction, pressure, varied)
