@@ -1,4 +1,4 @@
-"""Every bundled scene, with each algorithm, either slave and each integrator: what a run breaks, and whether it says so.
+"""Every bundled scene with each algorithm, either slave and each integrator: what a run breaks, and whether it says so.
 
     python benchmarks/studies/scenes.py                  # all; rows already in scenes.csv are not run again
     python benchmarks/studies/scenes.py --only stack     # rows of scenes with this in their names, anew

@@ -148,6 +148,10 @@ def _describe_archive(command: argparse.ArgumentParser) -> None:
 def _describe_view(command: argparse.ArgumentParser) -> None:
     command.add_argument("path", metavar="DIR-or-RRD", help="folder of a run or a comparison, or a recording")
     command.add_argument("--png", metavar="FILE", help="write a picture instead; needs no display")
+    command.add_argument(
+        "--runs", nargs="+", metavar="NAME", default=[],
+        help="runs of a comparison to show (default: all up to 12, else the first of each algorithm)",
+    )  # fmt: skip
     command.add_argument("--step", type=_step, metavar="N", help="the step of the picture (default: the last one)")
 
 

@@ -15,7 +15,9 @@ import pytest
 
 from contactlab.api.drawing.colours import STYLES, rgb, styles
 from contactlab.cli import main
+from contactlab.commands.view import recording_in
 from contactlab.parts.registry import default_registry
+from contactlab.results.stored_file import FILE as STORED
 from contactlab.run.simulation import simulate
 from contactlab.studies.recordings import record_comparison
 
@@ -213,7 +215,25 @@ def test_finer_runs_of_a_comparison_are_left_out(tmp_path: Path) -> None:
     from contactlab.studies.recordings import main_runs_of
 
     rows = [{"name": "1-coarse", "refines": False}, {"name": "2-fine", "refines": True}]
-    (tmp_path / "table.json").write_text(json.dumps({"rows": rows}))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("contactlab.studies.recordings.runs_of", lambda folder: {"1-coarse": 1, "2-fine": 2})
-        assert main_runs_of(tmp_path) == {"1-coarse": 1}
+    (tmp_path / "table.json").write_text(json.dumps({"rows": [{**row, "algorithm": "mortar-p0"} for row in rows]}))
+    for row in rows:
+        place = tmp_path / "runs" / str(row["name"])
+        place.mkdir(parents=True)
+        (place / STORED).touch()
+    assert main_runs_of(tmp_path) == ["1-coarse"]
+
+
+def test_runs_of_a_comparison_are_chosen_by_name(
+    comparison: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recorder = default_registry().make("recorder", "rerun")
+    whole = (comparison / recorder.shown_file).read_bytes()
+    file = recording_in(comparison, recorder, ["2", "0"])
+    assert file == comparison / "chosen" / recorder.shown_file
+    assert b"mortar-p1" in file.read_bytes()
+    assert b"mortar-p0" not in file.read_bytes()
+    assert (comparison / recorder.shown_file).read_bytes() == whole
+    assert main(["view", str(comparison), "--runs", "3", "--png", str(tmp_path / "no.png")]) == 2
+    assert "the comparison has no such run" in capsys.readouterr().err
+    assert main(["view", str(comparison / "runs" / "0"), "--runs", "0", "--png", str(tmp_path / "no.png")]) == 2
+    assert "runs are chosen of a comparison" in capsys.readouterr().err

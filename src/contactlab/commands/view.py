@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from contactlab.api.recorder import Recorder
@@ -10,10 +11,12 @@ from contactlab.commands.common import console
 from contactlab.errors import ContactlabError, RequestError
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.load import load_results
-from contactlab.results.results import Results
 from contactlab.results.stored_file import FILE
 from contactlab.run.recorders import record_again
-from contactlab.studies.recordings import main_runs_of, titled_runs
+from contactlab.studies.recordings import checked_names, left_out, main_runs_of, runs_of, titled_runs
+
+CHOSEN = "chosen"
+"""Folder of the recording of runs that were asked for by name, beside that of the comparison."""
 
 
 def view(options: argparse.Namespace) -> int:
@@ -24,8 +27,12 @@ def view(options: argparse.Namespace) -> int:
         )
     recorder = _showing_recorder(default_registry())
     path = Path(options.path)
-    file = path if path.is_file() else recording_in(path, recorder)
+    if options.runs and (path.is_file() or (path / FILE).is_file()):
+        raise RequestError("runs are chosen of a comparison", where="--runs", got=str(path), allowed="its folder")
+    file = path if path.is_file() else recording_in(path, recorder, options.runs)
     png = _writable(Path(options.png)) if options.png is not None else None
+    if not path.is_file() and not options.runs and (more := left_out(path)):
+        console().print(more, markup=False, highlight=False, soft_wrap=True)
     try:
         recorder.show(file, png, options.step)
     except ValueError as error:
@@ -50,8 +57,10 @@ def _showing_recorder(registry: Registry) -> Recorder:
     )
 
 
-def recording_in(folder: Path, recorder: Recorder) -> Path:
+def recording_in(folder: Path, recorder: Recorder, names: Sequence[str] = ()) -> Path:
     """The recording of the run or comparison in `folder`; it is made from the results where it is not there.
+
+    With `names` of runs of a comparison one of these alone, in a folder of its own.
 
     That is so for runs that were killed or are still going on: they are shown as far as they came.
     """
@@ -65,8 +74,12 @@ def recording_in(folder: Path, recorder: Recorder) -> Path:
         if not file.is_file() or not results.closed:
             record_again(recorder, folder, results)
         return file
-    if not file.is_file():
-        runs: dict[str, Results] = titled_runs(main_runs_of(folder))
+    if names:
+        file = folder / CHOSEN / recorder.shown_file
+        file.parent.mkdir(exist_ok=True)
+        recorder.compared(file.parent, titled_runs(runs_of(folder, checked_names(folder, names))))
+    elif not file.is_file():
+        runs = titled_runs(runs_of(folder, main_runs_of(folder)))
         if not runs:
             raise RequestError(
                 "the folder holds no results", where=str(folder), allowed="the folder of a run or of a comparison"

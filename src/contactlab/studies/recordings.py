@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactlab.errors import RequestError, one_line
+from contactlab.errors import RequestError, did_you_mean, one_line
 from contactlab.results.load import load_results
 from contactlab.results.results import Results
 from contactlab.results.stored_file import FILE
@@ -20,12 +20,14 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 RUNS = "runs"
+SHOWN = 12
+"""Runs that stand side by side on one timeline: more of them are slivers, and take long to open."""
 
 
 def record_comparison(scene: Scene, registry: Registry, folder: Path, names: Iterable[str]) -> None:
     """Let the recorders of `scene` gather the runs of these names in `folder`; what fails is a warning."""
     recorders = recorders_of(scene, registry)
-    runs = titled_runs({name: results for name, results in runs_of(folder).items() if name in set(names)})
+    runs = titled_runs(runs_of(folder, set(names)))
     for name, recorder in recorders.items():
         try:
             recorder.compared(folder, runs)
@@ -34,19 +36,61 @@ def record_comparison(scene: Scene, registry: Registry, folder: Path, names: Ite
             warnings.warn(text, RuntimeWarning, stacklevel=2)
 
 
-def main_runs_of(folder: Path) -> dict[str, Results]:
-    """The runs that a comparison shows side by side: not those on finer meshes for the plot of error against cost."""
+def side_by_side(algorithms: Mapping[str, str]) -> list[str]:
+    """Names of the runs to show side by side, of runs whose algorithms are given by name.
+
+    All of them, or of more than `SHOWN` the first with each algorithm.
+    """
+    if len(algorithms) <= SHOWN:
+        return list(algorithms)
+    first: dict[str, str] = {}
+    for name, algorithm in algorithms.items():
+        first.setdefault(algorithm, name)
+    return list(first.values())[:SHOWN]
+
+
+def main_runs_of(folder: Path) -> list[str]:
+    """Names of the runs that a comparison shows side by side.
+
+    Runs on finer meshes are not among them: they are there for the plot of error against cost.
+    """
     table = folder / "table.json"
     rows = json.loads(table.read_text(encoding="utf-8"))["rows"] if table.is_file() else []
-    finer = {row["name"] for row in rows if row.get("refines")}
-    return {name: results for name, results in runs_of(folder).items() if name not in finer}
+    known = {row["name"]: row for row in rows}
+    names = [place.name for place in _places(folder) if not known.get(place.name, {}).get("refines")]
+    return side_by_side({name: known[name]["algorithm"] if name in known else "" for name in names})
 
 
-def runs_of(folder: Path) -> dict[str, Results]:
-    """The runs of a comparison that left results, by the names of their folders."""
+def left_out(folder: Path) -> str:
+    """What to say where a comparison has more runs than are shown; nothing where it has not."""
+    shown, there = len(main_runs_of(folder)), len(_places(folder))
+    if shown == there:
+        return ""
+    return f"{shown} of {there} runs are shown; --runs NAME ... shows others, by the names of their folders in {RUNS}"
+
+
+def checked_names(folder: Path, asked: Sequence[str]) -> list[str]:
+    """The names of runs that are `asked` for. Raises RequestError where the comparison has none of a name."""
+    names = [place.name for place in _places(folder)]
+    for name in asked:
+        if name not in names:
+            raise RequestError(
+                "the comparison has no such run", where="--runs", got=name, allowed=", ".join(names) or "none yet",
+                hint=did_you_mean(name, names),
+            )  # fmt: skip
+    return list(asked)
+
+
+def _places(folder: Path) -> list[Path]:
+    """Folders of the runs that left results."""
+    return [place for place in sorted((folder / RUNS).glob("*")) if (place / FILE).is_file()]
+
+
+def runs_of(folder: Path, names: Iterable[str] | None = None) -> dict[str, Results]:
+    """The runs of a comparison that left results, by the names of their folders; all of them, or those of `names`."""
     found = {}
-    for place in sorted((folder / RUNS).glob("*")):
-        if (place / FILE).is_file():
+    for place in _places(folder):
+        if names is None or place.name in names:
             try:
                 found[place.name] = load_results(place)
             except RequestError:

@@ -26,7 +26,7 @@ from contactlab.studies.installed_measures import measure_columns
 from contactlab.studies.plan import Job, Plan, Vary, make_plan
 from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
 from contactlab.studies.progress import Bars, MakeBars, no_bars
-from contactlab.studies.recordings import record_comparison
+from contactlab.studies.recordings import record_comparison, side_by_side
 from contactlab.studies.resume import sigterm_as_ctrl_c, stored_outcomes
 from contactlab.studies.run_job import Outcome
 from contactlab.studies.scheduler import LOCAL, checked_scheduler, open_pool
@@ -153,8 +153,8 @@ def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Pa
             place.mkdir(parents=True, exist_ok=True)
             (place / "error.txt").write_text(outcome.traceback, encoding="utf-8")
     write_table(table, folder)
-    main = [job.name for job in plan.jobs if not job.refines]
-    record_comparison(plan.scene, plan.scene.registry, folder, main)
+    shown = side_by_side({job.name: job.algorithm for job in plan.jobs if not job.refines})
+    record_comparison(plan.scene, plan.scene.registry, folder, shown)
 
 
 # --- running ---------------------------------------------------------------------------------------

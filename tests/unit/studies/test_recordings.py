@@ -6,7 +6,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from contactlab.scene.scene import load_scene
-from contactlab.studies.recordings import titled_runs
+from contactlab.studies.recordings import SHOWN, side_by_side, titled_runs
 
 FRICTION = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 
@@ -29,3 +29,11 @@ def test_runs_with_and_without_contact_stand_side_by_side() -> None:
 def test_sides_are_named_where_they_are_exchanged() -> None:
     titles = list(titled_runs({"a": run({}), "b": run({"contacts.0.swap": True})}))
     assert titles == ["mortar-p0, slave disc", "mortar-p0, slave block"]
+
+
+def test_of_many_runs_the_first_of_each_algorithm_is_shown() -> None:
+    few = {str(n): "mortar-p0" for n in range(SHOWN)}
+    assert side_by_side(few) == list(few)
+    many = {f"{n}-{name}": name for n in range(5) for name in ("mortar-p0", "mortar-p1", "node-on-segment")}
+    assert side_by_side(many) == ["0-mortar-p0", "0-mortar-p1", "0-node-on-segment"]
+    assert len(side_by_side({str(n): f"algorithm-{n}" for n in range(2 * SHOWN)})) == SHOWN
