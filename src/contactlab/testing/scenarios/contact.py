@@ -9,6 +9,8 @@ from contactlab.testing.subject import Subject
 
 LADDER = ((1, 1), (1, 2), (2, 1), (2, 3), (3, 2), (8, 13))
 """Segments of the upper and of the lower side."""
+WATCHED = 0.02
+"""Seconds for which a block on an incline is watched: an algorithm in plain NumPy takes a millisecond a step."""
 
 
 def _implicit(subject: Subject) -> None:
@@ -57,7 +59,7 @@ def hertz_on_quadratic_elements(subject: Subject) -> None:
 
 def incline_with_its_threshold(subject: Subject) -> None:
     """A block on an incline slides with Coulomb's acceleration, and stays where mu is above tan of the angle."""
-    answer(subject, Question("block-on-incline"))
+    answer(subject, Question("block-on-incline", {"span": WATCHED}))
 
 
 def rest_after_a_fall(subject: Subject) -> None:
