@@ -43,6 +43,8 @@ class _Run:
         loaded = equations.external_force(state.time + dt * (flaw == "loads of the end"), self.load)
         load = self.load if loaded else 0.0 * self.load
         before, internal = v.copy(), state["internal_force"]
+        if flaw == "a start out of place is forgotten" and state.step == 0:
+            internal = 0.0 * internal
         v[:] = ((1.0 - loss) * v + mean_dt * (load - internal) / mass) / (1.0 + loss)
         held = equations.prescribed
         at = state.time if flaw == "supports lag a step" else state.time + dt
@@ -92,12 +94,19 @@ class _Run:
         if self.flaw == "contact moves and leaves velocities":
             u += compliance * touch
         else:
-            v += compliance * touch / dt
+            v += compliance * (touch * self._pushed(touch)) / dt
         rubbed, dissipated = contact.friction_work(0.5 * (before + v), mean_dt, compliance, touch)
         pushed = touch.copy()
         if self.flaw == "contact force is lost":
             touch[:] = 0.0
         return pushed, rubbed, dissipated
+
+    def _pushed(self, touch: Any) -> Any:
+        """Which nodes (N, 1) contact moves: all, or none against the first where nothing is held along x."""
+        if self.flaw != "of two free bodies one is pushed" or np.any(self.equations.prescribed.dof % 2 == 0):
+            return True
+        first = touch[np.argmax(np.abs(touch).sum(axis=1) > 0.0)]
+        return (touch @ first >= 0.0)[:, None]
 
     def _done(self, dt: float, work: Any, reaction: Any) -> Any:
         flaw, state = self.flaw, self.state
