@@ -105,6 +105,11 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--jobs", type=_positive, metavar="N", help="runs at a time (default: one per core)")
     command.add_argument("--quick", action="store_true", help="of a study of cases: a few of them in three CPU minutes")
+    command.add_argument(
+        "--reference",
+        metavar="NAME",
+        help="measure pressures against this one: a name, a JSON or CSV file, finest",
+    )
     command.add_argument("--repeat", type=_positive, metavar="N", help="runs of each combination; costs are medians")
     _add_json(command)
     _add_scheduler(command)

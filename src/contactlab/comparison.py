@@ -13,6 +13,7 @@ from contactlab.reports.page import write_report
 from contactlab.reports.progress import progress_bars
 from contactlab.run.folders import full_disk_told
 from contactlab.scene.scene import Scene
+from contactlab.studies.finest import make_finest
 from contactlab.studies.plan import Vary
 from contactlab.studies.runner import run_study
 from contactlab.studies.scheduler import LOCAL
@@ -33,6 +34,7 @@ def compare(
     time_limit: float | None = None,
     scheduler: str = LOCAL,
     repeat: int | None = None,
+    reference: str | None = None,
 ) -> Table:
     """Run every combination and measure accuracy against cost.
 
@@ -47,6 +49,8 @@ def compare(
     time_limit      wall time that one run may take [s], instead of the study's own: a run over it is stopped, and
                     killed where it does not answer; a row "timed-out"
     repeat          runs of each combination, instead of the study's own; the costs are medians
+    reference       what pressures are measured against, instead of the study's own: a name, a JSON file, a CSV file
+                    with columns x and p, or "finest": runs on meshes twice as fine as the finest compared
     scheduler       "local", "dask" (a cluster on this machine) or tcp://HOST:PORT of a dask scheduler
 
     Each row goes into `archive.sqlite` in `out` as soon as its run is over.
@@ -59,7 +63,7 @@ def compare(
     with RowKeeper(out) as rows:
         table = run_study(
             scene_or_study, vary, out, jobs, registry, bars, changes, effects, resume, time_limit, scheduler, rows.keep,
-            repeat,
+            repeat, reference, make_finest,
         )  # fmt: skip
     if table.folder is not None:
         with full_disk_told(table.folder, "the report"):

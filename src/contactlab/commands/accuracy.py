@@ -75,7 +75,12 @@ def _asked(study: CaseStudy, options: argparse.Namespace) -> CaseStudy:
 
 
 def _refuse_others(options: argparse.Namespace) -> None:
-    for name, given in (("--vary", options.vary), ("--set", options.settings), ("--effects", options.effects)):
+    for name, given in (
+        ("--vary", options.vary),
+        ("--set", options.settings),
+        ("--effects", options.effects),
+        ("--reference", options.reference),
+    ):
         if given:
             raise RequestError(
                 "a study of cases is not varied from the command line", where=name,

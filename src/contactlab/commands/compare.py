@@ -46,6 +46,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
                 options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True,
                 effects=options.effects, resume=options.resume, time_limit=options.time_limit,
                 scheduler=options.scheduler, repeat=options.repeat,
+                reference=options.reference,
             )  # fmt: skip
         except KeyboardInterrupt:
             line = resume_line(
@@ -57,6 +58,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
                 folder,
                 options.time_limit,
                 options.repeat,
+                options.reference,
             )
             console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
             return INTERRUPTED

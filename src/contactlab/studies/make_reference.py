@@ -58,12 +58,20 @@ def make_reference(recipe: str | Path, out: str | Path, jobs: int | None = None)
             "one level says nothing about its error", where=str(path), got=levels, allowed="level = [COARSE, FINE]"
         )
     name = path.name.partition(".")[0]
-    folder = Path(out)
+    return reference_files(name, table, levels, mean_curve(table, levels), Path(out))
+
+
+def reference_files(
+    name: str, table: Table, levels: Sequence[int], found: tuple[Curve, float], folder: Path, origin: str = ""
+) -> Path:
+    """Write NAME.csv and NAME.json of a mean curve and its error; returns the path of the latter."""
     folder.mkdir(parents=True, exist_ok=True)
-    curve, error = mean_curve(table, levels)
+    curve, error = found
     _write_curve(curve, folder / f"{name}.csv")
     target = folder / f"{name}.json"
-    target.write_text(json.dumps(_description(name, table, levels, error), indent=2) + "\n", encoding="utf-8")
+    description = _description(name, table, levels, error)
+    description |= {"origin": origin} if origin else {}
+    target.write_text(json.dumps(description, indent=2) + "\n", encoding="utf-8")
     return target
 
 

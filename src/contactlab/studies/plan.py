@@ -16,6 +16,7 @@ from contactlab.scene.toml_text import location, read_toml
 from contactlab.studies.installed_measures import known_measures
 from contactlab.studies.measure_run import body_of, sides
 from contactlab.studies.study import Pareto, Study, bundled_studies, checked_vary, is_study, read_study, study_from
+from contactlab.studies.vary import without_star
 
 Vary = Mapping[str, Sequence[Any]]
 
@@ -141,7 +142,7 @@ def _jobs(study: Study, scene: Scene, contact: int) -> list[Job]:
 
 
 def _job(base: Scene, varied: Mapping[str, Any], contact: int, refines: bool) -> Job:
-    scene = base.with_(varied)
+    scene = base.with_(without_star(varied, base.data))
     compared = scene.data["contacts"][contact]
     algorithm = _algorithm_label(base, varied, contact, compared)
     slave = body_of(sides(compared)[0])
@@ -167,7 +168,7 @@ def _algorithm_label(base: Scene, varied: Mapping[str, Any], contact: int, compa
 def _names_of(scene: Scene, contact: int, field: str) -> list[str]:
     """Both ways to write a key of the compared contact."""
     name = scene.contacts[contact].name
-    return [f"contacts.{label}.{field}" for label in (contact, name) if label is not None]
+    return [f"contacts.{label}.{field}" for label in (contact, name, "*") if label is not None]
 
 
 def _slug(algorithm: str, slave: str, level: int) -> str:

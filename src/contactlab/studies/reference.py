@@ -26,7 +26,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError, Where, did_you_mean
-from contactlab.studies.profile import Profile, Window
+from contactlab.studies.profile import Profile, Window, norm
 
 FOLDER = Path(__file__).parent.parent / "data" / "references"
 
@@ -130,7 +130,41 @@ def load_reference(
             allowed="the path of a reference's JSON file or one of " + ", ".join(known),
             hint=did_you_mean(name, known),
         )
-    return _read(path)
+    return _bare(path) if path.suffix.lower() == ".csv" else _read(path)
+
+
+def _bare(path: Path) -> Reference:
+    """A reference from a CSV file alone, for any scene: columns x and p (or pressure), and spread where it has one.
+
+    Without a spread it is taken as exact. Headings may go on after these words: x_mm, p_MPa.
+    """
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            names = next(csv.reader(file), [])
+        columns = {c: _heading(names, c) for c in ("x", "p", "spread")}
+        if not columns["x"] or not columns["p"]:
+            raise ValueError(f"its columns are {', '.join(names)}")
+        wanted = {"x": columns["x"], "pressure": columns["p"], "spread": columns["spread"]}
+        profile, spread = _read_curve(path, wanted, mirror=False)
+    except (OSError, ValueError, LookupError, TypeError) as error:
+        raise RequestError(
+            "the reference cannot be read", where=str(path), got=f"{type(error).__name__}: {error}",
+            allowed="a CSV file whose first line names columns x and p, with x increasing; spread where there is one",
+        ) from error  # fmt: skip
+    known = norm(Profile(profile.x, spread)) / norm(profile)
+    meaning = "the spread in the file" if columns["spread"] else "taken as exact: the file has no spread"
+    return Reference(
+        path.stem, path.name, f"{path}.", profile, spread, error_estimate={"pressure": known, "meaning": meaning}
+    )
+
+
+def _heading(names: Sequence[str], word: str) -> str:
+    """The column whose heading begins with a word; empty where there is none."""
+    plain = {name: name.strip().lower().replace("pressure", "p") for name in names}
+    fitting = [
+        name for name, text in plain.items() if text == word or text.startswith((f"{word}_", f"{word} ", f"{word}["))
+    ]
+    return fitting[0] if fitting else ""
 
 
 def _read(path: Path) -> Reference:
@@ -161,7 +195,9 @@ def _read(path: Path) -> Reference:
 def _read_curve(path: Path, columns: Mapping[str, str], mirror: bool) -> tuple[Profile, Floats]:
     with path.open(encoding="utf-8", newline="") as file:
         rows = list(csv.DictReader(file))
-    x, pressure, spread = (np.array([float(row[columns[c]]) for row in rows]) for c in ("x", "pressure", "spread"))
+    x, pressure = (np.array([float(row[columns[c]]) for row in rows]) for c in ("x", "pressure"))
+    named = columns.get("spread")
+    spread = np.array([float(row[named]) for row in rows]) if named else np.zeros(len(x))
     if mirror:
         left = slice(None, 0, -1) if x[0] == 0.0 else slice(None, None, -1)
         x = np.concatenate([-x[left], x])

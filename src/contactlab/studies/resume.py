@@ -55,6 +55,7 @@ def resume_line(
     folder: Path,
     time_limit: float | None = None,
     repeat: int | None = None,
+    reference: str | None = None,
 ) -> str:
     """Write the command that takes a comparison up again."""
     words = [word for text in vary for word in ("--vary", text)]
@@ -63,6 +64,7 @@ def resume_line(
     words += ["--effects"] if effects else []
     words += ["--time-limit", f"{time_limit:g}"] if time_limit is not None else []
     words += ["--repeat", str(repeat)] if repeat is not None else []
+    words += ["--reference", reference] if reference is not None else []
     return shlex.join(["contactlab", "compare", request, *words, "--out", str(folder), "--resume"])
 
 

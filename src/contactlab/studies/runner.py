@@ -30,7 +30,7 @@ from contactlab.studies.recordings import record_comparison, side_by_side
 from contactlab.studies.resume import sigterm_as_ctrl_c, stored_outcomes
 from contactlab.studies.run_job import Outcome
 from contactlab.studies.scheduler import LOCAL, checked_scheduler, open_pool
-from contactlab.studies.study import Study
+from contactlab.studies.study import FINEST, Study
 from contactlab.studies.system import usable_cores
 from contactlab.studies.table import Row, Table
 from contactlab.studies.table_files import write_table
@@ -38,6 +38,15 @@ from contactlab.studies.worker import BEGUN
 
 Keep = Callable[[Row, Scene, str], None]
 """Called with a row, its scene and the name of the machine that made it."""
+
+
+MakeFinest = Callable[[Sequence[Scene], int, Path | None, int | None, bool, str], Source]
+"""Makes references of scenes from runs on finer meshes: `contactlab.studies.finest.make_finest`."""
+
+
+def no_finest(*wanted: Any) -> Source:
+    """Refuse: runs that make a reference have none themselves."""
+    raise RequestError("a reference cannot be made from finer meshes here", where="reference", got=FINEST)
 
 
 def run_study(
@@ -54,6 +63,8 @@ def run_study(
     scheduler: str = LOCAL,
     keep: Keep = lambda row, scene, machine: None,
     repeat: int | None = None,
+    reference: str | None = None,
+    finest: MakeFinest = no_finest,
 ) -> Table:
     """Run every combination, and write what was measured into `out`; see `contactlab.comparison.compare`.
 
@@ -62,9 +73,13 @@ def run_study(
     table holds what there is, and `interrupted` is True. Raises RequestError when the request itself is wrong.
     """
     plan = _repeated(_limited(_plan(scene_or_study, vary, registry, changes, effects), time_limit), repeat)
-    named = _named_reference(plan.study, plan.scene.registry)
+    plan = plan if reference is None else replace(plan, study=replace(plan.study, reference=reference))
+    named = None if plan.study.reference == FINEST else _named_reference(plan.study, plan.scene.registry)
     pool_of = partial(open_pool, checked_scheduler(scheduler), _checked_jobs(jobs))
     folder = _folder(out, resume)
+    if plan.study.reference == FINEST:
+        place = None if folder is None else folder / FINEST
+        named = finest([job.scene for job in plan.jobs], plan.contact, place, jobs, resume, scheduler)
     done = stored_outcomes(plan, folder) if resume and folder is not None else {}
     began = perf_counter()
 

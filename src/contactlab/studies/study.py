@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,8 +12,13 @@ from contactlab.scene.fields import key
 from contactlab.scene.reading import read_table
 from contactlab.scene.toml_text import location, parse_value, read_toml
 from contactlab.studies.columns import BY_NAME
+from contactlab.studies.vary import checked_ties, combinations, expanded, is_range
 
 FOLDER = Path(__file__).parent.parent / "data" / "studies"
+
+
+FINEST = "finest"
+"""Name of the reference that is made from runs on finer meshes."""
 
 
 @dataclass(frozen=True)
@@ -28,13 +32,16 @@ class Pareto:
 class Study:
     """A study file.
 
-    `vary` maps scene keys to lists of values; every combination is run.
+    `vary` maps scene keys to lists of values; every combination is run. See `contactlab.studies.vary`.
     """
 
     scene: str = key(says="the name of a bundled scene, or a scene file beside the study")
     format: Literal[1] = key(1, says="version of the study format")
     name: str = key("", says="heading of the report; not written: the name of the file")
-    reference: str | None = key(None, says="reference to compare with; not written: the first that fits the scene")
+    reference: str | None = key(
+        None,
+        says='reference to compare with: a name, a JSON or CSV file, or "finest"; else the first that fits',
+    )
     measures: tuple[str, ...] = key((), says="columns of the printed table; not written: the usual ones")
     repeat: int = key(1, least=1, says="runs of each combination; the costs shown are medians")
     time_limit: float | None = key(None, above=0.0, says="wall time that one run may take [s]; not written: any")
@@ -45,7 +52,7 @@ class Study:
 
     def combinations(self) -> list[dict[str, Any]]:
         """All combinations of the varied values, the first key slowest."""
-        return [dict(zip(self.vary, values, strict=True)) for values in itertools.product(*self.vary.values())]
+        return combinations(self.vary)
 
     @property
     def folder(self) -> Path | None:
@@ -102,7 +109,7 @@ def _flat(table: Any, where: Where) -> dict[str, tuple[Any, Where]]:
     found: dict[str, tuple[Any, Where]] = {}
     for name, value in table.items():
         inner = below(where, name)
-        if isinstance(value, Mapping):
+        if isinstance(value, Mapping) and not is_range(value):
             found |= {f"{name}.{rest}": item for rest, item in _flat(value, inner).items()}
         else:
             found[name] = (value, inner)
@@ -114,7 +121,10 @@ _VARY = "scene keys and lists of values, such as level = [1, 2]"
 
 def checked_vary(vary: Mapping[str, tuple[Any, Where]]) -> dict[str, tuple[Any, ...]]:
     """Lists of values by scene key. Raises RequestError for what is no list, empty, or named twice."""
-    return {name: _checked_values(values, where) for name, (values, where) in vary.items()}
+    lists = expanded(vary)
+    found = {name: _checked_values(values, where) for name, (values, where) in lists.items()}
+    checked_ties({name: (values, lists[name][1]) for name, values in found.items()})
+    return found
 
 
 def _checked_values(values: Any, where: Where) -> tuple[Any, ...]:

@@ -1,0 +1,112 @@
+"""`reference = "finest"`: the pressure of a scene on meshes twice as fine as the finest compared, with its error."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from contactlab.scene.scene import Scene
+from contactlab.studies.make_reference import holds_for, mean_curve, reference_files
+from contactlab.studies.profile import distance, norm
+from contactlab.studies.reference import Reference, load_reference
+from contactlab.studies.runner import run_study
+from contactlab.studies.scheduler import LOCAL
+from contactlab.studies.study import FINEST
+from contactlab.studies.table import Row, Table
+
+ALGORITHMS = 2
+"""How many algorithms a reference is the mean of: those that change least from one level to the next."""
+
+
+@dataclass(frozen=True)
+class Finest:
+    """References of the scenes of a study, by what their answers depend on; `why` there is none for others."""
+
+    found: Mapping[str, Reference]
+    why: Mapping[str, str] = field(default_factory=dict)
+    name: str = FINEST
+
+    def mismatch(self, scene: Mapping[str, Any]) -> str:
+        """Why there is no reference of this scene; empty where there is one."""
+        place = answer_key(scene)
+        return "" if place in self.found else self.why.get(place, "no finer run of this scene was made")
+
+    def at(self, scene: Mapping[str, Any]) -> Reference:
+        """The reference of the scene."""
+        return self.found[answer_key(scene)]
+
+
+def answer_key(scene: Mapping[str, Any]) -> str:
+    """Hash of what the quasi-static answer of a scene depends on: not its mesh, algorithms or integrator."""
+    return hashlib.sha256(json.dumps(holds_for(scene), sort_keys=True, default=str).encode()).hexdigest()[:12]
+
+
+def make_finest(
+    scenes: Sequence[Scene], contact: int, folder: Path | None, jobs: int | None, resume: bool, scheduler: str = LOCAL
+) -> Finest:
+    """References for these scenes: for each different answer runs at the finest level among them and at twice that.
+
+    They are made in `folder`, where what is there already serves again, or in passing for None.
+    """
+    groups: dict[str, list[Scene]] = {}
+    for scene in scenes:
+        groups.setdefault(answer_key(scene.data), []).append(scene)
+    found: dict[str, Reference] = {}
+    why: dict[str, str] = {}
+    with TemporaryDirectory() as passing:
+        for place, members in groups.items():
+            target = (folder or Path(passing)) / place
+            finest = max(members, key=lambda scene: scene.level)
+            made = partial(_made, finest, contact, target, jobs, resume, scheduler)
+            answer = load_reference(str(target / f"{FINEST}.json")) if _there(target) else made()
+            if isinstance(answer, Reference):
+                found[place] = replace(answer, name=FINEST)
+            else:
+                why[place] = answer
+    return Finest(found, why)
+
+
+def _there(folder: Path) -> bool:
+    return (folder / f"{FINEST}.json").is_file()
+
+
+def _made(scene: Scene, contact: int, folder: Path, jobs: int | None, resume: bool, scheduler: str) -> Reference | str:
+    """The reference of one scene, or why there is none."""
+    levels = (scene.level, 2 * scene.level)
+    algorithms = tuple(scene.registry.names("contact"))
+    vary = {f"contacts.{contact}.algorithm": algorithms, "level": levels}
+    table = run_study(
+        scene, vary, folder / "runs", jobs, resume=resume or (folder / "runs").exists(), scheduler=scheduler
+    )
+    if table.interrupted:
+        raise KeyboardInterrupt
+    kept = steadiest(table, levels)
+    if not kept:
+        ends = "; ".join(f"{row.algorithm}: {row.status}" for row in table.rows if row.level == levels[-1])
+        return f"no run at level {levels[-1]} came to its end ({ends}), so that there is no finest one"
+    chosen = replace(table, rows=kept, study=replace(table.study, name=f"{scene.name}, from finer meshes"))
+    origin = f"Runs at levels {levels[0]} and {levels[1]}: {', '.join(dict.fromkeys(row.algorithm for row in kept))}."
+    return load_reference(str(reference_files(FINEST, chosen, levels, mean_curve(chosen, levels), folder, origin)))
+
+
+def steadiest(table: Table, levels: Sequence[int]) -> list[Row]:
+    """Rows of the algorithms that came to their end at both levels and change least between them."""
+    pairs: dict[str, dict[int, Row]] = {}
+    for row in table.rows:
+        if row.finished and row.profile is not None and norm(row.profile) > 0.0:
+            pairs.setdefault(row.algorithm, {})[row.level] = row
+    whole = [pair for pair in pairs.values() if len(pair) == len(levels)]
+    whole.sort(key=lambda pair: _change(pair[levels[0]], pair[levels[-1]]))
+    return [row for pair in whole[:ALGORITHMS] for row in pair.values()]
+
+
+def _change(coarse: Row, fine: Row) -> float:
+    assert coarse.profile is not None
+    assert fine.profile is not None
+    return distance(coarse.profile, fine.profile) / norm(fine.profile)

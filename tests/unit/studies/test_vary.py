@@ -1,0 +1,69 @@
+"""Ranges, samples, keys that go together, and keys of all bodies."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.errors import RequestError
+from contactlab.studies.plan import make_plan
+from contactlab.studies.study import parse_vary
+from contactlab.studies.vary import combinations
+
+
+def varied(*texts: str) -> list[dict[str, Any]]:
+    return combinations(parse_vary(texts))
+
+
+def test_ranges_have_their_ends() -> None:
+    assert [c["a"] for c in varied("a={linspace=[0.0, 1.0, 5]}")] == [0.0, 0.25, 0.5, 0.75, 1.0]
+    assert [c["a"] for c in varied("a={logspace=[0.01, 100.0, 5]}")] == [0.01, 0.1, 1.0, 10.0, 100.0]
+
+
+def test_keys_that_go_together_are_one_axis() -> None:
+    assert varied("a & b=[[1, 10], [2, 20]]", "c=[0, 1]") == [
+        {"a": 1, "b": 10, "c": 0}, {"a": 1, "b": 10, "c": 1}, {"a": 2, "b": 20, "c": 0}, {"a": 2, "b": 20, "c": 1},
+    ]  # fmt: skip
+
+
+def test_a_latin_hypercube_has_one_sample_in_each_part_of_each_key() -> None:
+    texts = "a={sample=[0.0, 2.0], count=20, seed=3}", "b={sample=[-1.0, 1.0], count=20, seed=3}"
+    found = np.array([[c["a"], c["b"]] for c in varied(*texts)])
+    for column, least in zip(found.T, (0.0, -1.0), strict=True):
+        assert sorted(np.floor((column - least) / 0.1).astype(int)) == list(range(20))
+    assert varied(*texts) == varied(*texts)  # the seed decides
+    assert varied(*texts) != varied(*(text.replace("seed=3", "seed=4") for text in texts))
+    assert abs(np.corrcoef(found.T)[0, 1]) < 0.6  # permuted: 20 pairs of independent numbers exceed 0.6 once in 200
+
+
+def test_a_star_stands_for_all_bodies() -> None:
+    plan = make_plan("disc-on-block", {"bodies.*.element": ("q1", "q2")})
+    assert [{str(body["element"]["use"]) for body in job.scene.data["bodies"].values()} for job in plan.jobs] == [
+        {"q1"},
+        {"q2"},
+    ]
+    assert [job.choices for job in plan.jobs] == [{"bodies.*.element": "q1"}, {"bodies.*.element": "q2"}]
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("a & b=[[1, 10], [2]]", "2 keys go together"),
+        ("a={linspace=[0, 1]}", "no range"),
+        ("a={linspace=[0, 1, 1]}", "2 values or more"),
+        ("a={logspace=[0.0, 1.0, 5]}", "one side of zero"),
+        ("a={sample=[1.0, 0.0], count=3}", "no sample"),
+        ("a={sample=[0.0, 1.0]}", "whole numbers"),
+        ("a={sample=[0.0, 1.0], count=3, by='sobol'}", "way of sampling"),
+    ],
+)
+def test_wrong_ranges_are_told(text: str, named: str) -> None:
+    with pytest.raises(RequestError, match=named):
+        parse_vary([text])
+
+
+def test_a_star_over_nothing_is_told() -> None:
+    with pytest.raises(RequestError, match="nothing that"):
+        make_plan("disc-on-block", {"rigid.*.uy": (0.0, 1.0)})
