@@ -1,10 +1,11 @@
-"""Two rings pressed together, the inner one with a free hole: the closed form, from Airy's stress functions.
+"""Rings and discs pressed together: closed forms from Airy's stress functions. Plane strain, small strains.
 
 Smooth, curved, without an edge of contact and with an exact answer: what is left is the error of the contact itself.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,74 +14,97 @@ from contactlab.api import Floats
 
 SOURCE = "Michell 1899; Timoshenko & Goodier, Theory of Elasticity, 28 and 43"
 
+Moduli = tuple[float, float]
+"""E [MPa] and nu."""
+
 
 @dataclass(frozen=True)
 class TwoRings:
-    """Rings a..b and b..c under an outer pressure P0 + P2 cos 2t, without friction. Plane strain, small strains.
+    """Rings a..b and b..c under an outer pressure P0 + P2 cos 2t, without friction.
 
-    a, b, c         radii [mm]
-    inner, outer    (E [MPa], nu) of the rings
+    a, b, c         radii [mm]; a = 0 is a full disc
+    inner, outer    moduli of the rings
     """
 
     a: float
     b: float
     c: float
-    inner: tuple[float, float]
-    outer: tuple[float, float]
+    inner: Moduli
+    outer: Moduli
 
     def pressure(self, mean: float, wave: float) -> tuple[float, float]:
         """Mean and amplitude (of cos 2t) of the pressure [MPa] between the rings under the outer mean + wave cos 2t."""
-        return mean * self._mean(), wave * self._wave()
+        return mean * self._between((0, 1), []), wave * self._between((2, 3, 4, 5), [1])
 
-    def _mean(self) -> float:
-        """Lame: s_r = A - B/r^2, u = (1 + nu)/E ((1 - 2 nu) A r + B/r); unknowns A, B of each ring."""
-        a, b, c = self.a, self.b, self.c
-
-        def stress(r: float) -> list[float]:
-            return [1.0, -1.0 / r**2]
-
-        def motion(r: float, ring: tuple[float, float]) -> list[float]:
-            young, nu = ring
-            return [(1.0 + nu) / young * (1.0 - 2.0 * nu) * r, (1.0 + nu) / young / r]
-
-        none = [0.0, 0.0]
-        rows = [
-            stress(a) + none,
-            none + stress(c),
-            stress(b) + [-value for value in stress(b)],
-            motion(b, self.inner) + [-value for value in motion(b, self.outer)],
+    def _between(self, terms: tuple[int, ...], free: list[int]) -> float:
+        """Pressure at b under a unit pressure at c; `free` of further tractions that vanish everywhere: the shear."""
+        b, c = self.b, self.c
+        inner = _regular(terms) if self.a == 0.0 else terms
+        none = [0.0] * len(inner), [0.0] * len(terms)
+        rows, right = [], []
+        for component in [0, *free] if self.a else []:
+            rows.append([_TRACTIONS[component][k](self.a) for k in inner] + none[1])
+            right.append(0.0)
+        for component in free:
+            rows += [[_TRACTIONS[component][k](b) for k in inner] + none[1]]
+            rows += [none[0] + [_TRACTIONS[component][k](r) for k in terms] for r in (b, c)]
+            right += [0.0, 0.0, 0.0]
+        at_b = [_TRACTIONS[0][k](b) for k in inner]
+        rows += [
+            none[0] + [_TRACTIONS[0][k](c) for k in terms],
+            at_b + [-_TRACTIONS[0][k](b) for k in terms],
+            [_motion(k, b, self.inner) for k in inner] + [-_motion(k, b, self.outer) for k in terms],
         ]
-        found = _solved(rows, [0.0, -1.0, 0.0, 0.0])
-        return -float(np.dot(stress(b), found[:2]))
+        found = _solved(rows, [*right, -1.0, 0.0, 0.0])
+        return -float(np.dot(at_b, found[: len(inner)]))
 
-    def _wave(self) -> float:
-        """Four terms of Michell's solution with cos 2t in each ring: r^2, r^4, 1/r^2 and 1."""
-        none = [0.0] * 4
 
-        def normal(r: float) -> list[float]:
-            return [-2.0, 0.0, -6.0 / r**4, -4.0 / r**2]
+def shrunk_rings(radii: Sequence[tuple[float, float]], moduli: Sequence[Moduli], overlaps: Sequence[float]) -> Floats:
+    """Pressures (k,) [MPa] between rings from the inside out whose radii overlap by `overlaps` (k,) [mm].
 
-        def shear(r: float) -> list[float]:
-            return [2.0, 6.0 * r**2, -6.0 / r**4, -2.0 / r**2]
+    Radii are those of the fitted rings: radii[i][1] == radii[i + 1][0].
+    """
 
-        def motion(r: float, ring: tuple[float, float]) -> list[float]:
-            young, nu = ring
-            kappa, share = 3.0 - 4.0 * nu, (1.0 + nu) / young  # 1/(2 G)
-            return [share * v for v in (-2.0 * r, (kappa - 3.0) * r**3, 2.0 / r**3, (kappa + 1.0) / r)]
+    def moved(ring: int, r: float, inside: float, outside: float) -> float:
+        (ri, ro), (young, nu) = radii[ring], moduli[ring]
+        a, b = inside * ri**2 - outside * ro**2, (inside - outside) * ri**2 * ro**2
+        return (1.0 + nu) / young * ((1.0 - 2.0 * nu) * a * r + b / r) / (ro**2 - ri**2)
 
-        a, b, c = self.a, self.b, self.c
-        rows = [
-            normal(a) + none,
-            shear(a) + none,
-            shear(b) + none,
-            none + shear(b),
-            none + shear(c),
-            none + normal(c),
-            normal(b) + [-value for value in normal(b)],
-            motion(b, self.inner) + [-value for value in motion(b, self.outer)],
-        ]
-        found = _solved(rows, [0.0, 0.0, 0.0, 0.0, 0.0, -1.0, 0.0, 0.0])
-        return -float(np.dot(normal(b), found[:4]))
+    count = len(overlaps)
+    matrix = np.zeros((count, count))
+    for k, (_, r) in enumerate(radii[:-1]):
+        for j in range(count):
+            unit = [0.0, *(1.0 if i == j else 0.0 for i in range(count)), 0.0]
+            matrix[k, j] = moved(k + 1, r, *unit[k + 1 : k + 3]) - moved(k, r, *unit[k : k + 2])
+    return np.asarray(np.linalg.solve(matrix, np.asarray(overlaps)))
+
+
+# Terms 0, 1: Lame's A - B/r^2; 2 to 5: Michell's with cos 2t, from r^2, r^4, 1/r^2 and 1. First the radial stress, then
+# the shear (of sin 2t).
+_TRACTIONS = (
+    (
+        lambda r: 1.0, lambda r: -1.0 / r**2,
+        lambda r: -2.0, lambda r: 0.0, lambda r: -6.0 / r**4, lambda r: -4.0 / r**2,
+    ),
+    (
+        lambda r: 0.0, lambda r: 0.0,
+        lambda r: 2.0, lambda r: 6.0 * r**2, lambda r: -6.0 / r**4, lambda r: -2.0 / r**2,
+    ),
+)  # fmt: skip
+
+
+def _motion(term: int, r: float, ring: Moduli) -> float:
+    """Radial displacement of a term."""
+    young, nu = ring
+    kappa, share = 3.0 - 4.0 * nu, (1.0 + nu) / young  # 1/(2 G)
+    return share * (
+        (1.0 - 2.0 * nu) * r, 1.0 / r, -2.0 * r, (kappa - 3.0) * r**3, 2.0 / r**3, (kappa + 1.0) / r,
+    )[term]  # fmt: skip
+
+
+def _regular(terms: tuple[int, ...]) -> tuple[int, ...]:
+    """Terms without a pole at the centre."""
+    return tuple(k for k in terms if k in (0, 2, 3))
 
 
 def _solved(rows: list[list[float]], right: list[float]) -> Floats:

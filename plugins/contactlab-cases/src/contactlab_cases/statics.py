@@ -15,10 +15,10 @@ WORK = 250
 
 
 def static_job(
-    name: str, setup: Setup, materials: Mapping[str, Mapping[str, float]], bodies: Mapping[str, Any],
+    name: str, setup: Setup, materials: Mapping[str, Mapping[str, Any]], bodies: Mapping[str, Any],
     contact: Mapping[str, Any], steps: int = 1, frames: int = 1, fields: bool = False, **more: Any,
 ) -> Job:  # fmt: skip
-    """A static run. Materials are linear elastic; bodies without an element of their own take that of the setup."""
+    """A static run. Materials are linear elastic unless they name a law; bodies take the element of the setup."""
     law = {"use": "linear-elastic", "density": 1.0}
     scene = {
         "name": name,
