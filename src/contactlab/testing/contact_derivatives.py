@@ -2,17 +2,53 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
-from contactlab.api import ContactMethod, Floats, Ints
+from contactlab.api import ContactMethod, Floats, ImplicitContact, Ints
 from contactlab.model.contact.contact_pairs import contact_pair, linearised
 from contactlab.testing.assertions import Check, NotApplicable, agree, require
 from contactlab.testing.surfaces import Chains, Rough, curved, flat
 
-STEP = 1e-6  # mm; central differences of gaps then err by 1e-9, of forces of order one by 1e-8
+STEP = 1e-6  # mm; central differences of gaps then err by 1e-9, of forces of some hundred newtons per mm by 1e-7
 GAPS, FORCES = 1e-6, 1e-5
 SLIPS = {"quadratic edges": 1e-3}
 """Of slips, where normals at the start of the step turn as feet move on a parabola: nobody follows that."""
+
+
+Answers = tuple[Floats, Floats, Floats]
+"""Gaps (c,) and slips (c,) of chosen conditions, slips empty without friction; nodal forces (2N,) of all."""
+
+Bounds = tuple[float, float, float]
+"""What gaps, slips and nodal forces may be off by."""
+
+
+def answers_of(contact: ImplicitContact, position: Floats, forces: Floats, chosen: Ints) -> Answers:
+    """What all contact pairs of a model say at a position (N, 2), where multipliers are held at `forces` (r, k)."""
+    c = contact.conditions
+    contact.evaluate(position)
+    c.force[:] = forces
+    normal, tangential = np.zeros_like(position), np.zeros((len(position) if len(c.slip) else 0, 2))
+    contact.forces(normal, tangential)
+    total = normal + tangential if len(tangential) else normal
+    return c.gap[chosen].copy(), c.slip[chosen].copy() if len(c.slip) else np.zeros(0), total.ravel()
+
+
+def against_differences(
+    given: Any, answers: Callable[[Floats], Answers], position: Floats, move: Floats, within: Bounds, where: str
+) -> None:
+    """Raise AssertionError unless `gap`, `slip` and `force` of `given` are derivatives of the answers at a position.
+
+    They are compared along a `move` (N, 2) of all nodes.
+    """
+    high, low = (answers(position + sign * STEP * move) for sign in (1.0, -1.0))
+    named = zip(("gap", "slip", "force"), ("gaps", "slips", "nodal forces"), high, low, within, strict=True)
+    for name, of, above, below, allowed in named:
+        if name != "slip" or len(above):
+            told = f"derivatives of {of} against differences ({where}, along a random move)"
+            agree(getattr(given, name) @ move.ravel(), (above - below) / (2.0 * STEP), allowed, told)
 
 
 class _Trial:
@@ -30,7 +66,7 @@ class _Trial:
         self.linear.evaluate(position, self.start, self.memory.copy())
         return np.array(self.pair.gaps[:, 0])
 
-    def answers(self, position: Floats, chosen: Ints, y: Floats) -> tuple[Floats, Floats, Floats]:
+    def answers(self, position: Floats, chosen: Ints, y: Floats) -> Answers:
         """Gaps and slips of the chosen multipliers, and the nodal forces of all where they have forces y (r, k)."""
         gap = self.gaps(position)[chosen]
         slip = np.array(self.linear.slip[chosen]) if self.friction else np.zeros(0)
@@ -71,18 +107,8 @@ def _against_differences(algorithm: ContactMethod, at: Chains, friction: bool, w
     move = draw.uniform(-1.0, 1.0, position.shape)
     trial.gaps(position)
     given = trial.linear.linearise(chosen, y[0], y[1] if friction else None, trial.memory.copy())
-    high, low = (trial.answers(position + sign * STEP * move, chosen, y) for sign in (1.0, -1.0))
-    gap, slip, force = ((a - b) / (2.0 * STEP) for a, b in zip(high, low, strict=True))
-    told, within = f"{where}, along a random move", SLIPS.get(where.partition(",")[0], GAPS)
-    agree(given.gap @ move.ravel(), gap, GAPS, f"derivatives of gaps against differences ({told})")
-    agree(given.force @ move.ravel(), force, FORCES, f"derivatives of nodal forces against differences ({told})")
-    if friction:
-        agree(
-            given.slip @ move.ravel(),
-            slip,
-            within,
-            f"derivatives of slips against differences ({told})",
-        )
+    within = GAPS, SLIPS.get(where.partition(",")[0], GAPS), FORCES
+    against_differences(given, lambda at: trial.answers(at, chosen, y), position, move, within, where)
 
 
 CHECKS: tuple[Check, ...] = (derivatives_are_right,)

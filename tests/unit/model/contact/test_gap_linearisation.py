@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -22,9 +23,9 @@ from contactlab.parts.registry import Registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
 from contactlab.testing import contact as checks
+from contactlab.testing.contact_derivatives import against_differences, answers_of
 
 PACKAGE = Path(__file__).parents[3] / "outside" / "closest-point" / "src"
-STEP = 1e-6  # mm; central differences of gaps then err by 1e-9, of forces of some hundred newtons per mm by 1e-7
 
 
 @pytest.fixture(scope="module")
@@ -81,18 +82,6 @@ def shaken(scene: Scene, registry: Registry) -> tuple[ImplicitModel, Any]:
     return model, end
 
 
-def evaluated(model: ImplicitModel, position: Any, forces: Any, chosen: Any) -> list[Any]:
-    contact = model.contact
-    assert contact is not None
-    contact.evaluate(position)
-    c = contact.conditions
-    c.force[:] = forces
-    normal, tangential = np.zeros_like(position), np.zeros((len(position) if len(c.slip) else 0, 2))
-    contact.forces(normal, tangential)
-    total = normal + tangential if len(tangential) else normal
-    return [c.gap[chosen].copy(), c.slip[chosen].copy() if len(c.slip) else np.zeros(0), total.ravel()]
-
-
 @pytest.mark.parametrize("friction", [False, True], ids=["frictionless", "friction"])
 @pytest.mark.parametrize("algorithm", ["closest-point", "closest-point-plain"])
 @pytest.mark.parametrize("swap", [False, True], ids=["arc", "block"])
@@ -114,14 +103,10 @@ def test_derivatives_are_those_of_the_conditions(
     forces = c.force.copy()
     found = contact.linearise(chosen)
     move = draw.uniform(-1.0, 1.0, position.shape)
-    high, low = (evaluated(model, position + sign * STEP * move, forces, chosen) for sign in (1.0, -1.0))
-    gap, slip, force = ((a - b) / (2.0 * STEP) for a, b in zip(high, low, strict=True))
-    np.testing.assert_allclose(found.gap @ move.ravel(), gap, atol=1e-7, rtol=0.0)
-    np.testing.assert_allclose(found.force @ move.ravel(), force, atol=1e-5, rtol=0.0)
-    if friction:
-        np.testing.assert_allclose(found.slip @ move.ravel(), slip, atol=1e-7, rtol=0.0)
+    answers = partial(answers_of, contact, forces=forces, chosen=chosen)
+    against_differences(found, answers, position, move, (1e-7, 1e-7, 1e-5), algorithm)
     own = found.normal.T @ forces[0, chosen] + (found.tangent.T @ forces[1, chosen] if friction else 0.0)
-    np.testing.assert_allclose(own, evaluated(model, position, forces, chosen)[2], atol=1e-9, rtol=0.0)
+    np.testing.assert_allclose(own, answers(position)[2], atol=1e-9, rtol=0.0)
 
 
 def test_differences_are_the_derivatives_given(registry: Registry) -> None:
