@@ -7,22 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from contactlab.api import Floats, Material
+from contactlab.testing import points
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require
-from contactlab.testing.points import (
-    DT,
-    at_rest,
-    conjugate,
-    deformation,
-    gradients,
-    matrices,
-    modulus,
-    no_history,
-    respond,
-    rotations,
-    rows_of,
-    some_history,
-    tensors,
-)
 
 POINTS, STRAIN = 40, 0.1
 
@@ -37,19 +23,20 @@ def isotropy(law: Material) -> None:
     """A body that is turned before it is strained has the same stress, in the plane and across it."""
     _isotropic(law)
     size = {"finite": STRAIN, "small": 0.01, "rate": 0.002}[law.kinematics]
-    gradient, turn = matrices(gradients(law, POINTS, size)), rotations(POINTS)
+    gradient, turn = points.matrices(points.gradients(law, POINTS, size)), points.rotations(POINTS)
     back = turn.transpose(0, 2, 1)
     if law.kinematics == "rate":  # without spin, which turns the stress as well
         gradient = 0.5 * (gradient + gradient.transpose(0, 2, 1))
-    stress, _ = respond(law, rows_of(gradient), no_history(law, POINTS))
+    stress, _ = points.respond(law, points.rows_of(gradient), points.no_history(law, POINTS))
     if law.kinematics == "finite":  # X -> Q X: dX/dx becomes Q dX/dx
-        turned, _ = respond(law, rows_of(turn @ gradient), no_history(law, POINTS))
-        expected = tensors(stress)
+        turned, _ = points.respond(law, points.rows_of(turn @ gradient), points.no_history(law, POINTS))
+        expected = points.tensors(stress)
     else:
-        turned, _ = respond(law, rows_of(turn @ gradient @ back), no_history(law, POINTS))
-        expected = turn @ tensors(stress) @ back
-    agree(tensors(turned), expected, 1e-12 * modulus(law), "stress of a body that was turned before it was strained")
-    agree(turned[2], stress[2], 1e-12 * modulus(law), "stress across the plane of such a body")
+        turned, _ = points.respond(law, points.rows_of(turn @ gradient @ back), points.no_history(law, POINTS))
+        expected = turn @ points.tensors(stress) @ back
+    within = 1e-12 * points.modulus(law)
+    agree(points.tensors(turned), expected, within, "stress of a body that was turned before it was strained")
+    agree(turned[2], stress[2], within, "stress across the plane of such a body")
 
 
 def plane_strain(law: Material) -> None:
@@ -59,7 +46,7 @@ def plane_strain(law: Material) -> None:
     lame, size, strain = dilatational - 2.0 * shear, 1e-7, np.zeros((4, 2))
     strain[[0, 3], [0, 1]] = size
     sign = -1.0 if law.kinematics == "finite" else 1.0  # those are given F^-1
-    stress, _ = respond(law, at_rest(law, 2) + sign * strain, no_history(law, 2))
+    stress, _ = points.respond(law, points.at_rest(law, 2) + sign * strain, points.no_history(law, 2))
     # what is of second order in the strain
     within = 1e-5 * dilatational
     agree(stress[2] / size, [lame, lame], within, "stress across the plane over a strain along x and along y")
@@ -72,44 +59,44 @@ def work_is_stored_or_dissipated(law: Material) -> None:
         raise NotApplicable("the law declares no stored energy")
     if law.kinematics == "rate":
         raise NotApplicable("the energy of a rate law is no function of the gradient")
-    steps, points = 800, 8
-    way = gradients(law, points, 0.12, seed=6) - at_rest(law, points)
-    history, work, before = no_history(law, points), np.zeros(points), None
+    steps, count = 800, 8
+    way = points.gradients(law, count, 0.12, seed=6) - points.at_rest(law, count)
+    history, work, before = points.no_history(law, count), np.zeros(count), None
     for step in range(steps + 1):
-        gradient = at_rest(law, points) + way * np.sin(1.5 * np.pi * step / steps)
-        stress, history = respond(law, gradient, history)
-        now = deformation(law, gradient), conjugate(law, gradient, stress)
+        gradient = points.at_rest(law, count) + way * np.sin(1.5 * np.pi * step / steps)
+        stress, history = points.respond(law, gradient, history)
+        now = points.deformation(law, gradient), points.conjugate(law, gradient, stress)
         if before is not None:
             work += 0.5 * ((now[1] + before[1]) * (now[0] - before[0])).sum(axis=(1, 2))
         before = now
-    stored, lost = np.full(points, np.nan), np.full(points, np.nan)
+    stored, lost = np.full(count, np.nan), np.full(count, np.nan)
     law.energy(gradient, history, stored)
     law.dissipation(gradient, history, lost)
     require(np.all(lost >= 0.0), f"dissipation: {lost.min():.3e} after a path, it never gives anything back")
-    volume = np.linalg.det(deformation(law, gradient)) if law.kinematics == "finite" else np.ones(points)
+    volume = np.linalg.det(points.deformation(law, gradient)) if law.kinematics == "finite" else np.ones(count)
     # trapezoidal work: an error of the square of a step, and of a step where yielding begins
-    agree((stored + lost) * volume / work, np.ones(points), 0.01, "what is stored and dissipated over the work")
+    agree((stored + lost) * volume / work, np.ones(count), 0.01, "what is stored and dissipated over the work")
 
 
 def arrays_change_in_place(law: Material) -> None:
     """Runs write new gradients to the same array: the stress is that of what is in it now."""
-    gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
-    expected = respond(law, gradient, history)
-    moving, stress, new = at_rest(law, POINTS) + 0.0, np.empty((4, POINTS)), np.empty_like(history)
-    law.stress(moving, history, DT, stress, new)
+    gradient, history = points.gradients(law, POINTS, STRAIN), points.some_history(law, POINTS)
+    expected = points.respond(law, gradient, history)
+    moving, stress, new = points.at_rest(law, POINTS) + 0.0, np.empty((4, POINTS)), np.empty_like(history)
+    law.stress(moving, history, points.DT, stress, new)
     moving[:] = gradient
-    law.stress(moving, history, DT, stress, new)
+    law.stress(moving, history, points.DT, stress, new)
     identical(stress, expected[0], "stress after the gradient has changed in place")
     identical(new, expected[1], "history after the gradient has changed in place")
 
 
 def threads_do_not_disturb_each_other(law: Material) -> None:
     """Blocks are worked on side by side: each gets the bits that it gets alone."""
-    blocks = [(gradients(law, 500, STRAIN, seed), some_history(law, 500)) for seed in range(4)]
-    alone = [respond(law, *block) for block in blocks]
+    blocks = [(points.gradients(law, 500, STRAIN, seed), points.some_history(law, 500)) for seed in range(4)]
+    alone = [points.respond(law, *block) for block in blocks]
 
     def beside(number: int) -> tuple[Floats, Floats]:
-        return respond(law, *blocks[number % 4])
+        return points.respond(law, *blocks[number % 4])
 
     with ThreadPoolExecutor(4) as pool:
         for number, (stress, history) in enumerate(pool.map(beside, range(16))):
