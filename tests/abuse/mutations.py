@@ -259,8 +259,8 @@ MEASURE = (
 )  # fmt: skip
 
 REFERENCE = (
-    M("reference", "disc-on-block-deep", "no title", '_says("disc-on-block-deep", "title")', '""'),
-    M("reference", "disc-on-block-deep", "no origin", '_says("disc-on-block-deep", "origin")', '""'),
+    M("reference", "disc-on-block-deep", "no title", 'str(content["title"]),', '"",'),
+    M("reference", "disc-on-block-deep", "no origin", ', str(content["origin"])', ', ""'),
     M("reference", "disc-on-block-deep", "holds for everything", "return self.stored.mismatch(scene)", 'return ""'),
     M("reference", "disc-on-block-deep", "holds for one mesh alone", "return self.stored.mismatch(scene)", 'return self.stored.mismatch(scene) or ("another level" if scene["level"] != 1 else "")'),
     M("reference", "disc-on-block-deep", "holds for one slave alone", "return self.stored.mismatch(scene)", 'return self.stored.mismatch(scene) or ("exchanged" if scene["contacts"][0]["swap"] else "")'),

@@ -44,11 +44,12 @@ def against_differences(
     They are compared along a `move` (N, 2) of all nodes.
     """
     high, low = (answers(position + sign * STEP * move) for sign in (1.0, -1.0))
-    named = zip(("gap", "slip", "force"), ("gaps", "slips", "nodal forces"), high, low, within, strict=True)
-    for name, of, above, below, allowed in named:
-        if name != "slip" or len(above):
-            told = f"derivatives of {of} against differences ({where}, along a random move)"
-            agree(getattr(given, name) @ move.ravel(), (above - below) / (2.0 * STEP), allowed, told)
+    derivatives = given.gap, given.slip, given.force
+    of = "derivatives of gaps", "derivatives of slips", "derivatives of nodal forces"
+    for derivative, what, above, below, allowed in zip(derivatives, of, high, low, within, strict=True):
+        if len(above):
+            told = f"{what} against differences ({where}, along a random move)"
+            agree(derivative @ move.ravel(), (above - below) / (2.0 * STEP), allowed, told)
 
 
 class _Trial:
