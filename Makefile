@@ -37,9 +37,10 @@ check-parts: $(INSTALLED)
 paper: $(INSTALLED)
 	$(BIN)/python benchmarks/studies/paper/make.py
 
-# all pages that hold measured numbers, from what is kept; CASES=FOLDER takes the rows of a matrix in it first
+# all pages that hold measured numbers, from what is kept; CASES=FOLDER takes the rows of a matrix in it
+# first, DEMO=FOLDER those of the front page and its pictures
 pages: $(INSTALLED)
-	$(BIN)/python benchmarks/studies/pages.py $(CASES)
+	$(BIN)/python benchmarks/studies/pages.py $(CASES) $(DEMO)
 
 # all wheels and source distributions into dist/, after they were built, looked into and run alone
 packages: $(INSTALLED)

@@ -2,10 +2,12 @@
 
     python benchmarks/studies/pages.py              # from the rows that are kept beside this file
     python benchmarks/studies/pages.py runs/cases   # first takes rows of cases from the archive of a matrix there
+    python benchmarks/studies/pages.py runs/demo    # first takes rows and pictures of the comparison there
     python benchmarks/studies/pages.py --check      # writes nothing; exit status 1 where a page is stale
 
 docs/cases.md comes from the archive of `contactlab matrix`; docs/hard-cases.md, statics-cases.md, friction.md and
-paper.md from the rows that their studies keep. Numbers in prose are marks in a page's source, filled like tables.
+paper.md from the rows that their studies keep; the front page has pictures and numbers of `make demo`. Numbers in prose
+are marks in a page's source, filled like tables.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ DOCS = HERE.parents[1] / "docs"
 sys.path[:0] = [str(HERE), str(HERE / "paper")]
 
 import cases_page  # noqa: E402
+import demo_page  # noqa: E402
 import friction  # noqa: E402
 import hard_cases  # noqa: E402
 import statics_cases  # noqa: E402
@@ -56,13 +59,15 @@ def paper() -> str:
 
 PAGES: dict[str, Callable[[], str]] = {
     "cases.md": cases, "hard-cases.md": hard, "statics-cases.md": statics, "friction.md": rubbing, "paper.md": paper,
+    "../README.md": demo_page.page,
 }  # fmt: skip
-"""Every page and what it must be."""
+"""Every page, seen from docs, and what it must be."""
 
 
 def stale() -> list[str]:
-    """Pages that are not what their rows say."""
-    return [name for name, made in PAGES.items() if (DOCS / name).read_text(encoding="utf-8") != made()]
+    """Pages that are not what their rows say, and pictures that were drawn with other rows."""
+    pages = [name for name, made in PAGES.items() if (DOCS / name).read_text(encoding="utf-8") != made()]
+    return [*pages, *(f"pictures/{name}" for name in demo_page.stale_pictures())]
 
 
 def main(words: list[str]) -> int:
@@ -71,8 +76,11 @@ def main(words: list[str]) -> int:
         found = stale()
         print("\n".join(f"docs/{name} is stale: make pages" for name in found) or "all pages are what their rows say")
         return 1 if found else 0
-    if words:
-        cases_page.keep(cases_page.rows_of(Path(words[0]) / cases_page.FILE))
+    for folder in map(Path, words):
+        if (folder / "study.toml").exists():
+            demo_page.keep(folder)
+        else:
+            cases_page.keep(cases_page.rows_of(folder / cases_page.FILE))
     for name, made in PAGES.items():
         (DOCS / name).write_text(made(), encoding="utf-8")
     return 0

@@ -31,15 +31,15 @@ class Ironing(Case):
     steps    load steps per millimetre of the slide
     """
 
-    slide: float = 2.0
+    slide: float = 1.2
     refined: int = 1
-    steps: int = 12
+    steps: int = 10
     mu: float = 0.3
 
     title: ClassVar[str] = "shallow ironing"
     source: ClassVar[str] = "Fischer & Wriggers 2006; Hartmann et al. 2009; Poulios & Renard 2015"
     family: ClassVar[str] = "large sliding"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"slide": (2.0, 5.0)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"slide": (1.2, 5.0)}
     demands: ClassVar[frozenset[str]] = frozenset({"friction"})
     integrators: ClassVar[tuple[str, ...]] = ("newton",)
     elements: ClassVar[tuple[str, ...]] = ("q1",)
@@ -48,7 +48,7 @@ class Ironing(Case):
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """One run: down in a unit of time, along in another."""
         law = {"use": "neo-hookean", "poisson": 0.32, "density": 1.0}
-        level, slides = self.refined * setup.level, max(20, round(self.steps * self.slide))
+        level, slides = self.refined * setup.level, max(16, round(self.steps * self.slide))
         bodies = {
             "block": {
                 "element": setup.element, "material": "hard", "shift": [0.8, 0.2],

@@ -32,10 +32,10 @@ class RestingBlock(Case):
     swaps: ClassVar[bool] = False
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One job of 400 steps, in which the block falls and comes to rest."""
+        """One job of 200 steps, in which the block falls and comes to rest."""
         block = strip((0.0, 2.0), (0.0, 1.0), [4 * setup.level, 2 * setup.level], shift=[0.0, self.fall])
         scene = {
-            "name": "rest", "time": {"end": 400 * STEP, "step": STEP, "damping": 20.0}, "integrator": setup.integrator,
+            "name": "rest", "time": {"end": 200 * STEP, "step": STEP, "damping": 20.0}, "integrator": setup.integrator,
             "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.3, "density": 1.0}},
             "bodies": {"block": block | {"element": setup.element}},
             "rigid": {"ground": {"line": [[4.0, 0.0], [-2.0, 0.0]]}},

@@ -23,7 +23,7 @@ class WallImpact(Case):
 
     courant: float = 1.0
     phase: float = 0.0
-    cells: int = 100
+    cells: int = 50
 
     title: ClassVar[str] = "bar against a wall"
     source: ClassVar[str] = "Timoshenko & Goodier, 15: rho c v for 2 L/c"
@@ -54,7 +54,7 @@ class WallImpact(Case):
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The trapezoidal rule keeps energy but for the nodes that are stopped."""
         return (
-            error("mean force", 0.002, "rho c v, and a node's share of a hundred"),
+            error("mean force", 0.002, "rho c v, and a node's share of fifty"),
             error("loss against that of the stopped nodes", 0.02, "half a node, more within a step"),
             at_most("contacts after the first", 0.0, "it leaves once"),
             invariant("largest rise of energy in a step", 1e-9, "round-off; contact conditions only take"),

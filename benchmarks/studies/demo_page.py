@@ -1,0 +1,95 @@
+"""The front page's pictures and numbers, from the comparison that `make demo` runs.
+
+    make demo && make pages DEMO=runs/demo
+
+takes the report's pictures and the rows that the README quotes; rows are kept in demo.csv. Each picture carries the
+hash of the rows that it was drawn with, so that a test finds one of another run.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+from pathlib import Path
+
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+STORED, README, PICTURES = HERE / "demo.csv", ROOT / "README.md", ROOT / "docs" / "pictures"
+DRAWN = {"pressure.png": "comparison.png", "error-against-cost.png": "error-against-cost.png"}
+"""Pictures of the report, and what they are called here."""
+COLUMNS = ("algorithm", "slave", "level", "status", "pressure_error", "cpu_s", "steps")
+BEGIN, END = "<!-- numbers of make demo -->\n", "<!-- end of numbers -->"
+MARK = "rows"
+
+Row = dict[str, str]
+
+
+def keep(folder: Path) -> None:
+    """Take rows and pictures of a comparison."""
+    with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
+        rows = [{name: row[name] for name in COLUMNS} for row in csv.DictReader(file)]
+    with STORED.open("w", newline="", encoding="utf-8") as file:
+        table = csv.DictWriter(file, COLUMNS)
+        table.writeheader()
+        table.writerows(rows)
+    for name, own in DRAWN.items():
+        told = PngInfo()
+        told.add_text(MARK, hash_of_rows())
+        with Image.open(folder / name) as picture:
+            picture.save(PICTURES / own, pnginfo=told, optimize=True)
+
+
+def hash_of_rows() -> str:
+    """Of what is kept."""
+    return hashlib.sha256(STORED.read_text(encoding="utf-8").encode()).hexdigest()
+
+
+def drawn_with(picture: Path) -> str:
+    """Hash of the rows that a picture was drawn with; empty where it says none."""
+    with Image.open(picture) as found:
+        found.load()
+        return str(getattr(found, "text", {}).get(MARK, ""))
+
+
+def stale_pictures() -> list[str]:
+    """Pictures that belong to other rows."""
+    return [own for own in DRAWN.values() if drawn_with(PICTURES / own) != hash_of_rows()]
+
+
+def page() -> str:
+    """README.md with the numbers of the kept rows between its two marks."""
+    head, rest = README.read_text(encoding="utf-8").split(BEGIN)
+    return head + BEGIN + _said(_stored()) + END + rest.split(END)[1]
+
+
+def _stored() -> list[Row]:
+    with STORED.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def _said(rows: list[Row]) -> str:
+    """Errors of the finest level for either slave, and who did not finish."""
+    levels = sorted({int(row["level"]) for row in rows})
+    lines = ["", "| pressure error, level " + " / ".join(map(str, levels)) + " | disc as slave | block as slave |"]
+    lines.append("|---|---|---|")
+    for name in dict.fromkeys(row["algorithm"] for row in rows):
+        cells = [
+            " / ".join(_error(_row(rows, name, slave, level)) for level in levels) for slave in ("disc", "block")
+        ]  # fmt: skip
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    finest = [row for row in rows if row["level"] == str(levels[-1]) and row["status"] == "finished"]
+    seconds = sorted(float(row["cpu_s"]) for row in finest)
+    lines += ["", f"A finished run of level {levels[-1]} took {seconds[0]:.1f} to {seconds[-1]:.1f} CPU seconds.", ""]
+    return "\n".join(lines) + "\n"
+
+
+def _row(rows: list[Row], algorithm: str, slave: str, level: int) -> Row:
+    (found,) = [r for r in rows if (r["algorithm"], r["slave"], r["level"]) == (algorithm, slave, str(level))]
+    return found
+
+
+def _error(row: Row) -> str:
+    return row["status"] if row["status"] != "finished" else f"{100.0 * float(row['pressure_error']):.2g} %"
