@@ -1,13 +1,13 @@
 """All pages that hold measured numbers, written from what is kept: `make pages`.
 
     python benchmarks/studies/pages.py              # from the rows that are kept beside this file
-    python benchmarks/studies/pages.py runs/cases   # first takes rows of cases from the archive of a matrix there
+    python benchmarks/studies/pages.py runs/full    # first takes rows of cases from the archive of a matrix there
     python benchmarks/studies/pages.py runs/demo    # first takes rows and pictures of the comparison there
     python benchmarks/studies/pages.py --check      # writes nothing; exit status 1 where a page is stale
 
-docs/cases.md comes from the archive of `contactlab matrix`; docs/hard-cases.md, statics-cases.md, friction.md and
-paper.md from the rows that their studies keep; the front page has pictures and numbers of `make demo`. Numbers in prose
-are marks in a page's source, filled like tables.
+docs/cases.md and full-matrix.md come from the archive of `contactlab matrix`; docs/hard-cases.md, statics-cases.md,
+friction.md and paper.md from the rows that their studies keep; the front page has pictures and numbers of `make demo`.
+Numbers in prose are marks in a page's source, filled like tables.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ sys.path[:0] = [str(HERE), str(HERE / "paper")]
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
 import friction  # noqa: E402
+import full_page  # noqa: E402
 import hard_cases  # noqa: E402
 import statics_cases  # noqa: E402
 
@@ -32,6 +33,11 @@ import statics_cases  # noqa: E402
 def cases() -> str:
     """docs/cases.md."""
     return cases_page.page(cases_page.stored())
+
+
+def full() -> str:
+    """docs/full-matrix.md."""
+    return full_page.page(full_page.stored())
 
 
 def hard() -> str:
@@ -58,7 +64,8 @@ def paper() -> str:
 
 
 PAGES: dict[str, Callable[[], str]] = {
-    "cases.md": cases, "hard-cases.md": hard, "statics-cases.md": statics, "friction.md": rubbing, "paper.md": paper,
+    "cases.md": cases, "full-matrix.md": full, "hard-cases.md": hard, "statics-cases.md": statics,
+    "friction.md": rubbing, "paper.md": paper,
     "../README.md": demo_page.page,
 }  # fmt: skip
 """Every page, seen from docs, and what it must be."""
@@ -70,6 +77,17 @@ def stale() -> list[str]:
     return [*pages, *(f"pictures/{name}" for name in demo_page.stale_pictures())]
 
 
+def _keep(folder: Path) -> None:
+    """Take rows from a results folder: a comparison's for the front page, those of a matrix for its pages."""
+    if (folder / "study.toml").exists():
+        demo_page.keep(folder)
+        return
+    rows = full_page.rows_of(folder / cases_page.FILE)
+    if any(row["slave"] == "exchanged" for row in rows):  # the quick matrix has none
+        full_page.keep(rows)
+    cases_page.keep(cases_page.rows_of(folder / cases_page.FILE))
+
+
 def main(words: list[str]) -> int:
     """Write all pages, or say which are stale."""
     if words == ["--check"]:
@@ -77,10 +95,7 @@ def main(words: list[str]) -> int:
         print("\n".join(f"docs/{name} is stale: make pages" for name in found) or "all pages are what their rows say")
         return 1 if found else 0
     for folder in map(Path, words):
-        if (folder / "study.toml").exists():
-            demo_page.keep(folder)
-        else:
-            cases_page.keep(cases_page.rows_of(folder / cases_page.FILE))
+        _keep(folder)
     for name, made in PAGES.items():
         (DOCS / name).write_text(made(), encoding="utf-8")
     return 0

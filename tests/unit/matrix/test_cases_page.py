@@ -48,7 +48,15 @@ def study(pages: ModuleType) -> ModuleType:
 
 def test_no_page_is_stale(pages: ModuleType) -> None:
     """Every table and every number in prose of these pages is what is kept of the runs."""
-    names = {"cases.md", "hard-cases.md", "statics-cases.md", "friction.md", "paper.md", "../README.md"}
+    names = {
+        "cases.md",
+        "full-matrix.md",
+        "hard-cases.md",
+        "statics-cases.md",
+        "friction.md",
+        "paper.md",
+        "../README.md",
+    }
     assert set(pages.PAGES) == names
     assert pages.stale() == []
 
@@ -99,3 +107,15 @@ def test_rows_are_the_newest_of_the_archive(study: ModuleType, tmp_path: Path) -
     (row,) = study.rows_of(tmp_path / FILE)
     assert (row["value"], row["least"], row["verdict"]) == ("2.5", "", "missed")
     assert "**2.5** missed" in study.page([row])
+
+
+def test_cells_of_the_full_matrix_without_an_answer_are_listed_with_their_cause(pages: ModuleType) -> None:
+    """Of 1000 cells and more; a kind that is no longer there leaves the list, and mortars are silent in two cases."""
+    full = pages.full_page
+    rows = full.stored()
+    assert len(rows) >= 1000
+    assert set(full.unanswered(rows)) == set(full.CAUSES)
+    silent = {r["case"] for r in rows if r["verdict"] == "silent" and r["contact"] != "node-on-segment"}
+    assert silent == {"dropped-block", "pressed-block"}
+    assert {row["slave"] for row in rows} == {"declared", "exchanged"}
+    assert len({row["integrator"] for row in rows}) == 3

@@ -1,0 +1,142 @@
+"""docs/full-matrix.md from the archive of `contactlab matrix --full`: all verdicts, and why some cells have no answer.
+
+    contactlab matrix --full --out runs/full && make pages FULL=runs/full
+
+The newest cell of each configuration is kept in full_matrix.csv, one row each. Every kind of cell that is silent, that
+failed or was not judged has its cause below; a test holds the lists complete, so that they can only shrink.
+"""
+
+from __future__ import annotations
+
+import csv
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+from contactlab.archive.archive import CHOICES, Archive
+from contactlab.matrix.plan import Request, plan
+from contactlab.parts.registry import default_registry
+
+HERE = Path(__file__).parent
+STORED = HERE / "full_matrix.csv"
+COLUMNS = (*CHOICES, "verdict", "cpu_s", "reason")
+UNANSWERED = ("silent", "failed", "not-judged")
+ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
+
+Row = dict[str, str]
+
+NODES = "node-on-segment"
+LEANING = "normals averaged on the slave lean beside a node that has been let go, and work on what slides there"
+ONE_PASS = "one-pass conditions do not pass a constant pressure between meshes that do not match"
+VERTEX = "forces jump where a node lies on a vertex of the master: the iteration goes to and fro; the run says so"
+FINE_ON_SOFT = (
+    "a stiff slave of finer cells than the soft master: multipliers between the master's nodes have no answer, and "
+    "statuses find no rest; the run says so, and with the sides exchanged it is met"
+)
+CORNERS = (
+    "two corners that meet head on: nodes are pushed out of the other body's side, and contact makes energy; the run "
+    "is stopped for it"
+)
+CAUSES: dict[tuple[str, str, str], str] = {
+    ("dropped-block", "mortar-p0", "silent"): LEANING,
+    ("dropped-block", "mortar-p1", "silent"): LEANING,
+    ("pressed-block", "mortar-p0", "silent"): LEANING,
+    ("pressed-block", "mortar-p1", "silent"): LEANING,
+    ("stiffness-contrast", "mortar-p0", "failed"): FINE_ON_SOFT,
+    ("stiffness-contrast", "mortar-p1", "failed"): FINE_ON_SOFT,
+    ("patch", NODES, "silent"): ONE_PASS,
+    ("patch", NODES, "failed"): VERTEX,
+    ("two-rings", NODES, "silent"): f"{ONE_PASS}: on a curve first order where the case allows second",
+    ("hertz", NODES, "silent"): f"{ONE_PASS}: the pressure swings over several nodes, which no saw-tooth is",
+    ("hertz", NODES, "failed"): VERTEX,
+    ("stiffness-contrast", NODES, "failed"): VERTEX,
+    ("elastic-punch", NODES, "silent"): f"{ONE_PASS}: the exponent at the corner is fitted to such pressures",
+    ("nafems-cgs1", NODES, "failed"): VERTEX,
+    ("disc-on-block", NODES, "not-judged"): VERTEX,
+    ("rigid-punch", NODES, "not-judged"): "statuses beside the singular edge find no rest",
+    ("spinning-pair", NODES, "silent"): "without friction alone; where it comes from is not known",
+    ("vertex-to-vertex", NODES, "failed"): CORNERS,
+}
+"""By case, algorithm and verdict: why there is no right answer, or none that says that it is wrong."""
+
+HEAD = """# The full matrix
+
+Written by `make pages` from the archive of `contactlab matrix --full`: {cells} cells (every case with all its variants,
+either slave, all its elements and integrators, three algorithms), which took {minutes:.0f} CPU minutes.
+{counts}
+
+What verdicts mean stands in [Cases against algorithms](matrix.md), numbers of the quick matrix in
+[Every case](cases.md).
+
+## By case
+
+Met / all cells; then those that are silent (s), failed (f), not judged (n).
+"""
+
+
+def rows_of(archive: Path) -> list[Row]:
+    """The newest cell of each configuration of the full matrix; an archive may hold more."""
+    asked = {tuple(cell.choices.values()) for cell in plan(Request(full=True), default_registry())}
+    seen: dict[tuple[str, ...], Row] = {}
+    with Archive(archive, write=False) as kept:
+        for cell in kept.cells():
+            key = tuple(str(cell[name]) for name in CHOICES)
+            if key in asked and key not in seen and cell["verdict"] != "not-applicable":
+                reason = " ".join((cell["reason"] or "").split())[:90]
+                ends = {"verdict": str(cell["verdict"]), "cpu_s": f"{cell['cpu_s']:.1f}", "reason": reason}
+                seen[key] = {**dict(zip(CHOICES, key, strict=True)), **ends}
+    return [seen[key] for key in sorted(seen)]
+
+
+def keep(rows: list[Row]) -> None:
+    """Put rows into full_matrix.csv; what is met needs no reason."""
+    with STORED.open("w", newline="", encoding="utf-8") as file:
+        made = csv.DictWriter(file, COLUMNS)
+        made.writeheader()
+        made.writerows(rows)
+
+
+def stored() -> list[Row]:
+    """The rows that are kept."""
+    with STORED.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def unanswered(rows: list[Row]) -> Counter[tuple[str, str, str]]:
+    """How many cells of each kind gave no right answer."""
+    return Counter((row["case"], row["contact"], row["verdict"]) for row in rows if row["verdict"] in UNANSWERED)
+
+
+def page(rows: list[Row]) -> str:
+    """docs/full-matrix.md."""
+    found = Counter(row["verdict"] for row in rows)
+    counts = ", ".join(f"{found[v]} {v}" for v in ORDER if found[v] or v == "silent") + "."
+    minutes = sum(float(row["cpu_s"]) for row in rows) / 60.0
+    text = [HEAD.format(cells=len(rows), minutes=minutes, counts=counts), *_table(rows)]
+    text += ["", "## Silent, failed and not judged, with the cause", "", "| case | algorithm | cells | cause |"]
+    text += ["|---|---|---|---|"]
+    for (case, contact, verdict), number in sorted(unanswered(rows).items()):
+        text.append(f"| `{case}` | {contact} | {number} {verdict} | {CAUSES.get((case, contact, verdict), '')} |")
+    return "\n".join([*text, "", "## Missed, by the number that misses first", "", *_missed(rows)]) + "\n"
+
+
+def _table(rows: list[Row]) -> list[str]:
+    contacts = sorted({row["contact"] for row in rows})
+    lines = ["| case | " + " | ".join(contacts) + " |", "|---" * (len(contacts) + 1) + "|"]
+    for case in sorted({row["case"] for row in rows}):
+        cells = (Counter(r["verdict"] for r in rows if (r["case"], r["contact"]) == (case, c)) for c in contacts)
+        lines.append(f"| `{case}` | " + " | ".join(map(_cell, cells)) + " |")
+    return lines
+
+
+def _cell(found: Counter[str]) -> str:
+    more = "".join(f", {found[verdict]} {verdict[0]}" for verdict in UNANSWERED if found[verdict])
+    return f"{found['met']} / {found.total()}{more}"
+
+
+def _missed(rows: list[Row]) -> Iterator[str]:
+    """One line per case, algorithm and number."""
+    yield from ("| case | algorithm | cells | what |", "|---|---|---|---|")
+    missed = ((r["case"], r["contact"], r["reason"].split(" is ")[0]) for r in rows if r["verdict"] == "missed")
+    for (case, contact, what), number in sorted(Counter(missed).items()):
+        yield f"| `{case}` | {contact} | {number} | {what} |"
