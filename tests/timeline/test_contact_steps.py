@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -79,14 +80,22 @@ def test_a_record_beyond_its_budget_is_thinned_and_says_so(small_scene: MakeScen
     assert any(event.text.startswith(f"contact is recorded every {stride[0]} steps") for event in run.events)
 
 
-def test_runs_of_a_comparison_have_a_budget_of_their_own(
+def test_a_run_of_a_comparison_keeps_its_budget_where_it_is_taken_up_by_itself(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from contactlab.studies import run_job
+    from contactlab.run.interruption import Interrupted
+    from contactlab.studies import plan
 
-    monkeypatch.setattr(run_job, "COMPARED", 0.02)
-    run_job.run(small_scene(), tmp_path / "run", 0, 1, lambda message: None)
-    assert 0 < contactlab.load_results(tmp_path / "run").contact["contacts.0"].steps.nbytes <= 0.02e6
+    assert plan.make_plan(small_scene(), {"level": [1]}).jobs[0].scene.record.budget == plan.RECORD
+    monkeypatch.setattr(plan, "RECORD", 0.02)
+    (job,) = plan.make_plan(small_scene(), {"level": [1]}).jobs
+    with pytest.raises(Interrupted):
+        simulate(job.scene, tmp_path / "run", progress=lambda *_: signal.raise_signal(signal.SIGINT))
+    resumed = simulate(tmp_path / "run/scene.toml", tmp_path / "run", resume=True)
+    assert resumed.summary["resumed_at_steps"]
+    assert 0 < resumed.contact["contacts.0"].steps.nbytes <= 0.02e6
+    named = small_scene({"record.budget": 7.0})
+    assert plan.make_plan(named, {"level": [1]}).jobs[0].scene.record.budget == 7.0
 
 
 def test_no_record_without_a_budget_or_contact(

@@ -13,7 +13,6 @@ from contactlab.api.contact_steps import contact_record
 from contactlab.api.frame import Layout
 
 BUDGET = 64.0  # MB of one run, where the scene names none
-COMPARED = 3.0  # MB of a run of a comparison
 MEGABYTE = 1e6
 MEANT = 0.75  # of the budget is what a run takes that has as many steps as it was estimated to have
 
@@ -36,13 +35,10 @@ class RecordPlan:
     sure: int
 
     @classmethod
-    def of(cls, record: Any, layout: Layout, steps: int, budget: float = BUDGET) -> RecordPlan | None:
-        """The plan of a run of about so many steps, from the table `[record]`; None where nothing is kept.
-
-        `budget` [MB] holds where the table names none.
-        """
+    def of(cls, record: Any, layout: Layout, steps: int) -> RecordPlan | None:
+        """The plan of a run of about so many steps, from the table `[record]`; None where nothing is kept."""
         size = sum(contact_record(contact).itemsize for contact in layout.contacts)
-        rows = int((budget if record.budget is None else record.budget) * MEGABYTE / max(1, size))
+        rows = int((BUDGET if record.budget is None else record.budget) * MEGABYTE / max(1, size))
         if not layout.contacts or rows < 4:
             return None
         first, last, asked = record.from_ or 1, record.to or math.inf, record.every or 1

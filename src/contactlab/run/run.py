@@ -21,7 +21,7 @@ from contactlab.parts.provenance import parts_of, versions
 from contactlab.results.files import HistoryFile, write_scene
 from contactlab.results.frame import layout_of
 from contactlab.results.journal import Journal
-from contactlab.results.record_plan import BUDGET, RecordPlan
+from contactlab.results.record_plan import RecordPlan
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
 from contactlab.results.summary import Clock, Counts, summarise
@@ -264,7 +264,6 @@ def prepare_run(
     folder: Path | None,
     resume: bool,
     watching: Watching | None = None,
-    budget: float = BUDGET,
 ) -> Run:
     """A run of `model`, whose recorders write to `folder`; with `resume` the one that is saved there.
 
@@ -291,7 +290,7 @@ def prepare_run(
     if folder is None:
         run.journal = Journal(model, layout, {}, wanted)
         return run
-    plan = RecordPlan.of(scene.record, layout, steps, budget) if wanted["contact_steps"] else None
+    plan = RecordPlan.of(scene.record, layout, steps) if wanted["contact_steps"] else None
     memory = sum(array.nbytes for array in run.saved().values())
     check_disk_space(recorders, folder, layout, steps, memory, plan, scene.where("record.frames"))
     claimed = HistoryFile(folder)

@@ -16,7 +16,6 @@ from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault, part_errors
 from contactlab.parts.machine import with_one_blas_thread
 from contactlab.results.peak_memory import reset_peak
-from contactlab.results.record_plan import BUDGET
 from contactlab.results.results import Results
 from contactlab.run.culprit import wrong_answer
 from contactlab.run.folders import run_folder
@@ -51,7 +50,6 @@ def simulate(
     watch: Mapping[str, Watch] = NOTHING_WATCHED,
     work: float = math.inf,
     guards: bool = True,
-    record_budget: float = BUDGET,
 ) -> Results:
     """Run a scene (a `Scene`, a bundled name or a TOML file) and return its results.
 
@@ -59,7 +57,6 @@ def simulate(
     goes on where it was saved, one that is over is read back, and an empty folder is begun.
     `watch` are watches by name, whose findings are `Results.watched`. `work` is the number of steps and iterations
     after which the run ends as "timed-out". Without `guards` nothing stops a run whose numbers go wild.
-    `record_budget` [MB] is the size of the contact record where the scene names none.
     A run that fails is a result too: see `Results.status` and `Results.reason`. Raises RequestError
     (scene, part or folder wrong) before the first step, and Interrupted, which carries the results,
     after Ctrl-C or SIGTERM. BLAS has one thread meanwhile, so that bits do not depend on their number.
@@ -78,7 +75,7 @@ def simulate(
     model = build(scene, registry)
     with part_errors(registry):
         watching = Watching(model, watch) if watch else None
-        run = prepare_run(model, scene, registry, folder, resume, watching, record_budget)
+        run = prepare_run(model, scene, registry, folder, resume, watching)
     if work < math.inf:
         run.work_limit = WorkLimit(run.counts, work)
     if not guards:

@@ -14,7 +14,7 @@ from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.studies.measure_run import driven_support, without_compilation
-from contactlab.studies.plan import Job, Plan, find_scene
+from contactlab.studies.plan import Job, Plan, compared_scene, find_scene
 from contactlab.studies.profile import FoldedSurfaceError, Profile, distance, norm
 from contactlab.studies.removable import Variant, variants
 from contactlab.studies.run_job import Outcome
@@ -108,7 +108,8 @@ def _job(name: str, scene: Scene, label: str) -> Job:
     contact = scene.contacts[0] if scene.contacts else None
     algorithm = contact.algorithm["use"] if contact is not None else "no contact"
     slave = contact.sides[0].partition(".")[0] if contact is not None else ""
-    return Job(name, scene, {"effect": label}, {"effect": label}, algorithm, slave, partner=name, refines=False)
+    choice = {"effect": label}
+    return Job(name, compared_scene(scene), choice, choice, algorithm, slave, partner=name, refines=False)
 
 
 def breakdown_of(plan: BreakdownPlan, outcomes: Mapping[str, Outcome]) -> CostBreakdown:

@@ -20,6 +20,8 @@ from contactlab.studies.vary import without_star
 
 Vary = Mapping[str, Sequence[Any]]
 
+RECORD = 3.0  # MB of the contact record of a run: there are many of them, and some hundred steps show a difference
+
 
 @dataclass(frozen=True)
 class Job:
@@ -141,8 +143,13 @@ def _jobs(study: Study, scene: Scene, contact: int) -> list[Job]:
     return asked + further
 
 
+def compared_scene(scene: Scene) -> Scene:
+    """The scene of one run among others, with what it keeps of each step written out: a run by itself goes on as it."""
+    return scene if scene.record.budget is not None else scene.with_({"record.budget": RECORD})
+
+
 def _job(base: Scene, varied: Mapping[str, Any], contact: int, refines: bool) -> Job:
-    scene = base.with_(without_star(varied, base.data))
+    scene = compared_scene(base.with_(without_star(varied, base.data)))
     compared = scene.data["contacts"][contact]
     algorithm = _algorithm_label(base, varied, contact, compared)
     slave = body_of(sides(compared)[0])

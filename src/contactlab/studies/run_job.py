@@ -14,7 +14,6 @@ from typing import Any
 
 from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError
-from contactlab.results.record_plan import COMPARED
 from contactlab.results.results import ContactCurve, Results
 from contactlab.scene.scene import Scene
 from contactlab.studies.call import Report
@@ -71,9 +70,7 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
             begun = False
             shutil.rmtree(place)
         progress = _progress(report, number, repeat)
-        return simulate(
-            scene, out=place, registry=scene.registry, progress=progress, resume=begun, record_budget=COMPARED
-        )
+        return simulate(scene, out=place, registry=scene.registry, progress=progress, resume=begun)
 
     if folder is None or not folder.exists():
         _be_ready(scene)
