@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from contactlab.api import Floats, Ints, RunWarning
+from contactlab.meshing.inside import windings
 from contactlab.meshing.mesh import outer_edges
 from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.model.bodies.body import Body
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 DEPTH = 0.01  # of a node's edges: how deep it lies in another body before that counts as touching
-CHUNK = 2_000_000  # pairs of points and segments looked at at a time
 
 Mask = NDArray[np.bool_]
 
@@ -95,7 +95,7 @@ class Outline:
         # inwards: how much of this body lies in the other; outwards: where nothing of itself may be
         way = 1.0 if other is self else -1.0
         probe = (position[self.nodes] + way * DEPTH * size[:, None] * normal)[~self.joined[other.body.name]]
-        return np.asarray(free[_within(probe, position[other.segments[:, 0]], position[other.segments[:, 1]])])
+        return np.asarray(free[windings(probe, position, other.segments) > 0.0])
 
     def _normals(self, position: Floats) -> tuple[Floats, Floats]:
         """Outward unit normal (k, 2) of each boundary node, and the shortest of its edges (k,)."""
@@ -121,20 +121,3 @@ def _joined(nodes: Ints, other: Body, model: Model) -> Mask:
             if np.any((opposite.nodes >= other.first) & (opposite.nodes < other.first + other.count)):
                 joined |= np.isin(nodes, one.nodes)
     return joined
-
-
-def _within(points: Floats, begin: Floats, end: Floats) -> Mask:
-    """Which points (p, 2) have the closed chains of segments around them: winding numbers above zero.
-
-    An edge going up on a point's right counts +1, one going down -1 (Sunday 2001).
-    """
-    low, high = begin.min(axis=0), begin.max(axis=0)
-    inside = np.zeros(len(points), np.bool_)
-    near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
-    for part in np.array_split(near, max(1, -(-len(near) * len(begin) // CHUNK))):
-        x, y = points[part, 0, None], points[part, 1, None]
-        side = (end[:, 0] - begin[:, 0]) * (y - begin[:, 1]) - (x - begin[:, 0]) * (end[:, 1] - begin[:, 1])
-        upward = (begin[:, 1] <= y) & (end[:, 1] > y) & (side > 0.0)
-        downward = (end[:, 1] <= y) & (begin[:, 1] > y) & (side < 0.0)
-        inside[part] = upward.sum(axis=1) > downward.sum(axis=1)
-    return inside

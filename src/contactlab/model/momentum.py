@@ -56,7 +56,14 @@ def mirrored_nodes(reference: Floats, parts: Sequence[slice]) -> Ints:
     grid = np.round(reference / (1e-6 * size)).astype(np.int64)
     mirror = np.full(len(reference), -1, np.int32)
     for part in parts:
-        own = grid[part].tolist()
-        place = {tuple(point): part.start + number for number, point in enumerate(own)}
-        mirror[part] = [place.get((-x, y), -1) for x, y in own]
+        own = grid[part]
+        if not len(own):
+            continue
+        (left, low), (right, high) = own.min(axis=0), own.max(axis=0)
+        rows = high - low + 1
+        key, image = (own[:, 0] - left) * rows + own[:, 1] - low, (-own[:, 0] - left) * rows + own[:, 1] - low
+        order = np.argsort(key, kind="stable")
+        place = order[np.searchsorted(key[order], image, side="right") - 1]
+        inside = (-own[:, 0] >= left) & (-own[:, 0] <= right)  # elsewhere a key would be that of another place
+        mirror[part] = np.where(inside & (key[place] == image), part.start + place, -1)
     return mirror

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Element, ExplicitIntegrator, Material
+from contactlab.api import ExplicitIntegrator
 from contactlab.errors import SceneError
-from contactlab.meshing.room import NODE_BYTES, in_gib, machine_memory
+from contactlab.meshing.room import in_gib, machine_memory
+from contactlab.model.model_size import ModelSize
 
 if TYPE_CHECKING:
     from contactlab.errors import Location
@@ -20,44 +20,10 @@ if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 
-FACTOR_BYTES = 800.0  # of an implicit model, per node and doubling of nodes: factors of its matrices grow as n log n
-DENSER = 1.4  # times as much with elements that have more nodes than corners: a node has more neighbours
 SEGMENT_BYTES = 200.0  # of a rigid surface: positions, edges and what a contact keeps for each
 FRAME_BYTES = 12.0  # that a frame keeps in memory until the run ends, per node: positions and a value to show
 THREADS_PER_CORE = 4
 FEWER = "fewer cells, a smaller level, or longer segments"
-
-
-@dataclass
-class ModelSize:
-    """What decides how much memory a model takes.
-
-    implicit  whether matrices are factorised; dense: whether elements have more nodes than corners
-    history   numbers that materials remember at all points
-    """
-
-    implicit: bool
-    nodes: float = 0.0
-    history: float = 0.0
-    dense: bool = False
-
-    def add(self, cells: float, element: type[Element], material: type[Material]) -> None:
-        """A body of so many cells more."""
-        corner, side, all_nodes = 4, sum(len(edge) - 2 for edge in element.edges), len(element.nodes)
-        self.nodes += cells * (1.0 + side / 2.0 + (all_nodes - corner - side))  # sides and corners are shared
-        self.history += cells * all_nodes * material.history_size
-        self.dense = self.dense or all_nodes > corner
-
-    @property
-    def bytes(self) -> float:
-        """As measured, to a factor of 2 (docs/reliability.md): what conditions of a contact keep is not counted."""
-        factors = FACTOR_BYTES * math.log2(max(self.nodes, 1.0)) if self.implicit else 0.0
-        return self.nodes * (NODE_BYTES + (DENSER if self.dense else 1.0) * factors) + 16.0 * self.history
-
-    @property
-    def words(self) -> str:
-        """What takes the memory."""
-        return f"{self.nodes:.3g} nodes so far{', with matrices of all of them' if self.implicit else ''}"
 
 
 def check_sizes(scene: Scene, registry: Registry) -> None:
@@ -72,7 +38,7 @@ def check_sizes(scene: Scene, registry: Registry) -> None:
         )
     size = _no_nodes(scene, registry)
     for name, body in scene.bodies.items():
-        _add(size, scene, registry, name, _cells(body.mesh, scene.level))
+        _add(size, scene, registry, name, _cells(body.mesh, scene.level), _sides(body.mesh, scene.level))
         got = f"{body.mesh.get('cells')} at level {scene.level}, {size.words}"
         _fits(size.bytes, scene.where(f"bodies.{name}.mesh.cells"), got)
 
@@ -81,7 +47,7 @@ def check_meshed_size(scene: Scene, registry: Registry, bodies: Sequence[Body]) 
     """The same once there are meshes: from a file, or of a kind whose `cells` are not all of its cells."""
     size = _no_nodes(scene, registry)
     for body in bodies:
-        _add(size, scene, registry, body.name, len(body.cells))
+        _add(size, scene, registry, body.name, len(body.cells), _edges(body))
         _fits(size.bytes, scene.where(f"bodies.{body.name}.mesh"), f"{len(body.cells)} cells, {size.words}")
 
 
@@ -89,7 +55,8 @@ def estimated_bytes(scene: Scene, registry: Registry, cells: Mapping[str, int] |
     """Bytes that the model of a scene will take, with so many cells in its bodies, or as many as it says."""
     size = _no_nodes(scene, registry)
     for name, body in scene.bodies.items():
-        _add(size, scene, registry, name, cells[name] if cells is not None else _cells(body.mesh, scene.level))
+        number = _cells(body.mesh, scene.level) if cells is None else cells[name]
+        _add(size, scene, registry, name, number, _sides(body.mesh, scene.level))
     return size.bytes
 
 
@@ -120,16 +87,38 @@ def _fits(size: float, where: Location, got: str, hint: str = FEWER) -> None:
 
 def _no_nodes(scene: Scene, registry: Registry) -> ModelSize:
     integrator = registry.part_class("integrator", scene.integrator["use"], scene.where("integrator"))
-    return ModelSize(implicit=not issubclass(integrator, ExplicitIntegrator))
+    # how slowly a quasi-static run is loaded follows from the lowest frequency
+    return ModelSize(not issubclass(integrator, ExplicitIntegrator), scene.time.end == "auto", scene.threads)
 
 
-def _add(size: ModelSize, scene: Scene, registry: Registry, name: str, cells: float) -> None:
+def _add(
+    size: ModelSize, scene: Scene, registry: Registry, name: str, cells: float, edges: Callable[[str], float]
+) -> None:
+    """A body of so many cells, with so many `edges` of cells in each of its edge sets."""
     body = scene.bodies[name]
     element = registry.part_class("element", body.element["use"], scene.where(f"bodies.{name}.element"))
     law = registry.part_class(
         "material", scene.materials[body.material]["use"], scene.where(f"materials.{body.material}")
     )
     size.add(cells, element, law)
+    nodes = max(len(edge) - 1 for edge in element.edges)
+    for contact in scene.contacts:
+        for target in contact.targets[0]:
+            of, _, edge_set = target.partition(".")
+            if of == name:
+                size.add_contact(nodes * edges(edge_set), contact.friction is not None)
+
+
+def _sides(mesh: Mapping[str, Any], level: int) -> Callable[[str], float]:
+    """Edges on the whole boundary of a mesh that says how many cells it has, whatever edge set is asked for."""
+    counts = mesh.get("cells")
+    around = sum(_sum(count) for count in counts) if isinstance(counts, list | tuple) else 0.0
+    return lambda edge_set: 2.0 * level * around
+
+
+def _edges(body: Body) -> Callable[[str], float]:
+    """Edges in a set of a mesh that is there."""
+    return lambda edge_set: float(len(body.mesh.edges[edge_set])) if edge_set in body.mesh.edges else 0.0
 
 
 def _cells(mesh: Mapping[str, Any], level: int) -> float:

@@ -41,6 +41,7 @@ class ReusedFactor:
             found = preconditioned(matrix, right, self.factor, accuracy)
             if found is not None:
                 return found
+        self.factor = None  # factors are most of the memory of a run: the old ones go first
         self.factor, self.kind = Factor(matrix), kind
         return self.factor.solve(right)
 

@@ -20,11 +20,15 @@ SAMPLES = 33  # times at which motion is looked at: ramps have one way to go, ta
 
 
 class _Held(NamedTuple):
-    """The nodes of a body or rigid surface that are moved along an axis, and where: (times, nodes) [mm]."""
+    """The nodes of a body or rigid surface that are moved along an axis.
+
+    low, high  (times, 2) [mm] bounds of where they are
+    """
 
     name: str
     nodes: Ints
-    along: Floats
+    low: Floats
+    high: Floats
 
 
 def check_approach(
@@ -40,23 +44,28 @@ def check_approach(
     Of each two only what is sure counts: along an axis all held nodes of one lie on one side of those of the other,
     and later all on the other side, while their places across overlap all the time.
     """
-    places = _places(reference, prescribed, np.linspace(0.0, end, SAMPLES))
     every: list[Any] = [*bodies, *rigid]
+    by_axis = [[_held(part, prescribed, axis) for part in every] for axis in range(2)]
+    _follow([one for held in by_axis for one in held], reference, prescribed, end)
     for group in _joined(scene, [part.name for part in every]):
-        parts = [part for part in every if part.name in group]
-        for axis in range(2):
-            held = [_held(part, prescribed, places, axis) for part in parts]
-            for a, b in combinations([one for one in held if len(one.nodes)], 2):
-                _refuse_passing(scene, a, b, places[:, :, 1 - axis], axis)
+        for axis, held in enumerate(by_axis):
+            for a, b in combinations([one for one in held if one.name in group], 2):
+                _refuse_passing(scene, a, b, axis)
 
 
-def _places(reference: Floats, prescribed: Prescribed, times: Floats) -> Floats:
-    """Positions (times, N, 2) with prescribed displacements; where the rest of a body is, nobody knows yet."""
-    places = np.repeat(reference[None], len(times), axis=0)
-    flat = places.reshape(len(times), -1)
-    for row, time in zip(flat, times, strict=True):
-        row[prescribed.dof] += prescribed.scale * prescribed.values(float(time))[prescribed.ramp]
-    return places
+def _held(part: Any, prescribed: Prescribed, axis: int) -> _Held:
+    own = prescribed.dof[(prescribed.dof >= 2 * part.first) & (prescribed.dof < 2 * (part.first + part.count))]
+    return _Held(part.name, own[own % 2 == axis] // 2, np.zeros((SAMPLES, 2)), np.zeros((SAMPLES, 2)))
+
+
+def _follow(held: list[_Held], reference: Floats, prescribed: Prescribed, end: float) -> None:
+    """Fill the bounds: where the rest of a body is, nobody knows yet. One time after the other, for the memory."""
+    for number, time in enumerate(np.linspace(0.0, end, SAMPLES)):
+        place = reference.copy()
+        place.ravel()[prescribed.dof] += prescribed.scale * prescribed.values(float(time))[prescribed.ramp]
+        for one in held:
+            one.low[number] = place[one.nodes].min(axis=0, initial=np.inf)
+            one.high[number] = place[one.nodes].max(axis=0, initial=-np.inf)
 
 
 def _joined(scene: Scene, names: list[str]) -> list[set[str]]:
@@ -69,19 +78,13 @@ def _joined(scene: Scene, names: list[str]) -> list[set[str]]:
     return [group for group in groups if len(group) > 1]
 
 
-def _held(part: Any, prescribed: Prescribed, places: Floats, axis: int) -> _Held:
-    own = prescribed.dof[(prescribed.dof >= 2 * part.first) & (prescribed.dof < 2 * (part.first + part.count))]
-    nodes = own[own % 2 == axis] // 2
-    return _Held(part.name, nodes, places[:, nodes, axis])
-
-
-def _refuse_passing(scene: Scene, a: _Held, b: _Held, across: Floats, axis: int) -> None:
-    below, above = (a, b) if a.along[0].mean() < b.along[0].mean() else (b, a)
-    room = above.along.min(axis=1) - below.along.max(axis=1)
-    width = np.minimum(across[:, a.nodes].max(axis=1), across[:, b.nodes].max(axis=1)) - np.maximum(
-        across[:, a.nodes].min(axis=1), across[:, b.nodes].min(axis=1)
-    )
-    left = above.along.max(axis=1) - below.along.min(axis=1)
+def _refuse_passing(scene: Scene, a: _Held, b: _Held, axis: int) -> None:
+    if not len(a.nodes) or not len(b.nodes):
+        return
+    (below, above), across = ((a, b) if a.low[0, axis] < b.low[0, axis] else (b, a)), 1 - axis
+    room = above.low[:, axis] - below.high[:, axis]
+    width = np.minimum(a.high[:, across], b.high[:, across]) - np.maximum(a.low[:, across], b.low[:, across])
+    left = above.high[:, axis] - below.low[:, axis]
     if room[0] <= 0.0 or not left.min() <= 0.0 or not width[: int(np.argmax(left <= 0.0)) + 1].min() > 0.0:
         return
     raise SceneError(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from contactlab.errors import SceneError
-from contactlab.model.contact.inside import depths_inside
+from contactlab.meshing.inside import depths_inside
 
 
 def refused(make, changes: dict, *words: str, **tables) -> None:  # type: ignore[no-untyped-def]

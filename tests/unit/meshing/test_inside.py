@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from contactlab.api import Floats, Ints
-from contactlab.model.contact import inside
-from contactlab.model.contact.inside import depths_inside
+from contactlab.meshing import inside
+from contactlab.meshing.inside import depths_inside, windings
 
 
 def brute_force(points: Floats, positions: Floats, edges: Ints) -> Floats:
@@ -41,6 +41,10 @@ def test_as_brute_force_says(seed: int, count: int, flat: bool) -> None:
     positions, edges = ring(count, chance.uniform(0.3, 1.0, count))
     points = chance.uniform(-1.1, 1.1, (80, 2)) * ([1.0, 0.05] if flat else [1.0, 1.0])
     assert depths_inside(points, positions, edges) == pytest.approx(brute_force(points, positions, edges), abs=1e-12)
+    for around in (positions, positions[:, ::-1]):  # points spread along either axis
+        sign = 1.0 if around is positions else -1.0
+        turns = windings(points if sign > 0.0 else points[:, ::-1], around, edges)
+        assert set(np.unique(sign * turns)) <= {0.0, 1.0}, "the boundary has its inside on its left, or right"
 
 
 def test_pairs_grow_with_points_and_edges(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.api import Floats, Ints
 
-TOGETHER = 1 << 20  # pairs of a point and an edge that are looked at together
+TOGETHER = 1 << 16  # pairs of a point and an edge that are looked at together: some megabytes
 
 
 def depths_inside(points: Floats, positions: Floats, edges: Ints) -> Floats:
@@ -22,7 +22,7 @@ def depths_inside(points: Floats, positions: Floats, edges: Ints) -> Floats:
 
 
 def windings(points: Floats, positions: Floats, edges: Ints) -> Floats:
-    """How often the boundary goes round each point (p,); 0 outside.
+    """How often the boundary goes round each point (p,), its inside on the left; 0 outside.
 
     A ray from the point meets the edges that begin on one side of it and end on the other (the crossing rule with
     signs, Sunday 2001). Points and edges are sorted into bins along the direction in which the points spread, and only
@@ -40,7 +40,7 @@ def windings(points: Floats, positions: Floats, edges: Ints) -> Floats:
         left = to_a[:, 0] * to_b[:, 1] - to_a[:, 1] * to_b[:, 0] > 0.0
         turns = np.where(crosses, np.where(to_b[:, 1] > 0.0, left, -1.0 * ~left), 0.0)
         out += np.bincount(point, turns, len(points))
-    return out
+    return out if across else -out  # axes that change places turn all the other way round
 
 
 def _pairs(at: Floats, low: Floats, high: Floats) -> Iterator[tuple[Any, Any]]:
