@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import os
 import random
+import resource
 import signal
 import subprocess
 import sys
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -252,3 +254,28 @@ def test_full_disk_keeps_what_was_written(
             assert np.array_equal(frame.displacement, expected.displacement)
     assert fork_server.run(scene, folder, resume=True).status == 0
     assert_same_run(whole, contactlab.load_results(folder))
+
+
+def test_a_disk_that_is_full_at_the_very_end_is_told_once(
+    small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
+) -> None:
+    """All steps are made and saved; only the summary that is written when the file is closed finds no room."""
+    scene, folder = small_scene({"time.end": 2e-6}), tmp_path / "full"
+    whole = simulate(scene, tmp_path / "whole")
+    most = (tmp_path / "whole/results.vtkhdf").stat().st_size - 1500  # of a summary of some thousand characters
+    _, hard = before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")  # the reason of the results says it
+            results = simulate(scene, folder)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert results.status == json.loads((folder / "summary.json").read_text())["status"] == "failed"
+    assert results.summary["steps"] == whole.summary["steps"]
+    assert results.reason.count(f"vtkhdf cannot write to {folder}") == 1
+    assert "can be resumed when there is room" in results.reason
+    resumed = simulate(scene, folder, resume=True)
+    assert resumed.status == "finished"
+    assert_same_run(whole, resumed)
+    assert_same_files(tmp_path / "whole", folder)

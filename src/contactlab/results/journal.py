@@ -123,11 +123,17 @@ class Journal:
             self._tell("save", lambda recording: recording.save(memory, written))
 
     def finish(self, summary: Mapping[str, Any]) -> Results:
-        """Close everything, write the last files and hand the results back."""
-        written = plain(summary)
-        for sampler in self.samplers:
-            self._quietly("steps", lambda _, sampler=sampler: sampler.flush())  # type: ignore[misc]
-        self._quietly("close", lambda recording: recording.close(written))
+        """Close everything, write the last files and hand the results back.
+
+        A run whose last state finds no room on the disk has failed: it can be taken up there.
+        """
+        written, full = plain(summary), self.full
+        reasons = [
+            *(why for s in self.samplers for why in self._quietly("steps", lambda _, s=s: s.flush())),  # type: ignore[misc]
+            *self._quietly("close", lambda recording: recording.close(written)),
+        ]
+        if reasons and not full:
+            written |= {"status": "failed", "reason": reasons[0]}
         self._write_files(written)
         return self._results(written)
 
@@ -206,15 +212,20 @@ class Journal:
                 "resumed when there is room",
             ) from error
 
-    def _quietly(self, what: str, call: Callable[[Recording], None]) -> None:
-        """The last calls: their faults are told, but the run is over already."""
+    def _quietly(self, what: str, call: Callable[[Recording], None]) -> list[str]:
+        """The last calls: why those recordings that keep the run's state could not; faults of others are told."""
+        reasons, known = [], self.full
         for name, recording in list(self.recordings.items()):
             try:
-                call(recording)
+                self._or_stop(name, call, recording)
+            except SimulationFailure as failure:
+                if recording.keeps_state:
+                    reasons.append(failure.reason)
+                elif not known:  # that the disk is full is told once
+                    warnings.warn(failure.reason, RuntimeWarning, stacklevel=2)
             except (Exception, SystemExit) as error:
-                if self.full and isinstance(error, OSError):
-                    continue  # that the disk is full is known
                 warnings.warn(f"the recorder {name} failed in {what}: {error}", RuntimeWarning, stacklevel=2)
+        return reasons
 
     def _results(self, summary: dict[str, Any]) -> Results:
         model, keys = self.model, self.rows[0] if self.rows else {}

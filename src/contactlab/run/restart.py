@@ -66,9 +66,10 @@ def stored_results(folder: Path, otherwise: Results) -> Results:
     from contactlab.results.load import load_results
 
     try:
-        return load_results(folder)
+        written = load_results(folder)
     except (RequestError, OSError):
         return otherwise
+    return written if written.status == otherwise.status else otherwise
 
 
 def _same_scene(text: str, scene: Scene, folder: Path) -> None:
