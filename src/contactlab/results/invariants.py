@@ -13,6 +13,7 @@ from contactlab.api import Floats
 from contactlab.model.momentum import momenta
 from contactlab.results.reaction_balance import reaction_mismatch
 from contactlab.results.saw_tooth import largest_turn, pressed_depth, saw_tooth
+from contactlab.results.strain_scale import energy_of_strain
 
 if TYPE_CHECKING:
     from contactlab.model.contact.pair import ContactPair
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from contactlab.results.sample import Sample
 
 ROUND = 1e-6  # of the largest: what tolerances of solvers and sums over many steps leave
+NO_STRAIN = 1e-7  # whose energy counts as none: that of smaller ones is round-off of load steps
 EXACT = 1e-9  # of the largest: sums that are zero by construction
 STEPWISE = 0.02  # load steps: work between two of them is a trapezoid; steps that follow their loads keep 1e-3
 SPREAD = 0.01  # nodes on segments: forces act along the master's normals, pressures along the slave's
@@ -88,7 +90,7 @@ def _energy(model: Model, sample: Sample) -> Iterator[Invariant]:
         why = "works and energies of one scheme add up, but for round-off over all steps"
         yield Invariant("error of the energy ledger", "ledger", "", error, ROUND, why)
         return
-    if model.way_followed and np.abs(model.state["work"]).max() > _no_energy(model):
+    if model.way_followed and np.abs(model.state["work"]).max() > energy_of_strain(model, NO_STRAIN):
         why = "the work of a load step is that of the mean of the forces at both its ends"
         yield Invariant("error of the energy ledger", "ledger", "", error, STEPWISE, why)
     mismatch = reaction_mismatch(model)
@@ -97,12 +99,6 @@ def _energy(model: Model, sample: Sample) -> Iterator[Invariant]:
             "support reactions out of balance", "unbalanced-reactions", "", mismatch, ROUND,
             "load steps end in equilibrium to 1e-8 of the largest force",
         )  # fmt: skip
-
-
-def _no_energy(model: Model) -> float:
-    """What a scene of this size and stiffness stores at strains that are round-off [mJ]."""
-    extent = float(np.ptp(model.reference, axis=0).max())
-    return (1e-7 * extent) ** 2 * max(body.dilatational_modulus for body in model.bodies)
 
 
 def _momentum(model: Model) -> Iterator[Invariant]:

@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.model.model import Model
+from contactlab.results.strain_scale import force_of_strain
+
+NO_STRAIN = 1e-12  # round-off of positions over the size of a scene, with some digits to spare
 
 
 def reaction_mismatch(model: Model) -> float:
@@ -19,13 +22,7 @@ def reaction_mismatch(model: Model) -> float:
     if model.external_force(model.state.time, applied):
         sizes.append(float(np.hypot(*applied.T).sum()))
     largest = max(sizes, default=0.0)
-    if largest <= _round_off(model) or len(sizes) < 2:
+    if largest <= force_of_strain(model, NO_STRAIN) or len(sizes) < 2:
         return float("nan")
     total = np.sum(reactions, axis=0) + applied.sum(axis=0)
     return float(np.hypot(*total) / largest)
-
-
-def _round_off(model: Model) -> float:
-    """Force [N] that is as good as none: of a strain of 1e-12 over the size of the scene."""
-    extent = float(np.ptp(model.reference, axis=0).max())
-    return 1e-12 * extent * max(body.dilatational_modulus for body in model.bodies)

@@ -1,0 +1,28 @@
+"""What force and energy a strain means in a scene of its size and stiffness: below that of round-off there is none."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from contactlab.model.model import Model
+
+
+def force_of_strain(model: Model, strain: float) -> float:
+    """Force [N] of a strain over the size of the scene, in its stiffest body."""
+    extent, modulus = _scale(model)
+    return strain * extent * modulus
+
+
+def energy_of_strain(model: Model, strain: float) -> float:
+    """Energy [mJ] of the same strain."""
+    extent, modulus = _scale(model)
+    return (strain * extent) ** 2 * modulus
+
+
+def _scale(model: Model) -> tuple[float, float]:
+    """Size of the scene [mm] and largest modulus [MPa]."""
+    extent = float(np.ptp(model.reference, axis=0).max())
+    return extent, max(body.dilatational_modulus for body in model.bodies)
