@@ -52,8 +52,12 @@ found["arrays"] = [[array.name, array.shape] for array in held_arrays(alone)]
 found["stored arrays"] = [[array.name, array.shape] for array in held_arrays(stored)]
 print(json.dumps(found))
 """
-# what belongs to files, archives and warnings; h5py and SQLite are only there for the first two
-KEPT_OUT = ("h5py", "sqlite3", "contactlab.archive", "contactlab.results.checksums", "contactlab.results.vtkhdf")
+# what belongs to files, archives, warnings and the record of contact; h5py and SQLite are only there for the first two
+KEPT_OUT = (
+    "h5py", "sqlite3", "contactlab.archive", "contactlab.results.checksums", "contactlab.results.vtkhdf",
+    "contactlab.results.steps", "contactlab.results.record_plan", "contactlab.results.contact_sampler",
+    "contactlab.kernels.contact.record", "contactlab.kernels.step_scalars",
+)  # fmt: skip
 MORE = 40  # steps of the longer run
 ROOMS = ("contactlab.results", "contactlab.archive", "contactlab.missing_effects", "contactlab.api.warning")
 

@@ -12,6 +12,7 @@ import pytest
 
 import contactlab
 from contactlab.cli import main
+from contactlab.parts.machine import blas_kernels
 from contactlab.parts.registry import Registry
 from contactlab.run.folders import fresh_folder, results_folder
 
@@ -173,10 +174,11 @@ def test_explain_says_what_a_scene_does_not_call_for(capsys: pytest.CaptureFixtu
 
 
 class TestDoctor:
-    def test_a_contact_step_works(self, capsys: pytest.CaptureFixture[str]) -> None:
+    def test_a_contact_step_works(self, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setenv("COLUMNS", "400")
         assert main(["doctor"]) == 0
         shown = capsys.readouterr().out
-        for word in ("works", "numba", "cores", "threads", "contactlab-mortar"):
+        for word in ("works", "numba", "cores", "threads", "contactlab-mortar", blas_kernels()):
             assert word in shown
 
     def test_a_broken_installation_returns_1(

@@ -21,7 +21,6 @@ from contactlab.parts.provenance import parts_of, versions
 from contactlab.results.files import HistoryFile, write_scene
 from contactlab.results.frame import layout_of
 from contactlab.results.journal import Journal
-from contactlab.results.record_plan import RecordPlan
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
 from contactlab.results.summary import Clock, Counts, summarise
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
     from contactlab.model.bound_integrator import BoundIntegrator
     from contactlab.parts.registry import Registry
     from contactlab.results.checkpoint_slots import Checkpoint
+    from contactlab.results.record_plan import RecordPlan
     from contactlab.run.nested import NestedStart
     from contactlab.scene.scene import Scene
 
@@ -290,7 +290,7 @@ def prepare_run(
     if folder is None:
         run.journal = Journal(model, layout, {}, wanted)
         return run
-    plan = RecordPlan.of(scene.record, layout, steps) if wanted["contact_steps"] else None
+    plan = _record_plan(scene, layout, steps) if wanted["contact_steps"] else None
     memory = sum(array.nbytes for array in run.saved().values())
     check_disk_space(recorders, folder, layout, steps, memory, plan, scene.where("record.frames"))
     claimed = HistoryFile(folder)
@@ -300,6 +300,12 @@ def prepare_run(
     run.journal = Journal(model, layout, recordings, wanted, claimed, past, plan)
     run.plan = plan
     return run
+
+
+def _record_plan(scene: Scene, layout: Layout, steps: int) -> RecordPlan | None:
+    from contactlab.results.record_plan import RecordPlan
+
+    return RecordPlan.of(scene.record, layout, steps)
 
 
 def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
