@@ -115,6 +115,18 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
     _add_scheduler(command)
 
 
+def _describe_choose(command: argparse.ArgumentParser) -> None:
+    _add_scene(command)
+    command.add_argument("--error", type=_share, default=0.01, metavar="E", help="that it must meet (default: 1%%)")
+    command.add_argument("--budget", type=_seconds, default=60.0, metavar="S", help="CPU time of a run (default: 60s)")
+    command.add_argument("--search", type=_seconds, default=120.0, metavar="S", help="of all trials (default: 120s)")
+    command.add_argument("--run", action="store_true", help="run what was chosen")
+    command.add_argument("--jobs", type=_positive, metavar="N", help="trials at a time (default: one per core)")
+    _add_out(command)
+    command.add_argument("--resume", action="store_true", help="use what was tried in DIR")
+    _add_json(command)
+
+
 def _describe_matrix(command: argparse.ArgumentParser) -> None:
     command.add_argument("cases", nargs="*", metavar="CASE", help="names of cases (default: all; contactlab parts)")
     command.add_argument(
@@ -256,6 +268,16 @@ def _positive(text: str) -> int:
     return number
 
 
+def _share(text: str) -> float:
+    try:
+        number = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
+    except ValueError:
+        number = 0.0
+    if not 0.0 < number < 1.0:
+        raise argparse.ArgumentTypeError(f"got {text}, allowed: an error such as 1% or 0.01, below 1")
+    return number
+
+
 def _seconds(text: str) -> float:
     try:
         number = float(text.removesuffix("s"))
@@ -279,6 +301,11 @@ _COMMANDS: dict[str, tuple[_Describe, str, str]] = {
         _describe_compare,
         "run every combination, accuracy against cost",
         "contactlab.commands.compare:compare",
+    ),
+    "choose": (
+        _describe_choose,
+        "find the cheapest algorithm, slave, element, integrator and level for a scene and an error",
+        "contactlab.commands.choose:choose_for",
     ),
     "matrix": (
         _describe_matrix,

@@ -64,14 +64,7 @@ class SceneCase(Case):
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """The scene with the choices of the setup in all its contacts and bodies."""
-        if done:
-            return ()
-        changes: dict[str, Any] = {"integrator": setup.integrator, "level": setup.level}
-        changes |= {f"bodies.{name}.element": setup.element for name in self.data["bodies"]}
-        for number, contact in enumerate(self.data["contacts"]):
-            changes[f"contacts.{number}.algorithm"] = setup.algorithm
-            changes[f"contacts.{number}.swap"] = bool(contact.get("swap")) != setup.swap
-        return (Job("run", self.data, changes),)
+        return () if done else (Job("run", self.data, choices_of(self.data, setup)),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The relative error of the pressure."""
@@ -85,3 +78,14 @@ class SceneCase(Case):
         (record,) = done.values()
         profile = Profile.of_curve(record.curve())
         return {PRESSURE: pressure_error(profile, self.against.profile, self.against.window)}
+
+
+def choices_of(data: Mapping[str, Any], setup: Setup) -> dict[str, Any]:
+    """The choices of a setup as changes of a scene (its TOML data), in all its bodies and contacts."""
+    changes: dict[str, Any] = {"integrator": setup.integrator, "level": setup.level}
+    if setup.element:
+        changes |= {f"bodies.{name}.element": setup.element for name in data["bodies"]}
+    for number, contact in enumerate(data["contacts"]):
+        changes[f"contacts.{number}.algorithm"] = setup.algorithm
+        changes[f"contacts.{number}.swap"] = bool(contact.get("swap")) != setup.swap
+    return changes

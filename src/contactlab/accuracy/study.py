@@ -63,7 +63,7 @@ class Contender:
     @property
     def label(self) -> str:
         """What tables call it."""
-        return f"{part_label(self.algorithm)} {self.element} {self.way}"
+        return " ".join(filter(None, [part_label(self.algorithm), self.element, self.way]))
 
 
 def part_label(spec: Any) -> str:
