@@ -111,6 +111,10 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
         help="measure pressures against this one: a name, a JSON or CSV file, finest",
     )
     command.add_argument("--repeat", type=_positive, metavar="N", help="runs of each combination; costs are medians")
+    command.add_argument(
+        "--keep", choices=("all", "failed", "none"), default="all",
+        help="whose results.vtkhdf and recordings stay (default: all)",
+    )  # fmt: skip
     _add_json(command)
     _add_scheduler(command)
 

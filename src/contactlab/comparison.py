@@ -8,12 +8,13 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.archive.rows import RowKeeper
-from contactlab.parts.registry import Registry
+from contactlab.parts.registry import Registry, default_registry
 from contactlab.reports.page import write_report
 from contactlab.reports.progress import progress_bars
 from contactlab.run.folders import full_disk_told
 from contactlab.scene.scene import Scene
 from contactlab.studies.finest import make_finest
+from contactlab.studies.kept_files import checked_keep, drop_files
 from contactlab.studies.plan import Vary
 from contactlab.studies.runner import run_study
 from contactlab.studies.scheduler import LOCAL
@@ -35,6 +36,7 @@ def compare(
     scheduler: str = LOCAL,
     repeat: int | None = None,
     reference: str | None = None,
+    keep: str = "all",
 ) -> Table:
     """Run every combination and measure accuracy against cost.
 
@@ -51,6 +53,8 @@ def compare(
     repeat          runs of each combination, instead of the study's own; the costs are medians
     reference       what pressures are measured against, instead of the study's own: a name, a JSON file, a CSV file
                     with columns x and p, or "finest": runs on meshes twice as fine as the finest compared
+    keep            whose `results.vtkhdf` and recordings stay in `out`: "all" runs', of those that "failed", or "none";
+                    a comparison that was interrupted keeps all, so that it can go on
     scheduler       "local", "dask" (a cluster on this machine) or tcp://HOST:PORT of a dask scheduler
 
     Each row goes into `archive.sqlite` in `out` as soon as its run is over.
@@ -59,6 +63,7 @@ def compare(
     Raises RequestError when the request itself is wrong, and KeyboardInterrupt after Ctrl-C or SIGTERM,
     when what there is has been written. The first one lets runs save their state, a second one ends them at once.
     """
+    checked_keep(keep)
     bars = partial(progress_bars, show=progress)
     with RowKeeper(out) as rows:
         table = run_study(
@@ -68,6 +73,8 @@ def compare(
     if table.folder is not None:
         with full_disk_told(table.folder, "the report"):
             write_report(table, table.folder)
+        if not table.interrupted:
+            drop_files(table.folder, table.rows, keep, registry or default_registry())
     if table.interrupted:
         raise KeyboardInterrupt
     return table

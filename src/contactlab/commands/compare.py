@@ -47,6 +47,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
                 effects=options.effects, resume=options.resume, time_limit=options.time_limit,
                 scheduler=options.scheduler, repeat=options.repeat,
                 reference=options.reference,
+                keep=options.keep,
             )  # fmt: skip
         except KeyboardInterrupt:
             line = resume_line(
@@ -59,6 +60,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
                 options.time_limit,
                 options.repeat,
                 options.reference,
+                options.keep,
             )
             console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
             return INTERRUPTED

@@ -56,6 +56,7 @@ def resume_line(
     time_limit: float | None = None,
     repeat: int | None = None,
     reference: str | None = None,
+    keep: str = "all",
 ) -> str:
     """Write the command that takes a comparison up again."""
     words = [word for text in vary for word in ("--vary", text)]
@@ -65,6 +66,7 @@ def resume_line(
     words += ["--time-limit", f"{time_limit:g}"] if time_limit is not None else []
     words += ["--repeat", str(repeat)] if repeat is not None else []
     words += ["--reference", reference] if reference is not None else []
+    words += ["--keep", keep] if keep != "all" else []
     return shlex.join(["contactlab", "compare", request, *words, "--out", str(folder), "--resume"])
 
 

@@ -15,6 +15,7 @@ from typing import Any
 from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError
 from contactlab.results.results import ContactCurve, Results
+from contactlab.results.stored_file import FILE
 from contactlab.scene.scene import Scene
 from contactlab.studies.call import Report
 from contactlab.studies.shape import Shape, shapes_of
@@ -58,7 +59,8 @@ class Outcome:
 def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Report) -> Outcome:
     """Simulate `scene` into `folder`, `repeat` times; `report` gets (fraction done, step).
 
-    A run that was stopped there goes on, and one that is over is read back; one that recorded nothing is made anew.
+    A run that was stopped there goes on, and one that is over is read back; one without results to go on
+    from (nothing was recorded, or the files were not kept) is made anew.
     A request that only the model can see to be wrong is an outcome, too: "refused"; so is a run that was stopped.
     """
     from contactlab.run.interruption import Interrupted
@@ -66,7 +68,7 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
 
     def once(number: int, place: Path | None) -> Results:
         begun = place is not None and place.exists()
-        if place is not None and begun and scene.record.recorders == ():
+        if place is not None and begun and not (place / FILE).is_file():
             begun = False
             shutil.rmtree(place)
         progress = _progress(report, number, repeat)
