@@ -77,8 +77,8 @@ def section(found: Accuracy, how: str) -> str:
         [
             BEGIN,
             how,
-            f"{finished} of {len(found.points)} points finished. CPU seconds to an error, with the better slave; bold is",
-            "the cheapest, in italics are those that cannot be told from it:",
+            f"{finished} of {len(found.points)} points finished. CPU seconds to an error with the better slave; bold",
+            "is the cheapest, in italics are those that cannot be told from it:",
             "", *_table(rows), "",
             "![Error against cost, a panel per case](pictures/accuracy.svg)", "",
             f"Orders of convergence with 95 % intervals, where three points are above what the reference can tell "
