@@ -67,6 +67,8 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
             f"{number(1e6 * e.seconds_per_step)} µs for each further one"
         ),
     )
+    if e.costs:
+        yield "of a step", _costs(e)
     yield "memory", f"{number(e.array_bytes / 2**20)} MiB in {len(e.arrays)} arrays"
     yield "pays for", ", ".join(f"{f.effect} ({f.by})" for f in e.effects if f.called_for)
     yield "per step", ", ".join(f"{call.call} {call.times}" for call in e.calls if call.per == "step")
@@ -84,6 +86,18 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
         yield "of plugins", ", ".join(given)
     compiled = sum(kernel.compiled for kernel in e.kernels)
     yield "kernels", f"{len(e.kernels)}" + (f", {compiled} of them compiled just now" if compiled else "")
+
+
+def _costs(e: Explanation) -> str:
+    """Shares of the wall time of a step, and a word where that is far from its CPU time."""
+    from contactlab.reports.numbers import percent
+    from contactlab.reports.run import part_label, why_apart
+
+    wall = e.wall_seconds_per_step
+    rest = max(0.0, wall - sum(cost.seconds for cost in e.costs))
+    told = [f"{cost.what}{part_label(cost.part)} {percent(cost.seconds / wall)} %" for cost in e.costs]
+    told.append(f"rest {percent(rest / wall)} %")
+    return f"{', '.join(told)} of {number(1e6 * wall)} µs by the clock{why_apart(e.seconds_per_step, wall)}"
 
 
 def _packages(e: Explanation) -> Iterator[str]:

@@ -16,7 +16,7 @@ from contactlab.model.held_arrays import HeldArray, held_arrays
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.explain.trial_run import KernelCalls, TrialRun
+    from contactlab.explain.trial_run import KernelCalls, PartCost, TrialRun
     from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 
@@ -61,11 +61,13 @@ class Explanation:
     history: str
     seconds_to_first_step: float
     seconds_per_step: float
+    wall_seconds_per_step: float
     estimated_seconds: float
     array_bytes: int
     effects: list[Effect]
     parts: list[UsedPart]
     calls: list[Call]
+    costs: list[PartCost]
     kernels: list[KernelCalls]
     arrays: list[HeldArray]
     modules: list[Imported]
@@ -98,11 +100,13 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
         history=_history(model),
         seconds_to_first_step=seconds[0],
         seconds_per_step=seconds[1],
+        wall_seconds_per_step=trial.wall_step_s if trial is not None else math.nan,
         estimated_seconds=seconds[0] + (steps - 1) * seconds[1],
         array_bytes=sum(array.bytes for array in arrays),
         effects=effects_of(scene, registry, model),
         parts=used_parts(scene, registry),
         calls=list(calls_of(model)),
+        costs=list(trial.costs) if trial is not None else [],
         kernels=list(trial.kernels) if trial is not None else [],
         arrays=arrays,
         modules=_modules(trial.modules if trial is not None else packages_of(scene, registry), registry),

@@ -7,6 +7,7 @@ away; beside them it leaves machine code in the cache, where the run itself will
 from __future__ import annotations
 
 import json
+import math
 import pickle
 import subprocess
 import sys
@@ -39,6 +40,15 @@ class KernelCalls(NamedTuple):
     compiled: bool
 
 
+class PartCost(NamedTuple):
+    """Wall time of a further step [s] in a part of the elements or of the contact; the part with its distribution."""
+
+    phase: str
+    what: str
+    part: str
+    seconds: float
+
+
 @dataclass(frozen=True)
 class TrialRun:
     """What the first steps of a run import, allocate, call and cost.
@@ -47,6 +57,7 @@ class TrialRun:
     arrays   every array that the model, the bound integrator and what follows the run hold
     import_s, build_s, first_step_s  wall time [s]
     step_s   CPU time of each further step [s]; where there is none, of the first without what it compiled or loaded
+    wall_step_s, costs  wall time of each further step [s], and of the parts in it; nan and none where there is none
     steps    further steps that were made
     """
 
@@ -57,6 +68,8 @@ class TrialRun:
     build_s: float
     first_step_s: float
     step_s: float
+    wall_step_s: float
+    costs: Sequence[PartCost]
     steps: int
 
 
@@ -72,6 +85,7 @@ def run_trial(scene: Scene) -> TrialRun:
 
     found = json.loads(done.stdout.splitlines()[-1])
     found["kernels"] = [KernelCalls(*row) for row in found["kernels"]]
+    found["costs"] = [PartCost(*row) for row in found["costs"]]
     found["arrays"] = [HeldArray(*row) for row in found["arrays"]]
     return TrialRun(**found)
 
@@ -115,10 +129,12 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
         run.store_start()
         _made(made_steps, 1)
         first, cost = perf_counter(), thread_time() - COMPILATION.seconds - cpu
-        after, cpu = Counter(kernels.calls), thread_time()
+        after, so_far, cpu, wall = Counter(kernels.calls), _so_far(run), thread_time(), perf_counter()
         made = _made(made_steps, STEPS)
+        wall = (perf_counter() - wall) / made if made else math.nan
         if made:
             before, cost = after, (thread_time() - cpu) / made
+        costs = _costs(run, so_far, made)
         rows = kernels.rows(before, max(1, made))
         run.guards.check()
         run.schedule.adapt()
@@ -133,8 +149,37 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
         build_s=built - loaded,
         first_step_s=first - built,
         step_s=cost,
+        wall_step_s=wall,
+        costs=costs,
         steps=made,
     )
+
+
+def _so_far(run: Any) -> tuple[float, dict[str, dict[str, float]]]:
+    """Seconds of all elements, and of contact by what is done in it and the part that does it."""
+    from contactlab.results.cost import of_contact
+
+    return run.model.seconds, of_contact(run.model, run.journal.layout)
+
+
+def _costs(run: Any, before: tuple[float, dict[str, dict[str, float]]], steps: int) -> list[PartCost]:
+    """What each part cost in a step of the last `steps`."""
+    from contactlab.results.cost import of_elements
+
+    if not steps:
+        return []
+    seconds, contact = _so_far(run)
+    lately = (seconds - before[0]) / seconds if seconds else 0.0
+    costs = [
+        PartCost("elements", what, part, lately * whole / steps)
+        for what, parts in of_elements(run.model, run.journal.layout).items()
+        for part, whole in parts.items()
+    ]
+    return costs + [
+        PartCost("contact", what, part, (whole - before[1].get(what, {}).get(part, 0.0)) / steps)
+        for what, parts in contact.items()
+        for part, whole in parts.items()
+    ]
 
 
 def _made(made: Iterator[Any], most: int) -> int:

@@ -38,8 +38,8 @@ def cost_of(model: Model, clock: Clock, layout: Layout, status: str) -> dict[str
     }
     if clock.arrays_mib is None:
         clock.arrays_mib = sum(array.bytes for array in held_arrays(model)) / 2.0**20
-        clock.elements = _of_elements(model, layout) if status in SOUND and model.seconds else {}
-    parts = {"elements": clock.elements, "contact": _of_contact(model, layout)}
+        clock.elements = of_elements(model, layout) if status in SOUND and model.seconds else {}
+    parts = {"elements": clock.elements, "contact": of_contact(model, layout)}
     cost["parts"] = {phase: times for phase, times in parts.items() if times}
     return _sum(cost, clock.before) | {
         "peak_memory_mib": max(peak_memory_mib(), clock.before.get("peak_memory_mib", 0.0)),
@@ -47,7 +47,7 @@ def cost_of(model: Model, clock: Clock, layout: Layout, status: str) -> dict[str
     }
 
 
-def _of_elements(model: Model, layout: Layout) -> dict[str, dict[str, float]]:
+def of_elements(model: Model, layout: Layout) -> dict[str, dict[str, float]]:
     """Seconds in laws, elements and stiffness, by the part's name and distribution."""
     found: dict[str, dict[str, float]] = {}
     times = element_times(model)
@@ -60,7 +60,7 @@ def _of_elements(model: Model, layout: Layout) -> dict[str, dict[str, float]]:
     return found
 
 
-def _of_contact(model: Model, layout: Layout) -> dict[str, dict[str, float]]:
+def of_contact(model: Model, layout: Layout) -> dict[str, dict[str, float]]:
     """Seconds of search, integration and solution; pairs of different algorithms share the second."""
     if model.contact is None:
         return {}
