@@ -134,8 +134,8 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
         wall = (perf_counter() - wall) / made if made else math.nan
         if made:
             before, cost = after, (thread_time() - cpu) / made
-        costs = _costs(run, so_far, made)
         rows = kernels.rows(before, max(1, made))
+        costs = _costs(run, so_far, made)  # which calls laws and elements once more
         run.guards.check()
         run.schedule.adapt()
         run.store()
