@@ -116,7 +116,9 @@ class RingsPressed(Case):
         (young, poisson) = STEEL
         rings = TwoRings(*RADII, (young * self.stiff, poisson), STEEL)
         mean, wave = rings.pressure(MEAN, MEAN * self.wave)
-        at = np.linspace(0.0, 0.5 * np.pi, 4001)
+        # points lie evenly in the cells of both sides: sums then see nothing of what alternates from node to node
+        in_one = 48 * max(1, round(max(self.ratio, 1.0 / self.ratio)))
+        at = np.linspace(0.0, 0.5 * np.pi, in_one * coarser + 1)
         exact, found = mean + wave * np.cos(2.0 * at), np.interp(at, angle, pressure)
         off = projected(at, found, coarser) - exact
         return _norm(off) / _norm(exact), _norm(found - exact) / _norm(exact), float(off.mean()) / mean
