@@ -31,15 +31,15 @@ class Ironing(Case):
     steps    load steps per millimetre of the slide
     """
 
-    slide: float = 1.2
+    slide: float = 2.0
     refined: int = 1
-    steps: int = 10
+    steps: int = 8
     mu: float = 0.3
 
     title: ClassVar[str] = "shallow ironing"
     source: ClassVar[str] = "Fischer & Wriggers 2006; Hartmann et al. 2009; Poulios & Renard 2015"
     family: ClassVar[str] = "large sliding"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"slide": (1.2, 5.0)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"slide": (2.0, 5.0)}
     demands: ClassVar[frozenset[str]] = frozenset({"friction"})
     integrators: ClassVar[tuple[str, ...]] = ("newton",)
     elements: ClassVar[tuple[str, ...]] = ("q1",)
