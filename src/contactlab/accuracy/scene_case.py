@@ -51,7 +51,7 @@ class SceneCase(Case):
             found, why = matching_reference(scene.data, registry), "no installed reference holds for it"
         if found is None:
             raise RequestError(f"the scene cannot be measured: {why}", where=where, got=choice.scene,
-                               hint='reference = "finest" makes one from finer meshes')  # fmt: skip
+                               hint="name a reference, or compare the scene with --reference finest")  # fmt: skip
         return cls(scene.data, found)
 
     def applies(self, setup: Setup) -> str:

@@ -32,9 +32,7 @@ class CaseChoice:
         "", says="of the reference; not written: the case's own"
     )
     why: str = key("", says="where that uncertainty comes from")
-    reference: str = key(
-        "", says='of a scene: its name, a JSON or CSV file, or "finest"; not written: the first that fits'
-    )
+    reference: str = key("", says="of a scene: its name, or a JSON or CSV file; not written: the first that fits")
     fields: Any = key(None, says="fields of the case")
     changes: Any = key(None, says="scene keys and values")
     levels: tuple[int, ...] = key((), least=1, says="mesh levels; not written: those of the study")
