@@ -52,7 +52,7 @@ scene = load_scene("disc-on-block").with_({"time.end": 1e-6, **changes})
 if scene.integrator["use"] == "newton":
     scene = scene.with_({"time.step": 1e-7})
 from contactlab.model.build import build
-from contactlab.run.run import prepare_run
+from contactlab.run.prepare import prepare_run
 from pathlib import Path
 with tempfile.TemporaryDirectory() as folder:
     model = build(scene, scene.registry)

@@ -17,7 +17,7 @@ from contactlab.api import Floats
 from contactlab.api.surface import SurfacePositions
 from contactlab.errors import SimulationFailure
 from contactlab.model.build import build
-from contactlab.run.run import prepare_run
+from contactlab.run.prepare import prepare_run
 
 TERMS = ("closing", "predicted", "normals", "weights", "all")
 

@@ -32,7 +32,7 @@ import numpy as np
 from contactlab.model.build import build
 from contactlab.run.folders import made_folder
 from contactlab.run.guards import EVERY
-from contactlab.run.run import prepare_run
+from contactlab.run.prepare import prepare_run
 from contactlab.scene.scene import Scene, load_scene
 
 EFFECTS = ("contact", "friction", "finite strain", "plasticity", "gravity", "recording")

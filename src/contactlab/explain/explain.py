@@ -114,7 +114,7 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
 
 
 def _schedule(model: Model, scene: Scene) -> Any:
-    from contactlab.run.run import schedule_of
+    from contactlab.run.prepare import schedule_of
 
     return schedule_of(model, scene)
 

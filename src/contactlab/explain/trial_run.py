@@ -113,7 +113,7 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
     from contactlab.api.compiled.kernel import COMPILATION
     from contactlab.model.build import build
     from contactlab.model.held_arrays import held_arrays
-    from contactlab.run.run import prepare_run
+    from contactlab.run.prepare import prepare_run
     from contactlab.run.steps import steps
 
     import_module("contactlab.run.simulation")  # as a run does

@@ -3,41 +3,33 @@
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from contactlab.api import Floats, IterationRow, Layout, RunWarning, Step, StepStatus
+from contactlab.api import Floats, IterationRow, RunWarning, Step, StepStatus
 from contactlab.errors import SimulationFailure
 from contactlab.missing_effects.monitor import EffectMonitor
 from contactlab.model.memory import model_memory, restore_model
 from contactlab.model.model import Model
-from contactlab.model.sizes import check_frame_size
-from contactlab.parts.provenance import parts_of, versions
-from contactlab.results.files import HistoryFile, write_scene
-from contactlab.results.frame import layout_of
 from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
 from contactlab.results.summary import Clock, Counts, summarise
 from contactlab.run.culprit import KeptState
 from contactlab.run.guards import EVERY, Guards
-from contactlab.run.recorders import check_disk_space, open_recordings, recorders_of
-from contactlab.run.restart import changed_versions, check_memory, saved_run, stored_results
+from contactlab.run.restart import check_memory, stored_results
 from contactlab.run.schedule import Schedule
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
 
 if TYPE_CHECKING:
     from contactlab.model.bound_integrator import BoundIntegrator
-    from contactlab.parts.registry import Registry
     from contactlab.results.checkpoint_slots import Checkpoint
     from contactlab.results.record_plan import RecordPlan
     from contactlab.run.nested import NestedStart
-    from contactlab.scene.scene import Scene
 
 SAVE_EVERY = 1.0  # seconds of wall time between saved states, at least
 SAVE_SHARE = 100.0  # and so many times what one costs: saving never takes more than a hundredth of a run
@@ -255,81 +247,3 @@ class Run:
             status, reason = failure.status, failure.reason
         results = self.journal.finish(self.summary(status, reason))
         return stored_results(folder, results) if complete and folder is not None else results
-
-
-def prepare_run(
-    model: Model,
-    scene: Scene,
-    registry: Registry,
-    folder: Path | None,
-    resume: bool,
-    watching: Watching | None = None,
-) -> Run:
-    """A run of `model`, whose recorders write to `folder`; with `resume` the one that is saved there.
-
-    Raises RequestError where the folder cannot be used or holds something else.
-    """
-    run = Run(model, schedule_of(model, scene), Guards(model, scene.time.step), EffectMonitor(scene, model), watching)
-    if run.schedule.skips:
-        from contactlab.model.implicit_model import ImplicitModel
-        from contactlab.run.nested import NestedStart
-
-        assert isinstance(model, ImplicitModel)
-        run.nested = NestedStart(scene, registry, model, run.schedule.stopped)
-    recorders = recorders_of(scene, registry) if folder is not None else {}
-    used = _with_recorders(scene, recorders)
-    layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
-    # there is never a frame without a step: room for more would be taken for nothing
-    steps = run.schedule.estimated_steps()
-    layout = replace(layout, frames=min(layout.frames, steps))
-    check_frame_size(layout.frames, len(layout.nodes), scene.where("record.frames"))
-    wanted = {
-        "steps": frozenset(name for name, recorder in recorders.items() if recorder.every_step),
-        "contact_steps": frozenset(name for name, recorder in recorders.items() if recorder.every_contact),
-    }
-    if folder is None:
-        run.journal = Journal(model, layout, {}, wanted)
-        return run
-    plan = _record_plan(scene, layout, steps) if wanted["contact_steps"] else None
-    memory = sum(array.nbytes for array in run.saved().values())
-    check_disk_space(recorders, folder, layout, steps, memory, plan, scene.where("record.frames"))
-    claimed = HistoryFile(folder)
-    past = _take_up(run, layout, folder) if resume else None
-    write_scene(folder, layout.scene)
-    recordings = open_recordings(recorders, folder, layout, past)
-    run.journal = Journal(model, layout, recordings, wanted, claimed, past, plan)
-    run.plan = plan
-    return run
-
-
-def _record_plan(scene: Scene, layout: Layout, steps: int) -> RecordPlan | None:
-    from contactlab.results.record_plan import RecordPlan
-
-    return RecordPlan.of(scene.record, layout, steps)
-
-
-def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
-    """Bring the run to where the one in the folder was saved, and give that back; None where nothing was."""
-    saved = saved_run(folder)
-    if saved is None:
-        return None
-    past, checkpoint = saved
-    run.restore(checkpoint, folder)
-    for change in changed_versions(past.layout, layout):
-        warnings.warn(f"results may differ in their last digits: {change}", RuntimeWarning, stacklevel=4)
-    return past
-
-
-def schedule_of(model: Model, scene: Scene) -> Schedule:
-    """The schedule that suits the scene's integrator."""
-    if model.explicit:
-        return Schedule(model, scene)
-    from contactlab.run.load_steps import LoadSchedule
-
-    return LoadSchedule(model, scene)
-
-
-def _with_recorders(scene: Scene, recorders: dict[str, Any]) -> Any:
-    """The scene with the recorders that it really has, for the list of parts."""
-    specs = tuple({"use": name.partition(" ")[0]} for name in recorders)
-    return replace(scene, record=replace(scene.record, recorders=specs))

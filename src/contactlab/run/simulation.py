@@ -21,8 +21,9 @@ from contactlab.run.culprit import wrong_answer
 from contactlab.run.folders import run_folder
 from contactlab.run.guards import EVERY
 from contactlab.run.interruption import Interrupted, Interruption
+from contactlab.run.prepare import prepare_run
 from contactlab.run.restart import finished_results
-from contactlab.run.run import Run, prepare_run
+from contactlab.run.run import Run
 from contactlab.run.steps import steps
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
 from contactlab.views import view

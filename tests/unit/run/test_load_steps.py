@@ -14,7 +14,7 @@ from contactlab.results.results import Results
 from contactlab.run.guarded_step import MOST
 from contactlab.run.guards import Guards
 from contactlab.run.load_steps import CUT, LoadSchedule, repeats
-from contactlab.run.run import prepare_run
+from contactlab.run.prepare import prepare_run
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 
