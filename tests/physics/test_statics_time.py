@@ -226,7 +226,7 @@ def test_a_hold_is_followed_where_a_law_depends_on_rate(maxwell: Registry) -> No
 
 
 def test_explain_says_what_load_steps_follow(maxwell: Registry) -> None:
-    rated, elastic = (explain(relaxing(maxwell, 40, law), maxwell) for law in ("maxwell", "linear-elastic"))
+    rated, elastic = (explain(relaxing(maxwell, 40, law), maxwell).scene for law in ("maxwell", "linear-elastic"))
     assert rated.steps_follow == "loading and time: the law of column depends on rate"
     assert elastic.steps_follow == "loading"
     assert rated.estimated_steps == pytest.approx(40, abs=1)

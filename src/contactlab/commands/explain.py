@@ -42,8 +42,10 @@ def overview(explanation: Explanation, spare: Sequence[str], command: str) -> An
     from rich import box
     from rich.table import Table
 
-    shown = Table(box=box.SIMPLE_HEAD, show_header=False, pad_edge=False, title=explanation.name, title_justify="left",
-                  title_style="bold")  # fmt: skip
+    shown = Table(
+        box=box.SIMPLE_HEAD, show_header=False, pad_edge=False, title=explanation.scene.name, title_justify="left",
+        title_style="bold",
+    )  # fmt: skip
     shown.add_column(style="bold", no_wrap=True)
     shown.add_column(overflow="fold")
     for label, text in _lines(explanation, spare):
@@ -54,22 +56,23 @@ def overview(explanation: Explanation, spare: Sequence[str], command: str) -> An
 
 
 def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
-    size = f"{number(e.cells)} cells, {number(e.nodes)} nodes, {number(e.quadrature_points)} quadrature points"
-    yield "size", size + (f", {number(e.contact_multipliers)} multipliers" if e.contact_multipliers else "")
-    stable = f" (the stable one is {number(e.stable_step)} s)" if e.stable_step == e.stable_step else ""
-    of = f"{number(e.step)} s{stable}" if e.steps_follow == "time" else f"{number(e.step)}, parts of {e.steps_follow}"
-    yield "steps", f"about {number(e.estimated_steps)} of {of}"
-    yield "history", e.history
+    s = e.scene
+    size = f"{number(s.cells)} cells, {number(s.nodes)} nodes, {number(s.quadrature_points)} quadrature points"
+    yield "size", size + (f", {number(s.contact_multipliers)} multipliers" if s.contact_multipliers else "")
+    stable = f" (the stable one is {number(s.stable_step)} s)" if s.stable_step == s.stable_step else ""
+    of = f"{number(s.step)} s{stable}" if s.steps_follow == "time" else f"{number(s.step)}, parts of {s.steps_follow}"
+    yield "steps", f"about {number(s.estimated_steps)} of {of}"
+    yield "history", s.history
     yield (
         "time",
         (
-            f"about {number(e.estimated_seconds)} s: {number(e.seconds_to_first_step)} s until the first step is done, "
-            f"{number(1e6 * e.seconds_per_step)} µs for each further one"
+            f"about {number(s.estimated_seconds)} s: {number(s.seconds_to_first_step)} s until the first step is done, "
+            f"{number(1e6 * s.seconds_per_step)} µs for each further one"
         ),
     )
     if e.costs:
         yield "of a step", _costs(e)
-    yield "memory", f"{number(e.array_bytes / 2**20)} MiB in {len(e.arrays)} arrays"
+    yield "memory", f"{number(e.scene.array_bytes / 2**20)} MiB in {len(e.arrays)} arrays"
     yield "pays for", ", ".join(f"{f.effect} ({f.by})" for f in e.effects if f.called_for)
     yield "per step", ", ".join(f"{call.call} {call.times}" for call in e.calls if call.per == "step")
     iteration = [f"{call.call} {call.times}" for call in e.calls if call.per != "step"]
@@ -93,11 +96,11 @@ def _costs(e: Explanation) -> str:
     from contactlab.reports.numbers import percent
     from contactlab.reports.run import part_label, why_apart
 
-    wall = e.wall_seconds_per_step
+    wall = e.scene.wall_seconds_per_step
     rest = max(0.0, wall - sum(cost.seconds for cost in e.costs))
     told = [f"{cost.what}{part_label(cost.part)} {percent(cost.seconds / wall)} %" for cost in e.costs]
     told.append(f"rest {percent(rest / wall)} %")
-    return f"{', '.join(told)} of {number(1e6 * wall)} µs by the clock{why_apart(e.seconds_per_step, wall)}"
+    return f"{', '.join(told)} of {number(1e6 * wall)} µs by the clock{why_apart(e.scene.seconds_per_step, wall)}"
 
 
 def _packages(e: Explanation) -> Iterator[str]:
@@ -108,15 +111,10 @@ def _packages(e: Explanation) -> Iterator[str]:
     yield from (f"{package} ({', '.join(dict.fromkeys(parts))})" for package, parts in given.items())
 
 
-def plain(explanation: Any) -> dict[str, Any]:
-    """Sections of an explanation by title: the fields of its dataclass, single values gathered first."""
-    values = {field.name: getattr(explanation, field.name) for field in dataclasses.fields(explanation)}
-    gathered = {name: value for name, value in values.items() if _is_single(value)}
-    return {**({"scene": gathered} if gathered else {}), **{k: v for k, v in values.items() if k not in gathered}}
-
-
-def _is_single(value: Any) -> bool:
-    return isinstance(value, str | int | float | bool | type(None))
+def plain(explanation: Explanation) -> dict[str, Any]:
+    """Sections of an explanation by title: the single numbers as a table first."""
+    sections = {field.name: getattr(explanation, field.name) for field in dataclasses.fields(explanation)}
+    return sections | {"scene": dataclasses.asdict(explanation.scene)}
 
 
 def section(title: str, content: Any) -> Any:

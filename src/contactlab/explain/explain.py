@@ -46,8 +46,8 @@ class Imported(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Explanation:
-    """Sections in the order they are printed. Sizes in bytes, times in s."""
+class Overview:
+    """Single numbers: sizes (`array_bytes` in bytes), steps, and seconds. Nan where nobody tried."""
 
     name: str
     nodes: int
@@ -64,6 +64,13 @@ class Explanation:
     wall_seconds_per_step: float
     estimated_seconds: float
     array_bytes: int
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Sections in the order they are printed. `costs` are those of a step, in s."""
+
+    scene: Overview
     effects: list[Effect]
     parts: list[UsedPart]
     calls: list[Call]
@@ -87,7 +94,7 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
     seconds = _seconds(trial, steps)
     if trial is not None:
         arrays = list(trial.arrays)
-    return Explanation(
+    overview = Overview(
         name=scene.name,
         nodes=len(model.reference),
         cells=sum(len(body.cells) for body in model.bodies),
@@ -103,6 +110,9 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
         wall_seconds_per_step=trial.wall_step_s if trial is not None else math.nan,
         estimated_seconds=seconds[0] + (steps - 1) * seconds[1],
         array_bytes=sum(array.bytes for array in arrays),
+    )
+    return Explanation(
+        scene=overview,
         effects=effects_of(scene, registry, model),
         parts=used_parts(scene, registry),
         calls=list(calls_of(model)),

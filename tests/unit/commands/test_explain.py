@@ -64,5 +64,5 @@ def test_modules_of_outside_packages_are_listed_with_their_plugin(strip: None) -
     assert "outside_strip (inner, inner.sizes, plugin, strip)" in lines["of plugins"]
     assert {cost.what for cost in said.costs} == {"law", "element", "search", "integration", "solution"}
     # stopped clocks are parts of one that ran on; elements and law are shared out of theirs
-    assert 0.0 < sum(cost.seconds for cost in said.costs) < said.wall_seconds_per_step
+    assert 0.0 < sum(cost.seconds for cost in said.costs) < said.scene.wall_seconds_per_step
     assert "element: q1" in lines["of a step"]

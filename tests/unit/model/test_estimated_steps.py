@@ -30,7 +30,7 @@ def test_implicit_runs_take_the_steps_that_are_announced(changes: dict[str, Any]
     results = simulate(scene)
     assert results.status == "finished"
     assert not [event for event in results.events if "taken back" in event.text]
-    assert explain(scene, scene.registry).estimated_steps == results.summary["steps"]
+    assert explain(scene, scene.registry).scene.estimated_steps == results.summary["steps"]
 
 
 def test_a_step_left_over_from_an_explicit_run_is_refused() -> None:
