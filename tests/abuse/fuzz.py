@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import ctypes
 import gc
+import json
 import random
 import resource
 import shutil
@@ -51,6 +52,8 @@ ROOM = 2**30  # bytes that the process may take beside what it has: more ends in
 OVERHEAD = MODEL / 2.0**20  # MiB that any case may take, one that is refused while it is read, too
 LARGE_WORK = 4  # of large scenes: they have taken their memory by then
 SHARES = {"large scene": 0.02, "mild scene": 0.38, "wrong scene": 0.32, "mesh file": 0.1, "stored run": 0.18}
+# most are refused while they are read: these take milliseconds
+QUICK = {"large scene": 0.01, "mild scene": 0.04, "wrong scene": 0.6, "mesh file": 0.15, "stored run": 0.2}
 RAN = {"ran", "past 20 steps"}
 GOOD = RAN | {"refused", "as before", "told", "told, some salvaged"}
 BEYOND = "beyond the estimate"
@@ -199,10 +202,10 @@ def fuzz(
     cases: int,
     seed: int,
     seconds: float,
-    say: Any = print,
-    bases: tuple[str, ...] = tuple(BASES),
-    shares: dict[str, float] = SHARES,
-    machine: float = MACHINE,
+    say: Any,
+    bases: tuple[str, ...],
+    shares: dict[str, float],
+    machine: float,
 ) -> Fuzz:
     """Try so many cases, or for so many seconds of processor time without compilation."""
     began = time.process_time() - COMPILATION.seconds
@@ -229,21 +232,28 @@ def main() -> int:
     parser.add_argument("--cases", type=int, default=10_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--seconds", type=float, default=1800.0, help="of processor time")
+    parser.add_argument("--quick", action="store_true", help="explicit runs alone, few of them long")
+    parser.add_argument("--json", action="store_true", help="print what came of it for programs, as the last line")
     asked = parser.parse_args()
     print(f"seed {asked.seed}", flush=True)
-    for name in BASES:
+    bases = ("explicit",) if asked.quick else tuple(BASES)
+    machine = MACHINE if asked.quick else LARGER_MACHINE
+    for name in bases:
         simulate(load_scene("disc-on-block").with_(BASES[name]), work=WORK)  # libraries and kernels take room, too
-    sizes.machine_memory = room.machine_memory = lambda: LARGER_MACHINE
+    sizes.machine_memory = room.machine_memory = lambda: machine
     if sys.platform == "linux":
         limit_memory()
     say = partial(print, flush=True)
-    tried = fuzz(asked.cases, asked.seed, asked.seconds, say, machine=LARGER_MACHINE)
+    shares = QUICK if asked.quick else SHARES
+    tried = fuzz(asked.cases, asked.seed, asked.seconds, say, bases, shares, machine)
     for kind, counts in tried.counts.items():
         print(f"{kind}: {dict(counts)}")
     for kind, used in tried.used.items():
         if used:
             of = f"{statistics.median(used):.2f} (median), {max(used):.2f} (most)"
             print(f"{kind}: peak of memory over its estimate {of}")
+    if asked.json:
+        print(json.dumps({"bad": tried.bad, "counts": tried.counts, "used": tried.used}))
     return int(bool(tried.bad))
 
 
