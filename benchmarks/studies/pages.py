@@ -22,6 +22,7 @@ HERE = Path(__file__).parent
 DOCS = HERE.parents[1] / "docs"
 sys.path[:0] = [str(HERE), str(HERE / "paper")]
 
+import bundled_scenes  # noqa: E402
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
 import friction  # noqa: E402
@@ -63,9 +64,14 @@ def paper() -> str:
     return make.filled(make.PAGE.read_text(), json.loads(make.NUMBERS.read_text()))
 
 
+def scenes() -> str:
+    """docs/bundled-scenes.md."""
+    return bundled_scenes.page(bundled_scenes.stored())
+
+
 PAGES: dict[str, Callable[[], str]] = {
     "cases.md": cases, "full-matrix.md": full, "hard-cases.md": hard, "statics-cases.md": statics,
-    "friction.md": rubbing, "paper.md": paper,
+    "friction.md": rubbing, "paper.md": paper, "bundled-scenes.md": scenes,
     "../README.md": demo_page.page,
 }  # fmt: skip
 """Every page, seen from docs, and what it must be."""

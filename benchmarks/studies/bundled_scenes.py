@@ -1,8 +1,8 @@
 """Every bundled scene with each algorithm, either slave and each integrator: what a run breaks, and whether it says so.
 
-    python benchmarks/studies/scenes.py                  # all; rows already in scenes.csv are not run again
-    python benchmarks/studies/scenes.py --only stack     # rows of scenes with this in their names, anew
-    python benchmarks/studies/scenes.py page             # writes docs/bundled-scenes.md from the rows
+    python benchmarks/studies/bundled_scenes.py                  # all that has no row in bundled_scenes.csv yet
+    python benchmarks/studies/bundled_scenes.py --only stack     # rows of scenes with this in their names, anew
+    python benchmarks/studies/bundled_scenes.py page             # writes docs/bundled-scenes.md from the rows
 
 Each row is a `contactlab run` of its own with at most `LIMIT` CPU seconds. A run is judged by the invariants of its
 `summary.json`; one that breaks an invariant beyond its limit and has no warning of that code is *silent*.
@@ -21,17 +21,19 @@ from collections import Counter
 from collections.abc import Iterable
 from itertools import product
 from pathlib import Path
+from textwrap import shorten
 from typing import Any
 
 from contactlab.scene.scene import bundled_scenes, load_scene
 
 HERE = Path(__file__).parent
-STORED, SOURCE = HERE / "scenes.csv", HERE / "scenes.md"
+STORED, SOURCE = HERE / "bundled_scenes.csv", HERE / "bundled_scenes.md"
 PAGE = HERE.parents[1] / "docs" / "bundled-scenes.md"
 ALGORITHMS = ("mortar-p0", "mortar-p1", "node-on-segment")
 INTEGRATORS = ("central-difference", "newton", "implicit-dynamics")
 LIMIT = 90  # CPU seconds of one run
 KEYS = ("scene", "algorithm", "slaves", "integrator", "ended", "why", "broken", "silent")
+WIDTH = 150  # letters of a reason in the table
 REFUSED, LATE = "refused", "not judged"
 
 
@@ -113,6 +115,7 @@ def page(rows: list[dict[str, str]]) -> str:
     silent = [row for row in rows if row["silent"]]
     ends = ", ".join(f"{counts[end]} {end}" for end in sorted(counts, key=lambda end: -counts[end]))
     text = text.replace("<!-- ends -->", f"{len(rows)} runs: {ends}; {len(silent)} silent")
+    text = text.replace("<!-- missing -->", missing(rows))
     lines = [
         "| scene | algorithm | slaves | integrator | ended | broken invariants, with limits |",
         "|---|---|---|---|---|---|",
@@ -120,7 +123,7 @@ def page(rows: list[dict[str, str]]) -> str:
     for row in rows:
         if row["ended"] != REFUSED:
             said = row["broken"] + (f" **silent: {row['silent']}**" if row["silent"] else "")
-            ended = row["ended"] + (f": {row['why']}" if row["why"] else "")
+            ended = row["ended"] + (f": {shorten(row['why'], WIDTH, placeholder=' ...')}" if row["why"] else "")
             lines.append(f"| {' | '.join(row[key] for key in KEYS[:4])} | {ended} | {said} |")
     refused: dict[tuple[str, str], list[str]] = {}
     for row in rows:
@@ -131,6 +134,14 @@ def page(rows: list[dict[str, str]]) -> str:
     for (scene, reason), what in refused.items():
         why.append(f"| {scene} | {'; '.join(what) if len(what) < 4 else f'{len(what)} of 18'} | {reason} |")
     return text.replace("<!-- rows -->", "\n".join(lines)).replace("<!-- refused -->", "\n".join(why))
+
+
+def missing(rows: list[dict[str, str]]) -> str:
+    """Which scenes have not been run with everything yet."""
+    known = {tuple(row[key] for key in KEYS[:4]) for row in rows}
+    open_rows = Counter(key[0] for key in plan() if key not in known)
+    told = ", ".join(f"{scene} ({number} of 18)" for scene, number in open_rows.items())
+    return f"Still to be run: {told}." if told else "All of them have been run."
 
 
 def main() -> None:
