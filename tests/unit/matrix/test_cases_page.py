@@ -54,6 +54,7 @@ def test_no_page_is_stale(pages: ModuleType) -> None:
         "hard-cases.md",
         "statics-cases.md",
         "friction.md",
+        "bundled-scenes.md",
         "paper.md",
         "../README.md",
     }
