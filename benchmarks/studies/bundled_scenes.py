@@ -11,7 +11,6 @@ Each row is a `contactlab run` of its own with at most `LIMIT` CPU seconds. A ru
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import resource
 import subprocess
@@ -23,6 +22,8 @@ from itertools import product
 from pathlib import Path
 from textwrap import shorten
 from typing import Any
+
+import kept_rows
 
 from contactlab.scene.scene import bundled_scenes, load_scene
 
@@ -93,19 +94,13 @@ def judged(summary: dict[str, Any]) -> dict[str, str]:
 
 def stored() -> list[dict[str, str]]:
     """Rows that are kept."""
-    if not STORED.exists():
-        return []
-    with STORED.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return kept_rows.read(STORED) if STORED.exists() else []
 
 
 def keep(rows: list[dict[str, str]]) -> None:
     """Write all rows in the order of the plan."""
     known = {tuple(row[key] for key in KEYS[:4]): row for row in rows}
-    with STORED.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, KEYS)
-        table.writeheader()
-        table.writerows(known[key] for key in plan() if key in known)
+    kept_rows.write(STORED, KEYS, (known[key] for key in plan() if key in known))
 
 
 def page(rows: list[dict[str, str]]) -> str:

@@ -8,10 +8,12 @@ folder the page is written anew from there. A test compares page and rows.
 
 from __future__ import annotations
 
-import csv
 import math
 import sys
 from pathlib import Path
+
+import kept_rows
+from kept_rows import Row
 
 from contactlab.archive.archive import CHOICES, FILE, Archive
 from contactlab.matrix.plan import Request, plan
@@ -21,7 +23,6 @@ HERE = Path(__file__).parent
 STORED, PAGE = HERE / "cases.csv", HERE.parents[1] / "docs" / "cases.md"
 COLUMNS = (*CHOICES, "verdict", "measure", "role", "value", "least", "most", "unit", "cell", "reason")
 
-Row = dict[str, str]
 
 HEAD = """# Every case, with its numbers
 
@@ -58,16 +59,12 @@ def short(value: float | None) -> str:
 
 def keep(rows: list[Row]) -> None:
     """Put rows into cases.csv."""
-    with STORED.open("w", newline="", encoding="utf-8") as file:
-        made = csv.DictWriter(file, COLUMNS)
-        made.writeheader()
-        made.writerows(rows)
+    kept_rows.write(STORED, COLUMNS, rows)
 
 
 def stored() -> list[Row]:
     """The rows that are kept."""
-    with STORED.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return kept_rows.read(STORED)
 
 
 def page(rows: list[Row]) -> str:

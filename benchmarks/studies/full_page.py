@@ -8,10 +8,12 @@ failed or was not judged has its cause below; a test holds the lists complete, s
 
 from __future__ import annotations
 
-import csv
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
+
+import kept_rows
+from kept_rows import Row
 
 from contactlab.archive.archive import CHOICES, Archive
 from contactlab.matrix.plan import Request, plan
@@ -23,7 +25,6 @@ COLUMNS = (*CHOICES, "verdict", "cpu_s", "reason")
 UNANSWERED = ("silent", "failed", "not-judged")
 ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
 
-Row = dict[str, str]
 
 NODES = "node-on-segment"
 LEANING = "normals averaged on the slave lean beside a node that has been let go, and work on what slides there"
@@ -93,16 +94,12 @@ def rows_of(archive: Path) -> list[Row]:
 
 def keep(rows: list[Row]) -> None:
     """Put rows into full_matrix.csv; what is met needs no reason."""
-    with STORED.open("w", newline="", encoding="utf-8") as file:
-        made = csv.DictWriter(file, COLUMNS)
-        made.writeheader()
-        made.writerows(rows)
+    kept_rows.write(STORED, COLUMNS, rows)
 
 
 def stored() -> list[Row]:
     """The rows that are kept."""
-    with STORED.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return kept_rows.read(STORED)
 
 
 def unanswered(rows: list[Row]) -> Counter[tuple[str, str, str]]:
