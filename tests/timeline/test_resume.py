@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
+from stops import stopped_at
 
 import contactlab
 from contactlab.errors import RequestError
 from contactlab.results.results import Results
 from contactlab.run.interruption import Interrupted
 from contactlab.run.run import Run
-from contactlab.run.schedule import Schedule
 from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]
@@ -54,21 +53,6 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "implicit-dynamics, hypoelastic, settling": {**IMPLICIT, **RATE, "time.end": "auto", "time.ramp": 3e-6},
     "newton, plasticity": {**STATICS, **PLASTIC},
 }
-
-
-@contextmanager
-def stopped_at(step: int) -> Iterator[None]:
-    """Send this process a Ctrl-C after `step` steps of the next run."""
-    ask = Schedule.frame_due
-
-    def frame_due(self: Schedule) -> bool:
-        if self.state.step == step:
-            signal.raise_signal(signal.SIGINT)
-        return ask(self)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(Schedule, "frame_due", frame_due)
-        yield
 
 
 def run_with_stops(scene: Any, folder: Path, stops: list[int]) -> Results:

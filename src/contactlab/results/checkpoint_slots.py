@@ -16,6 +16,7 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.results.checksums import Damage, of_array
 from contactlab.results.growing import Column, GrowingFile, fixed
+from contactlab.results.stored_text import read_text, write_text
 
 TEXT = 65536  # bytes by which the room for the summary of the run so far grows
 SERIAL, FRAMES, STEPS, EVENTS, LENGTH, CHECKSUM, OWN = range(7)
@@ -41,7 +42,8 @@ class Slots:
 
     def __init__(self, group: h5py.Group) -> None:
         self.group = group
-        self.shapes: dict[str, list[int]] = json.loads(group.attrs["arrays"])
+        shapes = read_text(group, "arrays") if "arrays" in group else group.attrs["arrays"]
+        self.shapes: dict[str, list[int]] = json.loads(shapes)
         self.headers = [group[f"{slot}/header"] for slot in (0, 1)]
         self.memories = [group[f"{slot}/memory"] for slot in (0, 1)]
         self.texts = [Column(group[f"{slot}"], "summary", "u1", together=TEXT) for slot in (0, 1)]
@@ -56,7 +58,7 @@ class Slots:
     def create(cls, own: h5py.Group, memory: Mapping[str, Floats]) -> Slots:
         """Make empty slots for arrays of these names and shapes."""
         group = own.create_group("checkpoint")
-        group.attrs["arrays"] = json.dumps({name: list(array.shape) for name, array in memory.items()})
+        write_text(group, "arrays", json.dumps({name: list(array.shape) for name, array in memory.items()}))
         size = sum(array.size for array in memory.values())
         for slot in ("0", "1"):
             place = group.create_group(slot)

@@ -1,20 +1,17 @@
 """Checksums of everything that a run stores, so that damage is told and not read as numbers.
 
-A frame has one per array, in a row that has one itself; rows of growing tables have one each; what is written once
-carries its own as an attribute. The headers of the file are checked by HDF5. What a restart needs is in
-`checkpoint_slots.py`.
+Rows of growing tables have one each, what is written once carries its own as an attribute. The headers of the file are
+checked by HDF5. Those of frames are in `frame_sums.py`, what a restart needs is in `checkpoint_slots.py`.
 """
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import h5py
 import numpy as np
-
-from contactlab.results.growing import Column
 
 GROUP = "checksums"
 SEAL = "crc32"
@@ -49,7 +46,7 @@ def of_text(*values: Any) -> int:
 def seal(group: h5py.Group) -> None:
     """Give every dataset below `group` that never grows its checksum."""
     for dataset in _fixed(group):
-        dataset.attrs[SEAL] = np.uint32(_of_dataset(dataset))
+        dataset.attrs[SEAL] = seal_of(dataset)
 
 
 def broken_seals(group: h5py.Group) -> list[str]:
@@ -59,7 +56,7 @@ def broken_seals(group: h5py.Group) -> list[str]:
 
 def is_sealed(dataset: h5py.Dataset) -> bool:
     """Whether what was written once is as it was written."""
-    return SEAL in dataset.attrs and int(dataset.attrs[SEAL]) == _of_dataset(dataset)
+    return SEAL in dataset.attrs and int(dataset.attrs[SEAL]) == int(seal_of(dataset))
 
 
 def sealed(group: h5py.Group, name: str) -> Any:
@@ -70,9 +67,10 @@ def sealed(group: h5py.Group, name: str) -> Any:
     return dataset[()]
 
 
-def _of_dataset(dataset: h5py.Dataset) -> int:
+def seal_of(dataset: h5py.Dataset) -> np.uint32:
+    """The checksum of all that a dataset holds."""
     content = dataset[()]
-    return zlib.crc32(content) if isinstance(content, bytes) else of_array(content)
+    return np.uint32(zlib.crc32(content) if isinstance(content, bytes) else of_array(content))
 
 
 def _fixed(group: h5py.Group) -> Iterator[h5py.Dataset]:
@@ -84,36 +82,3 @@ def _fixed(group: h5py.Group) -> Iterator[h5py.Dataset]:
 
     group.visititems(look)
     yield from found
-
-
-class FrameSums:
-    """Checksums of the frames: a row for each, a column per array, and one for the row."""
-
-    def __init__(self, own: h5py.Group, names: Sequence[str]) -> None:
-        self.column = Column(own.require_group(GROUP), "frames", "u4", 1, (len(names) + 1,))
-        self.column.dataset.attrs["names"] = list(names)
-
-    def write(self, row: int, sums: Sequence[int]) -> None:
-        """Write the checksums of the frame `row`."""
-        values = np.array(sums, np.uint32)
-        self.column.write(row, np.append(values, np.uint32(of_array(values))))
-
-
-class StoredSums:
-    """The same, read: does what was read belong to its frame?"""
-
-    def __init__(self, own: h5py.Group) -> None:
-        self.table = own[f"{GROUP}/frames"][:]
-        self.place = {str(name): i for i, name in enumerate(own[f"{GROUP}/frames"].attrs["names"])}
-        self.whole = [int(row[-1]) == of_array(row[:-1]) for row in self.table]
-
-    def holds(self, number: int, name: str, content: np.ndarray) -> bool:
-        """Whether `content` is array `name` of frame `number` as it was written."""
-        known = number < len(self.table) and self.whole[number]
-        return known and int(self.table[number, self.place[name]]) == of_array(content)
-
-    def check(self, number: int, name: str, content: np.ndarray) -> np.ndarray:
-        """`content`. Raises Damage where it is not as it was written."""
-        if not self.holds(number, name, content):
-            raise Damage(f"{name} of frame {number} is damaged")
-        return content

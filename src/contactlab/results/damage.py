@@ -11,7 +11,8 @@ import numpy as np
 
 from contactlab.api.frame import Layout
 from contactlab.errors import RequestError, one_line
-from contactlab.results.checksums import Damage, StoredSums, broken_seals, of_rows
+from contactlab.results.checksums import Damage, broken_seals, of_rows
+from contactlab.results.frame_sums import StoredSums
 
 FILE = "results.vtkhdf"
 BROKEN = (

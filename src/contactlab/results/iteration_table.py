@@ -11,6 +11,7 @@ import numpy as np
 from contactlab.api.frame import IterationRow
 from contactlab.results.checksums import Damage, of_rows
 from contactlab.results.growing import Column, GrowingFile, Number
+from contactlab.results.stored_text import write_columns
 
 GROUP = "iterations"
 NOTE = 160  # bytes of a note; what it says of a correction is one short sentence
@@ -25,7 +26,7 @@ class IterationTable:
         self.growing = growing
         group = own.require_group(GROUP)
         self.numbers = Column(group, "rows", "f8", 1, (len(NUMBERS),), ROOM)
-        self.numbers.dataset.attrs["columns"] = list(NUMBERS)
+        write_columns(own, f"{GROUP}/rows", NUMBERS)
         self.notes = Column(group, "note", f"S{NOTE}", 1, (), ROOM)
         self.sums = Column(group, "checksum", "u8", 1, (), ROOM)
         self.shown = Number(group, "count")

@@ -10,17 +10,21 @@ import numpy as np
 
 from contactlab.api.frame import BodyLayout, ContactLayout, Layout
 from contactlab.results.checksums import sealed
+from contactlab.results.stored_text import read_text, write_text
 
-FORMAT = 3
-"""Of what the group `contactlab` of `results.vtkhdf` holds; another one is not read."""
+FORMAT = 4
+"""Of what the group `contactlab` of `results.vtkhdf` holds."""
+
+READ = (3, FORMAT)
+"""Formats that are read; 3 has texts of variable length."""
 
 _SURFACES = ("slave_nodes", "slave_segments", "master_nodes", "master_segments")
 
 
 def write_layout(own: h5py.Group, layout: Layout) -> None:
     """Fill `scene`, `layout` (JSON), `nodes`, `bodies` and `contacts` of the group `contactlab`."""
-    own["scene"] = layout.scene
-    own["layout"] = json.dumps(_words(layout))
+    write_text(own, "scene", layout.scene)
+    write_text(own, "layout", json.dumps(_words(layout)))
     own["nodes"] = layout.nodes
     for body in layout.bodies:
         own[f"bodies/{body.name}/cells"] = body.cells
@@ -55,7 +59,7 @@ def _words(layout: Layout) -> dict[str, Any]:
 
 def read_layout(own: h5py.Group) -> Layout:
     """The layout that `write_layout` wrote. Raises Damage."""
-    words = json.loads(sealed(own, "layout"))
+    words = json.loads(read_text(own, "layout"))
     bodies = tuple(
         BodyLayout(
             cells=sealed(own, f"bodies/{body['name']}/cells"),
@@ -69,4 +73,4 @@ def read_layout(own: h5py.Group) -> Layout:
     )
     words.update({key: tuple(words[key]) for key in ("supports", "steps")})
     nodes: np.ndarray = sealed(own, "nodes")
-    return Layout(scene=sealed(own, "scene").decode(), nodes=nodes, bodies=bodies, contacts=contacts, **words)
+    return Layout(scene=read_text(own, "scene"), nodes=nodes, bodies=bodies, contacts=contacts, **words)

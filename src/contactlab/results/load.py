@@ -13,17 +13,19 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError, one_line
 from contactlab.results.checkpoint_slots import Checkpoint, Slots
-from contactlab.results.checksums import Damage, StoredSums, sealed
+from contactlab.results.checksums import Damage
 from contactlab.results.contact_table import StoredContactSteps, check_record, recorded_rows, rows_up_to
 from contactlab.results.damage import BROKEN, TABLES, check_all, damage_told, whole_frames
 from contactlab.results.event_table import read_events
 from contactlab.results.final_fields import FinalFields
+from contactlab.results.frame_sums import StoredSums
 from contactlab.results.iteration_table import read_iterations
 from contactlab.results.layout_file import read_layout
 from contactlab.results.results import ContactHistory, Results
 from contactlab.results.stored_file import FILE, opened
 from contactlab.results.stored_frames import StoredFrames, curve_of
 from contactlab.results.stored_steps import StoredSteps
+from contactlab.results.stored_text import read_columns, read_text
 
 T = TypeVar("T")
 
@@ -141,7 +143,7 @@ class _Reader:
     def _summary(self) -> dict[str, Any]:
         """That of the end, or of the last checkpoint when there was no end."""
         if self.closed:
-            text = sealed(self.own, "summary").decode()
+            text = read_text(self.own, "summary")
         elif self.checkpoint is not None:
             text = self.checkpoint.summary
         elif (self.folder / "summary.json").is_file():
@@ -174,9 +176,8 @@ class _Reader:
     def _history(self) -> dict[str, Floats]:
         if "history" not in self.own or not self.numbers:
             return {}
-        table = self.own["history"]
-        values = self._rows("history", table)
-        return {str(name): values[:, i].copy() for i, name in enumerate(table.attrs["columns"])}
+        values = self._rows("history", self.own["history"])
+        return {name: values[:, i].copy() for i, name in enumerate(read_columns(self.own, "history"))}
 
     def _contacts(self) -> dict[str, ContactHistory]:
         times = self._history().get("time", np.zeros(0)).tolist()
@@ -200,5 +201,4 @@ def _frame_count(file: Any, salvage: bool) -> int:
 
 
 def _times(own: Any, count: int) -> Floats:
-    table = own["history"]
-    return np.asarray(table[:count, [str(name) for name in table.attrs["columns"]].index("time")])
+    return np.asarray(own["history"][:count, read_columns(own, "history").index("time")])

@@ -7,7 +7,7 @@ from typing import Any
 
 from contactlab.errors import RequestError
 from contactlab.results.damage import BROKEN, TABLES
-from contactlab.results.layout_file import FORMAT
+from contactlab.results.layout_file import READ
 
 FILE = "results.vtkhdf"
 
@@ -36,13 +36,13 @@ def opened(folder: Path) -> Any:
         raise RequestError(
             "the file was not written by contactlab, or its headers are damaged", where=str(path), hint=TABLES
         )
-    if version != FORMAT:
+    if version not in READ:
         file.close()
         raise RequestError(
             "the file was written by another version of contactlab",
             where=str(path),
             got=f"format {version}",
-            allowed=f"format {FORMAT}",
+            allowed=f"format {' or '.join(map(str, READ))}",
             hint="read it with the version in its summary.json, or make the run again from its scene.toml",
         )
     return file

@@ -10,9 +10,10 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import ContactCurve, Frame, Layout
-from contactlab.results.checksums import StoredSums
 from contactlab.results.damage import damage_told
+from contactlab.results.frame_sums import StoredSums
 from contactlab.results.stored_file import opened
+from contactlab.results.stored_text import read_columns
 
 
 class StoredFrames(Sequence[Frame]):
@@ -51,7 +52,7 @@ class StoredFrames(Sequence[Frame]):
         assert sums is not None
         grid, own = file["VTKHDF"], file["contactlab"]
         points = slice(number * len(self.layout.nodes), (number + 1) * len(self.layout.nodes))
-        names = [str(name) for name in own["history"].attrs["columns"]]
+        names = read_columns(own, "history")
         row = sums.check(number, "history", own["history"][number])
         scalars = dict(zip(names, row.tolist(), strict=True))
         fields = ("displacement", *(("velocity",) if self.layout.has_velocity else ()))

@@ -8,7 +8,6 @@ and what a restart needs. `load.py` reads it back.
 from __future__ import annotations
 
 import json
-import zlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,14 +21,16 @@ from contactlab.api.frame import ContactCurve, ContactLayout, Event, Frame, Iter
 from contactlab.api.recorder import Recorder, Recording
 from contactlab.results.checkpoint_slots import TEXT, Slots
 from contactlab.results.checksums import GROUP as SUMS
-from contactlab.results.checksums import SEAL, FrameSums, of_rows, seal
+from contactlab.results.checksums import of_rows, seal
 from contactlab.results.contact_table import ROOM, ContactTable, is_recorded
 from contactlab.results.event_table import EventTable
+from contactlab.results.frame_sums import FrameSums
 from contactlab.results.grid_file import GridFile, frame_bytes, write_grid
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.iteration_table import GROUP, IterationTable
 from contactlab.results.layout_file import FORMAT, write_layout
 from contactlab.results.stored_file import FILE
+from contactlab.results.stored_text import read_columns, write_columns, write_text
 
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
 STEP_ROWS = 1024  # steps by which their room grows, at least
@@ -83,13 +84,15 @@ class VtkHdfRecording(Recording):
         self.curves = {contact.name: _curves(self.own, contact) for contact in layout.contacts}
         self.history: Column | None = None
         if "history" in self.own:
+            write_columns(self.own, "history", read_columns(self.own, "history"))
             self.history = Column(self.own, "history", "f8", 1, self.own["history"].shape[1:])
         self.sums: FrameSums | None = None
         if self.history is not None:
             self.sums = self._frame_sums()
         self.step_rows = Column(self.own, "steps", "f8", 1, (len(layout.steps),), CHUNK_STEPS)
         self.step_sums = Column(self.own.require_group(SUMS), "steps", "u8", 1, (), CHUNK_STEPS)
-        self.step_rows.dataset.attrs["columns"] = list(layout.steps)
+        write_columns(self.own, "steps", layout.steps)
+        write_columns(self.own, "curves", ContactCurve.COLUMNS)
         self.step_count = Number(self.step_rows.dataset, "count")
         self.steps_written = self.step_count.value
         self.events = EventTable(growing, self.own)
@@ -102,7 +105,7 @@ class VtkHdfRecording(Recording):
         row = self.grid.times.count
         if self.history is None or self.sums is None:
             self.history = Column(self.own, "history", "f8", 1, (len(frame.scalars),))
-            self.own["history"].attrs["columns"] = list(frame.scalars)
+            write_columns(self.own, "history", list(frame.scalars))
             self.sums = self._frame_sums()
         if row >= self.grid.room:
             self._make_room(row)
@@ -161,9 +164,8 @@ class VtkHdfRecording(Recording):
             self.growing.reserve(len(text), metadata=SUMMARY_METADATA)
             if "summary" in self.own:
                 del self.own["summary"]
-            self.own["summary"] = text
-            self.own["summary"].attrs[SEAL] = np.uint32(zlib.crc32(text.encode()))
-            self.own["summary"].attrs["serial"] = self.slots.serial if self.slots is not None else 0
+            stored = write_text(self.own, "summary", text)
+            stored.attrs["serial"] = self.slots.serial if self.slots is not None else 0
         finally:
             self.growing.close()
 
@@ -214,6 +216,4 @@ class VtkHdfRecording(Recording):
 
 def _curves(own: h5py.Group, contact: ContactLayout) -> Column:
     shape = (len(contact.slave_nodes), len(ContactCurve.COLUMNS))
-    column = Column(own[f"contacts/{contact.name}"], "curves", "f8", 1, shape)
-    column.dataset.attrs["columns"] = list(ContactCurve.COLUMNS)
-    return column
+    return Column(own[f"contacts/{contact.name}"], "curves", "f8", 1, shape)
