@@ -9,11 +9,12 @@ import argparse
 import gc
 import os
 import sys
+import warnings
 from collections.abc import Callable, Sequence
 from importlib import import_module
 
 from contactlab import __version__
-from contactlab.errors import ContactlabError, RequestError, did_you_mean
+from contactlab.errors import ContactlabError, ContactlabWarning, RequestError, did_you_mean
 
 INTERRUPTED = 130
 
@@ -28,6 +29,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         # the collector walks through what libraries make when they are imported, in vain: a twentieth of a start
         gc.set_threshold(50_000, 20, 20)
+        warnings.formatwarning = _worded
     try:
         status = _run(words)
         sys.stdout.flush()
@@ -42,6 +44,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     return status
+
+
+_formatted = warnings.formatwarning
+
+
+def _worded(
+    message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
+) -> str:
+    """A warning as the program prints it: ours name what they are about, others the line of code."""
+    if issubclass(category, ContactlabWarning):
+        return f"contactlab: warning: {message}\n"
+    return _formatted(message, category, filename, lineno, line)
 
 
 def _run(words: list[str]) -> int:

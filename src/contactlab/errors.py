@@ -17,6 +17,10 @@ class _Nothing:
 NOTHING: Final = _Nothing()
 
 
+class ContactlabWarning(RuntimeWarning):
+    """Something a run or comparison did without: `warnings` names no line of code where the program prints it."""
+
+
 @dataclass(frozen=True)
 class Location:
     """A key of a scene or study: the file, the dotted key, and the line where one can be told.

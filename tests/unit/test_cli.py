@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 import contactlab
-from contactlab.cli import main
+from contactlab.cli import _worded, main
+from contactlab.errors import ContactlabWarning
 from contactlab.parts.machine import blas_kernels
 from contactlab.parts.registry import Registry
 from contactlab.run.folders import fresh_folder, results_folder
@@ -236,3 +237,10 @@ def test_names_of_the_package_are_lazy_and_complete() -> None:
         assert getattr(contactlab, name) is not None
     with pytest.raises(AttributeError, match="no_such_name"):
         contactlab.no_such_name  # noqa: B018
+
+
+def test_warnings_of_the_program_name_no_line_of_its_code() -> None:
+    assert _worded(ContactlabWarning("the disk is full"), ContactlabWarning, "run.py", 7) == (
+        "contactlab: warning: the disk is full\n"
+    )
+    assert "part.py:7" in _worded(RuntimeWarning("overflow"), RuntimeWarning, "part.py", 7)

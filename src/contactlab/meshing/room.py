@@ -24,16 +24,16 @@ def machine_memory() -> float:
     return total
 
 
-def in_gib(size: float) -> str:
-    """Bytes in words."""
-    return f"{size / 2.0**30:.3g} GiB"
+def in_words(size: float) -> str:
+    """Bytes in words; in MiB below a tenth of a GiB."""
+    return f"{size / 2.0**30:.3g} GiB" if size >= 0.1 * 2.0**30 or size == 0.0 else f"{size / 2.0**20:.3g} MiB"
 
 
 def check_file_size(path: Path) -> None:
     """Raise ValueError where a mesh file is larger than this machine can hold once it is read."""
     size, limit = FILE_BYTES * path.stat().st_size, machine_memory()
     if size > limit:
-        raise ValueError(f"path: got {path.name}: about {in_gib(size)}, allowed: what fits into {in_gib(limit)}")
+        raise ValueError(f"path: got {path.name}: about {in_words(size)}, allowed: what fits into {in_words(limit)}")
 
 
 def check_refined_size(cells: int, level: int) -> None:
@@ -42,6 +42,6 @@ def check_refined_size(cells: int, level: int) -> None:
     size, limit = NODE_BYTES * number, machine_memory()
     if size > limit:
         raise ValueError(
-            f"path: got {cells} cells at level {level}, {number:.3g} cells: about {in_gib(size)}, "
-            f"allowed: what fits into {in_gib(limit)}"
+            f"path: got {cells} cells at level {level}, {number:.3g} cells: about {in_words(size)}, "
+            f"allowed: what fits into {in_words(limit)}"
         )

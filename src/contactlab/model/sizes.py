@@ -11,7 +11,7 @@ import numpy as np
 
 from contactlab.api import ExplicitIntegrator
 from contactlab.errors import SceneError
-from contactlab.meshing.room import in_gib, machine_memory
+from contactlab.meshing.room import in_words, machine_memory
 from contactlab.model.model_size import ModelSize
 
 if TYPE_CHECKING:
@@ -79,8 +79,8 @@ def _fits(size: float, where: Location, got: str, hint: str = FEWER) -> None:
         raise SceneError(
             "this needs more memory than there is",
             where=where,
-            got=f"{got}: about {in_gib(size)}",
-            allowed=f"what fits into {in_gib(limit)}",
+            got=f"{got}: about {in_words(size)}",
+            allowed=f"what fits into {in_words(limit)}",
             hint=hint,
         )
 

@@ -11,7 +11,7 @@ import numpy as np
 from contactlab.api import Floats
 from contactlab.api.frame import Event, Frame, IterationRow, Layout, Level
 from contactlab.api.recorder import Recording
-from contactlab.errors import SimulationFailure, one_line
+from contactlab.errors import ContactlabWarning, SimulationFailure, one_line
 from contactlab.model.model import Model
 from contactlab.results.files import HistoryFile, IterationFile, plain, write_contacts, write_summary
 from contactlab.results.frame import frame_of
@@ -161,7 +161,7 @@ class Journal:
             write_summary(self.folder, summary)
         except OSError as error:
             text = f"contact.csv and summary.json could not be written: {error.strerror or error}"
-            warnings.warn(text, RuntimeWarning, stacklevel=4)
+            warnings.warn(text, ContactlabWarning, stacklevel=4)
         finally:
             self.history_file.close()
             if self.iteration_file is not None:
@@ -196,7 +196,7 @@ class Journal:
         except (Exception, SystemExit) as error:
             del self.recordings[name]
             text = f"the recorder {name} failed in {what} and is left out from here on: {one_line(error)}"
-            warnings.warn(text, RuntimeWarning, stacklevel=2)
+            warnings.warn(text, ContactlabWarning, stacklevel=2)
             self.tell("warning", text)
 
     def _or_stop(self, name: str, call: Callable[[Any], None], target: Any) -> None:
@@ -222,9 +222,9 @@ class Journal:
                 if recording.keeps_state:
                     reasons.append(failure.reason)
                 elif not known:  # that the disk is full is told once
-                    warnings.warn(failure.reason, RuntimeWarning, stacklevel=2)
+                    warnings.warn(failure.reason, ContactlabWarning, stacklevel=2)
             except (Exception, SystemExit) as error:
-                warnings.warn(f"the recorder {name} failed in {what}: {error}", RuntimeWarning, stacklevel=2)
+                warnings.warn(f"the recorder {name} failed in {what}: {error}", ContactlabWarning, stacklevel=2)
         return reasons
 
     def _results(self, summary: dict[str, Any]) -> Results:

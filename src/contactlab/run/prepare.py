@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.api import Layout
+from contactlab.errors import ContactlabWarning
 from contactlab.missing_effects.monitor import EffectMonitor
 from contactlab.model.model import Model
 from contactlab.model.sizes import check_frame_size
@@ -88,7 +89,7 @@ def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:
     past, checkpoint = saved
     run.restore(checkpoint, folder)
     for change in changed_versions(past.layout, layout):
-        warnings.warn(f"results may differ in their last digits: {change}", RuntimeWarning, stacklevel=4)
+        warnings.warn(f"results may differ in their last digits: {change}", ContactlabWarning, stacklevel=4)
     return past
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from contactlab.api.frame import Layout
 from contactlab.api.recorder import Recorder, Recording, replay
 from contactlab.errors import RequestError, SceneError, one_line
-from contactlab.meshing.room import in_gib
+from contactlab.meshing.room import in_words
 from contactlab.results.results import Results
 
 if TYPE_CHECKING:
@@ -59,8 +59,8 @@ def check_disk_space(
         raise SceneError(
             "this needs more room on the disk than is free",
             where=where,
-            got=f"{layout.frames} frames of {len(layout.nodes)} nodes, {steps} steps: about {in_gib(wanted)}",
-            allowed=f"what fits into {in_gib(free + there)} in {folder}",
+            got=f"{layout.frames} frames of {len(layout.nodes)} nodes, {steps} steps: about {in_words(wanted)}",
+            allowed=f"what fits into {in_words(free + there)} in {folder}",
             hint="fewer frames, a coarser mesh, or a folder on another disk",
         )
 

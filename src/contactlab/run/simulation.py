@@ -11,7 +11,15 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from contactlab.api import Watch
-from contactlab.errors import ContactlabError, NotFiniteError, RequestError, SimulationFailure, WrongAnswer, one_line
+from contactlab.errors import (
+    ContactlabError,
+    ContactlabWarning,
+    NotFiniteError,
+    RequestError,
+    SimulationFailure,
+    WrongAnswer,
+    one_line,
+)
 from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault, part_errors
 from contactlab.parts.machine import with_one_blas_thread
@@ -87,7 +95,7 @@ def simulate(
     results = run.finish(status, reason)
     results.watched = watching.found() if watching is not None else {}
     for broken in registry.run_finished(results.summary, results.folder):
-        warnings.warn(f"{broken.origin}: {broken.reason}", RuntimeWarning, stacklevel=2)
+        warnings.warn(f"{broken.origin}: {broken.reason}", ContactlabWarning, stacklevel=2)
     if status == "interrupted":
         raise Interrupted(results)
     return results

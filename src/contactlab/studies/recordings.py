@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactlab.errors import RequestError, did_you_mean, one_line
+from contactlab.errors import ContactlabWarning, RequestError, did_you_mean, one_line
 from contactlab.results.load import load_results
 from contactlab.results.results import Results
 from contactlab.results.stored_file import FILE
@@ -33,7 +33,7 @@ def record_comparison(scene: Scene, registry: Registry, folder: Path, names: Ite
             recorder.compared(folder, runs)
         except Exception as error:
             text = f"the recorder {name} could not gather the comparison: {one_line(error)}"
-            warnings.warn(text, RuntimeWarning, stacklevel=2)
+            warnings.warn(text, ContactlabWarning, stacklevel=2)
 
 
 def side_by_side(algorithms: Mapping[str, str]) -> list[str]:

@@ -113,8 +113,9 @@ def test_a_disk_that_is_too_small_is_told_before_the_run(tmp_path: Any, monkeypa
     assert "record.frames" in str(error.value)
     assert "0 GiB" in str(error.value.allowed)
     assert not list((tmp_path / "run").iterdir())
-    wanted = float(str(error.value.got).split("about ")[1].split()[0]) * 2**30
+    size, unit = str(error.value.got).split("about ")[1].split()[:2]
+    wanted = float(size) * {"MiB": 2**20, "GiB": 2**30}[unit]
     disk.free = 1.01 * wanted  # three digits are told
     simulate(scene, tmp_path / "run")
-    size = (tmp_path / "run/results.vtkhdf").stat().st_size
-    assert wanted == pytest.approx(size, rel=0.1)
+    stored = (tmp_path / "run/results.vtkhdf").stat().st_size
+    assert wanted == pytest.approx(stored, rel=0.1)
