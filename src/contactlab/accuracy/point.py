@@ -25,7 +25,7 @@ from contactlab.cases.run_case import evaluated, run_case, run_job, scene_of
 from contactlab.errors import ContactlabError
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
-from contactlab.studies.run_job import composition, warm_up
+from contactlab.studies.run_job import be_ready
 from contactlab.studies.system import machine
 from contactlab.studies.worker import BEGUN
 
@@ -123,10 +123,6 @@ def run_point(
     return replace(point, cpu=cpu, calibration=calibration, spent=spent), made
 
 
-_WARM: set[frozenset[str]] = set()
-"""Compositions of scenes that this process has imported and loaded all for."""
-
-
 def _take(
     task: Task, problem: Problem, registry: Registry, known: Archive | None, made: list[StoredRun], number: int,
     report: Callable[[Any], None],
@@ -184,10 +180,7 @@ def _be_ready(task: Task, problem: Problem, registry: Registry) -> None:
     jobs = problem.case.plan(problem.setup(task.contender, task.swap, 1), {})
     for job in jobs[:1]:
         with suppress(Exception):  # what is wrong is wrong in the run itself, and told there
-            scene = changed(scene_of(job, registry), task.contender)
-            if composition(scene) not in _WARM:
-                _WARM.add(composition(scene))
-                warm_up(scene, lambda message: None)
+            be_ready(changed(scene_of(job, registry), task.contender))
     _preparations.append(process_time() - began)
 
 

@@ -75,7 +75,7 @@ def run(scene: Scene, folder: Path | None, contact: int, repeat: int, report: Re
         return simulate(scene, out=place, registry=scene.registry, progress=progress, resume=begun)
 
     if folder is None or not folder.exists():
-        _be_ready(scene)
+        be_ready(scene)
     report(BEGUN)
     try:
         first = once(0, folder)
@@ -116,9 +116,10 @@ def warm_up(scene: Scene, report: Report) -> None:
     _ready.add(composition(scene))
 
 
-def _be_ready(scene: Scene) -> None:
+def be_ready(scene: Scene) -> None:
     """What the first run of a process pays for all that follow (imports, loading of kernels) is no cost of this one."""
     if composition(scene) not in _ready:
+        _ready.add(composition(scene))
         with suppress(Exception):  # what is wrong is wrong in the run itself, and told there
             warm_up(scene, lambda message: None)
 
