@@ -44,15 +44,16 @@ pages: $(INSTALLED)
 
 # all wheels and source distributions into dist/, after they were built, looked into and run alone
 packages: $(INSTALLED)
+	$(PIP) install -c constraints.txt -e ".[publish]" --no-build-isolation
 	CONTACTLAB_PACKAGES=full $(BIN)/python -m pytest tests/packaging
-	$(PIP) install -c constraints.txt build
 	@for p in . $(PLUGINS); do $(BIN)/python -m build --no-isolation --outdir dist $$p >/dev/null || exit 1; done; ls dist
 
 # the site in build/site: pages of docs/, a gallery of scenes that are run for it, notebooks, the reference
 site: $(INSTALLED)
 	$(PIP) install -c constraints.txt -e ".[docs]" --no-build-isolation
 	$(BIN)/python tools/site/make.py $(SITE)
-	$(BIN)/python -m mkdocs --quiet build --strict
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs --quiet build --strict
+	$(BIN)/python tools/site/links.py build/site
 	@echo "The site is build/site/index.html"
 
 lint: $(INSTALLED)

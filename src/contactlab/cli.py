@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 
 from contactlab import __version__
+from contactlab.commands.command_line import CommandLine
 from contactlab.errors import ContactlabError, ContactlabWarning, RequestError, did_you_mean
 
 INTERRUPTED = 130
@@ -59,9 +60,12 @@ def _worded(
 
 
 def _run(words: list[str]) -> int:
-    if words and not words[0].startswith("-") and words[0] not in _COMMANDS:
+    if not words:
+        _parser().print_help(sys.stderr)
+        return RequestError.exit_status
+    if not words[0].startswith("-") and words[0] not in _COMMANDS:
         return _plugin_command(words[0], words[1:])
-    options = _parser().parse_args(words)
+    options = _parser().read(words)
     module, _, function = options.handler.partition(":")
     handler: Callable[[argparse.Namespace], int] = getattr(import_module(module), function)
     return handler(options)
@@ -80,8 +84,8 @@ def _plugin_command(name: str, words: list[str]) -> int:
     raise RequestError("unknown command", got=name, allowed=", ".join(known), hint=hint)
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+def _parser() -> CommandLine:
+    parser = CommandLine(
         prog="contactlab",
         description="A bench for finite-element contact algorithms.",
         epilog="SCENE is the name of a bundled scene or a TOML file. Plugins may add commands: contactlab parts.",

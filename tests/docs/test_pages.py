@@ -63,7 +63,7 @@ def test_links_lead_somewhere(page: Path) -> None:
 def test_every_page_is_in_the_site() -> None:
     listed = set(re.findall(r"[\w./-]+\.md", (ROOT / "mkdocs.yml").read_text()))
     own = {path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*.md")} - {"package.md"}
-    assert listed == own | MADE
+    assert listed - {"package.md"} == own | MADE  # that page is what an index shows
 
 
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda path: path.stem)

@@ -51,7 +51,8 @@ def main(runs: bool = True) -> None:
     """Write all pages anew."""
     shutil.rmtree(PAGES, ignore_errors=True)
     shutil.copytree(ROOT / "docs", PAGES)
-    shutil.copy(ROOT / "tools" / "site" / "site.css", PAGES)
+    for name in ("site.css", "iframe-worker.js"):
+        shutil.copy(ROOT / "tools" / "site" / name, PAGES)
     (PAGES / "index.md").write_text(home((ROOT / "README.md").read_text(encoding="utf-8")), encoding="utf-8")
     (PAGES / "contributing.md").write_text(
         home((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")), encoding="utf-8"
@@ -66,6 +67,7 @@ def main(runs: bool = True) -> None:
 
 def home(text: str) -> str:
     """A page of the top of the repository as one of the site: links lead to where their pages are there."""
+    text = text.replace("](docs/notebooks)", "](tutorials/first-look.md)")
     text = re.sub(r"\]\(docs/", "](", text)
     return re.sub(r"\[([^\]]*)\]\((?:LICENSE|CODE_OF_CONDUCT\.md)\)", r"\1", text)
 

@@ -23,13 +23,13 @@ if TYPE_CHECKING:
     from contactlab.results.results import Results
 
 OPTIONAL = {
-    "argcomplete": "completion in the shell",
-    "ipykernel": "notebooks",
-    "pandas": "results as data frames",
-    "pyvista": "meshes in three-dimensional views",
-    "xarray": "results as labelled arrays",
+    "ipykernel": ("notebooks", "notebook"),
+    "pandas": ("results as data frames", "notebook"),
+    "pyvista": ("meshes in three-dimensional views", "notebook"),
+    "xarray": ("results as labelled arrays", "notebook"),
+    "distributed": ("comparisons on several machines", "dask"),
 }
-"""Packages that come with extras, and what they are for."""
+"""Packages that come with extras: what they are for, and the extra that brings them."""
 DRIVER_FOLDERS = ("/usr/share/vulkan/icd.d", "/etc/vulkan/icd.d", "/usr/local/share/vulkan/icd.d",
                   "~/.local/share/vulkan/icd.d")  # fmt: skip
 INSTALL_DRIVER = (
@@ -134,9 +134,10 @@ def _required_by(package: str) -> Iterator[str]:
 
 def optional_packages() -> Iterator[Fact]:
     """Packages that some things need, and for what."""
-    for name, use in OPTIONAL.items():
+    for name, (use, extra) in OPTIONAL.items():
         found = _version(name)
-        yield Fact(name, found or f"not installed: no {use}", "" if found else f"for {use}, pip install {name}")
+        todo = f'for {use}, pip install {name}, or pip install "contactlab[{extra}]"'
+        yield Fact(name, found or f"not installed: no {use}", "" if found else todo)
 
 
 def _version(name: str) -> str:

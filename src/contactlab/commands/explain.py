@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -13,6 +14,8 @@ from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
     from contactlab.explain.explain import Explanation
+
+KEY = re.compile(r"(?P<table>[a-z]+)\.(?P<name>[\w-]+)(\.(?P<rest>[\w.]+))?")
 
 
 def explain(options: argparse.Namespace) -> int:
@@ -50,7 +53,7 @@ def overview(explanation: Explanation, spare: Sequence[str], command: str) -> An
     shown.add_column(overflow="fold")
     for label, text in _lines(explanation, spare):
         add_row(shown, label, text)
-    add_row(shown, "what each costs", f"contactlab compare {command} --effects")
+    add_row(shown, "cost of each", f"contactlab compare {command} --effects")
     add_row(shown, "every detail", f"contactlab explain {command} --all")
     return shown
 
@@ -62,7 +65,7 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
     stable = f" (the stable one is {number(s.stable_step)} s)" if s.stable_step == s.stable_step else ""
     of = f"{number(s.step)} s{stable}" if s.steps_follow == "time" else f"{number(s.step)}, parts of {s.steps_follow}"
     yield "steps", f"about {number(s.estimated_steps)} of {of}"
-    yield "history", s.history
+    yield "history", together(s.history)
     yield (
         "time",
         (
@@ -73,22 +76,32 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
     if e.costs:
         yield "of a step", _costs(e)
     yield "memory", f"{number(e.scene.array_bytes / 2**20)} MiB in {len(e.arrays)} arrays"
-    yield "pays for", ", ".join(f"{f.effect} ({f.by})" for f in e.effects if f.called_for)
-    yield "per step", ", ".join(f"{call.call} {call.times}" for call in e.calls if call.per == "step")
-    iteration = [f"{call.call} {call.times}" for call in e.calls if call.per != "step"]
-    if iteration:
-        yield "per iteration", ", ".join(iteration)
+    yield "pays for", ", ".join(f"{f.effect} ({together(f.by)})" for f in e.effects if f.called_for)
     yield "could spare", ", ".join(spare) or "nothing: each effect is needed by another"
     yield "not declared", ", ".join(f.effect for f in e.effects if not f.called_for)
     yield "needs", "; ".join(_packages(e))
     outside = [module for module in e.modules if not module.package.startswith("contactlab")]
     libraries = sum(not module.plugin for module in outside)
-    yield "imports", f"{libraries} libraries besides contactlab and its plugins"
+    compiled = sum(kernel.compiled for kernel in e.kernels)
+    kernels = f"{len(e.kernels)} kernels" + (f" ({compiled} compiled just now)" if compiled else "")
+    yield "imports", f"{libraries} libraries besides contactlab and its plugins; {kernels}"
     given = [f"{m.package} ({m.modules})" if m.modules else m.package for m in outside if m.plugin]
     if given:
         yield "of plugins", ", ".join(given)
-    compiled = sum(kernel.compiled for kernel in e.kernels)
-    yield "kernels", f"{len(e.kernels)}" + (f", {compiled} of them compiled just now" if compiled else "")
+
+
+def together(keys: str) -> str:
+    """Keys that differ in one name alone as one: bodies.{anvil,punch}.material; other words as they are."""
+    names: dict[tuple[str, str], list[str]] = {}
+    for word in keys.split(", "):
+        key = KEY.fullmatch(word)
+        around, name = ((key["table"], key["rest"] or ""), key["name"]) if key else ((word, ""), "")
+        names.setdefault(around, []).append(name)
+    told = []
+    for (before, after), found in names.items():
+        one = found[0] if len(found) == 1 else f"{{{','.join(found)}}}"
+        told.append(".".join(part for part in (before, one, after) if part))
+    return ", ".join(told)
 
 
 def _costs(e: Explanation) -> str:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import io
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
-from contactlab.commands.explain import _lines
+from contactlab.commands.explain import _lines, overview, together
 from contactlab.explain.explain import explain
 from contactlab.explain.trial_run import run_trial
 from contactlab.parts.registry import Registry
@@ -66,3 +68,25 @@ def test_modules_of_outside_packages_are_listed_with_their_plugin(strip: None) -
     # stopped clocks are parts of one that ran on; elements and law are shared out of theirs
     assert 0.0 < sum(cost.seconds for cost in said.costs) < said.scene.wall_seconds_per_step
     assert "element: q1" in lines["of a step"]
+    out = Console(file=io.StringIO(), width=80)
+    out.print(overview(said, ["damping"], "two-bars"))
+    shown = out.file.getvalue()  # type: ignore[attr-defined]
+    assert len(shown.splitlines()) <= 30  # a screen
+    for word in ("pays for", "could spare", "needs", "contactlab-dynamics", "contact (contacts.0", "MiB", "--all"):
+        assert word in shown
+
+
+@pytest.mark.parametrize(
+    ("keys", "told"),
+    [
+        ("bodies.anvil.material, bodies.punch.material", "bodies.{anvil,punch}.material"),
+        ("contacts.0, contacts.2, contacts.2.friction", "contacts.{0,2}, contacts.2.friction"),
+        ("the usual ones, in runs with a folder", "the usual ones, in runs with a folder"),
+        (
+            "none: the end does not depend on the path (key time.history)",
+            "none: the end does not depend on the path (key time.history)",
+        ),
+    ],
+)
+def test_keys_that_differ_in_one_name_are_told_together(keys: str, told: str) -> None:
+    assert together(keys) == told

@@ -180,13 +180,29 @@ def test_a_wrong_command_line(
 
 
 @pytest.mark.parametrize(
-    "arguments", [[], ["run"], ["run", "a", "b"], ["run", "a", "--sett", "x"], ["compare", "a", "--jobs", "0"]]
-)
-def test_words_that_fit_no_command(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as left:
-        main(arguments)
-    assert left.value.code == 2
-    assert "usage: contactlab" in capsys.readouterr().err
+    ("arguments", "words"),
+    [
+        (["run"], ["run: SCENE is missing", "contactlab run [--set KEY=VALUE]", "contactlab run --help"]),
+        (["run", "a", "b"], ["run: a word too many", '"b"']),
+        (["run", "a", "--resum"], ["unknown option", "--resum", 'did you mean "--resume"?']),
+        (["run", "a", "--level", "2"], ["unknown option", "--level", "--set level=2"]),
+        (["run", "a", "--set"], ["run, --set: a value is missing"]),
+        (["compare", "a", "--jobs", "0"], ["compare, --jobs: this value is not allowed", "a whole number >= 1"]),
+        (["completion", "fsh"], ["bash, zsh, fish, powershell", 'did you mean "fish"?']),
+        (["--levl"], ["COMMAND is missing"]),
+    ],
+)  # fmt: skip
+def test_words_that_fit_no_command(arguments: list[str], words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    message = refused(arguments, capsys)
+    for word in words:
+        assert word in message
+
+
+def test_no_word_at_all_is_answered_with_the_commands(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 2
+    said = capsys.readouterr().err
+    assert "usage: contactlab" in said
+    assert "choose" in said
 
 
 def test_results_are_never_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
