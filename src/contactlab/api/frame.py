@@ -204,6 +204,11 @@ class StoredRun(Protocol):
         ...
 
     @property
+    def last_steps(self) -> Mapping[str, Sequence[Frame]]:
+        """Frames of every one of the last steps, by what they came before, see `contactlab.api.recorder`."""
+        ...
+
+    @property
     def events(self) -> Sequence[Event]:
         """All events of the run in the order in which they happened."""
         ...

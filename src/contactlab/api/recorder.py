@@ -12,6 +12,9 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
 
+FAILURE, WARNING = "failure", "warning"
+"""Why the last steps are stored whole: the run failed, or a guard warned for the first time."""
+
 
 class Recording(ABC):
     """What a recorder has opened for one run. `frame` and `close` must be given.
@@ -47,6 +50,12 @@ class Recording(ABC):
     def iterations(self, rows: Sequence[IterationRow]) -> None:  # noqa: B027
         """Take the Newton iterations of one attempted step; never called in explicit runs."""
 
+    def last_steps(self, end: str, frames: Sequence[Frame]) -> None:  # noqa: B027
+        """Take a frame of every one of the last steps before `end`, one of FAILURE and WARNING; each comes once.
+
+        Called for recorders with `every_field`, in runs that fail or are warned of.
+        """
+
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:  # noqa: B027
         """Keep all that a restart needs. Called now and then, at an interrupt, and at the end."""
 
@@ -61,12 +70,14 @@ class Recorder(ABC):
     by_default  used where a scene names no recorders
     every_step  its recordings want `steps`
     every_contact  its recordings want `contact_steps`
+    every_field  its recordings want `last_steps`
     shown_file  name of the file that `show` opens; empty where there is nothing to show
     """
 
     by_default: ClassVar[bool] = False
     every_step: ClassVar[bool] = False
     every_contact: ClassVar[bool] = False
+    every_field: ClassVar[bool] = False
     shown_file: ClassVar[str] = ""
 
     @abstractmethod
@@ -83,7 +94,7 @@ class Recorder(ABC):
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
         """Go on with an interrupted run: by default a new recording of all that `run` has stored."""
         recording = self.open(folder, layout)
-        replay(run, recording, steps=self.every_step, contact=self.every_contact)
+        replay(run, recording, steps=self.every_step, contact=self.every_contact, fields=self.every_field)
         return recording
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:  # noqa: B027
@@ -102,8 +113,8 @@ class Recorder(ABC):
         return None
 
 
-def replay(run: StoredRun, recording: Recording, steps: bool, contact: bool) -> None:
-    """Give `recording` everything that `run` has stored."""
+def replay(run: StoredRun, recording: Recording, steps: bool, contact: bool, fields: bool = False) -> None:
+    """Give `recording` everything that `run` has stored; `steps`, `contact` and `fields` where it is for those."""
     if steps:
         for block in run.step_blocks():
             recording.steps(block)
@@ -113,6 +124,8 @@ def replay(run: StoredRun, recording: Recording, steps: bool, contact: bool) -> 
     for event in run.events:
         recording.event(event)
     recording.iterations(run.iterations)
+    for end, last in run.last_steps.items() if fields else ():
+        recording.last_steps(end, last)
     frames: Sequence[Frame] = run.frames
     for frame in frames:
         recording.frame(frame)

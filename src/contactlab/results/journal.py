@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 class Journal:
     """Samples of one run in memory; frames, steps and events go to its recordings, by the recorder's name.
 
-    `wanted` names the recordings that want every step's scalars ("steps") and the contact record ("contact_steps"),
-    `plan` says which steps the latter has. With `past`, an interrupted run is taken up where it was saved.
+    `wanted` names the recordings that want every step's scalars ("steps"), the contact record ("contact_steps") and
+    all of the last steps ("last_steps"); `plan` says which steps the contact record has. With `past`, an interrupted
+    run is taken up where it was saved.
     """
 
     def __init__(
@@ -105,6 +106,11 @@ class Journal:
         event = Event(state.step, state.time, level, text)
         self.events.append(event)
         self._tell("event", lambda recording: recording.event(event))
+
+    def last_steps(self, end: str, frames: list[Frame]) -> None:
+        """Hand on the frames of every one of the last steps before `end`."""
+        for name in self.wanted["last_steps"] & self.recordings.keys():
+            self._one(name, "last_steps", lambda recording: recording.last_steps(end, frames))
 
     def iterated(self, rows: list[IterationRow]) -> None:
         """Keep the Newton iterations of an attempted step."""

@@ -20,6 +20,7 @@ from contactlab.results.event_table import read_events
 from contactlab.results.final_fields import FinalFields
 from contactlab.results.frame_sums import StoredSums
 from contactlab.results.iteration_table import read_iterations
+from contactlab.results.last_steps_file import stored_last_steps
 from contactlab.results.layout_file import read_layout
 from contactlab.results.results import ContactHistory, Results
 from contactlab.results.stored_file import FILE, opened
@@ -134,6 +135,7 @@ class _Reader:
             events=self._or("the events", lambda: read_events(self.own, self.events, self.salvage), []),
             iterations=self._or("the iterations", lambda: read_iterations(self.own, self.last_step, self.salvage), []),
             frames=frames,
+            last_steps=stored_last_steps(self.folder),
             folder=self.folder,
             step_source=steps,
             closed=self.closed,

@@ -66,6 +66,7 @@ class Results:
     events        what was worth a line: steps shortened, warnings when they came
     iterations    every Newton iteration of implicit runs, those of steps taken back included
     frames        every stored frame with its fields, read from `results.vtkhdf` when asked for; empty without files
+    last_steps    frames of every one of the last steps before a "failure" or the first "warning" of a guard, if any
     folder        where the files are, None if none were written
     watched       what each watch found, by its name; of the run just made, not read back from files
     lost          what of a damaged file could not be read, where only what is whole was asked for
@@ -85,6 +86,7 @@ class Results:
     events: Sequence[Event] = ()
     iterations: Sequence[IterationRow] = ()
     frames: Sequence[Frame] = ()
+    last_steps: Mapping[str, Sequence[Frame]] = field(default_factory=dict)
     folder: Path | None = None
     step_source: Sequence[Floats] = ()
     closed: bool = True
@@ -193,7 +195,7 @@ class Results:
 
 
 def _content(results: Results) -> dict[str, Any]:
-    skipped = ("layout", "frames", "folder", "step_source", "closed", "watched", "lost")
+    skipped = ("layout", "frames", "last_steps", "folder", "step_source", "closed", "watched", "lost")
     own = {name: value for name, value in vars(results).items() if name not in skipped}
     return own | {"scene": results.layout.scene, "nodes": results.nodes, "cells": results.cells, "steps": results.steps}
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -28,6 +28,7 @@ from contactlab.results.frame_sums import FrameSums
 from contactlab.results.grid_file import GridFile, frame_bytes, write_grid
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.iteration_table import GROUP, IterationTable
+from contactlab.results.last_steps_file import excerpt, last_steps_folder
 from contactlab.results.layout_file import FORMAT, write_layout
 from contactlab.results.stored_file import FILE
 from contactlab.results.stored_text import read_columns, write_columns, write_text
@@ -47,6 +48,7 @@ class VtkHdf(Recorder):
     by_default: ClassVar[bool] = True
     every_step: ClassVar[bool] = True
     every_contact: ClassVar[bool] = True
+    every_field: ClassVar[bool] = True
 
     def disk_bytes(self, layout: Layout, steps: float, memory: float) -> float:
         """Frames, steps, twice what a restart needs with a summary, and headers."""
@@ -142,6 +144,14 @@ class VtkHdfRecording(Recording):
         if self.newton is None:
             self.newton = IterationTable(self.growing, self.own)
         self.newton.add(rows)
+
+    def last_steps(self, end: str, frames: Sequence[Frame]) -> None:
+        """Write the last steps into a file of their own, with the same fields."""
+        with last_steps_folder(self.growing.path.parent, end) as folder:
+            whole = VtkHdfRecording(GrowingFile(folder / FILE, new=True), replace(self.layout, frames=len(frames)))
+            for frame in frames:
+                whole.frame(frame)
+            whole.close(excerpt(self.layout, end, frames))
 
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:
         """Keep what a restart needs, and let readers see everything so far."""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from contactlab.api import Layout
 from contactlab.errors import ContactlabWarning
 from contactlab.missing_effects.monitor import EffectMonitor
+from contactlab.model.build import build
 from contactlab.model.model import Model
 from contactlab.model.sizes import check_frame_size
 from contactlab.parts.provenance import parts_of, versions
@@ -18,6 +19,7 @@ from contactlab.results.frame import layout_of
 from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.run.guards import Guards
+from contactlab.run.kept_states import KeptStates
 from contactlab.run.recorders import check_disk_space, open_recordings, recorders_of
 from contactlab.run.restart import changed_versions, saved_run
 from contactlab.run.run import Run
@@ -59,6 +61,7 @@ def prepare_run(
     wanted = {
         "steps": frozenset(name for name, recorder in recorders.items() if recorder.every_step),
         "contact_steps": frozenset(name for name, recorder in recorders.items() if recorder.every_contact),
+        "last_steps": frozenset(name for name, recorder in recorders.items() if recorder.every_field),
     }
     if folder is None:
         run.journal = Journal(model, layout, {}, wanted)
@@ -72,7 +75,19 @@ def prepare_run(
     recordings = open_recordings(recorders, folder, layout, past)
     run.journal = Journal(model, layout, recordings, wanted, claimed, past, plan)
     run.plan = plan
+    if wanted["last_steps"] and scene.record.last != 0:
+        _keep_last_steps(run, scene, registry, folder)
     return run
+
+
+def _keep_last_steps(run: Run, scene: Scene, registry: Registry, folder: Path) -> None:
+    from contactlab.run.last_steps import LastSteps, length_of
+
+    length = length_of(scene.record, run.journal.layout)
+    if length:
+        run.last_steps = LastSteps(run.model, length, lambda: build(scene, registry))
+        run.last_steps.begin(folder)
+        run.kept = KeptStates(run.last_steps.states)
 
 
 def _record_plan(scene: Scene, layout: Layout, steps: int) -> RecordPlan | None:

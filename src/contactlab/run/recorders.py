@@ -93,5 +93,5 @@ def open_recordings(
 def record_again(recorder: Recorder, folder: Path, run: Results) -> None:
     """Make a recording of what a run has stored."""
     recording = recorder.open(folder, run.layout)
-    replay(run, recording, steps=recorder.every_step, contact=recorder.every_contact)
+    replay(run, recording, recorder.every_step, recorder.every_contact, recorder.every_field)
     recording.close(run.summary)

@@ -11,6 +11,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from contactlab.api import Floats, IterationRow, RunWarning, Step, StepStatus
+from contactlab.api.recorder import FAILURE
 from contactlab.errors import SimulationFailure
 from contactlab.missing_effects.monitor import EffectMonitor
 from contactlab.model.memory import model_memory, restore_model
@@ -19,8 +20,8 @@ from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
 from contactlab.results.summary import Clock, Counts, summarise
-from contactlab.run.culprit import KeptState
 from contactlab.run.guards import EVERY, Guards
+from contactlab.run.kept_states import KeptStates
 from contactlab.run.restart import check_memory, stored_results
 from contactlab.run.schedule import Schedule
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
@@ -29,11 +30,13 @@ if TYPE_CHECKING:
     from contactlab.model.bound_integrator import BoundIntegrator
     from contactlab.results.checkpoint_slots import Checkpoint
     from contactlab.results.record_plan import RecordPlan
+    from contactlab.run.last_steps import LastSteps
     from contactlab.run.nested import NestedStart
 
 SAVE_EVERY = 1.0  # seconds of wall time between saved states, at least
 SAVE_SHARE = 100.0  # and so many times what one costs: saving never takes more than a hundredth of a run
 ENDS = ("finished", "diverged", "not-converged")  # runs that cannot go on: what is saved is their end
+FAILED = ("diverged", "not-converged", "failed")  # runs whose last steps one wants to see
 OF_THE_LAST_STEP = ("reactions", "reaction_mismatch", "contacts", "balance", "invariants")  # of a summary
 KILLED = "the run ended without a word (killed, or still going on)"
 
@@ -55,7 +58,8 @@ class Run:
     first_step: int = 0
     taken_up: dict[str, Any] = field(default_factory=dict)
     attempt: int = 1
-    kept: KeptState = field(default_factory=KeptState)
+    kept: KeptStates = field(default_factory=KeptStates)
+    last_steps: LastSteps | None = None
     journal: Journal = field(init=False)
     nested: NestedStart | None = None
     plan: RecordPlan | None = None
@@ -95,7 +99,8 @@ class Run:
         """What to call after each accepted step, with the step and its length."""
         more = self.watching.every_step if self.watching is not None else ()
         limit = (self.work_limit,) if self.work_limit is not None else ()
-        return (*self.journal.every_step, *self.schedule.every_step, *more, *limit)
+        last = self.last_steps.every_step if self.last_steps is not None else ()
+        return (*self.journal.every_step, *last, *self.schedule.every_step, *more, *limit)
 
     def iterated(self, step: Step) -> None:
         """Keep the iterations of an attempted step of an implicit run."""
@@ -122,6 +127,8 @@ class Run:
         self.journal.add(take_sample(self.model, self.journal.frames, mean))
         self.monitor.examine_frame()
         self.tell_warnings()
+        if self.last_steps is not None:
+            self.last_steps.know_warnings()
         self.clock.recording_s += perf_counter() - began
 
     def judge(self) -> None:
@@ -141,6 +148,7 @@ class Run:
         """Verdicts on a run whose time is over. Raises SimulationFailure where its answer is none."""
         self.guards.at_the_end()
         self.schedule.adapt()
+        self.listen()
         self.schedule.verdict()
         self.judge()
 
@@ -152,7 +160,18 @@ class Run:
     def keep(self) -> None:
         """Remember the state as it is: from here on explicit steps can be repeated."""
         if self.model.explicit:
-            self.kept.take(self.model)
+            self.kept.take(self.model, self.schedule.dt)
+
+    def listen(self) -> None:
+        """Store the last steps whole, where a guard has warned for the first time."""
+        if self.last_steps is not None:
+            self.last_steps.listen(self.journal, self.kept)
+
+    def failed(self, status: str) -> None:
+        """Store the last steps whole, where the run came to no good end."""
+        if self.last_steps is not None and status in FAILED and not self.journal.full:
+            with suppress(SimulationFailure):  # the disk is full: the run has failed, and says why
+                self.last_steps.store(FAILURE, self.journal, self.kept)
 
     def save(self) -> None:
         """Save all that a restart needs; a run that is killed later looks as `KILLED` says."""

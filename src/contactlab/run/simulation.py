@@ -92,6 +92,7 @@ def simulate(
     run.clock.build_s = perf_counter() - began
     with Interruption(run.schedule.stop) as interruption:
         status, reason = _guarded(run, registry, interruption, progress)
+        run.failed(status)
     results = run.finish(status, reason)
     results.watched = watching.found() if watching is not None else {}
     for broken in registry.run_finished(results.summary, results.folder):
@@ -141,8 +142,10 @@ def _advance(run: Run, progress: Progress | None) -> None:
             guards.check()
             schedule.adapt()
             run.keep()
+            run.listen()
         if schedule.frame_due():
             guards.check()
+            run.listen()
             run.store()
             if progress is not None:
                 progress(schedule.fraction(), model.state.step, model.state.time, run.energy_error)

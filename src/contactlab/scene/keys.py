@@ -300,6 +300,12 @@ class Record:
         says="size of the contact record, which has fewer steps where it would be larger; 0: no record; "
         "not written: 64, of a run in a comparison 3",
     )
+    last: int | None = key(
+        None,
+        least=0,
+        says="steps before a failure, and before the first warning of a guard, that are stored with all fields; "
+        "0: none; not written: 200",
+    )
 
     def __post_init__(self) -> None:
         if self.to is not None and self.to < (self.from_ or 1):

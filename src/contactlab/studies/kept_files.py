@@ -7,6 +7,7 @@ from pathlib import Path
 
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
+from contactlab.results.last_steps_file import drop_last_steps
 from contactlab.results.stored_file import FILE
 from contactlab.studies.recordings import RUNS
 from contactlab.studies.table import Row
@@ -33,3 +34,4 @@ def drop_files(folder: Path, rows: Sequence[Row], keep: str, registry: Registry)
         if keep == "none" or (keep == "failed" and row.status == "finished"):
             for name in large:
                 (folder / RUNS / row.name / name).unlink(missing_ok=True)
+            drop_last_steps(folder / RUNS / row.name)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
+from rerun.blueprint.components import AbsoluteTimeRange
 
 from contactlab.api.arrays import Floats
 from contactlab.api.drawing.units import Units
@@ -48,9 +49,11 @@ def arrange(shown: Sequence[Shown], profiles: Sequence[Profile], converged: bool
     curves = [_profile_view(profile, shown) for profile in profiles]
     solver = _tabs([*([_convergence_view(shown)] if converged else []), *_solver_views(shown)])
     layout = _one(shown, curves, solver) if len(shown) == 1 else _several(shown, curves, solver)
+    window = shown[0].run.window() if len(shown) == 1 else None
+    selected = AbsoluteTimeRange(*window) if window else None
     return Arrangement(
         layout,
-        rrb.TimePanel(state="collapsed", timeline=timeline),
+        rrb.TimePanel(state="collapsed", timeline=timeline, time_selection=selected),
         rrb.BlueprintPanel(state="hidden"),
         rrb.SelectionPanel(state="hidden"),
         auto_views=False,

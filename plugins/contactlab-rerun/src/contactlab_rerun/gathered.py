@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from contactlab.api.arrays import XX, YY, ZZ, Floats, Ints
 from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout
+from contactlab.api.recorder import FAILURE, WARNING
 
 VON_MISES, PRESSURE, NO_FIELD = "von_mises", "pressure", "none"
 SHORT = {"plastic_strain": "equivalent_plastic_strain"}
@@ -76,6 +77,7 @@ class Surface:
 class Gathered:
     """One run: its frames, events and Newton iterations. `finish` must come before anything is asked of it.
 
+    last_steps         frames of every step before a failure or a warning; `instants` has them, too, once it is finished
     recorded, records  rows of the contact record by contact, in blocks and, once it is finished, in one
     """
 
@@ -86,32 +88,33 @@ class Gathered:
     events: list[Event] = field(default_factory=list)
     iterations: list[IterationRow] = field(default_factory=list)
     skipped: Instant | None = None
+    last_steps: dict[str, list[Instant]] = field(default_factory=dict)
     surfaces: dict[str, Surface] = field(default_factory=dict)
     recorded: dict[str, list[np.ndarray]] = field(default_factory=dict)
     records: dict[str, np.ndarray] = field(default_factory=dict)
 
     def add(self, frame: Frame) -> None:
         """Keep a frame, or hold it back in case that it is the last one."""
-        parts = [self._values(frame.cells[body.name]) for body in self.layout.bodies]
-        instant = Instant(
-            frame.step,
-            frame.time,
-            (self.layout.nodes + frame.displacement).astype(np.float32),
-            np.concatenate(parts).astype(np.float32),
-            frame.curves,
-            frame.scalars,
-        )
+        instant = self._instant(frame)
         if frame.number % self.every:
             self.skipped = instant
         else:
             self.instants.append(instant)
             self.skipped = None
 
+    def add_last_steps(self, end: str, frames: Sequence[Frame]) -> None:
+        """Keep frames of every one of the last steps before `end`."""
+        self.last_steps[end] = [self._instant(frame) for frame in frames]
+
     def finish(self, summary: Mapping[str, Any]) -> None:
         """The run is over: its last frame is always shown, and an end before its time is an event."""
         if self.skipped is not None:
             self.instants.append(self.skipped)
             self.skipped = None
+        known = {instant.step for instant in self.instants}
+        more = {instant.step: instant for part in self.last_steps.values() for instant in part}
+        self.instants += [instant for step, instant in more.items() if step not in known]
+        self.instants.sort(key=lambda instant: instant.step)
         self.surfaces = {contact.name: self._surface(contact.name) for contact in self.layout.contacts}
         self.records = {name: np.concatenate(blocks) for name, blocks in self.recorded.items()}
         self.recorded.clear()
@@ -119,6 +122,13 @@ class Gathered:
             last = self.instants[-1]
             text = f"{summary['status']}: {summary.get('reason', '')}"
             self.events.append(Event(max(int(summary.get("steps", 0)), last.step), last.time, "error", text))
+
+    def window(self) -> tuple[int, int] | None:
+        """First and last of the steps to look at first: those before a failure, or before the first warning."""
+        for end in (FAILURE, WARNING):
+            if steps := self.last_steps.get(end):
+                return steps[0].step, steps[-1].step
+        return None
 
     def records_of(self, contact: str) -> list[str]:
         """Tractions that the record of a contact has."""
@@ -130,6 +140,17 @@ class Gathered:
         columns = ("x", "y", "pressure", "shear", "gap", "state")
         found = (np.array([getattr(curve, column) for curve in curves]) for column in columns)
         return Surface(curves[0].s, curves[0].chain, *found)
+
+    def _instant(self, frame: Frame) -> Instant:
+        parts = [self._values(frame.cells[body.name]) for body in self.layout.bodies]
+        return Instant(
+            frame.step,
+            frame.time,
+            (self.layout.nodes + frame.displacement).astype(np.float32),
+            np.concatenate(parts).astype(np.float32),
+            frame.curves,
+            frame.scalars,
+        )
 
     def _values(self, cells: Mapping[str, Floats]) -> Floats:
         if self.shown_field == PRESSURE:

@@ -29,6 +29,7 @@ class Rerun(Recorder):
     by_default: ClassVar[bool] = True
     every_step: ClassVar[bool] = True
     every_contact: ClassVar[bool] = True
+    every_field: ClassVar[bool] = True
     shown_file: ClassVar[str] = FILE
 
     field: str = "von_mises"

@@ -64,6 +64,10 @@ class RunRecording(Recording):
         for name, rows in block.items():
             self.run.recorded.setdefault(name, []).append(rows)
 
+    def last_steps(self, end: str, frames: Sequence[Frame]) -> None:
+        """Keep what is shown of the last steps."""
+        self.run.add_last_steps(end, frames)
+
     def event(self, event: Event) -> None:
         """Keep an event for the end of the file."""
         self.run.events.append(event)
@@ -108,7 +112,7 @@ def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) 
     for title, appearance in appearances(shown).items():
         run = shown[title]
         one = RunRecording(partial(file.open_run, appearance=appearance), options, run.layout, lambda summary: None)
-        replay(run, one, steps=True, contact=True)
+        replay(run, one, steps=True, contact=True, fields=True)
         one.close(run.summary)
     file.finish([run.summary for run in shown.values()])
 

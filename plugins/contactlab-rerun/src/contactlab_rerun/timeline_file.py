@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import rerun as rr
 
 from contactlab.api.drawing.units import Units
 from contactlab_rerun.blueprint import Shown, arrange
@@ -19,6 +20,7 @@ from contactlab_rerun.convergence import log_convergence
 from contactlab_rerun.drawing import FEW_CELLS, OUTLINE, Drawing, Scale, model_box
 from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Appearance, Gathered, nice
 from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks
+from contactlab_rerun.opening import OPENS
 from contactlab_rerun.profiles import Profile, log_profile, profile_of
 from contactlab_rerun.series import SeriesWriter
 from contactlab_rerun.step_pictures import log_pictures
@@ -95,6 +97,8 @@ class TimelineFile:
             log_iterations(self.recording, run, appearance)
             log_page(self.recording, run.layout, appearance, summary)
         self.recording.send_recording_name(self.runs[0][0].layout.title)
+        if not several and (window := self.runs[0][0].window()):
+            self.recording.send_property(OPENS, rr.AnyValues(step=window[1]))
         arrange(shown, profiles, converged, self.timeline).send(self.recording)
 
     @property

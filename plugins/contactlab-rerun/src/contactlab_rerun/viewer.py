@@ -18,6 +18,7 @@ from time import monotonic, sleep
 from typing import Any
 
 from contactlab.api.drawing.colours import STATES, STYLES, rgb
+from contactlab_rerun.opening import step_to_open
 
 MAGIC = b"RRF"  # how recordings begin
 HOST = "127.0.0.1"
@@ -50,19 +51,36 @@ def open_window(file: Path) -> None:
     Raises ValueError where `file` is no recording, RuntimeError where the viewer cannot start.
     """
     check_recording(file)
+    port, step = _free_port(), step_to_open(file)
     process = subprocess.Popen(
-        [*_command(_free_port()), str(file)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
+        [*_command(port), str(file)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True
     )
     try:
         _, words = process.communicate(timeout=3.0)
     except subprocess.TimeoutExpired:
+        if step is not None:
+            _go_to(port, step)
         return
     if process.returncode:
         raise RuntimeError(f"{_last_words(words)}; without a display, --png FILE writes a picture")
 
 
+def _go_to(port: int, step: int) -> None:
+    """Put the cursor of a running viewer there, if it answers."""
+    from rerun.experimental import ViewerClient
+
+    with contextlib.suppress(Exception):
+        client = ViewerClient.connect(_url(port))
+        _wait_for(client)
+        client.set_time("step", sequence=step, play_state="paused")
+
+
+def _url(port: int) -> str:
+    return f"rerun+http://{HOST}:{port}/proxy"
+
+
 def write_picture(file: Path, png: Path, step: int | None) -> None:
-    """A picture of the recording at `step`, or at its end.
+    """A picture of the recording at `step`, or where the recording opens: before a warning, else at its end.
 
     Raises ValueError where `file` is no recording or has no such step, RuntimeError where this machine cannot draw.
     """
@@ -72,7 +90,9 @@ def write_picture(file: Path, png: Path, step: int | None) -> None:
         first, last = _steps(client)
         if step is not None and not first <= step <= last:
             raise ValueError(f"step: got {step}, allowed: {first} to {last}, the steps of the recording")
-        client.set_time("step", sequence=last if step is None else step, play_state="paused")
+        opens = step_to_open(file)
+        step = step if step is not None else last if opens is None else opens
+        client.set_time("step", sequence=step, play_state="paused")
         sleep(SETTLE)
         with tempfile.TemporaryDirectory() as folder:
             shot = Path(folder) / "picture.png"
@@ -107,7 +127,7 @@ def headless_viewer(file: Path) -> Iterator[Any]:
             stdout=subprocess.DEVNULL, stderr=words, start_new_session=True, preexec_fn=_die_with_parent,
         )  # fmt: skip
         try:
-            yield _connected(process, ViewerClient, f"rerun+http://{HOST}:{port}/proxy", words)
+            yield _connected(process, ViewerClient, _url(port), words)
         except ConnectionError as error:  # a viewer that cannot draw may answer before it ends
             process.wait(PATIENCE)
             words.seek(0)

@@ -1,0 +1,19 @@
+"""Where a recording wants to be looked at first: a property of it, as the library's views cannot name an instant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+OPENS = "opens"
+
+
+def step_to_open(file: Path) -> int | None:
+    """The step that the recording names; None where it names none."""
+    from rerun.chunk import RrdReader
+
+    for chunk in RrdReader(str(file)).stream().filter(content=f"/__properties/{OPENS}/**"):
+        batch = chunk.to_record_batch()
+        for name in batch.schema.names:
+            if name.rpartition(":")[2] == "step" or name == "step":
+                return int(batch.column(name)[0][0].as_py())
+    return None

@@ -1,0 +1,121 @@
+"""The steps before a failure, or before the first warning of a guard, with all of their fields.
+
+Explicit runs pay nothing for it while they go well: states are kept now and then, and the steps behind them are
+repeated in a model built anew, which gives the same bits. Implicit steps take long enough to look at each of them.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactlab.api import Frame, Step, StepStatus
+from contactlab.api.recorder import FAILURE, WARNING
+from contactlab.results.frame import frame_of
+from contactlab.results.last_steps_file import drop_last_steps, has_last_steps
+from contactlab.results.record_plan import BUDGET, MEGABYTE
+from contactlab.results.sample import take_sample
+from contactlab.run.guards import EVERY
+from contactlab.run.kept_states import KeptStates
+
+if TYPE_CHECKING:
+    from contactlab.api import Layout
+    from contactlab.model.model import Model
+    from contactlab.results.journal import Journal
+    from contactlab.scene.keys import Record
+
+LENGTH = 200  # steps, where the scene names none
+STORED = 0.25  # of the size of a frame in memory is what it takes on the disk, at most
+MEMORY = 128.0  # MB that the frames of the last steps may take before they are stored
+
+
+def length_of(record: Record, layout: Layout) -> int:
+    """How many steps a scene wants whole and its budget has room for; 0: none."""
+    from contactlab.results.grid_file import frame_bytes
+
+    wanted = LENGTH if record.last is None else record.last
+    room = min(MEMORY, (BUDGET if record.budget is None else record.budget) / STORED)
+    return min(wanted, int(room * MEGABYTE / max(1.0, frame_bytes(layout))))
+
+
+class LastSteps:
+    """Takes the frames of the last `length` steps of one run, and hands them to a journal.
+
+    rebuild  gives another model of the same scene, as it was before the first step
+    """
+
+    def __init__(self, model: Model, length: int, rebuild: Callable[[], Model]) -> None:
+        self.model, self.length, self.rebuild = model, length, rebuild
+        self.frames: deque[Frame] = deque(maxlen=length)
+        self.known: int | None = None
+
+    @property
+    def states(self) -> int:
+        """How many states an explicit run must keep."""
+        return 1 + -(-self.length // EVERY)
+
+    @property
+    def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
+        """What to call after each accepted step: nothing in explicit runs."""
+        return () if self.model.explicit else (self._seen,)
+
+    def _seen(self, step: Step, dt: float) -> None:
+        self.frames.append(_frame(self.model, step, 0))
+
+    def know_warnings(self) -> None:
+        """Warnings up to now are none of a guard that watches the steps."""
+        if self.known is not None:
+            self.known = len(self.model.warnings)
+
+    def listen(self, journal: Journal, kept: KeptStates) -> None:
+        """Store the steps before the first warning that came since the last look."""
+        if self.known is None or len(self.model.warnings) == self.known:
+            return
+        self.known = None
+        self.store(WARNING, journal, kept)
+
+    def begin(self, folder: Path) -> None:
+        """The run begins in its folder, or goes on there: what it stored before an earlier failure is none any more."""
+        drop_last_steps(folder, FAILURE)
+        self.known = None if has_last_steps(folder, WARNING) else len(self.model.warnings)
+
+    def store(self, end: str, journal: Journal, kept: KeptStates) -> None:
+        """Hand on the frames of the last steps up to the present one."""
+        frames = self._repeated(journal, kept) if self.model.explicit else list(self.frames)
+        if frames:
+            journal.last_steps(end, [replace(frame, number=k) for k, frame in enumerate(frames)])
+
+    def _repeated(self, journal: Journal, kept: KeptStates) -> list[Frame]:
+        """The frames of the last steps, from a model that repeats them; as far as it comes."""
+        states = list(kept.states)
+        if not states:
+            return []
+        frames: deque[Frame] = deque(maxlen=self.length)
+        until = self.model.state.step
+        model, later = self.rebuild(), {state.step: state for state in states}
+        states[0].bring_back(model)
+        advance, dt = model.bound_integrator().step, states[0].dt
+        try:
+            while model.state.step < until:
+                number = model.state.step
+                dt = later[number].dt if number in later else dt
+                step = advance(dt)
+                if step.status is not StepStatus.accepted or not np.isfinite(model.position).all():
+                    break
+                frames.append(_frame(model, step, 0))
+                number = model.state.step
+                if number in later and not later[number].is_that_of(model):
+                    journal.tell("info", f"the steps up to step {number} did not come out again as they were")
+                    return []
+        except Exception:
+            pass  # what stopped the run, most likely: the steps before it are there
+        return list(frames)
+
+
+def _frame(model: Model, step: Step, number: int) -> Frame:
+    return frame_of(model, take_sample(model, number, float(step.sweeps)))
