@@ -46,7 +46,7 @@ def test_steps_before_a_failure_are_those_of_a_run_with_a_frame_in_each(
     assert run.status == "diverged"
     end, frames = run.summary["steps"], run.last_steps["failure"]
     assert [frame.step for frame in frames] == list(range(end - 79, end + 1))
-    slow = simulate(small_scene({**FRICTION, "record.frames": 1_000_000, "record.last": 0}), tmp_path / "slow")
+    slow = simulate(small_scene({**FRICTION, "record.frames": 1_000_000}), tmp_path / "slow")
     assert end - 70 < slow.summary["steps"] <= end, "a frame is a look at the model"
     assert slow.last_steps == {}
     assert not (tmp_path / "slow" / "last-steps").exists()
@@ -73,7 +73,7 @@ def test_a_part_that_remembers_is_told_of(
     """Steps that come out otherwise when they are repeated are no evidence."""
     failing(monkeypatch)
     monkeypatch.setattr("contactlab.run.kept_states.KeptState.is_that_of", lambda state, model: False)
-    run = simulate(small_scene(), tmp_path / "run")
+    run = simulate(small_scene({"record.last": 200}), tmp_path / "run")
     assert run.status == "diverged"
     assert run.last_steps == {}
     assert any("did not come out again" in event.text for event in run.events)
