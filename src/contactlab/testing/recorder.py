@@ -27,6 +27,7 @@ class SmallRun:
     frames: list[Frame] = field(default_factory=lambda: [_frame(number) for number in range(4)])
     events: list[Event] = field(default_factory=lambda: [Event(5, 0.5, "warning", "something was seen")])
     iterations: list[IterationRow] = field(default_factory=list)
+    last_steps: dict[str, list[Frame]] = field(default_factory=dict)
     summary: dict[str, Any] = field(default_factory=lambda: dict(SUMMARY))
 
     @property
