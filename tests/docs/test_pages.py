@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.util
 import re
 import shlex
+import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -13,7 +14,6 @@ import pytest
 
 from contactlab.cli import _parser, main
 from contactlab.parts.registry import default_registry
-from contactlab.scene.scene import bundled_scenes
 
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
@@ -25,7 +25,7 @@ MADE = {
     *(f"tutorials/{path.stem}.md" for path in (DOCS / "notebooks").glob("*.ipynb")),
 }
 """Pages that are made with the site."""
-LONG = ("compare", "matrix", "explain", "view")
+LONG = ("choose", "compare", "matrix", "explain", "view")
 """Commands of tutorials that are only looked at: processes of their own, or a window."""
 
 
@@ -105,7 +105,8 @@ class TestSite:
         module = importlib.util.module_from_spec(specification)
         specification.loader.exec_module(module)
         yield module
-        sys.modules.pop("notebooks", None)
+        for name in ("notebooks", "gallery"):
+            sys.modules.pop(name, None)
 
     def test_names_of_the_reference_exist(self, tool: ModuleType) -> None:
         for name in (name for names in tool.PYTHON.values() for name in names):
@@ -114,15 +115,34 @@ class TestSite:
         for name in tool.CONTRACT:
             assert importlib.import_module(f"contactlab.api.{name}").__doc__
 
-    def test_the_gallery_has_every_scene_and_every_case(
-        self, tool: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        """Pictures of two scenes are drawn; the others are named alike."""
-        shown = {name: path for name, path in bundled_scenes().items() if name in ("two-bars", "disc-in-box")}
-        monkeypatch.setattr(tool, "bundled_scenes", lambda: shown)
-        text = tool.gallery(tmp_path / "pictures", runs=False)
-        assert all(f'id="{name}"' in text and (tmp_path / "pictures" / f"{name}.png").exists() for name in shown)
-        assert all(f"`{name}`" in text for name in default_registry().names("case"))
+    def test_the_gallery(self, tool: ModuleType, tmp_path: Path) -> None:
+        """Two scenes and a case, not run; each with picture, words, TOML and command."""
+        text = tool.gallery(tmp_path / "pictures", False, ["three-body-forging", "disc-in-box"], ["two-bars"])
+        for name in ("three-body-forging", "disc-in-box", "case-two-bars"):
+            assert f'id="{name}"' in text
+            assert (tmp_path / "pictures" / f"{name}.png").exists()
+        for words in ("A round-nosed billet", "contactlab matrix two-bars", "[bodies.disc]", "exchange their momentum"):
+            assert words in text
+
+    def test_cases_of_the_gallery_lead_to_their_numbers(self, tool: ModuleType) -> None:
+        registry = default_registry()
+        headings = anchors((DOCS / "cases.md").read_text())
+        places = {sys.modules["gallery"]._anchor(registry.part_class("case", name)) for name in registry.names("case")}
+        assert places <= headings
+
+    def test_links_that_lead_nowhere_are_found(self, tmp_path: Path) -> None:
+        (tmp_path / "a.html").write_text(
+            '<h2 id="here"></h2><a href="b.html#there">b</a><img src="no.png"><a href="#here">'
+        )
+        (tmp_path / "b.html").write_text('<a href="a.html#here"></a><a href="https://example.org/x">')
+        done = subprocess.run(
+            [sys.executable, ROOT / "tools" / "site" / "links.py", tmp_path],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 1
+        assert done.stdout.splitlines() == ["a.html: b.html#there, there is no such place in it", "a.html: no.png"]
 
     def test_parts_have_their_fields(self, tool: ModuleType) -> None:
         registry = default_registry()

@@ -13,26 +13,20 @@ import re
 import shutil
 import sys
 from collections.abc import Iterator
-from html import escape
 from pathlib import Path
 from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+from gallery import gallery
 from notebooks import page_of
 
-import contactlab
 from contactlab.commands.part_page import page_of as part_page
-from contactlab.errors import ContactlabError
 from contactlab.parts.registry import default_registry
-from contactlab.results.results import Results
-from contactlab.scene.scene import bundled_scenes, load_scene
+from contactlab.scene.scene import bundled_scenes
 
 ROOT = Path(__file__).parents[2]
 PAGES = ROOT / "build" / "docs"
-MOST_STEPS = 40_000
-"""Of a run for the gallery: longer ones are shown as far as they came, and say so."""
-
 PYTHON = {
     "Scenes": ["contactlab.scene.scene.load_scene", "contactlab.scene.scene.Scene"],
     "Runs": ["contactlab.run.simulation.simulate", "contactlab.results.load.load_results",
@@ -61,7 +55,8 @@ def main(runs: bool = True) -> None:
     (PAGES / "reference" / "python.md").write_text(python_page(), encoding="utf-8")
     (PAGES / "reference" / "contract.md").write_text(contract_page(), encoding="utf-8")
     (PAGES / "reference" / "parts.md").write_text(parts_page(), encoding="utf-8")
-    (PAGES / "gallery.md").write_text(gallery(PAGES / "pictures" / "gallery", runs), encoding="utf-8")
+    shown = list(bundled_scenes()), default_registry().names("case")
+    (PAGES / "gallery.md").write_text(gallery(PAGES / "pictures" / "gallery", runs, *shown), encoding="utf-8")
     _notebook_pages(runs)
 
 
@@ -107,55 +102,6 @@ def _part(page: dict[str, Any]) -> str:
     if page["example"]:
         lines.append(f"```toml\n{page['example']}\n```")
     return "\n\n".join(line for line in lines if line)
-
-
-def gallery(folder: Path, runs: bool) -> str:
-    """A picture of every bundled scene with what it shows, what it costs, and the scene itself."""
-    folder.mkdir(parents=True)
-    entries = "\n".join(_entry(name, path, folder, runs) for name, path in bundled_scenes().items())
-    cases = "\n".join(f"| `{o.part.name}` | {o.part.summary} | {o.part.reference} |" for o in _cases())
-    return (
-        "# Gallery\n\nEvery bundled scene, before and after. `contactlab run NAME` makes the run and its timeline, "
-        "`contactlab view` opens it, `contactlab new-scene mine --from NAME` begins one of your own.\n\n"
-        f'<div class="gallery" markdown="0">\n{entries}\n</div>\n\n'
-        "## Cases\n\nQuestions with known answers: `contactlab matrix NAME` puts one to every contact algorithm, "
-        "[and these are the answers](cases.md).\n\n| case | question | source |\n|---|---|---|\n" + cases + "\n"
-    )
-
-
-def _cases() -> list[Any]:
-    return [offer for offer in default_registry().parts() if offer.part.kind == "case"]
-
-
-def _entry(name: str, path: Path, folder: Path, runs: bool) -> str:
-    scene = load_scene(name)
-    scene.plot().savefig(folder / f"{name}.png", dpi=90)
-    pictures = [f'<img src="pictures/gallery/{name}.png" alt="{name}: meshes and contacts">']
-    words = scene.source
-    if runs:
-        results = contactlab.simulate(scene.with_({"record.recorders": []}), work=MOST_STEPS)
-        pictures += _picture_of(results, folder / f"{name}-end.png")
-        words += f". {cost(results)}"
-    toml = f"<details><summary>TOML</summary><pre>{escape(path.read_text(encoding='utf-8'))}</pre></details>"
-    return (
-        f'<figure id="{name}">{"".join(pictures)}<figcaption><b>{name}</b>: {escape(words)}{toml}'
-        f"<code>contactlab run {name}</code></figcaption></figure>"
-    )
-
-
-def _picture_of(results: Results, file: Path) -> list[str]:
-    try:
-        results.plot().savefig(file, dpi=90)
-    except ContactlabError:
-        return []
-    return [f'<img src="pictures/gallery/{file.name}" alt="von Mises stress at the end">']
-
-
-def cost(results: Results) -> str:
-    """What the run took, and whether it is all of the scene's."""
-    seconds = float(results.summary["cost"]["run_cpu_s"])
-    stopped = f" (stopped after {MOST_STEPS:,} of them)" if results.status == "timed-out" else ""
-    return f"{results.summary['steps']} steps{stopped}, {seconds:.2g} s of one core"
 
 
 def _notebook_pages(runs: bool) -> None:
