@@ -252,6 +252,13 @@ def _describe_check(command: argparse.ArgumentParser) -> None:
         "--set", action="append", default=[], dest="settings", metavar="FIELD=VALUE",
         help="value of a field of the part; usual ones stand in for fields without a default",
     )  # fmt: skip
+    command.add_argument(
+        "--only",
+        action="append",
+        default=[],
+        metavar="CHECK",
+        help="make this check alone; may be repeated",
+    )
     _add_files(command)
     _add_json(command)
     command.add_argument("--card", metavar="DIR", help="write card.json and card.md, to show what came out")

@@ -72,6 +72,7 @@ MATERIAL = (
         ("stiffening forgets that stresses turn", "+ 2.0 * radius) / shear", "- 2.0 * mean) / shear")),
     *_of("material", "linear-hardening",
         ("dissipation with half the yield stress", "self.yield_stress + 0.5 * self.hardening * plastic", "0.5 * self.yield_stress + 0.5 * self.hardening * plastic"),
+        ("stiffening forgets the stress", "j2.stiffening(gradient, stress,", "j2.stiffening(gradient, 0.0 * stress,"),
         ("tangent as if it did not harden", "np.full_like(step, self.hardening)", "np.full_like(step, 0.0)"),
         ("says that it has another history", '    history_size: ClassVar[int] = 4\n', '    history_size: ClassVar[int] = 3\n'),
         ("yields from the state before the last", "step = ended[j2.PLASTIC] - history[j2.PLASTIC]", "step = 0.5 * (ended[j2.PLASTIC] - history[j2.PLASTIC])")),

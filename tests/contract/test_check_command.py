@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ from contactlab.testing.card import as_data
 from contactlab.testing.check_part import check_part
 from contactlab.testing.find import subjects
 
+OUTSIDE = Path(__file__).parents[1] / "outside" / "closest-point"
 SLIP = '''
 from dataclasses import dataclass
 
@@ -88,9 +90,18 @@ def test_a_package_that_is_not_installed_is_checked_from_its_folder(tmp_path: Pa
         (["mortar-p1", "--kind", "contacts"], 'did you mean "contact"'),
         (["mortar-p1", "--kind", "element"], "no part of this kind"),
         (["missing.py"], "there is no such file"),
+        (["coulomb", "--set", "grip=0.7"], 'unknown key "grip"'),
+        (["coulomb", "--set", "mu=-0.7"], "a coefficient of at least 0"),
+        (["coulomb", "--only", "rub_at_all"], 'did you mean "rubs_at_all"'),
+        (["coulomb", "--only", "rubs at all", "--card", "card"], "a card tells of all checks"),
+        (["tests"], "no parts in this folder"),
     ],
 )
-def test_a_wrong_request_is_refused(words: list[str], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_wrong_request_is_refused(
+    words: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "tests").mkdir()
+    monkeypatch.chdir(tmp_path)
     assert main(["check", *words]) == 2
     assert told in capsys.readouterr().err
 
@@ -100,6 +111,24 @@ def test_fields_can_be_given() -> None:
     assert subject.make().mu == 0.7
     with pytest.raises(RequestError):
         subjects("coulomb", given={"grip": 0.7})[0].make()
+
+
+def test_single_checks_are_made_by_name(capsys: pytest.CaptureFixture[str]) -> None:
+    """As they are shown, or as functions; what everything rests on is asked first."""
+    assert main(["check", "coulomb", "--only", "rubs at all", "--only", "same_bound_twice", "--json"]) == 0
+    (part,) = json.loads(capsys.readouterr().out)["parts"]
+    assert [check["name"] for check in part["checks"]] == ["keeps_the_contract", "rubs_at_all", "same_bound_twice"]
+    assert part["cost"] == []
+
+
+def test_cost_stands_beside_parts_that_are_asked_for_the_same() -> None:
+    """One in NumPy for fewer segments, and then the shipped ones, too."""
+    from contactlab.testing.cost import costs
+
+    (subject,) = subjects(str(OUTSIDE), "contact")[:1]
+    found = {cost.name: cost.of for cost in costs(subject)}
+    assert {"mortar-p1", "node-on-segment"} < set(found)
+    assert set(found.values()) == {"pieces and rows of 40 segments"}
 
 
 def test_what_is_printed_for_programs_has_no_blank_in_an_outcome() -> None:

@@ -19,10 +19,12 @@ import pytest
 from plugin_page import COMMANDS, FILES
 from strangers import Told, fresh_environment, run_all, written
 
+import contactlab
 from contactlab.api.part import KINDS
 from contactlab.cli import main
 
 OUTSIDE = Path(__file__).parents[1] / "outside"
+CHECKS = Path(contactlab.__file__).parent / "data" / "checks"
 FRICTION = ["--with", "my_friction.py", "--set", "contacts.0.friction=slip-limit"]
 MORE = "mortar-p1, gauss-mortar, node-on-segment, closest-point"
 OTHERS = ["--set", "integrator=plain-leapfrog"]
@@ -35,9 +37,17 @@ OF_PAGE = {  # commands of the page by how they begin, and what is added: where 
     "contactlab matrix": ["--jobs", "1"],
     "contactlab explain": [*FRICTION, *OTHERS],
 }
+PRESSED = ["pressed.toml", "--set", "contacts.0.algorithm=closest-point"]
+SPRINGS = ["--vary", "contacts.0.enforcement=[active-set, soft]", "--jobs", "1", "--out", "springs"]
+SOME = ["derivatives_are_right", "restart_is_exact", "rotation_turns_the_answers", "hertz", "friction_alone_holds"]
 OWN = {
     "shipped": ["run", "disc-on-block", "--set", "time.end=1e-6", "--out", "shipped"],
-    "check": ["check", "plain-leapfrog", "--json", "--card", "card"],
+    "springs": ["compare", *PRESSED, *SPRINGS],
+    "explain": ["explain", *PRESSED, "--set", "contacts.0.enforcement=soft", "--all"],
+    "check plain-leapfrog": ["check", "plain-leapfrog", "--json", "--card", "card"],
+    "check soft": ["check", "soft", "--json"],
+    # its block on an incline alone takes twelve seconds: plain NumPy, a millisecond a step
+    "check closest-point": ["check", "closest-point", "--json", *(word for name in SOME for word in ("--only", name))],
 }
 PYTEST = ["pytest", "-q", "-p", "no:cacheprovider", "--import-mode=importlib", "--rootdir", "."]
 
@@ -51,6 +61,7 @@ def packages_in(folder: Path) -> list[Path]:
         for kind in KINDS:
             assert main(["new-plugin", kind, f"own-{kind}", "--with-ci"]) == 0
     shutil.copytree(OUTSIDE, folder / "outside")  # a build leaves folders behind
+    shutil.copy(CHECKS / "pressed-in-statics.toml", folder / "pressed.toml")
     return sorted(file.parent for file in folder.rglob("pyproject.toml"))
 
 
@@ -68,8 +79,12 @@ def test_strangers_join_every_command(tmp_path: Path) -> None:
     steps_as_the_shipped_one(summary(tmp_path / "leapfrog"), summary(tmp_path / "shipped"))
     compares_like_the_shipped_ones(tmp_path / "beside")
     case_is_met(rows_of(tmp_path / "runs" / "matrix" / "matrix.csv"))
-    explained(told["contactlab explain"])
-    proved(json.loads(told["check"]), tmp_path / "card")
+    springs_compare_with_multipliers(tmp_path / "springs")
+    explained(told["contactlab explain"], told["explain"])
+    carded(proved(told, "integrator", "plain-leapfrog"), tmp_path / "card")
+    proved(told, "enforcement", "soft")
+    outcomes = {check["name"]: check["outcome"] for check in proved(told, "contact", "closest-point")["checks"]}
+    assert {outcomes[name] for name in SOME} == {"passed"}
 
 
 def told_by(python: Path, place: Path, tested: list[Path]) -> tuple[dict[str, str], str]:
@@ -151,7 +166,15 @@ def case_is_met(rows: list[dict[str, str]]) -> None:
     assert found == {"mortar-p1": "met", "gauss-mortar": "met"}
 
 
-def explained(told: str) -> None:
+def springs_compare_with_multipliers(folder: Path) -> None:
+    """Load steps by conditions and enforcement of strangers: springs give way by some per mille of what closed."""
+    rows = rows_of(folder / "table.csv")
+    assert [row["status"] for row in rows] == ["finished", "finished"]
+    exact, soft = (float(row["reaction"]) for row in rows)
+    assert 0.99 * exact < soft < exact
+
+
+def explained(told: str, of_statics: str) -> None:
     """The package, how often it is called, and the law of the file."""
     assert re.search(r"contacts\.0\.algorithm +gauss-mortar +gauss-contact 0\.1\.0", told)
     assert re.search(r"contact pieces +1 +step", told)
@@ -159,15 +182,22 @@ def explained(told: str) -> None:
     assert re.search(r"plain-leapfrog +plain-leapfrog 0\.1\.0", told)
     assert "plain_leapfrog" in told
     assert "gauss_contact" in told
+    for name in ("closest-point", "soft"):
+        assert re.search(rf"contacts\.0\.(algorithm|enforcement) +{name} +{name.split('-')[0]}-\w+ 0\.1\.0", of_statics)
 
 
-def proved(found: Any, card: Path) -> None:
-    """`check` puts the part to unit checks and runs; a card says what came out."""
-    (part,) = found["parts"]
-    assert (part["kind"], part["name"], part["failed"]) == ("integrator", "plain-leapfrog", 0)
+def proved(told: dict[str, str], kind: str, name: str) -> Any:
+    """`check` puts the part to unit checks and runs."""
+    (part,) = json.loads(told[f"check {name}"])["parts"]
+    assert (part["kind"], part["name"], part["failed"]) == (kind, name, 0)
     outcomes = {check["name"]: check["outcome"] for check in part["checks"]}
     assert outcomes["restart_is_exact"] == outcomes["rotation_turns_the_answers"] == "passed"
     assert set(outcomes.values()) <= {"passed", "not-applicable", "expected"}
+    return part
+
+
+def carded(part: Any, card: Path) -> None:
+    """The card says what came out."""
     data = json.loads((card / "card.json").read_text())
     assert data["parts"] == [part]
     assert data["versions"]["contactlab"]

@@ -9,8 +9,9 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from contactlab.commands.common import add_row, console, parse_settings, table
+from contactlab.errors import RequestError, did_you_mean
 from contactlab.testing.card import as_data, write_cards
-from contactlab.testing.check_part import PartReport, check_part
+from contactlab.testing.check_part import PartReport, check_names, check_part
 from contactlab.testing.find import subjects
 from contactlab.testing.run import Outcome
 from contactlab.testing.scenarios.cases import PACKAGE
@@ -22,7 +23,10 @@ WITHOUT_CASES = f"no cases are installed, so that runs with known answers are le
 def check(options: argparse.Namespace) -> int:
     """Check every part that is meant and show what came out; exit status 1 where anything failed."""
     parts = subjects(options.target, options.kind, options.files, parse_settings(options.settings))
-    reports = _checked(parts, quiet=options.json)
+    only = _named(options.only, parts)
+    if only and options.card:
+        raise RequestError("a card tells of all checks", where="--card", got="--only", allowed="one of them")
+    reports = _checked(parts, only, quiet=options.json)
     if options.card:
         write_cards(reports, Path(options.card))
     if options.json:
@@ -34,7 +38,20 @@ def check(options: argparse.Namespace) -> int:
     return 0 if all(report.right for report in reports) else 1
 
 
-def _checked(parts: Sequence[Subject], quiet: bool) -> list[PartReport]:
+def _named(names: Sequence[str], parts: Sequence[Subject]) -> list[str]:
+    """Checks by their names, as they are shown or as functions. Raises RequestError for one that no part is asked."""
+    known = list(dict.fromkeys(name for part in parts for name in check_names(part.kind)))
+    found = [name.strip().replace(" ", "_") for name in names]
+    for name in found:
+        if name not in known:
+            raise RequestError(
+                "there is no such check", where="--only", got=name, allowed=", ".join(known),
+                hint=did_you_mean(name, known),
+            )  # fmt: skip
+    return found
+
+
+def _checked(parts: Sequence[Subject], only: Sequence[str], quiet: bool) -> list[PartReport]:
     out = console()
     shown = nullcontext() if quiet or not out.is_terminal else out.status("checking")
     with shown as status:
@@ -43,7 +60,7 @@ def _checked(parts: Sequence[Subject], quiet: bool) -> list[PartReport]:
             if status is not None:
                 status.update(f"{subject.kind} {subject.name}: {outcome.check.replace('_', ' ')}")
 
-        return [check_part(subject, told) for subject in parts]
+        return [check_part(subject, told, only=only) for subject in parts]
 
 
 def show(report: PartReport) -> None:

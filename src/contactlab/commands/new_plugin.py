@@ -36,6 +36,7 @@ def new_plugin(options: argparse.Namespace) -> int:
     print(f"{folder}: a package with the {options.kind} {options.name}, in {len(files)} files")
     print(f"next: pip install -e '{folder}[test]' && pytest {folder}")
     print(f"then change {folder}/src/{_module(options.name)}/{options.kind}.py; its tests say when it is right")
+    print(f"then: contactlab check {folder.name} --kind {options.kind}")
     return 0
 
 

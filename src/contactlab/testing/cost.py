@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -36,14 +37,15 @@ class Cost:
 
 def costs(subject: Subject) -> list[Cost]:
     """The part first, then every other part of its kind that can be asked for the same; empty where none is known."""
-    if subject.kind not in _CALLS:
+    call_of = partial(_contact, edges=_edges(subject)) if subject.kind == "contact" else _CALLS.get(subject.kind)
+    if call_of is None:
         return []
     found = []
     others = [name for name in subject.registry.names(subject.kind) if name != subject.name]
     for name in (subject.name, *others):
         this = subject if name == subject.name else Subject(subject.registry, subject.kind, name)
         try:
-            of, call = _CALLS[subject.kind](this)
+            of, call = call_of(this)
             found.append(Cost(name, 1e6 * seconds(call), of))
         except (NotApplicable, RequestError, AssertionError):
             continue  # what cannot be called has failed its checks already
@@ -79,11 +81,14 @@ def _material(subject: Subject) -> tuple[str, Call]:
     return f"stresses of {points} points", lambda: law.stress(gradient, history, 1e-6, stress, new)
 
 
-def _contact(subject: Subject) -> tuple[str, Call]:
-    algorithm, at = subject.make(), flat(edges=(200, 150))
-    if isinstance(algorithm, GapAlgorithm):
-        at = flat(edges=(40, 30))
-    pair, memory = pair_of(algorithm, at)
+def _edges(subject: Subject) -> tuple[int, int]:
+    """Slave's and master's segments: fewer for finished gap conditions, which are often in plain NumPy."""
+    return (40, 30) if issubclass(subject.part_class, GapAlgorithm) else (200, 150)
+
+
+def _contact(subject: Subject, edges: tuple[int, int]) -> tuple[str, Call]:
+    at = flat(edges=edges)
+    pair, memory = pair_of(subject.make(), at)
     n = len(at.slave.segments)
     return f"pieces and rows of {n} segments", lambda: pair.update(at.nodes, memory)
 
@@ -129,7 +134,6 @@ def _effect(subject: Subject) -> tuple[str, Call]:
 
 _CALLS: dict[str, Callable[[Subject], tuple[str, Call]]] = {
     "material": _material,
-    "contact": _contact,
     "element": _element,
     "enforcement": _enforcement,
     "integrator": _integrator,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import tomllib
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from importlib.metadata import EntryPoint
 from pathlib import Path
 from typing import Any
@@ -27,7 +28,22 @@ def subjects(
     meant = [offer for offer in offers if not kind or offer.part.kind == kind]
     if not meant:
         raise _nothing(target, kind, registry, offers)
-    return [Subject(registry, offer.part.kind, offer.part.name, dict(given or {})) for offer in meant]
+    found = [Subject(registry, offer.part.kind, offer.part.name, dict(given or {})) for offer in meant]
+    for subject in found if given else ():
+        _take(subject)
+    return found
+
+
+def _take(subject: Subject) -> None:
+    """Raise what the part says of given values, where it can be made without them: then they are a wrong request."""
+    try:
+        subject.make()
+    except RequestError:
+        try:
+            replace(subject, given={}).make()
+        except RequestError:
+            return  # the part fails its checks
+        raise
 
 
 def _offers(target: str, files: Sequence[str]) -> tuple[Registry, list[Offer]]:
@@ -80,6 +96,11 @@ def _nothing(target: str, kind: str, registry: Registry, offers: Sequence[Offer]
     broken = [b for b in registry.broken() if b.origin.distribution in (target, str(Path(target).resolve()))]
     if broken:
         return PartError("; ".join(b.reason for b in broken), where=target)
+    if Path(target).is_dir():
+        return RequestError(
+            "no parts in this folder", where="contactlab check", got=target,
+            allowed="a package with pyproject.toml, or Python files with hooks",
+        )  # fmt: skip
     names = sorted({o.part.name for o in registry.parts()} | {o.origin.distribution for o in registry.parts()})
     return RequestError(
         "no part, file, folder or distribution of this name", where="contactlab check", got=target,

@@ -17,9 +17,10 @@ from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.model.contact.gap_pair import GapPair
 
-STEP = 1e-5  # segment lengths; central differences of smooth weights then err by about 1e-10
+STEP = 1e-5  # of the shortest segment at a node; central differences of smooth weights then err by about 1e-10
 ROUND_OFF = 1e-10  # of a weight over a segment length: what differences make of a derivative of zero
 RING = 2  # further nodes on either side that averaged normals may bring into a condition
+KINK = 1e-3  # difference of the slopes to either side: smooth weights bend by a few steps
 MISSED = 1e-6  # of a weight over a segment length, along one move of all nodes: far above the error of differences
 
 
@@ -29,6 +30,7 @@ class ConditionDifferences:
     def __init__(self, pair: GapPair) -> None:
         self.pair = pair
         self.reach = _reach(pair)
+        self.size = _sizes(pair)
         self.colours: dict[int, _Colours] = {}  # by how often the pattern was widened
         self.at_once = np.random.default_rng(0).uniform(-1.0, 1.0, (len(pair.of_slave), 2))
 
@@ -53,24 +55,25 @@ class ConditionDifferences:
     def _of_colours(self, colours: _Colours, found: GapConditions, order: Ints, memory: Floats) -> ConditionDerivatives:
         """Differences with the nodes of one colour moved at a time, once along each axis."""
         row = np.repeat(np.arange(len(found.owner)), np.diff(found.start))
-        here, size = found.normal_weight[order], self.pair.size
+        here = found.normal_weight[order]
         entries, moved, values = [], [], []
         for number, chosen in enumerate(colours.members):
             node = colours.node[row, number]
             for direction, axis in enumerate(np.eye(2)):
                 move = chosen[:, None] * axis
                 high, low = (self._weights(found, order, sign * move, memory) for sign in (1.0, -1.0))
+                size = self.size[node][:, None]
                 value = _difference(high, here, low, STEP * size)
-                kept = np.flatnonzero((node >= 0) & (np.abs(value).max(axis=1) > ROUND_OFF / size))
+                kept = np.flatnonzero((node >= 0) & np.any(np.abs(value) > ROUND_OFF / size, axis=1))
                 entries.append(order[kept])
                 moved.append(2 * node[kept] + direction)
                 values.append(value[kept])
         return ConditionDerivatives(np.concatenate(entries), np.concatenate(moved), np.concatenate(values))
 
     def _weights(self, found: GapConditions, order: Ints, move: Floats, memory: Floats) -> Floats:
-        """Normal weights (z, 2), in order, with nodes moved by `STEP` times `move` (N, 2); nan where nodes differ."""
+        """Normal weights (z, 2), in order, with nodes moved by `move` (N, 2) of their steps; nan where nodes differ."""
         pair = self.pair
-        by = STEP * pair.size * move
+        by = STEP * self.size[:, None] * move
         at = SurfacePositions(pair.at.slave + by[pair.slave.nodes], pair.at.master + by[pair.master.nodes])
         return _aligned(found, order, pair.ask(pair.seen(memory)._replace(at=at, memory=memory.copy())), pair.slots)
 
@@ -96,10 +99,12 @@ class ConditionDifferences:
 
     def _tells_all(self, given: ConditionDerivatives, order: Ints, sides: list[Floats]) -> bool:
         """Whether derivatives tell how weights change as all nodes move at once; what has a kink is left aside."""
-        along = np.zeros((len(order), 2))
-        np.add.at(along, given.entry, given.value * self.at_once.ravel()[given.moved, None])
-        missed = np.abs((sides[0] - sides[1]) / (2.0 * STEP * self.pair.size) - along[order])
-        return not bool(np.any(missed > MISSED / self.pair.size))  # nan, beyond a kink, is no miss
+        along, moves = np.zeros((len(order), 2)), (self.size[:, None] * self.at_once).ravel()
+        np.add.at(along, given.entry, given.value * moves[given.moved, None])
+        missed = np.abs((sides[0] - sides[1]) / (2.0 * STEP) - along[order])
+        here = self.pair.found.normal_weight[order]  # type: ignore[union-attr]
+        bent = np.abs(sides[0] + sides[1] - 2.0 * here) > KINK * STEP
+        return not bool(np.any((missed > MISSED) & ~bent))  # nan, where nodes are others, is no miss
 
 
 class _Colours:
@@ -177,7 +182,18 @@ def _aligned(found: GapConditions, order: Ints, trial: GapConditions, slots: int
     return out
 
 
-def _difference(high: Floats, here: Floats, low: Floats, step: float) -> Floats:
+def _sizes(pair: GapPair) -> Floats:
+    """Length (N,) [mm] of the shortest segment at each node: on graded meshes others are a hundred times as long."""
+    size = np.full(len(pair.of_slave), np.inf)
+    for surface, at in ((pair.slave, pair.at.slave), (pair.master, pair.at.master)):
+        ends = at[surface.segments]
+        length = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+        for end in surface.segments.T:
+            np.minimum.at(size, surface.nodes[end], length)
+    return np.where(np.isfinite(size), size, pair.size)
+
+
+def _difference(high: Floats, here: Floats, low: Floats, step: Floats) -> Floats:
     """Central difference; one-sided where the other side lies beyond a kink, zero where both do."""
     value = (high - low) / (2.0 * step)
     value = np.where(np.isnan(low), (high - here) / step, value)

@@ -69,13 +69,13 @@ def pressed(algorithm: str, registry: Registry, friction: bool = False, **change
     )  # fmt: skip
 
 
-def shaken(scene: Scene, registry: Registry) -> tuple[ImplicitModel, Any]:
+def shaken(scene: Scene, registry: Registry, most: float = 6e-3) -> tuple[ImplicitModel, Any]:
     """The model where a step starts, all nodes shaken so that nothing is symmetric, and positions at its end."""
     model = build(scene, registry)
     assert isinstance(model, ImplicitModel)
     assert model.contact is not None
     draw, upper = np.random.default_rng(1), slice(0, model.bodies[0].count)
-    start, end = (model.reference + draw.uniform(-size, size, model.reference.shape) for size in (6e-3, 4e-3))
+    start, end = (model.reference + draw.uniform(-size, size, model.reference.shape) for size in (most, most / 1.5))
     start[upper, 1] -= 0.045
     end[upper, 1] -= 0.05
     model.contact.begin_step(start, 0.0)
@@ -109,22 +109,48 @@ def test_derivatives_are_those_of_the_conditions(
     np.testing.assert_allclose(own, answers(position)[2], atol=1e-9, rtol=0.0)
 
 
+def tables_of(pair: Any, memory: Any, position: Any, by_differences: ConditionDerivatives) -> list[Any]:
+    """Derivatives (entries, coordinates, 2) of the weights: those the algorithm gives, and by differences."""
+    given = pair.method.derivatives(pair.seen(memory), pair.found)
+    tables = []
+    for one in (given, by_differences):
+        table = np.zeros((len(pair.found.node), position.size, 2))
+        np.add.at(table, (one.entry, one.moved), one.value)
+        tables.append(table)
+    return tables
+
+
 def test_differences_are_the_derivatives_given(registry: Registry) -> None:
     """Weights of each entry by each coordinate, one by one: both roads give the same matrix."""
     model, position = shaken(pressed("closest-point", registry), registry)
     assert model.contact is not None
     model.contact.evaluate(position)
     pair, memory = model.contact.pairs[0], model.contact.memories[0]
-    found = pair.found  # type: ignore[attr-defined]
-    given = pair.method.derivatives(pair.seen(memory), found)  # type: ignore[attr-defined]
     by_differences = ConditionDifferences(pair).of(memory)  # type: ignore[arg-type]
-    tables = []
-    for one in (given, by_differences):
-        table = np.zeros((len(found.node), position.size, 2))
-        np.add.at(table, (one.entry, one.moved), one.value)
-        tables.append(table)
+    tables = tables_of(pair, memory, position, by_differences)
     assert np.abs(tables[0]).max() > 1.0
     np.testing.assert_allclose(tables[1], tables[0], atol=1e-7)
+
+
+def test_differences_on_graded_meshes(registry: Registry) -> None:
+    """Segments of 1 : 1000, as those of an indenter: each node steps by its own, and the first guess is enough."""
+    changes = {
+        "bodies.upper.mesh": {"cells": [24, 3], "grading": [1e3, 1.0]},
+        "bodies.lower.mesh": {"x": [-1.3, 0.0, 1.4], "cells": [[12, 13], 4], "grading": [[1e-3, 1e3], 1.0]},
+    }
+    keys = {f"{mesh}.{key}": value for mesh, fields in changes.items() for key, value in fields.items()}
+    model, position = shaken(pressed("closest-point", registry).with_(keys), registry, 1e-6)
+    assert model.contact is not None
+    model.contact.evaluate(position)
+    pair, memory = model.contact.pairs[0], model.contact.memories[0]
+    differences = ConditionDifferences(pair)  # type: ignore[arg-type]
+    lengths = differences.size[pair.slave.nodes]
+    assert lengths.max() > 100.0 * lengths.min()
+    tables = tables_of(pair, memory, position, differences.of(memory))
+    assert list(differences.colours) == [0]
+    # the position of a node is known to 1e-16, and moves by 1e-5 of a segment of 1e-3
+    size = differences.size.repeat(2)[:, None]
+    np.testing.assert_allclose(tables[1] * size, tables[0] * size, atol=1e-6)
 
 
 @pytest.mark.parametrize("friction", [False, True], ids=["frictionless", "friction"])
