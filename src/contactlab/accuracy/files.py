@@ -10,11 +10,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from contactlab.accuracy.orders import Order
+from contactlab.accuracy.evaluation import Evaluation
 from contactlab.accuracy.point import Point
-from contactlab.accuracy.run import Accuracy
-from contactlab.accuracy.solved import Solved
-from contactlab.accuracy.targets import Cost
 from contactlab.studies.system import system_facts
 
 COUNTS = ("steps", "iterations", "sweeps")
@@ -32,18 +29,18 @@ def point_row(point: Point, side_by_side: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def write(
-    found: Accuracy, costs: Sequence[Cost], orders: Sequence[Order], profiles: Sequence[Solved], folder: Path
-) -> None:
-    """Write `accuracy.csv` (points), `costs.csv` (targets), `orders.csv`, `solved.csv` and `accuracy.json`."""
+def write(evaluated: Evaluation, folder: Path) -> None:
+    """Write `accuracy.csv` (points), `costs.csv` (targets), `orders`, `solved`, `predictions` and `accuracy.json`."""
+    found = evaluated.found
     points = [point_row(point, found.side_by_side) for point in found.points]
     tables: dict[str, list[dict[str, Any]]] = {
         "accuracy": points,
-        "costs": [asdict(cost) for cost in costs],
-        "orders": [asdict(order) | {"levels": " ".join(map(str, order.levels))} for order in orders],
+        "costs": [asdict(cost) for cost in evaluated.costs],
+        "orders": [asdict(order) | {"levels": _spaced(order.levels)} for order in evaluated.orders],
+        "predictions": [asdict(one) | {"levels": _spaced(one.levels)} for one in evaluated.predictions],
         "solved": [
             {"contender": one.contender, "asked": one.asked, "put": one.put, "number": number, "cpu_s": time}
-            for one in profiles
+            for one in evaluated.profiles
             for number, time in enumerate(one.times, start=1)
         ],
     }
@@ -52,8 +49,9 @@ def write(
     data = {
         "format": 1, "name": found.study.name, "cases": [asdict(each) for each in found.asked],
         "contenders": list(found.contenders), "interrupted": found.interrupted, "system": system_facts(),
-        "points": points, "costs": tables["costs"], "orders": [asdict(order) for order in orders],
-        "solved": [asdict(one) for one in profiles],
+        "points": points, "costs": tables["costs"], "orders": [asdict(order) for order in evaluated.orders],
+        "solved": [asdict(one) for one in evaluated.profiles],
+        "predictions": [asdict(one) for one in evaluated.predictions],
     }  # fmt: skip
     (folder / "accuracy.json").write_text(json.dumps(_finite(data), indent=1, allow_nan=False), encoding="utf-8")
 
@@ -63,6 +61,10 @@ def _write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
         table = csv.DictWriter(file, list(rows[0]) if rows else ["nothing"])
         table.writeheader()
         table.writerows({name: _bare(value) for name, value in row.items()} for row in rows)
+
+
+def _spaced(levels: Sequence[int]) -> str:
+    return " ".join(map(str, levels))
 
 
 def _bare(value: Any) -> Any:

@@ -6,20 +6,17 @@ import argparse
 import json
 import sys
 from dataclasses import replace
-from pathlib import Path
 from time import monotonic
 
+from contactlab.accuracy.evaluation import evaluate
 from contactlab.accuracy.files import write
-from contactlab.accuracy.lines import lines_of
-from contactlab.accuracy.orders import orders_of
 from contactlab.accuracy.point import Point
-from contactlab.accuracy.run import Accuracy, plan, run_accuracy
-from contactlab.accuracy.solved import solved
+from contactlab.accuracy.run import plan, run_accuracy
 from contactlab.accuracy.study import CaseStudy
-from contactlab.accuracy.targets import Cost, costs_of
 from contactlab.commands.common import console, print_json, registry_with
 from contactlab.errors import RequestError
 from contactlab.reports.accuracy_page import write_accuracy_page
+from contactlab.reports.accuracy_predictions import told
 from contactlab.reports.accuracy_table import print_costs
 from contactlab.run.folders import results_folder
 from contactlab.studies.resume import sigterm_as_ctrl_c
@@ -41,28 +38,22 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
     with results_folder(options.out, name, options.resume) as folder:
         with sigterm_as_ctrl_c():
             found = run_accuracy(study, registry, folder, jobs, _Teller(), options.scheduler)
-        costs = written(found, folder)
+        evaluated = evaluate(found)
+        write(evaluated, folder)
+        write_accuracy_page(evaluated, folder)
     if options.json:
         print_json({"folder": str(folder), **json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))})
     else:
         out = console()
-        print_costs(found, costs, out)
+        print_costs(found, evaluated.costs, out)
+        if evaluated.predictions:
+            out.print(f"foretold from coarser meshes: {told(evaluated.predictions)}", markup=False, highlight=False)
         out.print(f"page: {folder / 'accuracy.html'}", markup=False, highlight=False, soft_wrap=True)
     if found.interrupted:
         line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
         print(line, file=sys.stderr)
         return INTERRUPTED
     return 0 if any(point.finished for point in found.points) else 1
-
-
-def written(found: Accuracy, folder: Path) -> list[Cost]:
-    """Write all files of a study into the folder; gives the costs of the targets."""
-    lines = lines_of(found)
-    costs, orders = costs_of(found, lines), orders_of(found, lines)
-    profiles = solved(costs)
-    write(found, costs, orders, profiles, folder)
-    write_accuracy_page(found, lines, costs, orders, profiles, folder)
-    return costs
 
 
 def _asked(study: CaseStudy, options: argparse.Namespace) -> CaseStudy:

@@ -9,14 +9,14 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from contactlab.accuracy.evaluation import Evaluation
 from contactlab.accuracy.lines import Line
 from contactlab.accuracy.orders import Order
 from contactlab.accuracy.run import Accuracy
-from contactlab.accuracy.solved import Solved
-from contactlab.accuracy.targets import Cost
 from contactlab.reports.accuracy_costs import costs_section
 from contactlab.reports.accuracy_plots import cost_figure, solved_figure
 from contactlab.reports.accuracy_points import points_section
+from contactlab.reports.accuracy_predictions import predictions_section
 from contactlab.reports.figures import save
 from contactlab.reports.html import ASSETS, document, facts_list, figure_section, plain_table, section
 from contactlab.reports.numbers import percent, significant
@@ -35,31 +35,32 @@ _SOLVED = (
 )
 
 
-def write_accuracy_page(
-    found: Accuracy, lines: Sequence[Line], costs: Sequence[Cost], orders: Sequence[Order],
-    profiles: Sequence[Solved], folder: Path,
-) -> None:  # fmt: skip
+def write_accuracy_page(evaluated: Evaluation, folder: Path) -> None:
     """Write the page and its figures into the folder."""
-    figures = {"error-against-cost": cost_figure(found, lines), "solved": solved_figure(found, profiles)}
+    found = evaluated.found
+    figures = {
+        "error-against-cost": cost_figure(found, evaluated.lines),
+        "solved": solved_figure(found, evaluated.profiles),
+    }
     for name, figure in figures.items():
         save(figure, folder, name)
-    (folder / "accuracy.html").write_text(page(found, lines, costs, orders, figures), encoding="utf-8")
+    (folder / "accuracy.html").write_text(page(evaluated, figures), encoding="utf-8")
 
 
-def page(
-    found: Accuracy, lines: Sequence[Line], costs: Sequence[Cost], orders: Sequence[Order], figures: dict[str, Figure]
-) -> str:
+def page(evaluated: Evaluation, figures: dict[str, Figure]) -> str:
     """The page as one HTML text that needs no other file."""
+    found = evaluated.found
     style = (ASSETS / "accuracy.css").read_text(encoding="utf-8")
     script = (ASSETS / "accuracy.js").read_text(encoding="utf-8")
     sections = [
         f"<style>\n{style}</style>",
         _head(found),
-        costs_section(found, costs),
+        costs_section(found, evaluated.costs),
         figure_section(figures, "error-against-cost", "Error against cost", _FRONT),
         figure_section(figures, "solved", "How much is answered in a given time", _SOLVED, narrow=True),
-        _orders(orders),
-        _beside(found, lines),
+        _orders(evaluated.orders),
+        predictions_section(evaluated.predictions),
+        _beside(found, evaluated.lines),
         points_section(found),
         _references(found),
         section("Machine and versions", facts_list(dict(system_facts()))),

@@ -1,0 +1,32 @@
+"""All that is worked out from the points of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from contactlab.accuracy.cost_model import Prediction, predictions_of
+from contactlab.accuracy.lines import Line, lines_of
+from contactlab.accuracy.orders import Order, orders_of
+from contactlab.accuracy.run import Accuracy
+from contactlab.accuracy.solved import Solved, solved
+from contactlab.accuracy.targets import Cost, costs_of
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """A study with its lines of convergence, costs of targets, orders, shares answered in time, and predictions."""
+
+    found: Accuracy
+    lines: Sequence[Line]
+    costs: Sequence[Cost]
+    orders: Sequence[Order]
+    profiles: Sequence[Solved]
+    predictions: Sequence[Prediction]
+
+
+def evaluate(found: Accuracy) -> Evaluation:
+    """Work everything out from the points."""
+    lines = lines_of(found)
+    costs = costs_of(found, lines)
+    return Evaluation(found, lines, costs, orders_of(found, lines), solved(costs), predictions_of(lines))

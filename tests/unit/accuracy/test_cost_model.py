@@ -1,0 +1,91 @@
+"""Cost and error of the finest mesh, foretold from points whose law is known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from contactlab.accuracy.cost_model import Prediction, predicted_cost, predictions_of
+from contactlab.accuracy.lines import Line
+from contactlab.accuracy.point import Point
+from contactlab.reports.accuracy_predictions import predictions_section, told
+
+LEVELS = (1, 2, 3, 4, 6, 8)
+
+
+def point(level: int, error: float, cost: float, counts: dict[str, float] | None = None) -> Point:
+    return Point("a", "x", "declared", level, "finished", error=error, cpu=(cost,), counts=counts or {})
+
+
+def line(points: list[Point], uncertainty: float = 0.0) -> Line:
+    return Line("a", "x", "declared", points, uncertainty, 1.1)
+
+
+def explicit_cost(level: int) -> float:
+    return 0.05 + 2e-6 * 1000 * level * level**2  # start + unit cost x steps x cells
+
+
+def test_a_law_that_holds_is_foretold_to_the_last_digit() -> None:
+    points = [point(n, 0.1 / n**2, explicit_cost(n), {"steps": 1000.0 * n}) for n in LEVELS]
+    (one,) = predictions_of([line(points)])
+    assert one.levels == (2, 3, 4, 6)
+    assert one.level == 8
+    assert one.predicted_cost == pytest.approx(explicit_cost(8), rel=1e-9)
+    assert one.predicted_error == pytest.approx(0.1 / 64, rel=1e-9)
+    assert one.is_within
+    assert not one.is_off
+
+
+def test_factors_of_an_implicit_run_grow_faster_than_its_cells() -> None:
+    def cost(level: int) -> float:
+        return 0.02 + 5.0 * (1e-3 * level**2 + 2e-4 * level**3)
+
+    points = [point(n, 0.1, cost(n), {"steps": 1.0, "iterations": 5.0}) for n in (2, 3, 4, 6)]
+    assert predicted_cost(points, 8) == pytest.approx(cost(8), rel=1e-9)
+
+
+def test_unit_costs_are_never_negative() -> None:
+    """Costs that fall would be foretold as less than nothing by a free fit."""
+    points = [point(n, 0.1, 1.0 / n, {"steps": 10.0}) for n in (2, 3, 4)]
+    assert predicted_cost(points, 8) > 0.0
+
+
+def test_intervals_hold_nine_of_ten() -> None:
+    """500 lines of order 2 whose errors scatter by 10 %: 90 % within 3.5 standard deviations of that share."""
+    chance = np.random.default_rng(7)
+    lines = [
+        line([point(n, 0.1 / n**2 * math.exp(0.1 * chance.standard_normal()), 1.0) for n in LEVELS]) for _ in range(500)
+    ]
+    found = predictions_of(lines)
+    share = sum(one.is_within for one in found) / len(found)
+    assert share == pytest.approx(0.9, abs=3.5 * math.sqrt(0.9 * 0.1 / 500))
+    assert sum(one.is_wide for one in found) < 0.02 * len(found)  # chance makes a line scatter twice as much
+
+
+def test_a_line_that_stops_falling_is_a_misprediction_and_is_listed() -> None:
+    good = [point(n, 0.1 / n**2, explicit_cost(n), {"steps": 1000.0 * n}) for n in LEVELS]
+    bad = [*good[:-1], point(8, 0.0028, 4.0 * explicit_cost(8))]
+    found = predictions_of([line(good), line(good), line(bad)])
+    assert [one.is_off for one in found] == [False, False, True]
+    assert found[2].cost_off == pytest.approx(-0.75)
+    assert told(found).startswith("2 of 3 costs within 40%; 2 of 3 errors in their interval, of which 0")
+    assert "1 mispredictions" in predictions_section(found)
+
+
+def test_an_error_that_the_reference_cannot_tell_is_not_foretold() -> None:
+    points = [point(n, max(0.1 / n**2, 2e-3), 1.0) for n in LEVELS]
+    (one,) = predictions_of([line(points, uncertainty=1e-3)])
+    assert not one.tells_error
+    assert not one.is_off
+
+
+@pytest.mark.parametrize("levels", [(1, 2, 4), (8,), ()])
+def test_two_points_of_level_2_or_more_are_needed_before(levels: tuple[int, ...]) -> None:
+    assert predictions_of([line([point(n, 0.1 / n, 1.0) for n in levels])]) == []
+
+
+def test_nothing_is_said_where_nothing_was_foretold() -> None:
+    nothing: list[Prediction] = []
+    assert told(nothing) == predictions_section(nothing) == ""
