@@ -149,6 +149,15 @@ def _describe_choose(command: argparse.ArgumentParser) -> None:
     _add_json(command)
 
 
+def _describe_error_budget(command: argparse.ArgumentParser) -> None:
+    _add_scene(command)
+    command.add_argument("--jobs", type=_positive, metavar="N", help="runs at a time (default: one per core)")
+    command.add_argument("--time-limit", type=_seconds, metavar="S", help="wall time of a run")
+    _add_out(command)
+    command.add_argument("--resume", action="store_true", help="use what was run in DIR")
+    _add_json(command)
+
+
 def _describe_matrix(command: argparse.ArgumentParser) -> None:
     command.add_argument("cases", nargs="*", metavar="CASE", help="names of cases (default: all; contactlab parts)")
     command.add_argument(
@@ -335,6 +344,11 @@ _COMMANDS: dict[str, tuple[_Describe, str, str]] = {
         _describe_choose,
         "find the cheapest algorithm, slave, element, integrator and level for a scene and an error",
         "contactlab.commands.choose:choose_for",
+    ),
+    "error-budget": (
+        _describe_error_budget,
+        "say where the error of a run sits: mesh, time step, ramp, damping, tolerance, penalty",
+        "contactlab.commands.error_budget:budget",
     ),
     "matrix": (
         _describe_matrix,

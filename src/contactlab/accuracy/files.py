@@ -53,7 +53,7 @@ def write(evaluated: Evaluation, folder: Path) -> None:
         "solved": [asdict(one) for one in evaluated.profiles],
         "predictions": [asdict(one) for one in evaluated.predictions],
     }  # fmt: skip
-    (folder / "accuracy.json").write_text(json.dumps(_finite(data), indent=1, allow_nan=False), encoding="utf-8")
+    (folder / "accuracy.json").write_text(json.dumps(finite(data), indent=1, allow_nan=False), encoding="utf-8")
 
 
 def _write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
@@ -74,9 +74,10 @@ def _bare(value: Any) -> Any:
     return value
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
+    """The same plain data for JSON, with None for numbers that are not finite."""
     if isinstance(value, Mapping):
-        return {name: _finite(item) for name, item in value.items()}
+        return {name: finite(item) for name, item in value.items()}
     if isinstance(value, Iterable) and not isinstance(value, str):
-        return [_finite(item) for item in value]
+        return [finite(item) for item in value]
     return None if isinstance(value, float) and not math.isfinite(value) else value

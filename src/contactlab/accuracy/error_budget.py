@@ -1,0 +1,187 @@
+"""Where the error of a run sits: what a finer mesh, time step, ramp, tolerance and so on change, one at a time.
+
+A result that lies off by C h^q changes by C h^q (1 - 2^-q) when h is halved, so that a change tells what part of the
+error one choice of numerics brings (Richardson 1911). Orders are those of theory, the lowest where it knows several.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import ExplicitIntegrator
+from contactlab.errors import RequestError
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
+from contactlab.studies.call import Call
+from contactlab.studies.measures import pressure_error
+from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
+from contactlab.studies.profile import FoldedSurfaceError, Profile
+from contactlab.studies.run_job import Outcome, run
+from contactlab.studies.scheduler import LOCAL, open_pool
+
+AS_IT_IS = "as it is"
+
+
+@dataclass(frozen=True)
+class Knob:
+    """One choice of numerics and the scene keys that make it twice as fine; `order` is that of its error."""
+
+    name: str
+    settings: Mapping[str, Any]
+    order: float
+
+
+@dataclass(frozen=True)
+class Share:
+    """What one knob does. Numbers are nan where a run gave none.
+
+    pressure   part of the error of the contact pressure in L2, as a fraction
+    force      part of that of the contact force
+    cost       CPU time of the finer run [s]; extra: beyond that of the run as it is
+    """
+
+    knob: Knob
+    status: str
+    reason: str
+    pressure: float
+    force: float
+    cost: float
+    extra: float
+
+    @property
+    def gain(self) -> float:
+        """Error of the pressure taken off per CPU second that it costs more."""
+        less = self.pressure * (1.0 - 0.5**self.knob.order)
+        return less / self.extra if self.extra > 0.0 else math.inf
+
+
+@dataclass(frozen=True)
+class ErrorBudget:
+    """All shares, the largest first, beside the run as it is."""
+
+    status: str
+    reason: str
+    cost: float
+    shares: Sequence[Share]
+
+    @property
+    def cheapest(self) -> Share | None:
+        """The knob to turn next: the most error for its cost; None where nothing was found."""
+        known = [share for share in self.shares if share.pressure > 0.0]
+        return max(known, key=lambda share: (share.gain, share.pressure), default=None)
+
+
+Told = Callable[[str, Outcome], None]
+
+
+def error_budget(
+    scene: Scene, registry: Registry, folder: Path, jobs: int, told: Told, limit: float | None = None
+) -> ErrorBudget:
+    """Run the scene as it is, then each knob turned; `limit` is the wall time of a run [s].
+
+    What `folder` holds is taken up or read back. Raises RequestError for a scene without contact.
+    """
+    if not scene.contacts:
+        raise RequestError("the scene has no contact whose pressure could be compared", where=scene.name,
+                           allowed="[[contacts]]")  # fmt: skip
+    with open_pool(LOCAL, jobs) as pool:
+
+        def begin(name: str, wanted: Scene) -> Any:
+            place = folder / "runs" / name.replace(" ", "-")
+            return pool.submit(Call(run, (wanted, place, 0, 1), limit=limit, folder=place))
+
+        base = _outcome(begin(AS_IT_IS, scene))
+        told(AS_IT_IS, base)
+        if base.curve is None or base.status != "finished":
+            return ErrorBudget(base.status, base.reason, _cost(base), ())
+        knobs = knobs_of(scene, base.summary, registry)
+        asked = {begin(knob.name, scene.with_(dict(knob.settings))): knob for knob in knobs}
+        shares = []
+        for future in as_completed(asked):
+            finer = _outcome(future)
+            told(asked[future].name, finer)
+            shares.append(_share(asked[future], base, finer))
+    shares.sort(key=lambda share: -share.pressure if share.pressure >= 0.0 else math.inf)
+    return ErrorBudget(base.status, base.reason, _cost(base), shares)
+
+
+def knobs_of(scene: Scene, summary: Mapping[str, Any], registry: Registry) -> list[Knob]:
+    """What can be made twice as fine in a scene; `summary` is that of the run as it is, which tells what it found."""
+    kind = registry.part_class("integrator", scene.integrator["use"])
+    knobs = [Knob("mesh", {"level": 2 * scene.level}, 1.0)]
+    time = scene.data["time"]
+    if issubclass(kind, ExplicitIntegrator):
+        step = {"time.step": 0.5 * time["step"]} if time.get("step") else {"time.fraction": 0.5 * time["fraction"]}
+        knobs.append(Knob("time step", step, 2.0))
+        knobs += _pace(time, summary.get("resolved", {}))
+    elif kind.inertia or summary.get("history", {}).get("matters"):
+        knobs.append(Knob("load steps", {"integrator.steps": 2 * int(summary["steps"])}, 2.0 if kind.inertia else 1.0))
+    if "tolerance" in scene.integrator:
+        knobs.append(Knob("tolerance", {"integrator.tolerance": 0.5 * scene.integrator["tolerance"]}, 1.0))
+    for number, contact in enumerate(scene.data["contacts"]):
+        enforcement = contact.get("enforcement") or {}
+        if enforcement.get("use") == "penalty":
+            setting = {f"contacts.{number}.enforcement.factor": 2.0 * enforcement["factor"]}
+            knobs.append(Knob(f"penalty of {contact.get('name') or f'contacts.{number}'}", setting, 1.0))
+    return knobs
+
+
+def _pace(time: Mapping[str, Any], found: Mapping[str, Any]) -> list[Knob]:
+    """Ramp and damping of a quasi-static explicit run: what it found for itself is written out, but for one."""
+    if time.get("end") != "auto" or not found:
+        damping = time.get("damping")
+        return [Knob("damping", {"time.damping": 0.5 * damping}, 1.0)] if damping else []
+    own = {f"time.{name}": found[name] for name in ("ramp", "damping", "relaxation") if found.get(name) is not None}
+    return [
+        Knob("ramp", own | {"time.ramp": 2.0 * found["ramp"]}, 1.0),
+        Knob("damping", own | {"time.damping": 0.5 * found["damping"]}, 1.0),
+    ]
+
+
+def _outcome(future: Any) -> Outcome:
+    try:
+        outcome: Outcome = future.result()
+    except TimedOutError as error:
+        return Outcome("timed-out", str(error))
+    except (ProcessDiedError, RaisedError) as error:
+        return Outcome("failed", str(error))
+    return outcome
+
+
+def _cost(outcome: Outcome) -> float:
+    cost = outcome.summary.get("cost", {})
+    return float(cost.get("run_cpu_s", math.nan)) - float(cost.get("compile_s", 0.0))
+
+
+def _share(knob: Knob, base: Outcome, finer: Outcome) -> Share:
+    pressure = force = math.nan
+    if finer.status == "finished":
+        whole = 1.0 / (1.0 - 0.5**knob.order)
+        pressure = whole * _pressure_change(base, finer)
+        force = whole * _force_change(base, finer)
+    cost = _cost(finer)
+    return Share(knob, finer.status, finer.reason, pressure, force, cost, cost - _cost(base))
+
+
+def _pressure_change(base: Outcome, finer: Outcome) -> float:
+    """Distance of the two pressures in L2 over the norm of the finer one; nan where there is no such function."""
+    if base.curve is None or finer.curve is None:
+        return math.nan
+    try:
+        return float(pressure_error(Profile.of_curve(base.curve), Profile.of_curve(finer.curve)))
+    except FoldedSurfaceError:
+        return math.nan
+
+
+def _force_change(base: Outcome, finer: Outcome) -> float:
+    """Distance of the resultants of the first contact over that of the finer run."""
+    before, after = (np.array(next(iter(each.summary["contacts"].values()))["resultant"]) for each in (base, finer))
+    size = float(np.hypot(*after))
+    return float(np.hypot(*(before - after))) / size if size > 0.0 else math.nan

@@ -1,0 +1,90 @@
+"""`contactlab error-budget`: where the error of a run sits, and what to refine next."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from contactlab.accuracy.error_budget import ErrorBudget, Share, error_budget
+from contactlab.accuracy.files import finite
+from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
+from contactlab.reports.numbers import percent, significant
+from contactlab.run.folders import results_folder
+from contactlab.scene.scene import load_scene
+from contactlab.studies.resume import sigterm_as_ctrl_c
+from contactlab.studies.run_job import Outcome
+from contactlab.studies.system import usable_cores
+
+FILE = "error-budget.json"
+FAILED = 1
+INTERRUPTED = 130
+
+
+def budget(options: argparse.Namespace) -> int:
+    """Run the scene as it is and with each choice of numerics made finer; 1 where it does not finish as it is."""
+    registry = registry_with(options.files)
+    scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
+    with results_folder(options.out, f"error-budget-{scene.name}", options.resume) as folder:
+        try:
+            with sigterm_as_ctrl_c():
+                found = error_budget(scene, registry, folder, options.jobs or usable_cores(), _tell, options.time_limit)
+        except KeyboardInterrupt:
+            line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
+            print(line, file=sys.stderr)
+            return INTERRUPTED
+        data = _data(found)
+        (folder / FILE).write_text(json.dumps(data, indent=1), encoding="utf-8")
+    if options.json:
+        print_json({"folder": str(folder), **data})
+    else:
+        show(found, folder)
+    return FAILED if not found.shares else 0
+
+
+def show(found: ErrorBudget, folder: Path) -> None:
+    """A row for each choice, the largest part of the error first, and what to refine next."""
+    out = console()
+
+    def say(text: str) -> None:
+        out.print(text, markup=False, highlight=False, soft_wrap=True)
+
+    if not found.shares:
+        say(f"the run as it is ended {found.status}: {found.reason}")
+        return
+    shown = table("made finer", "pressure, %", "force, %", "CPU s", "more, s", "how", "")
+    for share in found.shares:
+        settings = ", ".join(f"{key}={value:.6g}" for key, value in _changed(share))
+        end = "" if share.status == "finished" else f"{share.status}: {share.reason[:60]}"
+        add_row(shown, share.knob.name, percent(share.pressure), percent(share.force), significant(share.cost, 2),
+                significant(share.extra, 2), settings, end)  # fmt: skip
+    out.print(fitting(shown, out.width, last=("made finer", "pressure, %")))
+    say(f"parts of the error of the run as it is ({significant(found.cost, 2)} CPU s), from what halving changes")
+    best = found.cheapest
+    if best is not None:
+        more = f"{significant(best.extra, 2)} CPU s more" if best.extra > 0.0 else "no more time"
+        say(f"next: {best.knob.name}, {percent(best.pressure)} % of the pressure, for {more}")
+    say(str(folder))
+
+
+def _changed(share: Share) -> list[tuple[str, float]]:
+    """The key that makes it finer: the one of a ramp or of damping, where others are written out beside it."""
+    settings = dict(share.knob.settings)
+    wanted = f"time.{share.knob.name}"
+    return [(wanted, settings[wanted])] if wanted in settings else list(settings.items())
+
+
+def _data(found: ErrorBudget) -> dict[str, Any]:
+    shares = [asdict(share) | {"gain": share.gain} for share in found.shares]
+    best = found.cheapest
+    data = {"format": 1, "status": found.status, "reason": found.reason, "cost": found.cost, "shares": shares,
+            "next": best.knob.name if best is not None else None}  # fmt: skip
+    plain: dict[str, Any] = finite(data)
+    return plain
+
+
+def _tell(name: str, outcome: Outcome) -> None:
+    print(f"{name}: {outcome.status}", file=sys.stderr, flush=True)

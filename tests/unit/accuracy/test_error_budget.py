@@ -1,0 +1,94 @@
+"""Where the error of a run sits: knobs of scenes, and parts from changes that are known."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.accuracy import error_budget as budgets
+from contactlab.accuracy.error_budget import ErrorBudget, Knob, Share, knobs_of
+from contactlab.api.frame import ContactCurve
+from contactlab.cli import main
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import Scene, load_scene
+from contactlab.studies.run_job import Outcome
+
+RESOLVED = {"resolved": {"ramp": 2e-6, "hold": 1e-5, "damping": 4e6, "relaxation": 0.0}, "steps": 7}
+
+
+def scene(**changes: Any) -> Scene:
+    return load_scene("disc-on-block").with_({key.replace("__", "."): value for key, value in changes.items()})
+
+
+def names(one: Scene, summary: dict[str, Any] = RESOLVED) -> list[str]:
+    return [knob.name for knob in knobs_of(one, summary, default_registry())]
+
+
+def test_knobs_are_those_that_the_scene_has() -> None:
+    assert names(scene()) == ["mesh", "time step", "ramp", "damping"]
+    assert names(scene(time__end=1e-5)) == ["mesh", "time step"]
+    assert names(scene(time__end=1e-5, time__damping=1.0)) == ["mesh", "time step", "damping"]
+    assert names(scene(integrator="newton")) == ["mesh", "tolerance"]
+    assert names(scene(integrator="newton"), RESOLVED | {"history": {"matters": True}})[1] == "load steps"
+    assert names(scene(integrator="implicit-dynamics"))[1] == "load steps"
+    assert names(scene(integrator="newton", contacts=[{
+        "name": "tool", "slave": "disc.arc", "master": "block.top", "algorithm": "mortar-p0", "enforcement": "penalty",
+    }]))[-1] == "penalty of tool"  # fmt: skip
+
+
+def test_a_knob_turns_one_thing_alone() -> None:
+    """What the run found for itself stands beside it: a ramp that is given would change the damping, too."""
+    knobs = {knob.name: knob.settings for knob in knobs_of(scene(), RESOLVED, default_registry())}
+    found = {"time.ramp": 2e-6, "time.damping": 4e6, "time.relaxation": 0.0}
+    assert knobs["ramp"] == found | {"time.ramp": 4e-6}
+    assert knobs["damping"] == found | {"time.damping": 2e6}
+    assert knobs["time step"] == {"time.fraction": 0.45}
+
+
+def outcome(error: float, cost: float) -> Outcome:
+    """A parabola of pressure and a force, both too large by `error`."""
+    x = np.linspace(-1.0, 1.0, 41)
+    columns: dict[str, Any] = {name: np.zeros(41) for name in ContactCurve.COLUMNS}
+    columns |= {"x": x, "pressure": (1.0 - x**2) * (1.0 + error)}
+    summary = {"cost": {"run_cpu_s": cost, "compile_s": 0.0}, "contacts": {"a": {"resultant": [0.0, 1.0 + error]}}}
+    return Outcome("finished", "", summary | RESOLVED, ContactCurve(**columns))
+
+
+def test_parts_are_those_of_richardson() -> None:
+    """Errors of 1 % that halve (first order) and fall to a quarter (second order)."""
+    for order in (1.0, 2.0):
+        knob = Knob("mesh", {}, order)
+        share = budgets._share(knob, outcome(0.01, 1.0), outcome(0.01 * 0.5**order, 3.0))
+        # over the finer result, which is itself off by half or a quarter of a per cent
+        assert share.pressure == pytest.approx(0.01 / (1.0 + 0.01 * 0.5**order), rel=1e-9)
+        assert share.force == pytest.approx(share.pressure, rel=1e-9)
+        assert share.extra == pytest.approx(2.0)
+        assert share.gain == pytest.approx(share.pressure * (1.0 - 0.5**order) / 2.0)
+
+
+def share(name: str, pressure: float, extra: float) -> Share:
+    return Share(Knob(name, {}, 1.0), "finished", "", pressure, pressure, 1.0 + extra, extra)
+
+
+def test_the_next_knob_takes_off_most_for_its_time() -> None:
+    dear, cheap = share("mesh", 0.04, 10.0), share("ramp", 0.01, 1.0)
+    assert ErrorBudget("finished", "", 1.0, [dear, cheap]).cheapest is cheap
+    assert ErrorBudget("finished", "", 1.0, [dear, share("step", 0.001, -0.1)]).cheapest.knob.name == "step"  # type: ignore[union-attr]
+    assert ErrorBudget("finished", "", 1.0, [share("step", math.nan, 1.0)]).cheapest is None
+
+
+def test_the_command_tells_parts_and_what_to_refine(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Statics of a coarse disc: its mesh is off by per cents, its tolerance by nothing that anyone could see."""
+    changes = {"bodies.disc.mesh.cells": "[8, 2]", "bodies.block.mesh.cells": "[12, 2]", "integrator": "newton"}
+    words = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
+    assert main(["error-budget", "disc-on-block", *words, "--jobs", "1", "--out", str(tmp_path / "out"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    parts = {one["knob"]["name"]: one["pressure"] for one in told["shares"]}
+    assert 0.005 < parts["mesh"] < 0.2
+    assert parts["tolerance"] < 1e-6
+    assert told["next"] == "mesh"
