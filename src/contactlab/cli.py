@@ -347,7 +347,7 @@ _COMMANDS: dict[str, tuple[_Describe, str, str]] = {
     ),
     "error-budget": (
         _describe_error_budget,
-        "say where the error of a run sits: mesh, time step, ramp, damping, tolerance, penalty",
+        "say where the error of a run sits: mesh, time step, ramp, damping, tolerance",
         "contactlab.commands.error_budget:budget",
     ),
     "matrix": (

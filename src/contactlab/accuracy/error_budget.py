@@ -127,9 +127,9 @@ def knobs_of(scene: Scene, summary: Mapping[str, Any], registry: Registry) -> li
         knobs.append(Knob("tolerance", {"integrator.tolerance": 0.5 * scene.integrator["tolerance"]}, 1.0))
     for number, contact in enumerate(scene.data["contacts"]):
         enforcement = contact.get("enforcement") or {}
-        if enforcement.get("use") == "penalty":
+        if "factor" in enforcement:  # of springs between the surfaces
             setting = {f"contacts.{number}.enforcement.factor": 2.0 * enforcement["factor"]}
-            knobs.append(Knob(f"penalty of {contact.get('name') or f'contacts.{number}'}", setting, 1.0))
+            knobs.append(Knob(f"stiffness of {contact.get('name') or f'contacts.{number}'}", setting, 1.0))
     return knobs
 
 

@@ -38,7 +38,7 @@ def test_knobs_are_those_that_the_scene_has() -> None:
     assert names(scene(integrator="implicit-dynamics"))[1] == "load steps"
     assert names(scene(integrator="newton", contacts=[{
         "name": "tool", "slave": "disc.arc", "master": "block.top", "algorithm": "mortar-p0", "enforcement": "penalty",
-    }]))[-1] == "penalty of tool"  # fmt: skip
+    }]))[-1] == "stiffness of tool"  # fmt: skip
 
 
 def test_a_knob_turns_one_thing_alone() -> None:
