@@ -9,6 +9,7 @@ from contactlab_cases.indenters import MODULUS, half_width_of, pressure
 from contactlab_cases.rings import TwoRings, shrunk_rings
 from contactlab_cases.rounded_punch import RoundedPunch
 from contactlab_cases.shrink_fit import POISSON, RADII, YOUNG, ShrinkFit
+from contactlab_cases.sliding_punch import exponent, sliding_pressure
 
 STEEL = (70000.0, 0.3)
 
@@ -34,6 +35,30 @@ def test_a_rounded_punch_carries_what_its_pressure_adds_up_to() -> None:
     assert total == pytest.approx(MODULUS * float(case.total(np.asarray(b))), rel=1e-5)  # 40 points on a root
     round_one = RoundedPunch(flat=0.0)
     assert float(round_one.total(np.asarray(b))) == pytest.approx(0.25 * np.pi * b**2 / round_one.radius, rel=1e-12)
+
+
+def test_rings_that_stick_are_one_body_where_they_are_of_one_material() -> None:
+    """A full disc under cos 2t: phi = (r^2/2 - r^4/(6 c^2)) cos 2t, s_r = -1 and s_rt = 1 - r^2/c^2 everywhere."""
+    mean, wave, shear = TwoRings(0.0, 0.6, 1.0, STEEL, STEEL).bonded(1.0, 0.5)
+    assert (mean, wave, shear) == pytest.approx((1.0, 0.5, 0.5 * (1.0 - 0.6**2)), rel=1e-12)
+    # a ring cut at two radii: the outer part of it carries the same whatever is cut off below
+    inner, outer = (TwoRings(0.2, cut, 1.0, STEEL, STEEL).bonded(0.0, 1.0)[1:] for cut in (0.2 + 1e-9, 1.0 - 1e-9))
+    assert inner == pytest.approx((0.0, 0.0), abs=1e-6)  # the hole is free
+    assert outer == pytest.approx((1.0, 0.0), abs=1e-6)  # and the outside bears the load
+
+
+def test_a_punch_that_slides_leaves_the_surface_flat() -> None:
+    """Johnson 2.24: int p(s)/(x - s) ds = pi mu (1 - 2 nu)/(2 (1 - nu)) p(x), s = cos t."""
+    mu, poisson = 0.6, 0.2
+    t = (np.arange(20000) + 0.5) * np.pi / 20000
+    s, g = np.cos(t), exponent(mu, poisson)
+    p = sliding_pressure(s, 1.0, 1.0, g)
+    assert float((p * np.sin(t)).mean()) * np.pi == pytest.approx(1.0, rel=1e-3)  # a root at either end
+    for x in (-0.5, 0.1, 0.6):
+        own = float(sliding_pressure(np.array([x]), 1.0, 1.0, g)[0])
+        # the integral of (1 - s^2)^(-1/2)/(x - s) is none: a flat punch without friction
+        found = np.mean((p * np.sin(t) - own * np.sqrt(1.0 - x**2)) / (x - s)) * np.pi
+        assert found / own == pytest.approx(np.pi * mu * (1.0 - 2.0 * poisson) / (2.0 * (1.0 - poisson)), rel=0.01)
 
 
 def test_rings_agree_with_published_pressures() -> None:

@@ -37,6 +37,8 @@ NOT_MET: dict[tuple[str, str], dict[str, str]] = {
     },
     ("tilted-punch", "mortar-p0"): {INTEGRAL: RIM},
     ("tilted-punch", "mortar-p1"): {INTEGRAL: RIM},
+    ("sliding-punch", "mortar-p0"): {INTEGRAL: RIM},
+    ("sliding-punch", "mortar-p1"): {INTEGRAL: RIM},
     ("rigid-punch", "mortar-p0"): {INTEGRAL: RIM},
     ("rigid-punch", "mortar-p1"): {
         INTEGRAL: RIM,
@@ -52,6 +54,7 @@ SILENT = {
     ("pressed-block", "mortar-p1"): LEANING,
     ("patch", "node-on-segment"): "one-pass conditions do not pass a constant pressure between unlike meshes",
     ("inclined-layers", "node-on-segment"): "the same on a slope: an even pressure is off by 11 %",
+    ("stuck-rings", "node-on-segment"): "the same on a curve",
     ("two-rings", "node-on-segment"): "the same on a curve: first order where the case allows second, and no word",
 }
 """Cells that are silent, with the cause."""

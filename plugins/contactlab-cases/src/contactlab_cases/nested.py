@@ -17,23 +17,23 @@ STEEL = (70000.0, 0.3)
 
 def nested_rings(
     setup: Setup, radii: Sequence[tuple[float, float]], cells: Sequence[int], moduli: Sequence[tuple[float, float]],
-    contact: Mapping[str, Any], **more: Any,
+    contact: Mapping[str, Any], name: str = "pressed", **more: Any,
 ) -> Job:  # fmt: skip
     """A quarter of rings that lie within each other, ring0 the innermost, each `cells` around; symmetric ends."""
     names = [f"ring{k}" for k in range(len(radii))]
     bodies = {
-        name: {
-            "material": name,
+        body: {
+            "material": body,
             "element": setup.element,
             "mesh": {"use": "ring", "radii": list(r), "angles": [0.0, 90.0], "cells": [n, max(2, n // 3)]},
         }
-        for name, r, n in zip(names, radii, cells, strict=True)
+        for body, r, n in zip(names, radii, cells, strict=True)
     }
-    ends = [{"on": f"{name}.{end}", axis: 0.0} for name in names for end, axis in (("start", "uy"), ("end", "ux"))]
+    ends = [{"on": f"{body}.{end}", axis: 0.0} for body in names for end, axis in (("start", "uy"), ("end", "ux"))]
     sides = {"algorithm": setup.algorithm, "swap": setup.swap} | dict(contact)
     contacts = [{"slave": f"{inner}.outer", "master": f"{outer}.inner"} | sides for inner, outer in pairwise(names)]
-    materials = {name: {"young": e, "poisson": nu} for name, (e, nu) in zip(names, moduli, strict=True)}
-    return static_job("pressed", setup, materials, bodies, contact, contacts=contacts, supports=ends, **more)
+    materials = {body: {"young": e, "poisson": nu} for body, (e, nu) in zip(names, moduli, strict=True)}
+    return static_job(name, setup, materials, bodies, contact, contacts=contacts, supports=ends, **more)
 
 
 def squeeze(on: str, mean: float, wave: float) -> dict[str, Any]:

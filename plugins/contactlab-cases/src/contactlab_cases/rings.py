@@ -36,6 +36,25 @@ class TwoRings:
         """Mean and amplitude (of cos 2t) of the pressure [MPa] between the rings under the outer mean + wave cos 2t."""
         return mean * self._between((0, 1), []), wave * self._between((2, 3, 4, 5), [1])
 
+    def bonded(self, mean: float, wave: float) -> tuple[float, float, float]:
+        """Traction [MPa] between rings that stick to each other under the outer pressure mean + wave cos 2t.
+
+        Mean and amplitude (of cos 2t) of the pressure, and amplitude (of sin 2t) of the shear on the inner ring's edge.
+        """
+        b, c, terms = self.b, self.c, (2, 3, 4, 5)
+        inner = terms if self.a else _regular(terms)
+        none = [0.0] * len(inner), [0.0] * len(terms)
+        rows = [[t[k](self.a) for k in inner] + none[1] for t in _TRACTIONS] if self.a else []
+        rows += [none[0] + [t[k](c) for k in terms] for t in _TRACTIONS]
+        rows += [[t[k](b) for k in inner] + [-t[k](b) for k in terms] for t in _TRACTIONS]
+        for moved in (_motion, _turning):
+            rows.append([moved(k, b, self.inner) for k in inner] + [-moved(k, b, self.outer) for k in terms])
+        right = [0.0] * len(rows)
+        right[2 if self.a else 0] = -1.0  # s_r at c
+        found = _solved(rows, right)[: len(inner)]
+        pressure, shear = (float(np.dot([t[k](b) for k in inner], found)) for t in _TRACTIONS)
+        return mean * self._between((0, 1), []), -wave * pressure, wave * shear
+
     def _between(self, terms: tuple[int, ...], free: list[int]) -> float:
         """Pressure at b under a unit pressure at c; `free` of further tractions that vanish everywhere: the shear."""
         b, c = self.b, self.c
@@ -102,6 +121,13 @@ def _motion(term: int, r: float, ring: Moduli) -> float:
     )[term]  # fmt: skip
 
 
+def _turning(term: int, r: float, ring: Moduli) -> float:
+    """Circumferential displacement of a term with sin 2t."""
+    young, nu = ring
+    kappa, share = 3.0 - 4.0 * nu, (1.0 + nu) / young
+    return share * (0.0, 0.0, 2.0 * r, (kappa + 3.0) * r**3, 2.0 / r**3, -(kappa - 1.0) / r)[term]
+
+
 def _regular(terms: tuple[int, ...]) -> tuple[int, ...]:
     """Terms without a pole at the centre."""
     return tuple(k for k in terms if k in (0, 2, 3))
@@ -112,3 +138,10 @@ def _solved(rows: list[list[float]], right: list[float]) -> Floats:
     matrix = np.array(rows)
     scale = np.abs(matrix).max(axis=0)
     return np.asarray(np.linalg.solve(matrix / scale, np.array(right)) / scale)
+
+
+def stood_ring_pressure(a: float, b: float, c: float, moduli: Moduli) -> float:
+    """Pressure [MPa] at b within a ring a..c of one material whose hole is held, under a unit pressure at c."""
+    rows = [[_motion(k, a, moduli) for k in (0, 1)], [_TRACTIONS[0][k](c) for k in (0, 1)]]
+    found = _solved(rows, [0.0, -1.0])
+    return -float(np.dot([_TRACTIONS[0][k](b) for k in (0, 1)], found))

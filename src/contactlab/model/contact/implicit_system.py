@@ -12,6 +12,7 @@ from scipy.sparse import vstack
 from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, State
 from contactlab.model.contact.contact_pairs import linearised
 from contactlab.model.contact.explicit_system import allocate_rows
+from contactlab.model.contact.held_together import held_together
 from contactlab.model.contact.linearisation import PairDerivatives
 from contactlab.model.contact.pair import ContactPair
 from contactlab.model.examination import examine_pair
@@ -91,6 +92,9 @@ class ImplicitContactSystem:
             c.gap[own], c.measure[own], c.size[own] = pair.gaps[:, 0], pair.cover, pair.full
             if self.friction:
                 c.slip[own] = linear.slip if len(linear.slip) else 0.0
+            if pair.sliding is not None:
+                c.bound[:, own] = pair.sliding.bound[:, None]
+                c.bound[:, own][:, held_together(pair, self.flexibility, self.start)] = 0.0
         c.force[:, ~c.present] = 0.0
         self.seconds += perf_counter() - began
 

@@ -1,0 +1,135 @@
+"""A ring that is pressed onto another and turned by a shear on its outside: torque, twist and traction are exact.
+
+No moment is lost on the way: the shear between the rings is that of the outside times (c/b)^2, and nothing slips where
+it is below mu p. A closed curve is no chain of slaves: the slave is cut in two halves, and where they meet two
+conditions hold one node, which share its traction as they like. Tractions are compared away from there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contactlab.api import Case, Floats, Job, Measure, Record, Setup
+from contactlab.api.case import error, reported
+from contactlab_cases.circles import only
+from contactlab_cases.nested import STEEL, joint
+from contactlab_cases.rings import SOURCE, stood_ring_pressure
+from contactlab_cases.statics import ordered, projected, static_job
+
+RADII = (0.3, 0.6, 1.0)  # mm
+CELLS = 12  # of the inner ring on a quarter, at level 1
+JOINT = math.radians(25.0)  # from where the halves meet: three segments
+
+
+@dataclass(frozen=True)
+class TorsionFit(Case):
+    """A pressure of 1 MPa and a shear on the outside; the hole of the inner ring is held.
+
+    load   shear between the rings over mu times the pressure there: all of it slips from 1 on
+    ratio  cells of the outer ring's hole over those of the inner ring's edge
+    mu     of Coulomb's law
+    """
+
+    load: float = 0.8
+    ratio: float = 2.0
+    mu: float = 0.3
+
+    title: ClassVar[str] = "a ring pressed onto another and turned"
+    source: ClassVar[str] = f"{SOURCE}; Coulomb 1784: torsion"
+    family: ClassVar[str] = "friction"
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {
+        "load": (0.2, 0.8, 0.95), "ratio": (0.5, 1.0, 2.0), "mu": (0.1, 0.3, 1.0)
+    }  # fmt: skip
+    demands: ClassVar[frozenset[str]] = frozenset({"implicit", "friction"})
+    proves: ClassVar[frozenset[str]] = frozenset({"pressure", "friction"})
+    integrators: ClassVar[tuple[str, ...]] = ("newton",)
+    elements: ClassVar[tuple[str, ...]] = ("q1",)
+
+    def _exact(self) -> tuple[float, float]:
+        """Pressure and shear [MPa] between the rings."""
+        pressure = stood_ring_pressure(*RADII, STEEL)
+        return pressure, self.load * self.mu * pressure
+
+    def _cells(self, setup: Setup) -> tuple[int, int]:
+        """Along the quarter: of the inner and of the outer ring."""
+        n = CELLS * setup.level
+        return n, max(1, round(self.ratio * n))
+
+    def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
+        """Pressed first, turned then."""
+        a, b, c = RADII
+        rings = {"inner": ([a, b], self._cells(setup)[0]), "outer": ([b, c], self._cells(setup)[1])}
+        bodies: dict[str, Any] = {
+            name: {"material": "steel", "mesh": {"use": "ring", "radii": radii, "cells": [4 * n, max(3, n // 3)]}}
+            for name, (radii, n) in rings.items()
+        }
+        contact = {"start": {"gap": "zero"}, "friction": {"use": "coulomb", "mu": self.mu}}
+        joints = joint(setup, bodies, "inner.outer", "outer.inner", contact)
+        shear = self._exact()[1] * (b / c) ** 2
+        job = static_job(
+            "turned", setup, {"steel": {"young": STEEL[0], "poisson": STEEL[1]}}, bodies, {}, contacts=joints,
+            supports=[{"on": "inner.inner", "ux": 0.0, "uy": 0.0}], time={"end": 2.0}, steps=2, fields=True,
+            loads=[
+                {"on": "outer.outer", "pressure": {"ramp": "linear", "to": 1.0, "duration": 1.0}},
+                {"on": "outer.outer", "shear": {"ramp": "linear", "to": shear, "begin": 1.0, "duration": 1.0}},
+            ],
+        )  # fmt: skip
+        return (job,)
+
+    def measures(self, setup: Setup) -> Sequence[Measure]:
+        """What the coarser side carries; the twist is that of both rings as one."""
+        n = min(self._cells(setup))
+        why = f"bilinear rings of {n} cells a quarter, h^2"
+        size = (12.0 / n) ** 2
+        return [
+            error("L2 of the carried pressure", 0.01 * size, why),
+            error("L2 of the carried shear", 0.01 * size, why),
+            error("mean shear", 0.005 * size, f"the torque is carried whole; {why}"),
+            error("twist of the outside", 0.02 * size, why),
+            reported("share of closed nodes that slip"),
+        ]
+
+    def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
+        """Over both halves."""
+        record = only(done)
+        pressure, shear = self._exact()
+        off: dict[str, list[Floats]] = {"pressure": [], "shear": []}
+        slips = []
+        for number, begin in ((0, 0.0), (1, -np.pi)):
+            curve = record.curve(f"contacts.{number}")
+            # the middle of each half at its own middle, so that no end jumps by a full turn
+            middle = begin + 0.5 * np.pi
+            angle = middle + np.angle(np.exp(1j * (np.arctan2(curve.y, curve.x) - middle)))
+            coarse = 2 * min(self._cells(setup))
+            at = np.linspace(begin, begin + np.pi, 24 * coarse + 1)
+            away = np.abs(at - middle) < 0.5 * np.pi - JOINT
+            for column, exact in (("pressure", pressure), ("shear", shear)):
+                x, values = ordered(angle, np.abs(getattr(curve, column)))
+                off[column].append(projected(at, np.interp(at, x, values), coarse)[away] / exact - 1.0)
+            slips.append(np.asarray(curve.state) == 2)
+        found = {key: np.concatenate(values) for key, values in off.items()}
+        return {
+            "L2 of the carried pressure": float(np.sqrt(np.mean(found["pressure"] ** 2))),
+            "L2 of the carried shear": float(np.sqrt(np.mean(found["shear"] ** 2))),
+            "mean shear": float(np.mean(found["shear"])),
+            "twist of the outside": self._twist(record) / self._exact_twist() - 1.0,
+            "share of closed nodes that slip": float(np.mean(np.concatenate(slips))),
+        }
+
+    def _exact_twist(self) -> float:
+        """Angle [rad] of the outside against the hole: r d(u/r)/dr = q b^2/(G r^2)."""
+        a, b, c = RADII
+        modulus = STEEL[0] / (2.0 * (1.0 + STEEL[1]))
+        return self._exact()[1] * b**2 / (2.0 * modulus) * (1.0 / a**2 - 1.0 / c**2)
+
+    @staticmethod
+    def _twist(record: Record) -> float:
+        x = record.nodes
+        outside = np.isclose(np.hypot(*x.T), RADII[2], rtol=1e-6)
+        turn = x[outside, 0] * record.displacement[outside, 1] - x[outside, 1] * record.displacement[outside, 0]
+        return float(np.abs(np.mean(turn))) / RADII[2] ** 2

@@ -1,0 +1,46 @@
+"""Nodes that supports hold along the surface together with what they touch: friction has no say in them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from contactlab_cases.dynamics import strip
+from contactlab_cases.statics import static_job
+
+from contactlab.api import Setup
+from contactlab.cases.run_case import run_job, scene_of
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "node-on-segment"])
+@pytest.mark.parametrize("moved", [0.0, 0.02])
+def test_only_what_is_held_on_both_sides_and_stays_passes_no_friction(algorithm: str, moved: float) -> None:
+    """Halves of two blocks, the upper one softer: it spreads and sticks, but not on its plane of symmetry.
+
+    Where the foot of the lower block is the floor's and is moved sideways under a node that is held, that node slides.
+    """
+    law = {"m": {"young": 100.0, "poisson": 0.4}, "stiff": {"young": 1000.0, "poisson": 0.0}}
+    lower = strip((0.0, 4.0), (-1.0, 0.0), [4, 1]) | {"material": "stiff"}
+    slide = {"ramp": "linear", "to": moved, "begin": 0.5, "duration": 0.5}
+    job = static_job(
+        "held", Setup(algorithm, element="q1"), law,
+        {"upper": strip((0.0, 2.0), (0.0, 2.0), [2, 2]), "lower": lower},
+        {"slave": "upper.bottom", "master": "lower.top", "friction": {"use": "coulomb", "mu": 0.8}},
+        supports=[
+            {"on": "upper.left", "ux": 0.0},
+            {"on": "upper.top", "uy": {"ramp": "linear", "to": -0.01, "duration": 0.5}},
+            {"on": "lower", "uy": 0.0, "ux": slide},
+        ],
+        time={"end": 1.0}, steps=2,
+    )  # fmt: skip
+    record = run_job(job, scene_of(job))
+    assert record.finished, record.reason
+    curve = record.curve()
+    shear, pressure = (values[np.argsort(curve.x)] for values in (curve.shear, curve.pressure))
+    if moved:
+        assert shear == pytest.approx(0.8 * pressure, rel=1e-9)  # drawn along under all nodes, held or not
+    elif algorithm == "node-on-segment":
+        assert shear[0] == 0.0
+        assert np.all(np.abs(shear[1:]) > 0.05 * pressure[1:])  # 0.14 and 0.62: they stick
+    else:
+        # its force is that of its own half cell: 3 eighths of its multiplier and 1 eighth of the next one's are none
+        assert abs(3.0 * shear[0] + shear[1]) < 1e-12
