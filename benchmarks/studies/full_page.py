@@ -1,18 +1,20 @@
 """docs/full-matrix.md from the archive of `contactlab matrix --full`: all verdicts, and why some cells have no answer.
 
-    contactlab matrix --full --out runs/full && make pages FULL=runs/full
+    contactlab matrix --full --out runs/full && make pages CASES=runs/full
 
 The newest cell of each configuration is kept in full_matrix.csv, one row each. Every kind of cell that is silent, that
-failed or was not judged has its cause below; a test holds the lists complete, so that they can only shrink.
+failed or was not judged has its cause in full_causes.py, and so have numbers that are missed, where it is known.
 """
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
 import kept_rows
+from full_causes import CAUSES, UNKNOWN, why_missed
 from kept_rows import Row
 
 from contactlab.archive.archive import CHOICES, Archive
@@ -24,44 +26,6 @@ STORED = HERE / "full_matrix.csv"
 COLUMNS = (*CHOICES, "verdict", "cpu_s", "reason")
 UNANSWERED = ("silent", "failed", "not-judged")
 ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
-
-
-NODES = "node-on-segment"
-LEANING = "normals averaged on the slave lean beside a node that has been let go, and work on what slides there"
-ONE_PASS = "one-pass conditions do not pass a constant pressure between meshes that do not match"
-VERTEX = "forces jump where a node lies on a vertex of the master: the iteration goes to and fro; the run says so"
-FINE_ON_SOFT = (
-    "a stiff slave of finer cells than the soft master: multipliers between the master's nodes have no answer, and "
-    "statuses find no rest; the run says so, and with the sides exchanged it is met"
-)
-ROUGH = "very high friction: which nodes stick finds no rest; the run says so"
-CORNERS = (
-    "two corners that meet head on: nodes are pushed out of the other body's side, and contact makes energy; the run "
-    "is stopped for it"
-)
-CAUSES: dict[tuple[str, str, str], str] = {
-    ("dropped-block", "mortar-p0", "silent"): LEANING,
-    ("dropped-block", "mortar-p1", "silent"): LEANING,
-    ("pressed-block", "mortar-p0", "silent"): LEANING,
-    ("pressed-block", "mortar-p1", "silent"): LEANING,
-    ("stiffness-contrast", "mortar-p0", "failed"): FINE_ON_SOFT,
-    ("stiffness-contrast", "mortar-p1", "failed"): FINE_ON_SOFT,
-    ("patch", NODES, "silent"): ONE_PASS,
-    ("patch", NODES, "failed"): VERTEX,
-    ("two-rings", NODES, "silent"): f"{ONE_PASS}: on a curve first order where the case allows second",
-    ("hertz", NODES, "silent"): f"{ONE_PASS}: the pressure swings over several nodes, which no saw-tooth is",
-    ("hertz", NODES, "failed"): VERTEX,
-    ("stiffness-contrast", NODES, "failed"): VERTEX,
-    ("elastic-punch", NODES, "silent"): f"{ONE_PASS}: the exponent at the corner is fitted to such pressures",
-    ("nafems-cgs1", NODES, "failed"): VERTEX,
-    ("disc-on-block", NODES, "not-judged"): VERTEX,
-    ("rigid-punch", NODES, "not-judged"): "statuses beside the singular edge find no rest",
-    ("rough-plate", "mortar-p0", "not-judged"): ROUGH,
-    ("rough-plate", "mortar-p1", "not-judged"): ROUGH,
-    ("spinning-pair", NODES, "silent"): "without friction alone; where it comes from is not known",
-    ("vertex-to-vertex", NODES, "failed"): CORNERS,
-}
-"""By case, algorithm and verdict: why there is no right answer, or none that says that it is wrong."""
 
 HEAD = """# The full matrix
 
@@ -117,7 +81,10 @@ def page(rows: list[Row]) -> str:
     text += ["|---|---|---|---|"]
     for (case, contact, verdict), number in sorted(unanswered(rows).items()):
         text.append(f"| `{case}` | {contact} | {number} {verdict} | {CAUSES.get((case, contact, verdict), '')} |")
-    return "\n".join([*text, "", "## Missed, by the number that misses first", "", *_missed(rows)]) + "\n"
+    missed = list(_missed(rows))
+    unknown = sum(int(line.split("|")[3]) for line in missed if line.split("|")[5].strip().startswith(UNKNOWN))
+    text += ["", "## Missed, by the number that misses first", "", f"Of {unknown} cells the cause is not known.", ""]
+    return "\n".join([*text, *missed]) + "\n"
 
 
 def _missing(rows: list[Row]) -> str:
@@ -141,8 +108,13 @@ def _cell(found: Counter[str]) -> str:
 
 
 def _missed(rows: list[Row]) -> Iterator[str]:
-    """One line per case, algorithm and number."""
-    yield from ("| case | algorithm | cells | what |", "|---|---|---|---|")
-    missed = ((r["case"], r["contact"], r["reason"].split(" is ")[0]) for r in rows if r["verdict"] == "missed")
+    """One line per case, algorithm and number, those of the same cause together."""
+    yield from ("| case | algorithm | cells | what | why |", "|---|---|---|---|---|")
+    missed = ((r["case"], r["contact"], _what(r["reason"])) for r in rows if r["verdict"] == "missed")
     for (case, contact, what), number in sorted(Counter(missed).items()):
-        yield f"| `{case}` | {contact} | {number} | {what} |"
+        yield f"| `{case}` | {contact} | {number} | {what} | {why_missed(case, what)} |"
+
+
+def _what(reason: str) -> str:
+    """The number that misses first, without its value; how a run was stopped, without where."""
+    return re.split(r" is (?=[-\d])|(?<=stopped) after ", reason)[0]

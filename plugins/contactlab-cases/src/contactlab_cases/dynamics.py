@@ -98,9 +98,17 @@ class Overlap(Watch):
 
 @dataclass(frozen=True)
 class Tip(Watch):
-    """Displacement along x of the first slave node, with the energy of all bodies."""
+    """Displacement along x of the first node of one side, with the energy of all bodies.
+
+    side  "slave" or "master"
+    """
 
     most: int = 20000
+    side: str = "slave"
+
+    def __post_init__(self) -> None:
+        if self.side not in ("slave", "master"):
+            raise ValueError(f"side: got {self.side!r}, allowed: slave, master")
 
     def begin(self, view: StepView) -> Memory:
         """Start without a row."""
@@ -110,7 +118,8 @@ class Tip(Watch):
         """Keep one row of the step."""
         count = int(memory["count"][0])
         energy = view.kinetic_energy() + view.stored_energy()
-        memory["rows"][count] = view.time, view.field("displacement")[view.slave()[0], 0], energy
+        node = (view.slave() if self.side == "slave" else view.master())[0]
+        memory["rows"][count] = view.time, view.field("displacement")[node, 0], energy
         memory["count"][0] = count + 1
 
     def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:

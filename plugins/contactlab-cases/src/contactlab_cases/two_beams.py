@@ -48,7 +48,8 @@ class TwoBeams(Case):
             ],
             "supports": [{"on": "free", "uy": 0.0}, {"on": "clamped", "uy": 0.0}, {"on": "clamped.left", "ux": 0.0}],
         }  # fmt: skip
-        return (Job("hit", scene, watch=({"use": "tip"},), work=WORK),)
+        watch = {"use": "tip", "side": "master" if setup.swap else "slave"}  # the struck end is that of the free beam
+        return (Job("hit", scene, watch=(watch,), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Forces and displacements against published values, and the balance of energy."""
