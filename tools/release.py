@@ -3,12 +3,14 @@
     python tools/release.py 0.2.0
 
 It stands in `src/contactlab/__init__.py`, from where the core's package takes it; plugins are released with the core.
+What the changelog has under "not released" becomes that version, of today.
 """
 
 from __future__ import annotations
 
 import re
 import sys
+from datetime import UTC, datetime
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -23,6 +25,8 @@ def main(version: str) -> None:
     accepted = f">={major}.{minor},<{major}.{int(minor) + 1}"
     _replace(CORE, r'__version__ = "[^"]*"', f'__version__ = "{version}"')
     _replace(ROOT / "CITATION.cff", r"(?m)^version: .*$", f"version: {version}")
+    today = datetime.now(UTC).date().isoformat()
+    _replace(ROOT / "docs" / "CHANGELOG.md", r"(?m)^## \S+ \(not released\)$", f"## {version} ({today})")
     for file in (ROOT / "pyproject.toml", *sorted(ROOT.glob("plugins/*/pyproject.toml"))):
         text = file.read_text(encoding="utf-8")
         text = re.sub(r'"(contactlab[a-z-]*)>=[^"]*"', rf'"\1{accepted}"', text)

@@ -26,9 +26,9 @@ COLUMNS = (*CHOICES, "verdict", "measure", "role", "value", "least", "most", "un
 
 HEAD = """# Every case, with its numbers
 
-Written by `make pages` from the archive of `contactlab matrix`. What verdicts mean stands
-in `docs/matrix.md`, what each case is in its file in `plugins/contactlab-cases`. Numbers that miss what is allowed are
-bold. {counts}
+Written by `make pages` from the archive of `contactlab matrix`. [Cases against algorithms](matrix.md) explains the
+verdicts, and each case is described in its file in `plugins/contactlab-cases`. Numbers outside what is
+allowed are bold. {counts}
 """
 
 

@@ -33,7 +33,7 @@ Written by `make pages` from the archive of `contactlab matrix --full`: {cells} 
 either slave, all their elements and integrators, three algorithms), which took {minutes:.0f} CPU minutes.
 {counts}{missing}
 
-What verdicts mean stands in [Cases against algorithms](matrix.md), numbers of the quick matrix in
+[Cases against algorithms](matrix.md) explains the verdicts. The numbers of the quick matrix are in
 [Every case](cases.md).
 
 ## By case

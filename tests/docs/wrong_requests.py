@@ -27,12 +27,12 @@ PAGE = Path(__file__).parents[2] / "docs" / "troubleshooting.md"
 
 HEAD = """# Troubleshooting
 
-What is wrong with a request is told before anything is run: the file and the key or the part, what was got, what is
-allowed, and what to try; exit status 2. These are thirty requests that are often wrong, and the answers. They are made
-by `python tests/docs/wrong_requests.py`, and a test compares, so that this page says what the program says.
+If a request is wrong you are told so before anything is run (exit status 2), with the file and the key or the part,
+what was got, what is allowed, and what to try. Here are thirty typical mistakes and the answers to them. The page
+is made by `python tests/docs/wrong_requests.py`, and a test compares it with what the program says.
 
-A run that begins and fails is another matter: see [warnings](warnings.md). What is missing on a machine is told by
-`contactlab doctor`.
+Runs that start and then fail are another matter: see [warnings](warnings.md). `contactlab doctor` tells you what is
+missing on your machine.
 """
 
 

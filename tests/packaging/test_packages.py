@@ -111,6 +111,11 @@ def test_versions_agree() -> None:
         settings = tomllib.loads((project / "pyproject.toml").read_text())["project"]
         assert settings.get("version", contactlab.__version__) == contactlab.__version__, "run tools/release.py"
     assert f"\nversion: {contactlab.__version__}\n" in (ROOT / "CITATION.cff").read_text()
+    newest = re.search(
+        r"(?m)^## (\S+) \((not released|\d{4}-\d\d-\d\d)\)$", (ROOT / "docs" / "CHANGELOG.md").read_text()
+    )
+    assert newest is not None
+    assert newest[1] == contactlab.__version__ or newest[2] == "not released"
 
 
 def test_one_name_brings_every_usual_plugin(built: Path) -> None:

@@ -35,6 +35,7 @@ class Entry:
     toml: str
     command: str
     more: str = ""
+    guards: bool = True
 
 
 def gallery(folder: Path, runs: bool, scenes: Sequence[str], cases: Sequence[str]) -> str:
@@ -65,11 +66,12 @@ def _case_entry(name: str, registry: Registry) -> Entry:
     """The first run of the quick cell with mortar-p1, or with the first algorithm that the case is made for."""
     asked = [(cell.case(registry), cell.setup) for cell in plan(Request([name]), registry)]
     case, setup = next(pair for pair in sorted(asked, key=_mortar_first) if not pair[0].applies(pair[1]))
-    scene = scene_of(case.plan(setup, {})[0], registry)
+    job = case.plan(setup, {})[0]
+    scene = scene_of(job, registry)
     part = registry.offer("case", name).part
     more = f'<a href="cases.html#{_anchor(case)}">all its numbers</a>'
     words = f"{part.summary}. {part.reference}"
-    return Entry(f"case-{name}", scene, words, scene.toml(), f"contactlab matrix {name}", more)
+    return Entry(f"case-{name}", scene, words, scene.toml(), f"contactlab matrix {name}", more, job.guards)
 
 
 def _mortar_first(pair: tuple[Case, Any]) -> bool:
@@ -113,7 +115,7 @@ def _run(entry: Entry, folder: Path) -> tuple[Results, str]:
     with tempfile.TemporaryDirectory() as place:
         out = Path(place) / "run"
         scene = entry.scene.with_({"record.recorders": ["rerun"]})
-        results = contactlab.simulate(scene, out=out, work=MOST_STEPS)
+        results = contactlab.simulate(scene, out=out, work=MOST_STEPS, guards=entry.guards)
         timeline = out / "timeline.rrd"
         if not timeline.is_file() or timeline.stat().st_size > LARGEST_TIMELINE:
             return results, ""

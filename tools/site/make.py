@@ -69,7 +69,8 @@ def home(text: str) -> str:
 
 def python_page() -> str:
     """What `import contactlab` gives."""
-    parts = [f"## {title}\n\n" + "\n\n".join(f"::: {name}" for name in names) for title, names in PYTHON.items()]
+    one = "::: {}\n    options:\n      show_root_full_path: false".format
+    parts = [f"## {title}\n\n" + "\n\n".join(map(one, names)) for title, names in PYTHON.items()]
     return "# Python\n\n" + "\n\n".join(parts) + "\n"
 
 

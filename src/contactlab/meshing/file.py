@@ -43,7 +43,9 @@ class MeshFile(MeshSource):
         if not 0.0 < self.scale < math.inf:
             raise ValueError(f"scale: got {self.scale}, allowed: a factor > 0")
         if not self.path.is_file():
-            raise ValueError(f"path: got {self.path}, allowed: an existing mesh file")
+            raise ValueError(
+                f"path: got {self.path}, allowed: an existing mesh file, seen from the folder of the scene"
+            )
 
     def mesh(self, element: Element, level: int) -> Mesh:
         """The file's cells with the nodes of `element`; ValueError says what keeps it from being a plane quad mesh."""
