@@ -53,6 +53,7 @@ SILENT = {
     ("pressed-block", "mortar-p0"): LEANING,
     ("pressed-block", "mortar-p1"): LEANING,
     ("patch", "node-on-segment"): "one-pass conditions do not pass a constant pressure between unlike meshes",
+    ("bars-with-gap", "node-on-segment"): "the same: bars that do not bulge are 1e-4 too soft",
     ("inclined-layers", "node-on-segment"): "the same on a slope: an even pressure is off by 11 %",
     ("stuck-rings", "node-on-segment"): "the same on a curve",
     ("two-rings", "node-on-segment"): "the same on a curve: first order where the case allows second, and no word",
