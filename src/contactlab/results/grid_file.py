@@ -13,7 +13,11 @@ from contactlab.api.arrays import Floats
 from contactlab.api.frame import Frame, Layout
 from contactlab.results.cell_types import connectivity
 from contactlab.results.growing import Column, GrowingFile
+from contactlab.results.precision import PLACES, SHOWN, rounded
 from contactlab.results.shown_times import ShownTimes, create_times
+
+LOOKED_AT = "f4"
+"""Type of the fields of frames; of most of them not all digits are kept, see `precision.py`."""
 
 
 def write_grid(grid: h5py.Group, layout: Layout) -> None:
@@ -38,10 +42,10 @@ def frame_bytes(layout: Layout) -> float:
     """What `GridFile` writes for one frame [bytes]."""
     nodes, cells = len(layout.nodes), sum(len(body.cells) for body in layout.bodies)
     vectors = 3 if layout.has_velocity else 2  # positions, displacements, velocities
-    contact = 9 if layout.contacts else 0  # a pressure and a state
-    shear = 8 if any(contact.friction for contact in layout.contacts) else 0
+    contact = 5 if layout.contacts else 0  # a pressure and a state
+    shear = 4 if any(contact.friction for contact in layout.contacts) else 0
     variables = len({name for body in layout.bodies for name in body.shown_variables})
-    return nodes * (24.0 * vectors + contact + shear) + cells * 8.0 * (6 + 1 + variables)
+    return nodes * (12.0 * vectors + contact + shear) + cells * 4.0 * (6 + 1 + variables)
 
 
 class GridFile:
@@ -51,24 +55,24 @@ class GridFile:
         self.growing, self.layout = growing, layout
         grid = growing.file["VTKHDF"]
         self.nodes, self.cells = len(layout.nodes), sum(len(body.cells) for body in layout.bodies)
-        self.points = Column(grid, "Points", "f8", self.nodes, (3,))
+        self.points = Column(grid, "Points", LOOKED_AT, self.nodes, (3,))
         self.point_fields = self._point_fields(grid["PointData"])
         self.variables = list(dict.fromkeys(name for body in layout.bodies for name in body.shown_variables))
-        self.cell_fields = {"stress": Column(grid["CellData"], "stress", "f8", self.cells, (6,))}
+        self.cell_fields = {"stress": Column(grid["CellData"], "stress", LOOKED_AT, self.cells, (6,))}
         for name in ("von_mises", *self.variables):
-            self.cell_fields[name] = Column(grid["CellData"], name, "f8", self.cells)
+            self.cell_fields[name] = Column(grid["CellData"], name, LOOKED_AT, self.cells)
         self.offsets = self._offsets(grid["Steps"])
         self.times = ShownTimes(growing)
         self._spatial, self._stress = np.zeros((self.nodes, 3)), np.zeros((self.cells, 6))
 
     def _point_fields(self, group: h5py.Group) -> dict[str, Column]:
         vectors = ["displacement", *(["velocity"] if self.layout.has_velocity else [])]
-        fields = {name: Column(group, name, "f8", self.nodes, (3,)) for name in vectors}
+        fields = {name: Column(group, name, LOOKED_AT, self.nodes, (3,)) for name in vectors}
         if self.layout.contacts:
-            fields["contact_pressure"] = Column(group, "contact_pressure", "f8", self.nodes)
+            fields["contact_pressure"] = Column(group, "contact_pressure", LOOKED_AT, self.nodes)
             fields["contact_state"] = Column(group, "contact_state", "u1", self.nodes)
         if any(contact.friction for contact in self.layout.contacts):
-            fields["contact_shear"] = Column(group, "contact_shear", "f8", self.nodes)
+            fields["contact_shear"] = Column(group, "contact_shear", LOOKED_AT, self.nodes)
         return fields
 
     def _offsets(self, steps: h5py.Group) -> list[tuple[Column, int | None]]:
@@ -112,10 +116,10 @@ class GridFile:
         spatial[:, :2] = frame.displacement
         self.point_fields["displacement"].write(row, spatial)
         spatial[:, :2] += self.layout.nodes
-        self.points.write(row, spatial)
+        self.points.write(row, rounded(spatial, PLACES))
         if self.layout.has_velocity:
             spatial[:, :2] = frame.velocity
-            self.point_fields["velocity"].write(row, spatial)
+            self.point_fields["velocity"].write(row, rounded(spatial, SHOWN))
         self._write_contacts(row, frame)
         self._write_cells(row, frame)
 
@@ -131,12 +135,12 @@ class GridFile:
             values: Floats = np.zeros(self.nodes)
             for contact in self.layout.contacts:
                 values[contact.slave_nodes] += getattr(frame.curves[contact.name], names[field])
-            self.point_fields[field].write(row, values)
+            self.point_fields[field].write(row, values if field == "contact_state" else rounded(values, SHOWN))
 
     def _write_cells(self, row: int, frame: Frame) -> None:
         parts = [frame.cells[body.name] for body in self.layout.bodies]
         self._stress[:, :4] = np.concatenate([part["stress"] for part in parts])
-        self.cell_fields["stress"].write(row, self._stress)
+        self.cell_fields["stress"].write(row, rounded(self._stress, SHOWN))
         for name in ("von_mises", *self.variables):
             values = [part[name] if name in part else np.zeros(len(part["von_mises"])) for part in parts]
-            self.cell_fields[name].write(row, np.concatenate(values))
+            self.cell_fields[name].write(row, rounded(np.concatenate(values), SHOWN))

@@ -87,11 +87,12 @@ class Column:
     def __init__(
         self, group: h5py.Group, name: str, dtype: Any, height: int = 1, shape: tuple[int, ...] = (), together: int = 1
     ) -> None:
-        self.height, self.shape, self.dtype = height, shape, np.dtype(dtype)
+        self.height, self.shape = height, shape
         if name not in group:
             chunk = (max(1, height * together), *(max(1, n) for n in shape))
             group.create_dataset(name, (0, *shape), maxshape=(None, *shape), dtype=dtype, chunks=chunk, dcpl=early())
         self.dataset = group[name]
+        self.dtype = self.dataset.dtype  # of a file that was begun with another one, that one
         self.sum = 0
         self.room = len(self.dataset) // max(1, height)
 

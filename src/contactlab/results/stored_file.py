@@ -10,6 +10,8 @@ from contactlab.results.damage import BROKEN, TABLES
 from contactlab.results.layout_file import READ
 
 FILE = "results.vtkhdf"
+RESUMABLE = ("interrupted", "failed")
+"""A failed run is taken up where it was saved: what failed may be mended, a full disk say."""
 
 
 def opened(folder: Path) -> Any:

@@ -56,15 +56,16 @@ class StoredFrames(Sequence[Frame]):
         row = sums.check(number, "history", own["history"][number])
         scalars = dict(zip(names, row.tolist(), strict=True))
         fields = ("displacement", *(("velocity",) if self.layout.has_velocity else ()))
-        vectors = {name: sums.check(number, name, grid["PointData"][name][points])[:, :2] for name in fields}
+        vectors = {name: sums.check(number, name, grid["PointData"][name][points]) for name in fields}
+        vectors = {name: np.ascontiguousarray(values[:, :2], np.float64) for name, values in vectors.items()}
         return Frame(
             number=number,
             step=int(scalars["step"]),
             time=scalars["time"],
             scalars=scalars,
             curves={c.name: curve_of(self._curve(own, sums, c.name, number)) for c in self.layout.contacts},
-            displacement=np.ascontiguousarray(vectors["displacement"]),
-            velocity=np.ascontiguousarray(vectors.get("velocity", np.zeros((0, 2)))),
+            displacement=vectors["displacement"],
+            velocity=vectors.get("velocity", np.zeros((0, 2))),
             cells=self._cells(grid["CellData"], sums, number),
         )
 
@@ -77,6 +78,7 @@ class StoredFrames(Sequence[Frame]):
         here = slice(number * total, (number + 1) * total)
         shown = dict.fromkeys(name for body in self.layout.bodies for name in body.shown_variables)
         fields = {name: sums.check(number, name, data[name][here]) for name in ("stress", "von_mises", *shown)}
+        fields = {name: values.astype(np.float64) for name, values in fields.items()}
         found, begin = {}, 0
         for body in self.layout.bodies:
             part = slice(begin, begin + len(body.cells))

@@ -30,7 +30,8 @@ from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.iteration_table import GROUP, IterationTable
 from contactlab.results.last_steps_file import excerpt, last_steps_folder
 from contactlab.results.layout_file import FORMAT, write_layout
-from contactlab.results.stored_file import FILE
+from contactlab.results.packed_file import pack
+from contactlab.results.stored_file import FILE, RESUMABLE
 from contactlab.results.stored_text import read_columns, write_columns, write_text
 
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
@@ -152,6 +153,7 @@ class VtkHdfRecording(Recording):
             for frame in frames:
                 whole.frame(frame)
             whole.close(excerpt(self.layout, end, frames))
+            pack(folder / FILE)
 
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:
         """Keep what a restart needs, and let readers see everything so far."""
@@ -178,6 +180,8 @@ class VtkHdfRecording(Recording):
             stored.attrs["serial"] = self.slots.serial if self.slots is not None else 0
         finally:
             self.growing.close()
+        if summary["status"] not in RESUMABLE:
+            pack(self.growing.path)
 
     def cut(self, frames: int, steps: int, events: int, iterations: int, contact_steps: int) -> None:
         """Have exactly so much of everything, and no spare room."""

@@ -30,7 +30,10 @@ if TYPE_CHECKING:
     from contactlab.scene.keys import Record
 
 LENGTH = 200  # steps, where the scene names none
-STORED = 0.25  # of the size of a frame in memory is what it takes on the disk, at most
+STORED, IN_MEMORY = (
+    0.5,
+    2.0,
+)  # what a frame takes compressed on the disk at most, and in memory, of what it is in a file
 MEMORY = 128.0  # MB that the frames of the last steps may take before they are stored
 
 
@@ -39,7 +42,7 @@ def length_of(record: Record, layout: Layout) -> int:
     from contactlab.results.grid_file import frame_bytes
 
     wanted = LENGTH if record.last is None else record.last
-    room = min(MEMORY, (BUDGET if record.budget is None else record.budget) / STORED)
+    room = min(MEMORY / IN_MEMORY, (BUDGET if record.budget is None else record.budget) / STORED)
     return min(wanted, int(room * MEGABYTE / max(1.0, frame_bytes(layout))))
 
 

@@ -13,15 +13,12 @@ from contactlab.api.frame import Layout
 from contactlab.errors import RequestError
 from contactlab.results.files import write_contacts, write_summary
 from contactlab.results.results import Results
+from contactlab.results.stored_file import FILE, RESUMABLE
 from contactlab.scene.toml_text import parse_toml
 
 if TYPE_CHECKING:
     from contactlab.results.checkpoint_slots import Checkpoint
     from contactlab.scene.scene import Scene
-
-FILE = "results.vtkhdf"
-RESUMABLE = ("interrupted", "failed")
-"""A failed run is taken up where it was saved: what failed may be mended, a full disk say."""
 
 
 def finished_results(folder: Path, scene: Scene) -> Results | None:

@@ -21,6 +21,7 @@ from contactlab.parts.registry import default_registry
 from contactlab.reports.notebook.bar import notebook_bar
 from contactlab.reports.notebook.fields import moment_of, names_of, values_of
 from contactlab.reports.notebook.libraries import library
+from contactlab.results.precision import SHOWN
 from contactlab.results.results import Results
 from contactlab.scene.scene import bundled_scenes, load_scene
 from contactlab.studies.table import Table
@@ -105,7 +106,7 @@ class TestResults:
         without = Results(**{**vars(results), "frames": ()})
         for name in ("von_mises", "stress_yy"):
             a, b = (values_of(r, moment_of(r), name)["block"] for r in (results, without))
-            assert a == pytest.approx(b, rel=1e-12)
+            assert a == pytest.approx(b, rel=2.0**-SHOWN + 2.0**-24), "as exactly as fields are stored"
 
     @pytest.mark.parametrize(("field", "frame"), [("von mises", -1), ("von_mises", 7)])
     def test_what_is_not_there_is_named(self, results: Results, field: str, frame: int) -> None:

@@ -1,0 +1,84 @@
+"""The file of a run that is over is compressed, with fields as exactly as one looks at them; older files are read."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+
+from contactlab.results.load import load_results
+from contactlab.results.packed_file import pack
+from contactlab.results.precision import FULL, PLACES, SHOWN, rounded
+from contactlab.results.results import Results
+from contactlab.results.stored_file import FILE
+from contactlab.run.simulation import simulate
+
+MakeScene = Callable[..., Any]
+Same = Callable[[Results, Results], None]
+SHORT = {"time.end": 3e-6, "record.frames": 5}
+
+
+@pytest.mark.parametrize("bits", [SHOWN, PLACES, FULL])
+def test_values_are_rounded_to_so_many_bits(bits: int) -> None:
+    values = np.random.default_rng(1).normal(size=1000) * 10.0 ** np.arange(-10, 10).repeat(50)
+    found = rounded(values, bits)
+    # half of the last bit, of a value that is at least 2^(bits - 1) of them, after the same in single precision
+    assert np.abs(found / values - 1.0).max() <= 2.0**-bits + 2.0**-FULL
+    np.testing.assert_array_equal(rounded(found, bits), found)
+    special = np.array([0.0, -0.0, np.inf, -np.inf, np.nan, 1.0])
+    np.testing.assert_array_equal(rounded(special, bits), special.astype(np.float32))
+
+
+def test_compressed_is_the_same_run(
+    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, assert_same_run: Same
+) -> None:
+    monkeypatch.setattr("contactlab.results.vtkhdf.pack", lambda path: None)
+    run = simulate(small_scene(SHORT), tmp_path / "run")
+    shutil.copytree(tmp_path / "run", tmp_path / "packed")
+    pack(tmp_path / "packed" / FILE)
+    assert_same_run(run, load_results(tmp_path / "packed"))
+    assert not list((tmp_path / "packed").glob("*.packed"))
+    with h5py.File(tmp_path / "run" / FILE) as old, h5py.File(tmp_path / "packed" / FILE) as new:
+        found: list[str] = []
+        old.visit(found.append)
+        names: list[str] = []
+        new.visit(names.append)
+        assert sorted(found) == sorted(names)
+        assert new["VTKHDF/Steps"] == new["contactlab/shown/frames"]
+        assert new["contactlab/steps"].compression == "gzip"
+
+
+def test_where_there_is_no_room_for_a_copy_the_file_stays(recorded: Results, tmp_path: Path, monkeypatch: Any) -> None:
+    assert recorded.folder is not None
+    file = tmp_path / FILE
+    shutil.copy(recorded.folder / FILE, file)
+    before = file.read_bytes()
+
+    def full(*_: Any) -> None:
+        raise OSError(28, "no space left on device")
+
+    monkeypatch.setattr("contactlab.results.packed_file._copy_dataset", full)
+    pack(file)
+    assert file.read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == [FILE]
+
+
+def test_a_file_in_double_precision_is_read_and_taken_up(
+    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As files were before: the run goes on in the precision that it began with."""
+    with monkeypatch.context() as before:
+        before.setattr("contactlab.results.grid_file.LOOKED_AT", "f8")
+        begun = simulate(small_scene(SHORT), tmp_path / "run", work=100)
+        assert begun.status == "timed-out"
+    monkeypatch.setattr("contactlab.run.restart.RESUMABLE", ("timed-out",))
+    run = simulate(small_scene(SHORT), tmp_path / "run", resume=True)
+    assert (run.status, len(run.frames)) == ("finished", 6)
+    with h5py.File(tmp_path / "run" / FILE) as file:
+        assert file["VTKHDF/Points"].dtype == np.float64
+    np.testing.assert_allclose(run.frames[-1].displacement, run.displacement, rtol=1e-6, atol=1e-12)
