@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats
+from contactlab_statics.dissection import FROM, dissected
 
 PIVOT = 1e-3  # a diagonal entry above this part of its column is taken as pivot, which keeps the ordering's fill
 BACKWARD = 1e-15  # componentwise backward error beyond which a solution is refined: pivots that small may grow entries
@@ -20,21 +22,34 @@ class SingularSystem(ArithmeticError):
 
 
 class Factor:
-    """A factorised matrix (CSC)."""
+    """A factorised matrix (CSC).
 
-    def __init__(self, matrix: Any) -> None:
+    places  (m, 2) [mm] of the first m unknowns, by which large systems are put in order: see `dissection`
+    order   (n,) in which unknowns are eliminated, where it is not SuperLU that finds it
+    """
+
+    def __init__(self, matrix: Any, places: Floats | None = None) -> None:
         self.matrix = matrix
+        self.order: NDArray[np.int64] | None = None
+        ordered, ordering = matrix, "MMD_AT_PLUS_A"
+        if places is not None and matrix.shape[0] >= FROM:
+            self.order = dissected(matrix, places)
+            ordered, ordering = _permuted(matrix, self.order), "NATURAL"
         try:
             # supernodes that are not padded: entries that are zero cost more than they save at these sizes
             self.lu = splu(
-                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=PIVOT, relax=1, options={"SymmetricMode": True}
+                ordered, permc_spec=ordering, diag_pivot_thresh=PIVOT, relax=1, options={"SymmetricMode": True}
             )
         except RuntimeError as error:
             raise SingularSystem(str(error)) from error
 
     def once(self, right: Floats) -> Floats:
         """Solution for one right-hand side (n,), as the factors give it."""
-        return np.asarray(self.lu.solve(right))
+        if self.order is None:
+            return np.asarray(self.lu.solve(right))
+        solution = np.empty_like(right)
+        solution[self.order] = self.lu.solve(right[self.order])
+        return solution
 
     def solve(self, right: Floats) -> Floats:
         """Solution for one right-hand side (n,), refined until its backward error is that of round-off."""
@@ -51,3 +66,11 @@ class Factor:
 def magnitudes(matrix: Any) -> Any:
     """The matrix (CSC) of absolute values."""
     return csc_array((np.abs(matrix.data), matrix.indices, matrix.indptr), shape=matrix.shape)
+
+
+def _permuted(matrix: Any, order: NDArray[np.int64]) -> Any:
+    """The matrix (CSC) with rows and columns in another order."""
+    place = np.empty(len(order), np.int32)
+    place[order] = np.arange(len(order), dtype=np.int32)
+    column = np.repeat(place, np.diff(matrix.indptr))
+    return coo_array((matrix.data, (place[matrix.indices], column)), shape=matrix.shape).tocsc()

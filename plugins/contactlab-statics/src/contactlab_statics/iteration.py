@@ -46,7 +46,7 @@ class NewtonIteration:
         self.trial = Trial(equations, state, balance)
         self.scales = Scales(equations.reference, self.trial.held)
         self.search = LineSearch(self.trial, self.scales)
-        self.system = SaddleSystem(len(equations.reference), self.trial.held)
+        self.system = SaddleSystem(equations.reference, self.trial.held)
 
     def run(self, dt: float, target: Floats, limited: int | None = None) -> Outcome:
         """Iterate until the state is in balance with prescribed displacements `target` (p,) [mm].

@@ -12,7 +12,7 @@ from contactlab_statics.iteration import NewtonIteration, take_back
 from contactlab_statics.ledger import Ledger
 from contactlab_statics.prediction import Prediction
 
-LIMITED = 3  # corrections that may be shortened in a step that goes on as the one before: a shorter step costs less
+LIMITED = 3  # corrections that may be shortened where bodies flow on as in the step before: a shorter step costs less
 
 
 class LoadStep:
@@ -42,7 +42,7 @@ class LoadStep:
         if expected is not None:
             self._begin_at(expected, dt, target)
         predicted = expected is None and self.prediction.start(dt, target)
-        outcome = self.iteration.run(dt, target, LIMITED if predicted else None)
+        outcome = self.iteration.run(dt, target, LIMITED if predicted and self.prediction.flows else None)
         if outcome.reason:
             take_back(equations, state, start)
             return Step(

@@ -20,9 +20,13 @@ COARSEST, FINEST = 1e-3, 1e-13
 
 
 class ReusedFactor:
-    """Keeps the factors of a step; what it answers depends on that step alone."""
+    """Keeps the factors of a step; what it answers depends on that step alone.
 
-    def __init__(self) -> None:
+    places  (m, 2) [mm] of the first m unknowns
+    """
+
+    def __init__(self, places: Floats | None = None) -> None:
+        self.places = places
         self.factor: Factor | None = None
         self.kind: tuple[bytes, ...] = ()
 
@@ -42,7 +46,7 @@ class ReusedFactor:
             if found is not None:
                 return found
         self.factor = None  # factors are most of the memory of a run: the old ones go first
-        self.factor, self.kind = Factor(matrix), kind
+        self.factor, self.kind = Factor(matrix, self.places), kind
         return self.factor.solve(right)
 
 

@@ -78,14 +78,16 @@ def eliminate(response: Response) -> Elimination:
 class SaddleSystem:
     """Assembles and solves Newton steps for one model."""
 
-    def __init__(self, nodes: int, held: Ints) -> None:
-        self.size = 2 * nodes
-        self.free = np.setdiff1d(np.arange(self.size), held)
+    def __init__(self, reference: Floats, held: Ints) -> None:
+        self.size = reference.size
         self.held = np.asarray(held)
+        moving = np.ones(self.size, bool)
+        moving[self.held] = False
+        self.free = np.flatnonzero(moving)
         self.number = np.full(self.size, -1, np.int32)
         self.number[self.free] = np.arange(len(self.free))
         self._pattern: tuple[Indices, Indices, Indices] | None = None
-        self.solver = ReusedFactor()
+        self.solver = ReusedFactor(reference[self.free // 2])
 
     def step(
         self,

@@ -194,8 +194,9 @@ class _Plan:
                 course = course_of(value)
                 self.moving[component] |= course.moves
                 place = self._append(Shift(course))
+                held, key = _Held(course.to, place, course), below(where, ("ux", "uy")[component])
                 for dof in (2 * nodes + component).tolist():
-                    self._hold(dof, _Held(course.to, place, course), below(where, ("ux", "uy")[component]))
+                    self._hold(dof, held, key)
 
     def _turn(self, nodes: Ints, spec: Support | Rigid, where: Where) -> None:
         assert spec.turn is not None
@@ -204,9 +205,10 @@ class _Plan:
         offsets = self.reference[nodes] - np.asarray(turn.about)
         place = self._append(Rotation(tuple(map(tuple, offsets.tolist())), angle, *courses))
         self.moving = [True, True]
+        key = below(where, "turn")
         for k, node in enumerate(nodes.tolist()):
             for component in range(2):
-                self._hold(2 * node + component, _Held(1.0, place + 2 * k + component, None), below(where, "turn"))
+                self._hold(2 * node + component, _Held(1.0, place + 2 * k + component, None), key)
 
     def _append(self, motion: Motion) -> int:
         """Add the values of a motion; returns where they begin."""
