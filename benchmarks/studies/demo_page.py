@@ -8,10 +8,11 @@ hash of the rows that it was drawn with, so that a test finds one of another run
 
 from __future__ import annotations
 
-import csv
 import hashlib
 from pathlib import Path
 
+import kept_rows
+from kept_rows import Row
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
@@ -24,17 +25,11 @@ COLUMNS = ("algorithm", "slave", "level", "status", "pressure_error", "cpu_s", "
 BEGIN, END = "<!-- numbers of make demo -->\n", "<!-- end of numbers -->"
 MARK = "rows"
 
-Row = dict[str, str]
-
 
 def keep(folder: Path) -> None:
     """Take rows and pictures of a comparison."""
-    with (folder / "table.csv").open(newline="", encoding="utf-8") as file:
-        rows = [{name: row[name] for name in COLUMNS} for row in csv.DictReader(file)]
-    with STORED.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS)
-        table.writeheader()
-        table.writerows(rows)
+    rows = [{name: row[name] for name in COLUMNS} for row in kept_rows.read(folder / "table.csv")]
+    kept_rows.write(STORED, COLUMNS, rows)
     for name, own in DRAWN.items():
         told = PngInfo()
         told.add_text(MARK, hash_of_rows())
@@ -66,8 +61,7 @@ def page() -> str:
 
 
 def _stored() -> list[Row]:
-    with STORED.open(newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
+    return kept_rows.read(STORED)
 
 
 def _said(rows: list[Row]) -> str:

@@ -8,12 +8,13 @@ Level 2, mu = 0.05 and 0.2, shallow (0.01) and deep (0.1581). Rows go to frictio
 
 from __future__ import annotations
 
-import csv
 import sys
 from pathlib import Path
 from typing import Any
 
+import kept_rows
 import numpy as np
+from kept_rows import Row
 
 from contactlab.model.build import build
 from contactlab.results.results import Results
@@ -43,7 +44,7 @@ def press(mu: float, depth: float, algorithm: str, swap: bool, periods: float) -
     return simulate(scene.with_({"time.ramp": periods * build(scene, scene.registry).timing.period}))
 
 
-def row(results: Results, **keys: object) -> dict[str, str]:
+def row(results: Results, **keys: object) -> Row:
     """What is kept of a run."""
     contact = results.summary["contacts"]["contacts.0"]
     dissipated = np.asarray(results.history["energy.slip"])
@@ -57,7 +58,12 @@ def row(results: Results, **keys: object) -> dict[str, str]:
     }
 
 
-def measure(mu: float, depth: float) -> list[dict[str, str]]:
+def stored() -> list[Row]:
+    """Rows measured before."""
+    return kept_rows.read(STORED)
+
+
+def measure(mu: float, depth: float) -> list[Row]:
     """Both multipliers and both slaves, and one of them at half the speed."""
     rows = []
     for algorithm in MORTARS:
@@ -72,7 +78,7 @@ def measure(mu: float, depth: float) -> list[dict[str, str]]:
     return rows
 
 
-def summary(rows: list[dict[str, str]]) -> list[str]:
+def summary(rows: list[Row]) -> list[str]:
     """Table lines: one per friction and depth."""
     lines = [
         "| mu | depth | reaction [N/mm] | spread over multipliers and slaves | half the speed | cone violation | "
@@ -99,7 +105,7 @@ def summary(rows: list[dict[str, str]]) -> list[str]:
     return lines
 
 
-def page(rows: list[dict[str, str]]) -> str:
+def page(rows: list[Row]) -> str:
     """docs/friction.md."""
     text = (HERE / "friction.md").read_text()
     detail = ["| " + " | ".join(rows[0]) + " |", "|---" * len(rows[0]) + "|"]
@@ -110,14 +116,10 @@ def page(rows: list[dict[str, str]]) -> str:
 def main() -> None:
     """Run everything, keep the rows, write the page."""
     if sys.argv[1:] == ["page"]:
-        with STORED.open(newline="") as file:
-            rows = list(csv.DictReader(file))
+        rows = stored()
     else:
         rows = [row for mu in (0.05, 0.2) for depth in (0.01, 0.1581) for row in measure(mu, depth)]
-        with STORED.open("w", newline="") as file:
-            table = csv.DictWriter(file, list(rows[0]))
-            table.writeheader()
-            table.writerows(rows)
+        kept_rows.write(STORED, list(rows[0]), rows)
     PAGE.write_text(page(rows))
 
 

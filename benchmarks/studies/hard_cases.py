@@ -9,10 +9,12 @@ measured.
 
 from __future__ import annotations
 
-import csv
 import sys
 from pathlib import Path
 from time import process_time
+
+import kept_rows
+from kept_rows import Row
 
 from contactlab.errors import SimulationFailure
 from contactlab.testing.cases import CASES
@@ -22,8 +24,6 @@ HERE = Path(__file__).parent
 STORED, MILLION = HERE / "hard_cases.csv", HERE / "million_steps.csv"
 PAGE = HERE.parents[1] / "docs" / "hard-cases.md"
 COLUMNS = ("case", "algorithm", "measured", "value", "criterion", "verdict")
-
-Row = dict[str, str]
 
 
 def measure(case: str) -> list[Row]:
@@ -48,12 +48,9 @@ def verdict(judged: bool, met: bool) -> str:
     return "" if not judged else "met" if met else "**missed**"
 
 
-def stored(path: Path) -> list[Row]:
-    """Rows of a table written before; none where there is none."""
-    if not path.exists():
-        return []
-    with path.open(newline="") as file:
-        return list(csv.DictReader(file))
+def stored() -> list[Row]:
+    """Rows measured before."""
+    return kept_rows.read(STORED)
 
 
 def case_table(rows: list[Row]) -> list[str]:
@@ -101,7 +98,7 @@ def page(rows: list[Row]) -> str:
         for name in ALGORITHMS
     ]
     text = text.replace("<!-- counts -->", f"Criteria met: {', '.join(counts)} ({judged - missed} of {judged} in all).")
-    return text.replace("<!-- million steps -->", "\n".join(million_table(stored(MILLION))))
+    return text.replace("<!-- million steps -->", "\n".join(million_table(kept_rows.read(MILLION))))
 
 
 def main(cases: list[str]) -> None:
@@ -109,14 +106,11 @@ def main(cases: list[str]) -> None:
     unknown = [case for case in cases if case not in (*CASES, "page")]
     if unknown:
         sys.exit(f"no case {unknown[0]!r}; there are: {', '.join(CASES)}")
-    rows = stored(STORED)
+    rows = stored()
     for case in [] if cases == ["page"] else cases or list(CASES):
         rows = [row for row in rows if row["case"] != case] + measure(case)
         rows.sort(key=lambda row: list(CASES).index(row["case"]))
-        with STORED.open("w", newline="") as file:
-            table = csv.DictWriter(file, COLUMNS)
-            table.writeheader()
-            table.writerows(rows)
+        kept_rows.write(STORED, COLUMNS, rows)
     PAGE.write_text(page(rows))
 
 

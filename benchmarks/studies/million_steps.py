@@ -9,11 +9,11 @@ docs/hard-cases.md.
 
 from __future__ import annotations
 
-import csv
 import sys
 from pathlib import Path
 from time import process_time
 
+import kept_rows
 import numpy as np
 
 from contactlab.scene.scene import load_scene
@@ -87,14 +87,8 @@ def _energy(run: WatchedRun, stored: float) -> float:
 
 def store(row: dict[str, str]) -> None:
     """Put a row into the table, in the place of one of the same mesh and algorithm."""
-    rows = []
-    if STORED.exists():
-        with STORED.open(newline="") as file:
-            rows = [old for old in csv.DictReader(file) if any(old[key] != row[key] for key in ("cells", "algorithm"))]
-    with STORED.open("w", newline="") as file:
-        table = csv.DictWriter(file, list(row), restval="")
-        table.writeheader()
-        table.writerows([*rows, row])
+    rows = [old for old in kept_rows.read(STORED) if any(old[key] != row[key] for key in ("cells", "algorithm"))]
+    kept_rows.write(STORED, list(row), [*rows, row])
 
 
 def main(words: list[str]) -> None:

@@ -12,7 +12,6 @@ Numbers in prose are marks in a page's source, filled like tables.
 
 from __future__ import annotations
 
-import csv
 import json
 import sys
 from collections.abc import Callable
@@ -43,7 +42,7 @@ def full() -> str:
 
 def hard() -> str:
     """docs/hard-cases.md."""
-    return hard_cases.page(hard_cases.stored(hard_cases.STORED))
+    return hard_cases.page(hard_cases.stored())
 
 
 def statics() -> str:
@@ -53,8 +52,7 @@ def statics() -> str:
 
 def rubbing() -> str:
     """docs/friction.md."""
-    with friction.STORED.open(newline="") as file:
-        return friction.page(list(csv.DictReader(file)))
+    return friction.page(friction.stored())
 
 
 def paper() -> str:

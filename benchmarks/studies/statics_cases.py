@@ -8,12 +8,13 @@ docs/statics-cases.md is written from them. With `page` in place of cases nothin
 
 from __future__ import annotations
 
-import csv
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from time import process_time
 
+import kept_rows
+from kept_rows import Row
 from statics.bars import case_bars, case_beams, case_bouncing, case_rest
 from statics.common import Figure, Rows
 from statics.hertz import case_cgs1, case_contrast, case_incompressible, case_mesh_ratio
@@ -50,8 +51,6 @@ CASES: dict[str, Callable[[], Rows]] = {
     "ironing-converged": case_ironing_converged,
 }
 
-Row = dict[str, str]
-
 
 def row(case: str, variant: str, figure: Figure) -> Row:
     """One measured number."""
@@ -65,20 +64,14 @@ def row(case: str, variant: str, figure: Figure) -> Row:
 
 def stored() -> list[Row]:
     """Rows measured before; none where there are none."""
-    if not STORED.exists():
-        return []
-    with STORED.open(newline="") as file:
-        return list(csv.DictReader(file))
+    return kept_rows.read(STORED)
 
 
 def store(case: str, found: list[Row]) -> None:
     """Rows of a case in place of its former ones, whatever other processes wrote meanwhile."""
     rows = [kept for kept in stored() if kept["case"] != case] + found
     rows.sort(key=lambda kept: list(CASES).index(kept["case"]))
-    with STORED.open("w", newline="") as file:
-        table = csv.DictWriter(file, COLUMNS)
-        table.writeheader()
-        table.writerows(rows)
+    kept_rows.write(STORED, COLUMNS, rows)
 
 
 def measure(case: str) -> None:
