@@ -21,7 +21,6 @@ from contactlab.scene.keys import (
     Contact,
     EdgePart,
     Load,
-    LoadProfile,
     Ramp,
     Record,
     Rigid,
@@ -30,6 +29,7 @@ from contactlab.scene.keys import (
     Time,
     Turn,
 )
+from contactlab.scene.profile import Profile
 from contactlab.scene.scene import Scene
 from contactlab.studies.study import Pareto, Study
 
@@ -46,7 +46,7 @@ TABLES: dict[str, type[Any]] = {
     "A value in time: `{ ramp = ..., to = ... }`": Ramp,
     "A rotation in time: `turn = { to = ..., about = ... }`": Turn,
     "`[[loads]]`": Load,
-    "A load that varies: `profile = { by = ... }`": LoadProfile,
+    "What varies along an edge: `profile = { by = ... }`": Profile,
     "`[record]`": Record,
     "The top of a study": Study,
     "`[pareto]` of a study": Pareto,

@@ -8,12 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 from typing import Literal
 
 from contactlab.scene.fields import PartSpec, key, part
+from contactlab.scene.profile import Profile, Vector
 
-Vector = tuple[float, float]
 Targets = str | tuple[str, ...]
 """One or several of "body.edge_set" and names of rigid surfaces."""
 
@@ -192,6 +191,13 @@ class Support:
     ux: float | Ramp | None = key(None, unit="mm", says="displacement along x; not written: free")
     uy: float | Ramp | None = key(None, unit="mm", says="displacement along y; not written: free")
     turn: Turn | None = key(None, says="rotation of the nodes about a point; ux and uy then move all of them together")
+    profile: Profile | None = key(None, says="how ux and uy vary from node to node; not written: they are uniform")
+
+    def __post_init__(self) -> None:
+        if self.profile is not None and self.turn is not None:
+            raise ValueError("profile: got one beside turn, allowed: ux and uy alone vary from node to node")
+        if self.profile is not None and self.profile.mean is not None:
+            raise ValueError("profile.mean: got one under supports, allowed: under loads, whose resultant it keeps")
 
 
 @dataclass(frozen=True)
@@ -231,31 +237,6 @@ class Rigid:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LoadProfile:
-    """How a load varies along its edges: `{ by = "x", cosine = [mean, amplitude, period] }`."""
-
-    by: Literal["x", "y", "angle"] = key(
-        says="what it varies with, where the mesh stands at the start; angle: in degrees from the x axis, -180 to 180"
-    )
-    centre: Vector = key((0.0, 0.0), unit="mm", says="of the angle")
-    cosine: tuple[float, float, float] | None = key(
-        None, says="mean, amplitude and period [mm or degrees]: the factor is mean + amplitude cos(2 pi by/period)"
-    )
-    table: tuple[Vector, ...] | None = key(
-        None, says="pairs of [by, factor], rising; linear between them, constant beyond"
-    )
-    file: Path | None = key(None, says="CSV file with such pairs, without a head")
-
-    def __post_init__(self) -> None:
-        if sum(value is not None for value in (self.cosine, self.table, self.file)) != 1:
-            raise ValueError("one of these three says how the load varies: cosine, table, file")
-        if self.cosine is not None and not self.cosine[2] > 0.0:
-            raise ValueError(f"cosine: got {list(self.cosine)}, allowed: a period > 0")
-        if self.table is not None and (len(self.table) < 2 or any(b[0] <= a[0] for a, b in pairwise(self.table))):
-            raise ValueError("table: got pairs that do not rise, allowed: two or more with rising first numbers")
-
-
-@dataclass(frozen=True, kw_only=True)
 class Load:
     """`[[loads]]`: forces spread over an edge set."""
 
@@ -265,7 +246,7 @@ class Load:
     shear: float | Ramp | None = key(None, unit="MPa", says="along the edges, positive with the body on the left")
     tx: float | Ramp | None = key(None, unit="MPa", says="dead load along x, per undeformed length")
     ty: float | Ramp | None = key(None, unit="MPa", says="dead load along y, per undeformed length")
-    profile: LoadProfile | None = key(None, says="how all of these vary along the edges; not written: they are uniform")
+    profile: Profile | None = key(None, says="how all of these vary along the edges; not written: they are uniform")
     follower: bool = key(
         True,
         says="pressure and shear follow the deformed edges; false: they keep the undeformed directions and lengths",

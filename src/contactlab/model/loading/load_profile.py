@@ -1,4 +1,4 @@
-"""How loads vary along their edges: a factor at each integration point, from where the points lie before the run."""
+"""How values vary along edges: a factor at each point, from where the points lie before the run."""
 
 from __future__ import annotations
 
@@ -6,46 +6,105 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats
+from contactlab.api import Element, Floats, Ints
 from contactlab.errors import SceneError
 
 if TYPE_CHECKING:
-    from contactlab.scene.keys import LoadProfile
+    from contactlab.errors import Where
+    from contactlab.scene.profile import Profile
 
 ROWS = "rows of two finite numbers, the first ones rising"
+PARTS = 3  # Gauss points of a part of an edge, whose length is exact where it is straight
 
 
-def factors(profile: LoadProfile, points: Floats) -> Floats:
-    """Factors (e, g) [-] of a load at points (e, g, 2) [mm] of its edges.
+def factors(profile: Profile, points: Floats, s: Floats) -> Floats:
+    """Factors (...) [-] at points (..., 2) [mm], at arc lengths s (...) [mm] along the edge set.
 
     Raises SceneError for a file that holds no table.
     """
-    at = coordinate(profile, points)
+    at = s if profile.by == "s" else coordinate(profile, points)
     if profile.cosine is not None:
         mean, amplitude, period = profile.cosine
         return np.asarray(mean + amplitude * np.cos(2.0 * np.pi * at / period))
     table = np.array(profile.table) if profile.table is not None else _read(profile)
-    return np.interp(at, table[:, 0], table[:, 1])
+    return np.asarray(np.interp(at, table[:, 0], table[:, 1]))
 
 
-def coordinate(profile: LoadProfile, points: Floats) -> Floats:
-    """Where the points are [mm or degrees] by what the profile varies with."""
+def coordinate(profile: Profile, points: Floats) -> Floats:
+    """Where the points are [mm or degrees] by what the profile varies with, arc length aside."""
     if profile.by in ("x", "y"):
         return np.asarray(points[..., "xy".index(profile.by)])
     x, y = np.moveaxis(points - np.array(profile.centre), -1, 0)
     return np.asarray(np.degrees(np.arctan2(y, x)))
 
 
-def _read(profile: LoadProfile) -> Floats:
+def with_mean(profile: Profile, found: Floats, lengths: Floats, where: Where) -> Floats:
+    """Factors scaled to the mean that the profile asks for; `lengths` [mm] that each of them stands for.
+
+    Raises SceneError where their own mean is none.
+    """
+    if profile.mean is None:
+        return found
+    mean = float((found * lengths).sum() / lengths.sum())
+    if abs(mean) <= 1e-9 * float(np.abs(found).max(initial=0.0)):
+        raise SceneError(
+            "these factors have no mean to be scaled", where=where, got=f"a mean of {mean:g}",
+            allowed="a profile whose factors do not cancel each other",
+            hint="leave `mean` out",
+        )  # fmt: skip
+    return found * (profile.mean / mean)
+
+
+def arc_lengths(element: Element, edges: Ints, reference: Floats, at: Floats) -> Floats:
+    """Arc length (e, g) [mm] at places `at` (g,) in [-1, 1] of `edges` (e, b), which go on where others end.
+
+    It begins at the edge that follows none, in the order of the edges where there are several pieces; a closed curve
+    begins at its first edge.
+    """
+    points, weights = np.polynomial.legendre.leggauss(PARTS)
+    ends = np.append(at, 1.0)
+    inside = np.empty((len(edges), len(ends)))
+    for k, end in enumerate(ends):
+        half = 0.5 * (end + 1.0)
+        _, derivative = element.edge_shape(half * (points + 1.0) - 1.0)
+        along = np.einsum("ga,eai->egi", derivative, reference[edges])
+        inside[:, k] = half * np.hypot(along[..., 0], along[..., 1]) @ weights
+    first, last = _ends(element)
+    begins, following = _order(edges[:, first], edges[:, last]), 0.0
+    starts = np.empty(len(edges))
+    for edge in begins:
+        starts[edge] = following
+        following += float(inside[edge, -1])
+    return np.asarray(starts[:, None] + inside[:, :-1])
+
+
+def _ends(element: Element) -> tuple[int, int]:
+    """Which nodes of an edge lie at its ends."""
+    values, _ = element.edge_shape(np.array([-1.0, 1.0]))
+    return int(values[0].argmax()), int(values[1].argmax())
+
+
+def _order(first: Ints, last: Ints) -> list[int]:
+    """Edges one after the other: pieces with a beginning first, closed ones after them."""
+    at = {int(node): number for number, node in enumerate(first)}
+    reached = {int(node) for node in last}
+    order: dict[int, None] = {}
+    for begin in sorted(range(len(first)), key=lambda edge: int(first[edge]) in reached):
+        edge: int | None = begin
+        while edge is not None and edge not in order:
+            order[edge] = None
+            edge = at.get(int(last[edge]))
+    return list(order)
+
+
+def _read(profile: Profile) -> Floats:
     try:
         table = np.loadtxt(str(profile.file), delimiter=",", ndmin=2)
     except (OSError, ValueError) as error:
-        raise SceneError(
-            "no table can be read here", where="loads, key profile.file", got=str(error), allowed=ROWS
-        ) from error
+        raise SceneError("no table can be read here", where="key profile.file", got=str(error), allowed=ROWS) from error
     if table.shape[1] != 2 or len(table) < 2 or not np.all(np.diff(table[:, 0]) > 0.0) or not np.isfinite(table).all():
         raise SceneError(
-            "not a table of a load", where=f"loads, key profile.file, {profile.file}",
+            "not a table of a profile", where=f"key profile.file, {profile.file}",
             got=f"{table.shape[0]} rows of {table.shape[1]}",
             allowed=ROWS,
         )  # fmt: skip

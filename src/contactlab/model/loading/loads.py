@@ -12,10 +12,12 @@ from contactlab.errors import below
 from contactlab.kernels.edge_loads import edge_forces
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import edge_set
-from contactlab.model.loading.load_profile import factors
+from contactlab.model.loading.load_profile import arc_lengths, factors, with_mean
 from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of
 
 if TYPE_CHECKING:
+    from contactlab.errors import Where
+    from contactlab.scene.profile import Profile
     from contactlab.scene.scene import Scene
 
 Load = Callable[[float, Floats], None]
@@ -33,7 +35,7 @@ def build_loads(
         body, edges = edge_set(bodies, spec.on, below(scene.where(f"loads.{number}"), "on"))
         table = _EdgeTable(body.element, edges)
         if spec.profile is not None:
-            table.vary(factors(spec.profile, table.places(reference)))
+            table.vary(_varying(spec.profile, table, reference, below(scene.where(f"loads.{number}"), "profile")))
         if spec.pressure is not None or spec.shear is not None:
             courses = [course_of(0.0 if value is None else value) for value in (spec.pressure, spec.shear)]
             loads.append(_along_edges(table, reference, position if spec.follower else None, courses, run))
@@ -43,11 +45,18 @@ def build_loads(
     return tuple(loads)
 
 
+def _varying(profile: Profile, table: _EdgeTable, reference: Floats, where: Where) -> Floats:
+    """Factors (e, g) of a load at the integration points of its edges."""
+    s = arc_lengths(table.element, table.edges, reference, table.points)
+    return with_mean(profile, factors(profile, table.places(reference), s), table.shares(reference), where)
+
+
 class _EdgeTable:
     """Edges with the tables of their trace."""
 
     def __init__(self, element: Element, edges: Ints) -> None:
         points, weights = np.polynomial.legendre.leggauss(POINTS)
+        self.element, self.points = element, points
         self.weights = np.tile(weights, (len(edges), 1))
         self.shape, self.derivative = (np.ascontiguousarray(table) for table in element.edge_shape(points))
         self.edges = np.ascontiguousarray(edges)
@@ -64,10 +73,14 @@ class _EdgeTable:
         """Add the forces of a pressure and a shear on the edges as they lie at `positions`."""
         edge_forces(positions, self.edges, self.shape, self.derivative, self.weights, pressure, shear, out)
 
+    def shares(self, positions: Floats) -> Floats:
+        """Length (e, g) [mm] that each integration point stands for at `positions`, times its factor."""
+        along = np.einsum("ga,eai->egi", self.derivative, positions[self.edges])
+        return np.asarray(self.weights * np.hypot(along[..., 0], along[..., 1]))
+
     def lengths(self, positions: Floats) -> Floats:
         """Length (N,) [mm] that each node of the edges stands for at `positions`."""
-        along = np.einsum("ga,eai->gei", self.derivative, positions[self.edges])
-        share = np.einsum("eg,ga,ge->ea", self.weights, self.shape, np.hypot(along[..., 0], along[..., 1]))
+        share = np.einsum("eg,ga->ea", self.shares(positions), self.shape)
         out = np.zeros(len(positions))
         np.add.at(out, self.edges, share)
         return out

@@ -12,7 +12,8 @@ import numpy as np
 from contactlab.api import Floats, Ints
 from contactlab.errors import SceneError, below
 from contactlab.model.bodies.body import Body
-from contactlab.model.loading.edge_sets import nodes_of
+from contactlab.model.loading.edge_sets import edge_set, nodes_of
+from contactlab.model.loading.load_profile import arc_lengths, factors
 from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of
 
 if TYPE_CHECKING:
@@ -157,10 +158,24 @@ def plan_supports(
     plan = _Plan(reference)
     for number, spec in enumerate(scene.supports):
         where = scene.where(f"supports.{number}")
-        plan.add(spec.on, nodes_of(bodies, spec.on, below(where, "on")), spec, where)
+        nodes = nodes_of(bodies, spec.on, below(where, "on"))
+        plan.add(spec.on, nodes, spec, where, _factors(spec, nodes, bodies, reference, where))
     for surface in rigid:
         plan.add(surface.name, surface.nodes, scene.rigid[surface.name], scene.where(f"rigid.{surface.name}"))
     return plan.finished()
+
+
+def _factors(spec: Support, nodes: Ints, bodies: tuple[Body, ...], reference: Floats, where: Where) -> Floats:
+    """What the values of a support are multiplied by at each of its nodes (n,)."""
+    if spec.profile is None:
+        return np.ones(len(nodes))
+    s = np.zeros(len(reference))
+    if spec.profile.by == "s":
+        body, edges = edge_set(bodies, spec.on, below(where, "on"))
+        at = np.linspace(-1.0, 1.0, edges.shape[1])
+        places, _ = body.element.edge_shape(at)
+        s[edges[:, places.argmax(axis=1)]] = arc_lengths(body.element, edges, reference, at)
+    return factors(spec.profile, reference[nodes], s[nodes])
 
 
 class _Held(NamedTuple):
@@ -182,8 +197,9 @@ class _Plan:
         self.places = 0
         self.moving = [False, False]
 
-    def add(self, on: str, nodes: Ints, spec: Support | Rigid, where: Where) -> None:
-        """Hold or move `nodes` as the table at `where` says."""
+    def add(self, on: str, nodes: Ints, spec: Support | Rigid, where: Where, scales: Floats | None = None) -> None:
+        """Hold or move `nodes` as the table at `where` says, times `scales` (n,) by node."""
+        scales = np.ones(len(nodes)) if scales is None else scales
         self.on = on
         self.sets[on] = nodes
         if spec.turn is not None:
@@ -194,9 +210,9 @@ class _Plan:
                 course = course_of(value)
                 self.moving[component] |= course.moves
                 place = self._append(Shift(course))
-                held, key = _Held(course.to, place, course), below(where, ("ux", "uy")[component])
-                for dof in (2 * nodes + component).tolist():
-                    self._hold(dof, held, key)
+                key = below(where, ("ux", "uy")[component])
+                for dof, factor in zip((2 * nodes + component).tolist(), scales.tolist(), strict=True):
+                    self._hold(dof, _Held(factor * course.to, place, course), key)
 
     def _turn(self, nodes: Ints, spec: Support | Rigid, where: Where) -> None:
         assert spec.turn is not None
@@ -247,10 +263,11 @@ def _agree(old: _Held, new: _Held) -> bool:
     """Whether two supports give the same displacement at all times; zero is zero whatever its ramp."""
     if old.course is None or new.course is None:
         return False
-    return old.course == new.course or not (old.course.moves or new.course.moves)
+    same = old.course == new.course and old.scale == new.scale
+    return same or old.scale == new.scale == 0.0
 
 
 def _words(held: _Held) -> str:
     if held.course is None:
         return "a rotation"
-    return f"{held.course.to:g}" if held.course.shape == "constant" else f"{held.course.to:g} ({held.course.shape})"
+    return f"{held.scale:g}" if held.course.shape == "constant" else f"{held.scale:g} ({held.course.shape})"

@@ -139,3 +139,40 @@ def test_derivatives_of_a_varying_follower_load_are_those_of_its_forces(make) ->
             model.position.ravel()[dof] -= step
         by_differences[:, dof] = (sides[0] - sides[1]) / 2e-3
     assert found == pytest.approx(by_differences, abs=1e-9)
+
+
+@pytest.mark.parametrize("element", ["q1", "q2"])
+def test_a_profile_by_arc_length_begins_where_the_edges_do(make, element: str) -> None:
+    """The top runs from x = 2 to 0 with the body on its left: 3 (1 + s/2) has its larger end at x = 0."""
+    profile = {"by": "s", "table": [[0.0, 1.0], [2.0, 2.0]]}
+    model = make({"bodies.upper.element": element}, loads=[{"on": "upper.top", "pressure": 3.0, "profile": profile}])
+    f = forces(model)
+    assert f.sum(axis=0) == pytest.approx([0.0, -9.0], abs=1e-12)
+    assert (2.0 - model.reference[:, 0]) @ f[:, 1] == pytest.approx(-10.0, abs=1e-12)
+
+
+def test_a_mean_fixes_the_resultant_whatever_the_quadrature_makes_of_the_profile(make) -> None:
+    """A step inside an edge is more than three points can see: without the mean the resultant is off."""
+    step = {"by": "x", "table": [[0.0, 0.0], [0.3, 0.0], [0.3001, 1.0], [2.0, 1.0]]}
+    found = [
+        forces(make(loads=[{"on": "upper.top", "pressure": 3.0, "profile": step | more}]))[:, 1].sum()
+        for more in ({}, {"mean": 0.85})
+    ]
+    assert abs(found[0] / (-3.0 * 1.7) - 1.0) > 1e-3
+    assert found[1] == pytest.approx(-3.0 * 1.7, rel=1e-12)
+    with pytest.raises(SceneError, match="no mean to be scaled"):
+        make(loads=[{"on": "upper.top", "pressure": 3.0, "profile": {"by": "x", "cosine": [0.0, 1.0, 1.0], "mean": 1}}])
+
+
+@pytest.mark.parametrize("by", ["x", "s"])
+def test_supports_vary_from_node_to_node(make, by: str) -> None:
+    """uy = 0.01 (1 - x/4) over the foot, whose arc length runs with x; beside it a support that holds nothing moves."""
+    profile = {"by": by, "table": [[0.0, 1.0], [4.0, 0.0]]}
+    support = {"on": "lower.bottom", "ux": 0.0, "uy": {"ramp": "linear", "to": 0.01}, "profile": profile}
+    model = make(supports=[support])
+    prescribed = model.prescribed
+    y = prescribed.dof % 2 == 1
+    x = model.reference[prescribed.dof[y] // 2, 0]
+    assert prescribed.scale[y] == pytest.approx(0.01 * (1.0 - x / 4.0), abs=1e-15)
+    with pytest.raises(SceneError, match=r"under supports.*under loads"):
+        make(supports=[support | {"profile": profile | {"mean": 1.0}}])
