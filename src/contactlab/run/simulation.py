@@ -110,6 +110,8 @@ def _guarded(run: Run, registry: Registry, interruption: Interruption, progress:
         if interruption.name:
             return "interrupted", run.pause(f"stopped by {interruption.name}")
         run.conclude()
+        if progress is not None:  # the last frame may lie some steps before the end
+            progress(1.0, run.model.state.step, run.model.state.time, run.energy_error)
         return "finished", ""
     except NotFiniteError as failure:
         found = wrong_answer(run)

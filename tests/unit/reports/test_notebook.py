@@ -37,7 +37,12 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Results:
         "time.end": 2e-6, "record.frames": 3, "record.recorders": ["vtkhdf"],
     }  # fmt: skip
     scene = load_scene("disc-on-block").with_(changes)
-    return contactlab.simulate(scene, out=tmp_path_factory.mktemp("notebook") / "run")
+    told: list[float] = []
+    found = contactlab.simulate(
+        scene, out=tmp_path_factory.mktemp("notebook") / "run", progress=lambda fraction, *_: told.append(fraction)
+    )
+    assert told[-1] == 1.0
+    return found
 
 
 @pytest.mark.parametrize("name", list(bundled_scenes()))
