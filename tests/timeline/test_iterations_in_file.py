@@ -8,7 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
+import pytest
 
+from contactlab.api import Iteration
+from contactlab.api.frame import OPEN, STICK
 from contactlab.results.load import load_results
 from contactlab.results.stored_file import FILE
 from contactlab.run.simulation import simulate
@@ -31,6 +35,30 @@ def test_the_file_alone_has_the_record(small_scene: MakeScene, tmp_path: Path) -
     assert len(rows) == run.summary["iterations"] > 6
     assert rows == run.iterations
     assert [type(value) for value in rows[0]] == [type(value) for value in run.iterations[0]]
+    for row in rows:
+        assert np.count_nonzero(row.active_set) == row.active
+        assert np.count_nonzero(row.active_set == STICK) == row.sticking
+    last = next(row for row in reversed(rows))
+    steps = run.contact["contacts.0"].steps
+    np.testing.assert_array_equal(last.active_set > OPEN, steps["state"][-1] > OPEN)
+
+
+def test_a_file_without_active_sets_is_read_and_taken_up(
+    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As files were before: what is missing is empty, and rows are whole."""
+    with monkeypatch.context() as before:
+        before.setattr("contactlab_statics.iteration.Iteration", lambda *row: Iteration(*row[:7]))
+        begun = simulate(small_scene(STATICS), tmp_path / "run", work=9)
+        assert begun.status == "timed-out"
+        assert {row.statuses for row in begun.iterations} == {""}
+    monkeypatch.setattr("contactlab.run.restart.RESUMABLE", ("timed-out",))
+    monkeypatch.setattr("contactlab.results.vtkhdf.RESUMABLE", ("timed-out",))
+    rows = simulate(small_scene(STATICS), tmp_path / "run", resume=True).iterations
+    known = [bool(row.statuses) for row in rows]
+    assert not known[0]
+    assert known[-1]
+    assert known == sorted(known)
 
 
 def test_steps_taken_back_are_in_it(small_scene: MakeScene, tmp_path: Path) -> None:

@@ -176,6 +176,7 @@ class IterationRow(NamedTuple):
     step, time [s], dt [s]  the step being made, where it begins, and its length
     attempt, number         of the step (1 unless it was taken back before), of the iteration in it
     force, contact          residuals, see `contactlab.api.Iteration`, and so for the rest
+    statuses                as digits, contact after contact in the order of slave nodes; `active_set` as numbers
     """
 
     step: int
@@ -190,6 +191,12 @@ class IterationRow(NamedTuple):
     changed: int
     length: float
     note: str
+    statuses: str = ""
+
+    @property
+    def active_set(self) -> Ints:
+        """The state of each contact condition (k,) after the iteration: OPEN, STICK or SLIP."""
+        return np.frombuffer(self.statuses.encode(), np.uint8).astype(np.int32) - ord("0")
 
 
 class StoredRun(Protocol):

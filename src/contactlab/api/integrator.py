@@ -28,6 +28,7 @@ class Iteration(NamedTuple):
     active    closed conditions; sticking: those that stick; changed: conditions whose status changed
     length    fraction of the computed correction that was taken
     note      what was done beside a plain iteration, and why
+    statuses  a digit per contact condition: 0 open, 1 stick, 2 slip; empty where nobody says
     """
 
     force: float
@@ -37,6 +38,7 @@ class Iteration(NamedTuple):
     changed: int
     length: float
     note: str = ""
+    statuses: str = ""
 
 
 class Step(NamedTuple):

@@ -13,14 +13,15 @@ from contactlab.results.checksums import Damage, of_rows
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.stored_text import write_columns
 
-GROUP = "iterations"
+GROUP, STATUSES = "iterations", "statuses"
 NOTE = 160  # bytes of a note; what it says of a correction is one short sentence
 ROOM = 256  # rows by which room grows, at least
-NUMBERS = IterationRow._fields[:-1]
+WORD = 8  # bytes by which rows are summed
+NUMBERS = IterationRow._fields[:-2]
 
 
 class IterationTable:
-    """The group `contactlab/iterations`: a row of numbers and a note each. Rows come into sight with `show`."""
+    """The group `contactlab/iterations`: a row of numbers, a note and statuses each, in sight with `show`."""
 
     def __init__(self, growing: GrowingFile, own: h5py.Group) -> None:
         self.growing = growing
@@ -29,6 +30,10 @@ class IterationTable:
         write_columns(own, f"{GROUP}/rows", NUMBERS)
         self.notes = Column(group, "note", f"S{NOTE}", 1, (), ROOM)
         self.sums = Column(group, "checksum", "u8", 1, (), ROOM)
+        self.statuses: Column | None = None
+        self.group = group
+        if STATUSES in group:
+            self._have_statuses(0)
         self.shown = Number(group, "count")
         self.count = self.shown.value
 
@@ -36,14 +41,32 @@ class IterationTable:
         """Append the rows of new Newton iterations."""
         if not rows:
             return
+        if self.statuses is None and any(row.statuses for row in rows):
+            self._have_statuses(max(len(row.statuses) for row in rows))
         if self.count + len(rows) > self.numbers.room:
-            self.growing.grow([self.numbers, self.notes, self.sums], max(ROOM, self.count // 8, len(rows)))
-        numbers = np.array([row[:-1] for row in rows], np.float64)
+            self.growing.grow(self._columns(), max(ROOM, self.count // 8, len(rows)))
+        numbers = np.array([row[: len(NUMBERS)] for row in rows], np.float64)
         notes = np.array([row.note.encode()[:NOTE] for row in rows], f"S{NOTE}")
         self.numbers.write(self.count, numbers, len(rows))
         self.notes.write(self.count, notes, len(rows))
-        self.sums.write(self.count, of_rows(numbers, notes), len(rows))
+        tables = [numbers, notes]
+        if self.statuses is not None:
+            tables.append(np.array([row.statuses.encode() for row in rows], self.statuses.dtype))
+            self.statuses.write(self.count, tables[-1], len(rows))
+        self.sums.write(self.count, of_rows(*tables), len(rows))
         self.count += len(rows)
+
+    def _columns(self) -> list[Column]:
+        return [self.numbers, self.notes, self.sums, *([self.statuses] if self.statuses is not None else [])]
+
+    def _have_statuses(self, size: int) -> None:
+        """A column of statuses with as much room as the others; nothing in a row does not change its checksum."""
+        kind = f"S{max(WORD, -(-size // WORD) * WORD)}"
+        self.statuses = Column(self.group, STATUSES, kind, 1, (), ROOM)
+        if self.statuses.room < self.numbers.room:
+            self.growing.reserve(self.statuses.growth(self.numbers.room))
+            self.statuses.resize(self.numbers.room)
+            self.statuses.write(0, np.zeros(self.numbers.room, self.statuses.dtype), self.numbers.room)
 
     def show(self) -> None:
         """Make all rows so far visible to readers of the file."""
@@ -51,7 +74,7 @@ class IterationTable:
 
     def cut(self, count: int) -> None:
         """Cut the table to exactly `count` rows, without spare room."""
-        for column in (self.numbers, self.notes, self.sums):
+        for column in self._columns():
             column.resize(count)
         self.count = count
         self.show()
@@ -67,13 +90,14 @@ def read_iterations(own: h5py.Group, last_step: float, salvage: bool = False) ->
     group, kinds = own[GROUP], get_type_hints(IterationRow)
     count = int(group.attrs["count"])
     numbers, notes, sums = group["rows"][:count], group["note"][:count], group["checksum"][:count]
-    good = of_rows(numbers, notes) == sums if count else np.ones(0, np.bool_)
+    statuses = group[STATUSES][:count] if STATUSES in group else np.zeros(count, f"S{WORD}")
+    good = of_rows(numbers, notes, statuses) == sums if count else np.ones(0, np.bool_)
     if not good.all() and not salvage:
         raise Damage(f"{np.count_nonzero(~good)} of {count} rows of iterations are damaged")
-    numbers, notes, count = numbers[good], notes[good], int(np.count_nonzero(good))
+    numbers, texts, count = numbers[good], (notes[good], statuses[good]), int(np.count_nonzero(good))
     table = numbers[numbers[:, NUMBERS.index("step")] <= last_step] if count else np.zeros((0, len(NUMBERS)))
     # the record is in the order of the steps: what is left is its beginning
     return [
-        IterationRow._make([*(kinds[name](value) for name, value in zip(NUMBERS, row, strict=True)), note.decode()])
-        for row, note in zip(table.tolist(), notes[: len(table)], strict=True)
+        IterationRow(*(kinds[name](value) for name, value in zip(NUMBERS, row, strict=True)), *map(bytes.decode, words))
+        for row, *words in zip(table.tolist(), *(text[: len(table)].tolist() for text in texts), strict=True)
     ]

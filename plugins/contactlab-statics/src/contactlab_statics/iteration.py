@@ -178,7 +178,7 @@ class NewtonIteration:
         status = self.trial.response.status
         return Iteration(
             residual.force, residual.contact, int(np.count_nonzero(status)), int(np.count_nonzero(status == 1)),
-            changed, length, note,
+            changed, length, note, np.asarray(status + ord("0"), np.uint8).tobytes().decode(),
         )  # fmt: skip
 
 
