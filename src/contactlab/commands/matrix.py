@@ -123,10 +123,11 @@ def show(found: Matrix) -> None:
 
 
 def _show_changes(found: Matrix, before: dict[tuple[str, ...], str]) -> int:
-    """What is better, worse, new or gone; 1 where anything is worse."""
+    """What is better, worse, new or only in the earlier one; 1 where anything is worse."""
     changes = against(found, before)
     out = console()
-    out.print(", ".join(f"{len(cells)} {name}" for name, cells in changes.items()), markup=False, highlight=False)
+    said = ", ".join(f"{len(changes[name])} {name}" for name in ("better", "worse", "new"))
+    out.print(f"{said}; {len(changes['gone'])} in the earlier one alone", markup=False, highlight=False)
     for name in ("worse", "better"):
         for key, old, new in changes[name]:
             label = ", ".join(text for text in key if text)

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import ContactCurve, Floats, Job, Measure, Record, Setup
+from contactlab.api import ContactCurve, Floats, Job, Measure, Record, Setup, Solution
 from contactlab.api.case import error, reported
+from contactlab_cases.measures import PeakError
 from contactlab_cases.statics import cell_size, force_of, graded_count, iterations, l2_error, ordered, static_job
 
 HALF = 0.4
@@ -80,6 +81,11 @@ def half_width(curve: ContactCurve) -> float:
     return 0.25 * float(ends[1] - ends[0])
 
 
+def peak_error(record: Record, at: Floats, exact: Callable[[Floats], Floats]) -> float:
+    """The measure `peak-error` of comparisons, against a closed form at points `at` that have its largest value."""
+    return PeakError().evaluate(record, "contacts.0", Solution(at, exact(at), 0.0, "exact"))
+
+
 def hertz_measures(peak: float, width: float, l2: float, why: str) -> list[Measure]:
     """Errors of p0 and of p, and of the half-width in segments; where one is infinite, it is only reported.
 
@@ -103,10 +109,10 @@ def _or_told(measure: Measure) -> Measure:
 def hertz_values(record: Record, radius: float, modulus: float, support: str = "block.bottom") -> dict[str, float]:
     """Against p = p0 (1 - x^2/a^2)^(1/2) of the measured force."""
     curve = record.curve()
-    a, p0, exact = hertz(force_of(record, support), radius, modulus)
+    a, _, exact = hertz(force_of(record, support), radius, modulus)
     size = cell_size(curve, 1.2 * a)
     return {
-        "largest pressure": float(curve.pressure.max()) / p0 - 1.0,
+        "largest pressure": peak_error(record, np.linspace(-a, a, 2001), exact),
         "half-width in segments": (half_width(curve) - a) / size,
         "L2 of the pressure": l2_error(curve.x, curve.pressure, exact, 2.0 * a),
         "L2 of exact nodal values": l2_error(curve.x, exact(curve.x), exact, 2.0 * a),

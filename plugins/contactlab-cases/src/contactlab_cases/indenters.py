@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 
 from contactlab.api import Floats, Job, Measure, Record, Setup
 from contactlab.api.case import error, reported
-from contactlab_cases.circles import block_mesh, half_width
+from contactlab_cases.circles import block_mesh, half_width, peak_error
 from contactlab_cases.statics import cell_size, force_of, l2_error, plane_strain, static_job
 
 YOUNG, SIZE = 70000.0, 1.0  # MPa; mm, a quarter of the block's width and depth
@@ -72,9 +72,13 @@ def values(record: Record, total: Function, rate: Function, begin: float, most: 
     curve = record.curve()
     b = half_width_of(force_of(record), total, most)
     at, size = np.linspace(-b, b, 2001), cell_size(curve, 1.3 * b)
+
+    def exact(x: Floats) -> Floats:
+        return pressure(x, b, rate, begin)
+
     return {
-        "L2 of the pressure": l2_error(curve.x, curve.pressure, lambda x: pressure(x, b, rate, begin), 1.5 * b),
-        "largest pressure": float(curve.pressure.max() / pressure(at, b, rate, begin).max()) - 1.0,
+        "L2 of the pressure": l2_error(curve.x, curve.pressure, exact, 1.5 * b),
+        "largest pressure": peak_error(record, at, exact),
         "half-width in cells": (half_width(curve) - b) / size,
         "cells in the half-width": b / size,
     }

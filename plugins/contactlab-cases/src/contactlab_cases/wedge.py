@@ -11,6 +11,7 @@ import numpy as np
 from contactlab.api import Case, Floats, Job, Measure, Record, Setup
 from contactlab.api.case import at_most, error, reported
 from contactlab_cases.circles import block_mesh, only
+from contactlab_cases.measures import ContactLength
 from contactlab_cases.statics import ordered, plane_strain, projected, static_job
 
 YOUNG = 70000.0
@@ -80,8 +81,7 @@ class BluntWedge(Case):
         modulus = plane_strain(YOUNG)
         a = float(record.reaction("block.bottom")[1]) / (modulus * self.slope)
         curve = record.curve()
-        x, pressure, force = ordered(curve.x - self.offset * h, curve.pressure, curve.nodal_pressure)
-        closed = x[force > 0.0]
+        x, pressure = ordered(curve.x - self.offset * h, curve.pressure)
 
         def exact(at: Floats) -> Floats:
             inside = np.clip(np.abs(at) / a, 1e-6, 1.0)
@@ -97,6 +97,6 @@ class BluntWedge(Case):
         return {
             "L2 of the pressure": l2,
             "L2 of the pressure over that of the best approximation": l2 / best,
-            "half-width": 0.5 * float(closed.max() - closed.min() + h) / a - 1.0,
+            "half-width": 0.5 * ContactLength().evaluate(record, "contacts.0", None) / a - 1.0,
             "rise of the pressure away from the apex": rise / float(pressure.max()),
         }
