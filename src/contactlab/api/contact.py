@@ -159,6 +159,16 @@ class ContactAlgorithm(ContactMethod):
         """
         return False
 
+    def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
+        """Fill out (p, 4) with xi and eta where each of the first `count` of `pieces` begins, and where it ends.
+
+        Asked for as `gradients`, where all edges are straight and nothing rubs: of algorithms that join the point xi of
+        a slave segment with eta of a master segment along the averaged normals of the slave, interpolated between its
+        nodes, and integrate over xi with eta linear in each piece. The core then does with these what `gradients` does,
+        many times faster. False, as the default has it: `gradients` are asked for.
+        """
+        return False
+
 
 @dataclass(frozen=True)
 class GapConditions:

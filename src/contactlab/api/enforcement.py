@@ -11,7 +11,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.compiled.bound_arrays import BoundArrays
-from contactlab.api.compiled.contact_tables import FactoredTable, RowsTable
+from contactlab.api.compiled.contact_tables import FactoredGradientsTable, FactoredTable, RowsTable
 
 
 @dataclass
@@ -100,6 +100,57 @@ class FactoredRows:
         return BoundArrays(FactoredTable, *(getattr(self, name) for name in FactoredTable._fields))
 
 
+@dataclass
+class FactoredGradients:
+    """Frictionless conditions whose rows are the derivatives of their gaps, before their coupling is inverted.
+
+    The row of condition i is normal . (own + [T^-T B])_i + spin d(angle), products with it are in
+    `contactlab.api.compiled.gradient_products`. Nodes are numbered among those that rows touch.
+
+    factors      `FactoredRows` for all that is alike; its `node` and `own` are numbers among `nodes`, its `weight` is
+                 of no use, its `gap` is what is left of the motion that may be allowed, and `left`, written by the
+                 enforcement, that after the solve plus `offset`
+    block        (z, 2, 2) [mm] row i of B: derivative of component c of the weighted separation by coordinate d
+    nodes        (n,) int32 global nodes, the first used[0] in use
+    angle_start  (k + 1,) int32, angle (y,) int32, lever (y, 2) [mm]: B by the angles of averaged normals
+    ends, turn   (a, 2) int32, (a, 2) [1/mm]: an angle turns by turn . (motion of ends[1] - that of ends[0]); the first
+                 used[1] in use
+    own_angle    (k,) int32 angle of the condition's own normal, spin (k,) [mm] how its gap changes with that
+    offset       (k,) [mm] what the gap has beside what is left of the allowed motion
+    used         (2,) int32
+    """
+
+    factors: FactoredRows
+    block: Floats
+    nodes: Ints
+    angle_start: Ints
+    angle: Ints
+    lever: Floats
+    ends: Ints
+    turn: Floats
+    own_angle: Ints
+    spin: Floats
+    offset: Floats
+    used: Ints
+
+    @classmethod
+    def allocate(cls, rows: int, entries: int, nodes: int) -> FactoredGradients:
+        """Zeroed arrays with room for so many conditions, entries of either kind, and nodes."""
+        node, angle, own_angle, near = (np.zeros(n, np.int32) for n in (nodes, entries, rows, rows + 1))
+        spin, offset = np.zeros(rows), np.zeros(rows)
+        return cls(
+            FactoredRows.allocate(rows, entries), np.zeros((entries, 2, 2)), node, near, angle, np.zeros((entries, 2)),
+            np.zeros((nodes, 2), np.int32), np.zeros((nodes, 2)), own_angle, spin, offset, np.zeros(2, np.int32),
+        )  # fmt: skip
+
+    @cached_property
+    def packed(self) -> BoundArrays:
+        """All arrays, for kernels that `unpack` a `FactoredGradientsTable`."""
+        factors = FactoredTable(*(getattr(self.factors, name) for name in FactoredTable._fields))
+        others = (getattr(self, name) for name in FactoredGradientsTable._fields[1:])
+        return BoundArrays(FactoredGradientsTable, factors, *others)
+
+
 class Solve(NamedTuple):
     """How a contact solve went: sweeps or other passes over all rows, scaled natural residual, rows without any
     compliance, and the largest correction of a node [mm]."""
@@ -140,6 +191,12 @@ class ExplicitEnforcement(Enforcement):
     ) -> Solve | None:
         """As `solve`; None where it gives up, with multipliers and forces as they were."""
         raise NotImplementedError
+
+    def solve_gradients(
+        self, rows: FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
+    ) -> Solve | None:
+        """As `solve_factored`, for rows that are the derivatives of their gaps; asked of those that are `conjugate`."""
+        return None
 
     @abstractmethod
     def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:

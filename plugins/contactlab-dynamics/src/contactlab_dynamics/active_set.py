@@ -55,7 +55,7 @@ def _scales(rows, touched, soft, stiff, scale):
 
 
 @section
-def _worst(gaps, y, scale, size):
+def worst_residual(gaps, y, scale, size):
     """Largest natural residual min(g, a y) in segment lengths."""
     worst = 0.0
     for i in range(y.size):
@@ -145,7 +145,7 @@ def _sets(rows, touched, compliances, y, scratch, tolerance, limit):
         product(rows, touched, compliances, search.direction, scratch, search.change)
         passes += 1
         if searching:
-            before, onwards = _descend(y, gaps, search, before, goal)
+            before, onwards = descend(y, gaps, search, before, goal)
             if onwards:
                 continue
         else:
@@ -153,10 +153,10 @@ def _sets(rows, touched, compliances, y, scratch, tolerance, limit):
                 gaps[i] += search.change[i]
         if not dropped:
             # forces that go on from the last steps are never taken unseen, however well they hold the gaps
-            if sets == SETS or (sets > 0 and _worst(gaps, y, scale, size) <= goal):
+            if sets == SETS or (sets > 0 and worst_residual(gaps, y, scale, size) <= goal):
                 break
             sets += 1
-            dropped = _choose(y, gaps, scale, search)
+            dropped = choose(y, gaps, scale, search)
             if dropped:  # forces of conditions that open are taken away at once
                 searching = False
                 continue
@@ -171,11 +171,11 @@ def _sets(rows, touched, compliances, y, scratch, tolerance, limit):
     for i in range(count):
         if y[i] < 0.0 and -scale[i] * y[i] <= tolerance * size[i]:
             y[i] = 0.0
-    return passes, _worst(gaps, y, scale, size)
+    return passes, worst_residual(gaps, y, scale, size)
 
 
 @section
-def _choose(y, gaps, scale, search):
+def choose(y, gaps, scale, search):
     """The active set of these forces and gaps; whether conditions leave it, whose forces are `direction` then."""
     dropped = False
     for i in range(y.size):
@@ -188,7 +188,7 @@ def _choose(y, gaps, scale, search):
 
 
 @section
-def _descend(y, gaps, search, before, goal):
+def descend(y, gaps, search, before, goal):
     """One step of the conjugate gradients; returns the scaled square of the residual and whether to go on."""
     direction, change, residual = search.direction, search.change, search.residual
     curvature = 0.0

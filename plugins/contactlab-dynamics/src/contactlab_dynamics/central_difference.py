@@ -23,8 +23,8 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 class CentralDifference(ExplicitIntegrator):
     """Leapfrog with lumped mass; velocities live half a step before positions.
 
-    forces  of contacts that name no enforcement: "published", or "conjugate", which make no energy and cost two to
-            four times as much (docs/theory/contact-energy.md)
+    forces  of contacts that name no enforcement: "published", or "conjugate", which make no energy and cost 1.5 to
+            1.9 times as much (docs/theory/contact-energy.md)
     """
 
     default_enforcement: ClassVar[str] = "forward-increment"

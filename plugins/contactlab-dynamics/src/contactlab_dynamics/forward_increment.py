@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve
+from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, Rows, Solve
 from contactlab.api.compiled.late import late
 
 DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than the sweeps that it saves
@@ -44,6 +44,15 @@ class ForwardIncrement(ExplicitEnforcement):
         """Active sets by conjugate gradients; None where they go round in circles."""
         passes, residual, largest = late("contactlab_dynamics.active_set").solve_active(
             rows.count, rows.packed.address, compliance, multipliers, force, self.tolerance, self.sweeps
+        )
+        return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None
+
+    def solve_gradients(
+        self, rows: FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
+    ) -> Solve | None:
+        """As `solve_factored`."""
+        passes, residual, largest = late("contactlab_dynamics.gradient_set").solve_gradients(
+            rows.factors.count, rows.packed.address, compliance, multipliers, force, self.tolerance, self.sweeps
         )
         return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None
 

@@ -25,7 +25,7 @@ from contactlab.api.compiled.late import late
 
 DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
 
-_BOUND, _GRADIENTS, _DERIVATIVES = BoundCache(), BoundCache(), BoundCache()
+_BOUND, _GRADIENTS, _DERIVATIVES, _FEET = BoundCache(), BoundCache(), BoundCache(), BoundCache()
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,11 @@ class _Mortar(ContactAlgorithm):
         out.count, out.normal_count = count, int(kernel(address, count, self.linear, vertices))
         return out.normal_count >= 0
 
+    def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
+        """Ends of the overlaps."""
+        address = _FEET.of(pieces, _bound_feet, view).address
+        return bool(late("contactlab_mortar.feet").mortar_feet(address, count, out))
+
     def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
         """Derivatives of overlaps, integrals and normals."""
         address, vertices = (
@@ -112,6 +117,12 @@ def _bound_gradients(
         np.empty_like(pieces.normal), owner, separation,
         GradientsTable(out.multiplier, out.node, out.value, out.normal_of, out.normal_moved, out.dnormal),
     )  # fmt: skip
+
+
+def _bound_feet(pieces: Pieces, view: ContactView) -> BoundArrays:
+    """The arrays that the ends of pieces are found from."""
+    table = late("contactlab_mortar.tables").FeetTable
+    return BoundArrays(table, *_sides(view), *_arrays(pieces), np.empty_like(pieces.normal))
 
 
 def _bound_derivatives(pieces: Pieces, view: ContactView, out: PieceDerivatives) -> BoundArrays:

@@ -29,6 +29,14 @@ class MortarTable(NamedTuple):
     pieces: PiecesTable
 
 
+class FeetTable(NamedTuple):
+    """Surfaces, pieces, and room for averaged normals (m, 2)."""
+
+    sides: SidesTable
+    pieces: PiecesTable
+    averaged: Floats2
+
+
 class ChangesTable(NamedTuple):
     """The arrays of `PieceDerivatives`."""
 

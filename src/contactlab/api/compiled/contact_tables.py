@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from contactlab.api.compiled.bound_arrays import Floats1, Floats2, Floats3, Floats5, Ints1, Ints2
 
-__all__ = ["FactoredTable", "GradientsTable", "PiecesTable", "RowsTable", "SurfaceTable"]
+__all__ = ["FactoredGradientsTable", "FactoredTable", "GradientsTable", "PiecesTable", "RowsTable", "SurfaceTable"]
 
 
 class SurfaceTable(NamedTuple):
@@ -76,3 +76,20 @@ class FactoredTable(NamedTuple):
     below: Floats1
     inverse: Floats1
     left: Floats1
+
+
+class FactoredGradientsTable(NamedTuple):
+    """The arrays of `FactoredGradients`, those of its `FactoredRows` as `factors`."""
+
+    factors: FactoredTable
+    block: Floats3
+    nodes: Ints1
+    angle_start: Ints1
+    angle: Ints1
+    lever: Floats2
+    ends: Ints2
+    turn: Floats2
+    own_angle: Ints1
+    spin: Floats1
+    offset: Floats1
+    used: Ints1

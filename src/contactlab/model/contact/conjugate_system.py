@@ -12,6 +12,7 @@ from contactlab.kernels.contact.gap_gradients import allow_motion
 from contactlab.kernels.contact.warm_start import extrapolate
 from contactlab.model.contact.contact_pairs import conjugate_rows
 from contactlab.model.contact.explicit_system import ContactSystem
+from contactlab.model.contact.factored_gradients import ModelGradients, told_by_feet
 from contactlab.model.contact.pair import ContactPair
 
 
@@ -20,7 +21,10 @@ class ConjugateContactSystem(ContactSystem):
 
     def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
         super().__init__(pairs, enforcement, state)
-        self.factored = None
+        told, self.told = told_by_feet(pairs), None
+        if enforcement.factored and len(told) == len(pairs):
+            self.told = ModelGradients(told, len(state["displacement"]))
+        self.factored = self.told.rows.factors if self.told is not None else None
         self.gradients = [conjugate_rows(pair) for pair in pairs]
         # an overlap of the start that is pushed out puts energy in on purpose
         self.strict = [not pair.pushes_overlaps_out for pair in pairs]
@@ -39,19 +43,38 @@ class ConjugateContactSystem(ContactSystem):
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             pair.update(current, memory)
             pair.evaluated = True
+        self.last = self._solve_told(predicted, current, compliance, force) or self._solve_full(
+            predicted, current, compliance, force
+        )
+        self.seconds += perf_counter() - began
+        return self.last
+
+    def _solve_told(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
+        """By rows before their coupling is inverted; None where that cannot be."""
+        told, self.rows.count = self.told, 0
+        if told is None or not told.assemble(self.memories):
+            return None
+        self.factored = told.rows.factors
+        told.allow_motion(predicted, current, self.velocity, self.state.last_dt)
+        asked = perf_counter()
+        done = self.enforcement.solve_gradients(told.rows, compliance, self.multipliers, force)
+        self.solution_s += perf_counter() - asked
+        if done is None:
+            self.factored.count = 0  # these rows are not those that recorders are to see
+        return done
+
+    def _solve_full(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         margin, warm = self.margin, self.multipliers.copy()
         while True:
             self._assemble_from(margin, current, predicted)
             asked = perf_counter()
-            self.last = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
+            done = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
             self.solution_s += perf_counter() - asked
             # a left-out row could have closed only if nodes were moved by a good part of the margin
-            if 4.0 * self.last.largest_correction <= margin or margin == np.inf:
-                break
+            if 4.0 * done.largest_correction <= margin or margin == np.inf:
+                return done
             margin = np.inf
             self.multipliers[:] = warm
-        self.seconds += perf_counter() - began
-        return self.last
 
     def _assemble_from(self, margin: float, current: Floats, predicted: Floats) -> None:
         while True:

@@ -1,0 +1,123 @@
+"""Frictionless multipliers by active sets and conjugate gradients, for rows that are the derivatives of their gaps.
+
+As `active_set`, with products that go through the nodes: G C G^T y.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api.compiled.contact_tables import FactoredGradientsTable
+from contactlab.api.compiled.gradient_products import conditions_moved, nodes_pushed
+from contactlab.api.compiled.kernel import kernel, section
+from contactlab.api.compiled.unpack import unpack
+from contactlab_dynamics.active_set import SETS, Search, choose, descend, worst_residual
+
+BEYOND = 0.3  # of the tolerance: forces need not be better than the work that is left, 1e-10 segments of way
+
+
+@section
+def _scales(rows, soft, scale):
+    """An estimate of every row's own compliance: its slave node's and the mean of its column's."""
+    f = rows.factors
+    for i in range(scale.size):
+        nx, ny = f.normal[i, 0] * f.normal[i, 0], f.normal[i, 1] * f.normal[i, 1]
+        total, sum_ = 0.0, 0.0
+        for z in range(f.start[i], f.start[i + 1]):
+            n, w = f.node[z], abs(rows.block[z, 0, 0] + rows.block[z, 1, 1])
+            total += w * (nx * soft[n, 0] + ny * soft[n, 1])
+            sum_ += w
+        scale[i] = total / sum_ if sum_ > 0.0 else 0.0
+        if f.own[i] >= 0:
+            scale[i] += nx * soft[f.own[i], 0] + ny * soft[f.own[i], 1]
+
+
+@kernel
+def solve_gradients(count, bound, compliance, multipliers, force, tolerance, limit):
+    """Returns (passes, residual, largest correction); a residual above `tolerance` means that it gave up.
+
+    `bound` is the address of a `FactoredGradientsTable`, `count` rows of it are in use. If it gives up, `multipliers`
+    and `force` are as they were.
+    """
+    rows = unpack(bound, FactoredGradientsTable)
+    size = rows.used[0]
+    soft, nodal, moment, carried = (
+        np.empty((size, 2)),
+        np.empty((size, 2)),
+        np.empty(rows.used[1]),
+        np.empty((2, count)),
+    )
+    for n in range(size):
+        node = rows.nodes[n]
+        soft[n, 0], soft[n, 1] = compliance[node, 0], compliance[node, 1]
+    y, scale = np.empty(count), np.empty(count)
+    _scales(rows, soft, scale)
+    for i in range(count):
+        y[i] = multipliers[0, rows.factors.slot[i]]
+        if scale[i] == 0.0:
+            return 0, np.inf, 0.0  # nothing there can give way: a matter for the sweeps
+    passes, residual = _sets(rows, soft, y, scale, (nodal, moment, carried), tolerance, limit)
+    if residual > tolerance:
+        return passes, residual, 0.0
+    nodes_pushed(rows, y, nodal, moment, carried)
+    force[:] = 0.0
+    multipliers[:] = 0.0
+    largest = 0.0
+    for n in range(size):
+        node = rows.nodes[n]
+        force[node, 0], force[node, 1] = nodal[n, 0], nodal[n, 1]
+        largest = max(largest, abs(soft[n, 0] * nodal[n, 0]), abs(soft[n, 1] * nodal[n, 1]))
+    for i in range(count):
+        multipliers[0, rows.factors.slot[i]] = y[i]
+        rows.factors.left[i] += rows.offset[i]
+    return passes, residual, largest
+
+
+@section
+def _product(rows, soft, y, scratch, out):
+    """Changes of the gaps (k,) by forces y (k,)."""
+    nodal, moment, carried = scratch
+    nodes_pushed(rows, y, nodal, moment, carried)
+    for n in range(soft.shape[0]):
+        nodal[n, 0], nodal[n, 1] = soft[n, 0] * nodal[n, 0], soft[n, 1] * nodal[n, 1]
+    conditions_moved(rows, y.size, nodal, moment, carried, out)
+
+
+@section
+def _sets(rows, soft, y, scale, scratch, tolerance, limit):
+    """Active sets until no condition changes sides; y (k,) is the start and becomes the answer."""
+    count, gaps, size = y.size, rows.factors.left, rows.factors.size
+    search = Search(
+        np.empty(count, np.bool_), np.empty(count), np.empty(count), np.empty(count), np.empty(count), np.empty(count)
+    )
+    for i in range(count):
+        search.easy[i], search.small[i] = 1.0 / scale[i], 1.0 / size[i]
+        search.direction[i], gaps[i] = y[i], rows.factors.gap[i]
+    passes, sets, goal, searching, before = 0, 0, BEYOND * tolerance, False, 0.0
+    while passes < limit:
+        _product(rows, soft, search.direction, scratch, search.change)
+        passes += 1
+        if searching:
+            before, onwards = descend(y, gaps, search, before, goal)
+            if onwards:
+                continue
+        else:
+            for i in range(count):
+                gaps[i] += search.change[i]
+        if sets == SETS or (sets > 0 and worst_residual(gaps, y, scale, size) <= goal):
+            break
+        sets += 1
+        searching = not choose(y, gaps, scale, search)
+        if not searching:  # forces of conditions that open are taken away at once
+            continue
+        before = 0.0
+        for i in range(count):
+            search.residual[i] = -gaps[i] if search.active[i] else 0.0
+            search.direction[i] = search.residual[i] * search.easy[i]
+            before += search.residual[i] * search.direction[i]
+        if not before > 0.0:
+            break
+    for i in range(count):
+        if y[i] < 0.0 and -scale[i] * y[i] <= tolerance * size[i]:
+            y[i] = 0.0
+    return passes, worst_residual(gaps, y, scale, size)
