@@ -26,6 +26,7 @@ METHODS = {
     "enforcement": {
         "solve": "contact enforcement",
         "solve_factored": "contact enforcement",
+        "solve_gradients": "contact enforcement",
         "respond": "contact enforcement",
     },
 }
