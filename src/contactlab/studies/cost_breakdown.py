@@ -12,6 +12,7 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
+from contactlab.results.summary import THE_END_ONLY
 from contactlab.scene.scene import Scene
 from contactlab.studies.measure_run import driven_support, without_compilation
 from contactlab.studies.plan import Job, Plan, compared_scene, find_scene
@@ -34,7 +35,8 @@ class EffectCost:
     run_s      what it costs in the whole run, CPU [s]
     memory_mib what its arrays need
     reaction, pressure, energy  what leaving it out changes: of the force and of the internal energy over the
-               whole loading, and of the final pressure, L2 norms relative to the run that has the effect
+               whole loading (at its end, where one of the runs is quasi-static only there), and of the final pressure,
+               L2 norms relative to the run that has the effect
     status     of the run without it (or with it, where it is not declared), and the reason where it did not finish
     """
 
@@ -149,8 +151,7 @@ def _cost(variant: Variant, plan: BreakdownPlan, base: Outcome, other: Outcome, 
 
 def _reaction(rich: Outcome, poor: Outcome, scene: Scene) -> float:
     """Change of the driven support's force, or of the first contact's where nothing is supported."""
-    names = _force_columns(rich, scene)
-    return _change([_course(rich, name) for name in names], [_course(poor, name) for name in names])
+    return _change_of(rich, poor, _force_columns(rich, scene))
 
 
 def _force_columns(outcome: Outcome, scene: Scene) -> tuple[str, ...]:
@@ -160,7 +161,14 @@ def _force_columns(outcome: Outcome, scene: Scene) -> tuple[str, ...]:
 
 
 def _energy(rich: Outcome, poor: Outcome) -> float:
-    return _change([_course(rich, "energy.internal")], [_course(poor, "energy.internal")])
+    return _change_of(rich, poor, ("energy.internal",))
+
+
+def _change_of(rich: Outcome, poor: Outcome, columns: Sequence[str]) -> float:
+    """Change of columns of the history over the loading; at its end, where one of the runs is right only there."""
+    whole = not any(one.summary.get("history", {}).get("curve") == THE_END_ONLY for one in (rich, poor))
+    course = _course if whole else _end
+    return _change([course(rich, name) for name in columns], [course(poor, name) for name in columns])
 
 
 def _course(outcome: Outcome, column: str) -> Floats:
@@ -170,6 +178,11 @@ def _course(outcome: Outcome, column: str) -> Floats:
     time, values = (np.asarray(outcome.history[name]) for name in ("time", column))
     whole = outcome.summary.get("resolved", {}).get("ramp") or time[-1]
     return np.interp(np.linspace(0.0, 1.0, INSTANTS), time / whole, values)
+
+
+def _end(outcome: Outcome, column: str) -> Floats:
+    """The last entry of a column (1,), zero where there is none."""
+    return np.asarray(outcome.history.get(column, np.zeros(1)))[-1:]
 
 
 def _change(rich: Sequence[Floats], poor: Sequence[Floats]) -> float:
