@@ -40,7 +40,6 @@ SCENES: dict[str, tuple[str, ...]] = {
     "vertex-to-vertex": (),
     "initial-overlap": (),
     "corner-slide": (),
-    "disc-in-box": (),
 }
 KEYS = (
     "scene",
@@ -89,6 +88,11 @@ def _figure(value: float | None) -> str:
     return "" if value is None else f"{value:.3g}"
 
 
+def stored() -> list[Row]:
+    """Rows that are kept."""
+    return kept_rows.read(STORED) if STORED.exists() else []
+
+
 def change(row: Row) -> float | None:
     """The largest change in the answer, None where none is known."""
     known = [float(row[name]) for name in ("reaction", "pressure", "energy") if row[name]]
@@ -119,13 +123,13 @@ def _table(rows: list[Row]) -> list[str]:
 
 
 def _percent(text: str) -> str:
-    return f"{100.0 * float(text):.2g} %" if text else ""
+    return f"{float(f'{100.0 * float(text):.2g}'):g} %" if text else ""
 
 
 def main() -> None:
     """Measure what is asked for, keep the rows and write the page."""
     asked = sys.argv[1:]
-    rows = kept_rows.read(STORED) if STORED.exists() else []
+    rows = stored()
     if asked != ["page"]:
         for scene in asked or SCENES:
             rows = [row for row in rows if row["scene"] != scene] + measure(scene)

@@ -24,6 +24,7 @@ sys.path[:0] = [str(HERE), str(HERE / "paper")]
 import bundled_scenes  # noqa: E402
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
+import effect_costs  # noqa: E402
 import friction  # noqa: E402
 import full_page  # noqa: E402
 import hard_cases  # noqa: E402
@@ -67,9 +68,15 @@ def scenes() -> str:
     return bundled_scenes.page(bundled_scenes.stored())
 
 
+def effects() -> str:
+    """docs/effect-costs.md."""
+    return effect_costs.page(effect_costs.stored())
+
+
 PAGES: dict[str, Callable[[], str]] = {
     "cases.md": cases, "full-matrix.md": full, "hard-cases.md": hard, "statics-cases.md": statics,
     "friction.md": rubbing, "paper.md": paper, "bundled-scenes.md": scenes,
+    "effect-costs.md": effects,
     "../README.md": demo_page.page,
 }  # fmt: skip
 """Every page, seen from docs, and what it must be."""

@@ -35,8 +35,8 @@ class EffectCost:
     run_s      what it costs in the whole run, CPU [s]
     memory_mib what its arrays need
     reaction, pressure, energy  what leaving it out changes: of the force and of the internal energy over the
-               whole loading (at its end, where one of the runs is quasi-static only there), and of the final pressure,
-               L2 norms relative to the run that has the effect
+               whole loading (at its end, where the runs have no loading in common), and of the final pressure, L2
+               norms relative to the run that has the effect
     status     of the run without it (or with it, where it is not declared), and the reason where it did not finish
     """
 
@@ -137,13 +137,17 @@ def _costs(outcome: Outcome) -> tuple[float, float, float]:
 def _cost(variant: Variant, plan: BreakdownPlan, base: Outcome, other: Outcome, job: Job) -> EffectCost:
     rich, poor = (base, other) if variant.declared else (other, base)
     step, run, memory = (a - b for a, b in zip(_costs(rich), _costs(poor), strict=True))
-    if bool(rich.summary.get("iterations")) != bool(poor.summary.get("iterations")):
+    if _implicit(rich) != _implicit(poor):
         step = math.nan  # a load step is no time step
     named = (variant.effect, variant.declared)
     if not (base.status in COMPLETE and other.status in COMPLETE):
         return EffectCost(*named, step, status=other.status, reason=other.reason)
     changes = _reaction(rich, poor, plan.scene if variant.declared else job.scene), _pressure(rich, poor)
     return EffectCost(*named, step, run, memory, *changes, _energy(rich, poor), other.status, other.reason)
+
+
+def _implicit(outcome: Outcome) -> bool:
+    return bool(outcome.summary.get("iterations"))
 
 
 # --- what changes in the answer ----------------------------------------------------------------------
@@ -165,8 +169,13 @@ def _energy(rich: Outcome, poor: Outcome) -> float:
 
 
 def _change_of(rich: Outcome, poor: Outcome, columns: Sequence[str]) -> float:
-    """Change of columns of the history over the loading; at its end, where one of the runs is right only there."""
-    whole = not any(one.summary.get("history", {}).get("curve") == THE_END_ONLY for one in (rich, poor))
+    """Change of columns of the history over the loading.
+
+    Of its end alone, where one of the runs is right only there, or takes load steps where the other sets out gently.
+    """
+    whole = _implicit(rich) == _implicit(poor) and not any(
+        one.summary.get("history", {}).get("curve") == THE_END_ONLY for one in (rich, poor)
+    )
     course = _course if whole else _end
     return _change([course(rich, name) for name in columns], [course(poor, name) for name in columns])
 

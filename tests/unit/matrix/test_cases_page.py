@@ -55,6 +55,7 @@ def test_no_page_is_stale(pages: ModuleType) -> None:
         "statics-cases.md",
         "friction.md",
         "bundled-scenes.md",
+        "effect-costs.md",
         "paper.md",
         "../README.md",
     }

@@ -6,6 +6,7 @@ import csv
 import json
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -158,17 +159,21 @@ def test_runs_that_fail_are_kept_with_their_reason() -> None:
     assert "a body would drift" in effects["inertia"].reason
 
 
-def test_runs_that_are_right_at_the_end_alone_are_compared_there() -> None:
-    """Half of the force and of the energy on the way, all of it at the end: the way of such a run tells nothing."""
+def test_runs_without_a_common_loading_are_compared_at_its_end() -> None:
+    """Half of the force on the way, all of it at the end.
+
+    What a run that is right at its end alone, or that takes load steps, does before tells nothing.
+    """
     wished = plan()
     runs = {job.name: outcome(1.0) for job in wished.jobs}
     fast = runs[named(wished, "without friction")]
     fast.history["disc.top.fy"] = np.where(fast.history["time"] < 1.5, 0.5, 1.0) * fast.history["disc.top.fy"]
     (way,) = [cost for cost in breakdown_of(wished, runs).effects if cost.effect == "friction"]
     assert way.reaction == pytest.approx(0.5)
-    fast.summary["history"] = {"curve": "the end only"}
-    (end,) = [cost for cost in breakdown_of(wished, runs).effects if cost.effect == "friction"]
-    assert end.reaction == 0.0
+    for change in ({"history": {"curve": "the end only"}}, {"iterations": 5}):
+        runs[named(wished, "without friction")] = replace(fast, summary=fast.summary | change)
+        (end,) = [cost for cost in breakdown_of(wished, runs).effects if cost.effect == "friction"]
+        assert end.reaction == 0.0, change
 
 
 def test_effects_and_variations_do_not_go_together() -> None:
