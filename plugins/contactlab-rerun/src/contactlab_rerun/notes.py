@@ -11,7 +11,7 @@ import rerun as rr
 from contactlab.api.arrays import Ints
 from contactlab.api.drawing.colours import CLOSED, rgb
 from contactlab.api.drawing.colours import STATES as COLOURS
-from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow, Layout
+from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow
 from contactlab_rerun.gathered import Appearance, Gathered, Instant, Surface, short
 from contactlab_rerun.series import times
 
@@ -142,21 +142,38 @@ def _iteration_text(row: IterationRow) -> str:
 # --- the page about the scene ---------------------------------------------------------------------
 
 
-def log_page(recording: rr.RecordingStream, layout: Layout, appearance: Appearance, summary: Mapping[str, Any]) -> None:
+def log_page(recording: rr.RecordingStream, run: Gathered, appearance: Appearance, summary: Mapping[str, Any]) -> None:
     """Write the page with scene, parts, versions, and what the run cost."""
-    page = rr.TextDocument(page_text(layout, appearance, summary), media_type=rr.MediaType.MARKDOWN)
+    page = rr.TextDocument(page_text(run, appearance, summary), media_type=rr.MediaType.MARKDOWN)
     recording.log(f"{appearance.path}/scene", page, static=True)
 
 
-def page_text(layout: Layout, appearance: Appearance, summary: Mapping[str, Any]) -> str:
+def page_text(run: Gathered, appearance: Appearance, summary: Mapping[str, Any]) -> str:
     """Write the page about the scene and its end as Markdown."""
+    layout = run.layout
     status, reason = summary.get("status", ""), summary.get("reason", "")
     rows = [f"# {appearance.title}", f"Scene **{layout.title}**, {status}{': ' + reason if reason else ''}", ""]
+    rows += ["## What to look for", *what_to_look_for(run), ""]
     warnings = {warning["code"]: warning["text"] for warning in summary.get("warnings", ())}
     rows += _table("warning", "", warnings)
     rows += _table("part", "used", layout.parts) + _table("library", "version", layout.versions)
     rows += [*_table("cost", "", _costs(summary)), "## Scene", "```toml", layout.scene.strip(), "```"]
     return "\n".join(rows)
+
+
+def what_to_look_for(run: Gathered) -> list[str]:
+    """Lines of Markdown: where a reader of this recording begins."""
+    lines = []
+    if window := run.window():
+        lines.append(f"- Steps {window[0]} to {window[1]} have all fields: move the cursor step by step there.")
+    if run.records:
+        lines.append("- A stripe in *master segment under each node*: a node that goes to and fro, how chatter begins.")
+        lines.append("- *Pressure*: teeth from node to node are the method's, a smooth arch is the contact's.")
+    if run.layout.contacts:
+        lines.append("- *energy*: contact without friction makes none; where its line leaves zero, contact goes wrong.")
+    if run.iterations:
+        lines.append("- *residual* and *iterations*: how the step at the cursor converged, and what opened or closed.")
+    return lines or ["- *energy* and *reaction* over the whole run; the mesh is that of the cursor."]
 
 
 def _table(left: str, right: str, values: Mapping[str, Any]) -> list[str]:

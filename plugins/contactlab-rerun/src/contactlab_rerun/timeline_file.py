@@ -95,7 +95,7 @@ class TimelineFile:
             log_state_tracks(self.recording, run, appearance, self._tracks())
             log_events(self.recording, run, appearance, several)
             log_iterations(self.recording, run, appearance)
-            log_page(self.recording, run.layout, appearance, summary)
+            log_page(self.recording, run, appearance, summary)
         self.recording.send_recording_name(self.runs[0][0].layout.title)
         if not several and (window := self.runs[0][0].window()):
             self.recording.send_property(OPENS, rr.AnyValues(step=window[1]))
