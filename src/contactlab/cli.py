@@ -168,6 +168,10 @@ def _describe_matrix(command: argparse.ArgumentParser) -> None:
         "--full", action="store_true", help="all variants of each case, either slave, all its elements and integrators"
     )
     command.add_argument(
+        "--level", action="append", default=[], dest="levels", type=_positive, metavar="N",
+        help="mesh level, several times for orders of convergence (default: 1)",
+    )  # fmt: skip
+    command.add_argument(
         "--margins",
         action="store_true",
         help="how far each case can be driven until it misses a criterion",

@@ -10,6 +10,7 @@ from contactlab.cases.verdict import WORST
 from contactlab.commands.common import add_row, console, fitting, print_json, registry_with, table
 from contactlab.matrix.cell import CellResult
 from contactlab.matrix.files import against, plain_cells, verdicts, write
+from contactlab.matrix.orders import orders, write_orders
 from contactlab.matrix.page import write_page
 from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.matrix.run import Matrix, run_matrix
@@ -26,7 +27,7 @@ SHORT = {"not-applicable": "-", "not-judged": "not judged", "ill-posed": "ill-po
 def matrix(options: argparse.Namespace) -> int:
     """Run the cells and show them by case; exit status 1 only where `--against` finds one that is worse."""
     registry = registry_with(options.files)
-    request = Request(options.cases, options.contacts, options.full)
+    request = Request(options.cases, options.contacts, options.full, tuple(dict.fromkeys(options.levels or (1,))))
     jobs = options.jobs or usable_cores()
     checked_scheduler(options.scheduler)
     before = verdicts(Path(options.against)) if options.against else None
@@ -42,6 +43,7 @@ def matrix(options: argparse.Namespace) -> int:
             console().print(line, markup=False, highlight=False, soft_wrap=True)
             return INTERRUPTED
         write(found, folder)
+        write_orders(found, folder)
         write_scenes(folder)
         write_page(found, folder)
     if options.json:
@@ -49,6 +51,7 @@ def matrix(options: argparse.Namespace) -> int:
         print_json({"format": 1, "folder": str(folder), "cells": plain_cells(found), "changes": changes})
         return 1 if changes.get("worse") else 0
     show(found)
+    show_orders(found)
     console().print(f"page: {folder / 'matrix.html'}", markup=False, highlight=False, soft_wrap=True)
     return _show_changes(found, before) if before is not None else 0
 
@@ -120,6 +123,21 @@ def show(found: Matrix) -> None:
         if result.verdict in ("silent", "failed"):
             line = f"{result.verdict}: {cell.label}: {result.reason.splitlines()[0] if result.reason else ''}"
             out.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+def show_orders(found: Matrix) -> None:
+    """Orders of convergence, where there are several levels."""
+    lines = orders(found)
+    if not lines:
+        return
+    shown = table("case", "variant", "contact", "slave", "measure", "levels", "order", "theory")
+    for line in lines:
+        half = "" if line["interval"] is None else f" ± {line['interval']:.2f}"
+        theory = "" if line["theory"] is None else f"{line['theory']:g}"
+        names = [line[name] for name in ("case", "variant", "contact", "slave", "measure", "levels")]
+        add_row(shown, *names, f"{line['order']:.2f}{half}", theory)
+    out = console()
+    out.print(fitting(shown, out.width, last=("case", "order")))
 
 
 def _show_changes(found: Matrix, before: dict[tuple[str, ...], str]) -> int:

@@ -119,5 +119,5 @@ def _stored(key: str, name: str, scene: Scene, record: Record, cpu: float) -> St
 def _row(measure: Measure, value: float, verdict: str) -> dict[str, Any]:
     return {
         "measure": measure.name, "role": measure.role, "value": value, "least": measure.least, "most": measure.most,
-        "unit": measure.unit, "verdict": verdict, "why": measure.why,
+        "unit": measure.unit, "verdict": verdict, "why": measure.why, "order": measure.order,
     }  # fmt: skip

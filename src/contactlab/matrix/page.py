@@ -8,6 +8,7 @@ from pathlib import Path
 
 from contactlab.cases.verdict import WORST
 from contactlab.matrix.files import plain_cells
+from contactlab.matrix.orders import orders
 from contactlab.matrix.run import Matrix
 
 COLOURS = {
@@ -18,7 +19,9 @@ COLOURS = {
 
 def write_page(matrix: Matrix, folder: Path) -> None:
     """Write the page of a matrix as one self-contained HTML file."""
-    data = json.dumps({"cells": plain_cells(matrix), "colours": COLOURS, "order": WORST}, allow_nan=False)
+    data = json.dumps(
+        {"cells": plain_cells(matrix), "colours": COLOURS, "order": WORST, "orders": orders(matrix)}, allow_nan=False
+    )
     place = files("contactlab") / "data" / "report"
     style = (place / "page.css").read_text(encoding="utf-8")
     page = (place / "matrix.html").read_text(encoding="utf-8")
