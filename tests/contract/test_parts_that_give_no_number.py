@@ -279,7 +279,7 @@ def test_a_repeated_state_is_the_same_to_the_last_bit() -> None:
     """What is kept brings the very steps back: 40 steps twice from one state."""
     from contactlab.model.build import build
     from contactlab.parts.registry import default_registry
-    from contactlab.run.culprit import KeptState
+    from contactlab.run.kept_states import KeptState
 
     model = build(load_scene("disc-on-block").with_(SMALL), default_registry())
     advance = model.bound_integrator().step
@@ -291,7 +291,7 @@ def test_a_repeated_state_is_the_same_to_the_last_bit() -> None:
         return model.state["velocity"].tobytes()
 
     forty()
-    kept.take(model)
+    kept.take(model, dt)
     first = forty()
     kept.bring_back(model)
     assert forty() == first

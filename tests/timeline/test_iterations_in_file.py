@@ -14,7 +14,7 @@ import pytest
 from contactlab.api import Iteration
 from contactlab.api.frame import OPEN, STICK
 from contactlab.results.load import load_results
-from contactlab.results.stored_file import FILE
+from contactlab.results.result_file import FILE
 from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]

@@ -14,8 +14,8 @@ import pytest
 from contactlab.results.load import load_results
 from contactlab.results.packed_file import pack
 from contactlab.results.precision import FULL, PLACES, SHOWN, rounded
+from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
-from contactlab.results.stored_file import FILE
 from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]

@@ -17,7 +17,7 @@ from contactlab.api.drawing.colours import STYLES, rgb, styles
 from contactlab.cli import main
 from contactlab.commands.view import recording_in
 from contactlab.parts.registry import default_registry
-from contactlab.results.stored_file import FILE as STORED
+from contactlab.results.result_file import FILE as STORED
 from contactlab.run.simulation import simulate
 from contactlab.studies.recordings import record_comparison
 

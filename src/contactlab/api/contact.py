@@ -160,12 +160,13 @@ class ContactAlgorithm(ContactMethod):
         return False
 
     def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
-        """Fill out (p, 4) with xi and eta where each of the first `count` of `pieces` begins, and where it ends.
+        """Fill out (p, 4): on the slave and on the master segment, -1 to 1, where each piece begins, and where it ends.
 
-        Asked for as `gradients`, where all edges are straight and nothing rubs: of algorithms that join the point xi of
-        a slave segment with eta of a master segment along the averaged normals of the slave, interpolated between its
-        nodes, and integrate over xi with eta linear in each piece. The core then does with these what `gradients` does,
-        many times faster. False, as the default has it: `gradients` are asked for.
+        Of the first `count` of `pieces`. Asked for as `gradients`, where all edges are straight and nothing rubs: of
+        algorithms that join a point of a slave segment with one of a master segment along the averaged normals of the
+        slave, interpolated between its nodes, and integrate over the slave segment with the place on the master linear
+        in each piece. The core then does with these what `gradients` does, many times faster. False, as the default has
+        it: `gradients` are asked for.
         """
         return False
 

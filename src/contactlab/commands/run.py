@@ -23,7 +23,7 @@ EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 
 def run(options: argparse.Namespace) -> int:
     """Run the scene, show how it goes, print a short table."""
-    from contactlab.results.stored_file import FILE, RESUMABLE
+    from contactlab.results.result_file import FILE, RESUMABLE
     from contactlab.run.crash import told_if_it_crashes
     from contactlab.run.interruption import Interrupted
     from contactlab.run.simulation import simulate

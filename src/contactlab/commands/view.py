@@ -11,7 +11,7 @@ from contactlab.commands.common import console
 from contactlab.errors import ContactlabError, RequestError
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.load import load_results
-from contactlab.results.stored_file import FILE
+from contactlab.results.result_file import FILE
 from contactlab.run.recorders import record_again
 from contactlab.studies.recordings import checked_names, left_out, main_runs_of, runs_of, titled_runs
 

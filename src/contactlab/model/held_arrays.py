@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import types
+from collections import deque
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -76,7 +77,7 @@ def _owner(array: np.ndarray) -> np.ndarray:
 def _children(value: object) -> Mapping[str, Any]:
     if isinstance(value, Mapping):
         return {str(key): child for key, child in value.items()}
-    if isinstance(value, tuple | list | set | frozenset):
+    if isinstance(value, tuple | list | set | frozenset | deque):
         names = getattr(value, "_fields", None) or range(len(value))
         return {str(key): child for key, child in zip(names, value, strict=True)}
     if isinstance(value, types.MethodType):

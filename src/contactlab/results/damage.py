@@ -13,8 +13,8 @@ from contactlab.api.frame import Layout
 from contactlab.errors import RequestError, one_line
 from contactlab.results.checksums import Damage, broken_seals, of_rows
 from contactlab.results.frame_sums import StoredSums
+from contactlab.results.result_file import FILE
 
-FILE = "results.vtkhdf"
 BROKEN = (
     Damage, OSError, LookupError, ValueError, TypeError, AttributeError, RuntimeError, MemoryError, OverflowError,
 )  # fmt: skip

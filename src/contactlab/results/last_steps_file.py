@@ -14,7 +14,7 @@ from typing import Any
 from contactlab.api.frame import Frame, Layout
 from contactlab.api.recorder import FAILURE, WARNING
 from contactlab.errors import RequestError
-from contactlab.results.stored_file import FILE
+from contactlab.results.result_file import FILE
 
 LAST = "last-steps"
 

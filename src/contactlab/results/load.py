@@ -22,8 +22,9 @@ from contactlab.results.frame_sums import StoredSums
 from contactlab.results.iteration_table import read_iterations
 from contactlab.results.last_steps_file import stored_last_steps
 from contactlab.results.layout_file import read_layout
+from contactlab.results.result_file import FILE
 from contactlab.results.results import ContactHistory, Results
-from contactlab.results.stored_file import FILE, opened
+from contactlab.results.stored_file import opened
 from contactlab.results.stored_frames import StoredFrames, curve_of
 from contactlab.results.stored_steps import StoredSteps
 from contactlab.results.stored_text import read_columns, read_text

@@ -8,10 +8,7 @@ from typing import Any
 from contactlab.errors import RequestError
 from contactlab.results.damage import BROKEN, TABLES
 from contactlab.results.layout_file import READ
-
-FILE = "results.vtkhdf"
-RESUMABLE = ("interrupted", "failed")
-"""A failed run is taken up where it was saved: what failed may be mended, a full disk say."""
+from contactlab.results.result_file import FILE
 
 
 def opened(folder: Path) -> Any:

@@ -31,7 +31,7 @@ from contactlab.results.iteration_table import GROUP, IterationTable
 from contactlab.results.last_steps_file import excerpt, last_steps_folder
 from contactlab.results.layout_file import FORMAT, write_layout
 from contactlab.results.packed_file import pack
-from contactlab.results.stored_file import FILE, RESUMABLE
+from contactlab.results.result_file import FILE, RESUMABLE
 from contactlab.results.stored_text import read_columns, write_columns, write_text
 
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little

@@ -12,8 +12,8 @@ import numpy as np
 from contactlab.api.frame import Layout
 from contactlab.errors import RequestError
 from contactlab.results.files import write_contacts, write_summary
+from contactlab.results.result_file import FILE, RESUMABLE
 from contactlab.results.results import Results
-from contactlab.results.stored_file import FILE, RESUMABLE
 from contactlab.scene.toml_text import parse_toml
 
 if TYPE_CHECKING:

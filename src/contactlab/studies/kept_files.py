@@ -8,7 +8,7 @@ from pathlib import Path
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.results.last_steps_file import drop_last_steps
-from contactlab.results.stored_file import FILE
+from contactlab.results.result_file import FILE
 from contactlab.studies.recordings import RUNS
 from contactlab.studies.table import Row
 

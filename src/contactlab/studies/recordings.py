@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from contactlab.errors import ContactlabWarning, RequestError, did_you_mean, one_line
 from contactlab.results.load import load_results
+from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
-from contactlab.results.stored_file import FILE
 from contactlab.run.recorders import recorders_of
 from contactlab.scene.toml_text import parse_toml
 

@@ -14,8 +14,8 @@ from typing import Any
 
 from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError
+from contactlab.results.result_file import FILE
 from contactlab.results.results import ContactCurve, Results
-from contactlab.results.stored_file import FILE
 from contactlab.scene.scene import Scene
 from contactlab.studies.call import Report
 from contactlab.studies.shape import Shape, shapes_of
