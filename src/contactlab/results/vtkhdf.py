@@ -39,6 +39,7 @@ STEP_ROWS = 1024  # steps by which their room grows, at least
 CHUNK_STEPS = 256
 METADATA = 350_000.0  # bytes of a file beside its numbers, as measured: some 60 datasets and what is set aside for them
 FRAME_METADATA = 1200.0  # and of a frame: each dataset tells where its chunk is
+PACKED = 4 << 20  # bytes from which a file is compressed: of smaller ones it saves less than it takes of a short run
 SUMMARY_METADATA = 8192  # bytes for the one dataset that is added at the end
 
 
@@ -180,7 +181,7 @@ class VtkHdfRecording(Recording):
             stored.attrs["serial"] = self.slots.serial if self.slots is not None else 0
         finally:
             self.growing.close()
-        if summary["status"] not in RESUMABLE:
+        if summary["status"] not in RESUMABLE and self.growing.path.stat().st_size >= PACKED:
             pack(self.growing.path)
 
     def cut(self, frames: int, steps: int, events: int, iterations: int, contact_steps: int) -> None:
