@@ -37,7 +37,7 @@ def test_values_are_rounded_to_so_many_bits(bits: int) -> None:
 def test_compressed_is_the_same_run(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, assert_same_run: Same
 ) -> None:
-    monkeypatch.setattr("contactlab.results.vtkhdf.pack", lambda path: None)
+    monkeypatch.setattr("contactlab.results.vtkhdf.pack", lambda path, least: None)
     run = simulate(small_scene(SHORT), tmp_path / "run")
     shutil.copytree(tmp_path / "run", tmp_path / "packed")
     pack(tmp_path / "packed" / FILE)

@@ -22,10 +22,15 @@ SMALL = 4096  # bytes of a table that is left as it is: what describes compresse
 CHUNK = 1 << 15  # numbers of a chunk of what had none
 
 
-def pack(path: Path) -> None:
-    """Compress the file at `path`, which nobody writes to. Where there is no room for a copy it stays as it is."""
+def pack(path: Path, least: int = 0) -> None:
+    """Compress the file at `path`, which nobody writes to, if it has `least` bytes.
+
+    Where there is no room for a copy it stays as it is.
+    """
     packed = path.with_name(path.name + ".packed")
     try:
+        if path.stat().st_size < least:
+            return
         with h5py.File(path, "r", locking=False) as old, h5py.File(packed, "w", libver=HEADERS, locking=False) as new:
             _copy_group(old, new, {})
     except OSError:

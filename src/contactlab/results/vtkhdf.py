@@ -181,8 +181,8 @@ class VtkHdfRecording(Recording):
             stored.attrs["serial"] = self.slots.serial if self.slots is not None else 0
         finally:
             self.growing.close()
-        if summary["status"] not in RESUMABLE and self.growing.path.stat().st_size >= PACKED:
-            pack(self.growing.path)
+        if summary["status"] not in RESUMABLE:
+            pack(self.growing.path, PACKED)
 
     def cut(self, frames: int, steps: int, events: int, iterations: int, contact_steps: int) -> None:
         """Have exactly so much of everything, and no spare room."""
