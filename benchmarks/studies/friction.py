@@ -81,8 +81,8 @@ def measure(mu: float, depth: float) -> list[Row]:
 def summary(rows: list[Row]) -> list[str]:
     """Table lines: one per friction and depth."""
     lines = [
-        "| mu | depth | reaction [N/mm] | spread over multipliers and slaves | half the speed | cone violation | "
-        "least dissipation between frames over internal energy | verdict |",
+        "| mu | depth | reaction [N/mm] | spread over multipliers and slaves | change at half the speed | "
+        "cone violation | least dissipation between frames over internal energy | verdict |",
         "|---|---|---|---|---|---|---|---|",
     ]
     for mu, depth in dict.fromkeys((r["mu"], r["depth"]) for r in rows):
