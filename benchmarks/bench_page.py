@@ -78,8 +78,8 @@ def _text(found: Mapping[str, Any], ratios: Mapping[str, float], lost: Mapping[s
     yield "# Benchmarks"
     yield ""
     yield (
-        "Made by `make bench`. Seconds belong to the machine, and to whoever else used it; ratios are between things "
-        "measured in turns in one process. CPU time of one thread, medians."
+        "Written by `make bench`. Seconds depend on the machine and its load; ratios are between measurements "
+        "that take turns in one process. CPU time of one thread, medians."
     )
     yield ""
     libraries = ", ".join(f"{name} {version(name)}" for name in ("numpy", "numba"))
@@ -93,12 +93,11 @@ def _text(found: Mapping[str, Any], ratios: Mapping[str, float], lost: Mapping[s
 
 
 def _element_section(rows: Rows) -> Iterable[str]:
-    yield from ["", "## Updates of elements", "", "![updates per second](benchmarks-updates.png)", ""]
+    yield from ["", "## Element updates", "", "![updates per second](benchmarks-updates.png)", ""]
     yield (
-        "Node update and Python included. *Fused* is one scalar loop over cells written by hand for the law "
-        "(`benchmarks/kernels/fused_loops.py`) or the element (`fused_elements.py`), *bound* the time that a triad of "
-        "this machine needs for the bytes that "
-        "no scheme can avoid."
+        "Node update and Python overhead included. *Fused* is one scalar loop over cells, hand-written for the law "
+        "(`benchmarks/kernels/fused_loops.py`) or the element (`fused_elements.py`); *bound* is the time that the "
+        "STREAM triad on this machine needs for the bytes that no scheme can avoid."
     )
     yield ""
     head = ("element", "law", "cells", "ns", "M/s", "times fused", "share of the bound")
@@ -111,8 +110,8 @@ def _element_section(rows: Rows) -> Iterable[str]:
 
 
 def _peer_section(rows: Rows) -> Iterable[str]:
-    yield from ["", "## Beside other codes", ""]
-    yield "Linear elastic bilinear quadrilaterals, the same mesh and motion (`benchmarks/peers`)."
+    yield from ["", "## Other codes", ""]
+    yield "Linear elastic bilinear quadrilaterals, with the same mesh and motion (`benchmarks/peers`)."
     yield ""
     known = [r for r in rows if "ratio" in r]
     head = ("code", "cells", "ns", "our updates in the same CPU time")
@@ -140,7 +139,7 @@ def _step_section(found: Mapping[str, Any]) -> Iterable[str]:
     yield from _table(head, body)
     yield ""
     slopes = ", ".join(f"{name} {value:.2f}" for name, value in found["exponents"].items())
-    yield f"Exponents of cost over size: {slopes}."
+    yield f"Exponents of cost against size: {slopes}."
     yield ""
     head = ("element", "law", "bytes per cell", "bytes per slave node")
     rows = found["memory"]
@@ -154,14 +153,14 @@ def _start_section(found: Mapping[str, Any]) -> Iterable[str]:
     yield from ["", "## Start and overhead", ""]
     rows = [
         ("`import contactlab`, s", f"{start['contactlab']:.2f}"),
-        ("known scene to its first step, s", f"{start['first_step']:.2f}"),
-        ("everything compiled anew, s", f"{compiled['everything_s']:.1f}"),
-        *((f"new: {name}, s", f"{seconds:.1f}") for name, seconds in compiled["combinations_s"].items()),
+        ("cached scene to its first step, s", f"{start['first_step']:.2f}"),
+        ("everything compiled, s", f"{compiled['everything_s']:.1f}"),
+        *((f"also compiled: {name}, s", f"{seconds:.1f}") for name, seconds in compiled["combinations_s"].items()),
         ("step of four cells with contact, µs", f"{overhead['step_us']:.0f}"),
         ("the same without contact, µs", f"{overhead['without_contact_us']:.0f}"),
-        ("a law in NumPy by components over the compiled one: whole step", f"{law['by components']:.1f}"),
+        ("NumPy law by components over the compiled law: whole step", f"{law['by components']:.1f}"),
         ("the law alone", f"{law['alone']:.1f}"),
-        ("a law by stacked matrices: whole step", f"{law['by matrices']:.1f}"),
+        ("NumPy law by stacked matrices over the compiled law: whole step", f"{law['by matrices']:.1f}"),
     ]
     yield from _table(("what", "CPU"), rows)
 

@@ -77,11 +77,11 @@ def section(found: Accuracy, how: str) -> str:
         [
             BEGIN,
             how,
-            f"{finished} of {len(found.points)} points finished. CPU seconds to an error with the better slave; bold",
-            "is the cheapest, in italics are those that cannot be told from it:",
+            f"{finished} of {len(found.points)} points finished. CPU seconds to reach an error with the better slave;",
+            "the cheapest is bold, those that cannot be distinguished from it are in italics:",
             "", *_table(rows), "",
             "![Error against cost, a panel per case](pictures/accuracy.svg)", "",
-            f"Orders of convergence with 95 % intervals, where three points are above what the reference can tell "
+            f"Orders of convergence with 95 % intervals, where three points are above the uncertainty of the reference "
             f"({len(orders)} of {len(lines)} lines):",
             "", *_table(told), END,
         ]
