@@ -27,11 +27,13 @@ class BlockOnIncline(Case):
     """`mu` of the run that slides; one at 0.37, just above tan 20 = 0.364, must not move at all.
 
     The scene turned to a level plane must give the same path, and a block thrown along it stops after v/(mu g).
-    `span` [s] is the time over which it is watched, after the weight has come.
+    `span` [s] is the time over which it is watched, after the weight has come; `cells` along the block, half as many
+    across it.
     """
 
     mu: float = 0.3
     span: float = 0.05
+    cells: int = 4
 
     title: ClassVar[str] = "block on an incline"
     source: ClassVar[str] = "Coulomb: a = g (sin 20 - mu cos 20)"
@@ -46,6 +48,8 @@ class BlockOnIncline(Case):
     def __post_init__(self) -> None:
         if not self.span > 0.0:
             raise ValueError(f"span: got {self.span}, allowed: a time > 0 s")
+        if self.cells < 2 or self.cells % 2:
+            raise ValueError(f"cells: got {self.cells}, allowed: an even number from 2 on")
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """Four jobs: the block slides, stays at rest, slides in the scene turned level, and is thrown."""
@@ -62,7 +66,7 @@ class BlockOnIncline(Case):
         )
 
     def _job(self, name: str, setup: Setup, changes: Mapping[str, Any]) -> Job:
-        cells = [4 * setup.level, 2 * setup.level]
+        cells = [self.cells * setup.level, self.cells * setup.level // 2]
         base = {**setup.changes("block"), "bodies.block.mesh.cells": cells, "time.end": BEGIN + self.span}
         quantities = [f"{what}.block.{axis}" for what in ("displacement", "velocity") for axis in "xy"]
         watch = series("time", *quantities, every=3)

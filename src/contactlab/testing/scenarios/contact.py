@@ -9,8 +9,10 @@ from contactlab.testing.subject import Subject
 
 LADDER = ((1, 1), (1, 2), (2, 1), (2, 3), (3, 2), (8, 13))
 """Segments of the upper and of the lower side."""
-WATCHED = 0.02
-"""Seconds for which a block on an incline is watched: an algorithm in plain NumPy takes a millisecond a step."""
+INCLINE = {"span": 0.02, "cells": 2}
+"""A short watch over a coarse block, whose steps are long: an algorithm in plain NumPy takes a millisecond a step."""
+QUADRATIC = {"segments": 6.0}
+"""Segments of a half-width that have a node in the middle each: fewer than straight ones."""
 
 
 def _implicit(subject: Subject) -> None:
@@ -54,12 +56,12 @@ def hertz_with_the_other_slave(subject: Subject) -> None:
 def hertz_on_quadratic_elements(subject: Subject) -> None:
     """The same with three nodes to a side."""
     _implicit(subject)
-    answer(subject, Question("hertz", element=1))
+    answer(subject, Question("hertz", QUADRATIC, element=1))
 
 
 def incline_with_its_threshold(subject: Subject) -> None:
     """A block on an incline slides with Coulomb's acceleration, and stays where mu is above tan of the angle."""
-    answer(subject, Question("block-on-incline", {"span": WATCHED}))
+    answer(subject, Question("block-on-incline", INCLINE))
 
 
 def rest_after_a_fall(subject: Subject) -> None:
