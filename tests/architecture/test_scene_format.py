@@ -76,12 +76,12 @@ COMMANDS = [line for example in examples("sh") for line in example.splitlines()]
 
 @pytest.mark.parametrize("line", COMMANDS)
 def test_commands_can_be_typed(line: str) -> None:
-    from contactlab.cli import _parser
+    from contactlab.commands.arguments import make_parser
     from contactlab.commands.common import parse_settings
 
     program, *words = shlex.split(line)
     assert program == "contactlab"
-    options = _parser().parse_args(words)
+    options = make_parser().parse_args(words)
     changes = parse_settings(options.settings)
     changed = load_scene(options.scene).with_(changes).data
     assert changed != load_scene(options.scene).data

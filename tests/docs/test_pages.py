@@ -12,7 +12,8 @@ from types import ModuleType
 
 import pytest
 
-from contactlab.cli import _parser, main
+from contactlab.cli import main
+from contactlab.commands.arguments import make_parser
 from contactlab.parts.registry import default_registry
 
 ROOT = Path(__file__).parents[2]
@@ -79,7 +80,7 @@ def test_tutorials_do_what_they_say(page: Path, tmp_path: Path, monkeypatch: pyt
         for line in text.splitlines() if language == "sh" else []:
             program, *words = shlex.split(line)
             assert program == "contactlab"
-            assert _parser().parse_args(words)
+            assert make_parser().parse_args(words)
             if words[0] not in LONG:
                 assert main(words) == 0
 
@@ -92,7 +93,7 @@ def test_commands_of_the_front_page_can_be_typed() -> None:
         ours = [words for words in commands if words and words[0].endswith("contactlab")]
         assert len(ours) >= 4
         for words in ours:
-            assert _parser().parse_args(words[1:])
+            assert make_parser().parse_args(words[1:])
 
 
 class TestSite:

@@ -17,6 +17,7 @@ import numpy as np
 from scipy.optimize import nnls
 from scipy.stats import t as student
 
+from contactlab.accuracy.line_fit import LineFit, fitted_line
 from contactlab.accuracy.lines import CLEAR, TINY, Line
 from contactlab.accuracy.orders import FIRST
 from contactlab.accuracy.point import Point
@@ -82,40 +83,16 @@ class Prediction:
         return abs(self.cost_off) > COST_OFF or (self.tells_error and not self.is_within)
 
 
-@dataclass(frozen=True)
-class _Fit:
-    """log error = a + slope (log level - middle) by least squares; `left` are the residuals."""
-
-    a: float
-    slope: float
-    middle: float
-    spread: float
-    left: np.ndarray
-
-    @property
-    def free(self) -> int:
-        return len(self.left) - 2
-
-
 def predictions_of(lines: Sequence[Line]) -> list[Prediction]:
     """The finest finished point of every line that has enough before it."""
-    known = [(line, *_split(line)) for line in lines]
-    asked = [(line, before, last) for line, before, last in known if last is not None and len(before) >= LEAST]
+    late = [(line, [point for point in line.finished if point.level >= FIRST]) for line in lines]
+    asked = [(line, points[:-1], points[-1]) for line, points in late if len(points) > LEAST]
     fits = [_error_fit(line, before) for line, before, _ in asked]
     variance = _scatter([fit for fit in fits if fit is not None])
-    return [
-        _prediction(line, before, last, fit, variance)
-        for (line, before, last), fit in zip(asked, fits, strict=True)
-        if last is not None
-    ]
+    return [_prediction(*each, fit, variance) for each, fit in zip(asked, fits, strict=True)]
 
 
-def _split(line: Line) -> tuple[list[Point], Point | None]:
-    late = [point for point in line.finished if point.level >= FIRST]
-    return late[:-1], late[-1] if late else None
-
-
-def _prediction(line: Line, before: list[Point], last: Point, fit: _Fit | None, variance: float) -> Prediction:
+def _prediction(line: Line, before: list[Point], last: Point, fit: LineFit | None, variance: float) -> Prediction:
     error = low = high = math.nan
     if fit is not None and last.error > CLEAR * line.uncertainty:
         error, low, high = _foretold(fit, last.level, variance)
@@ -145,29 +122,26 @@ def _work(levels: np.ndarray, counts: np.ndarray, explicit: bool) -> np.ndarray:
     return np.stack(columns if explicit else [*columns, counts * levels**3], axis=1)
 
 
-def _error_fit(line: Line, before: Sequence[Point]) -> _Fit | None:
+def _error_fit(line: Line, before: Sequence[Point]) -> LineFit | None:
+    """Logarithms of errors over those of levels, where enough are above what the reference can tell."""
     clear = [point for point in before if point.error > max(CLEAR * line.uncertainty, TINY)]
     if len(clear) < LEAST:
         return None
-    x, y = np.log([point.level for point in clear]), np.log([point.error for point in clear])
-    away = x - x.mean()
-    spread = float((away**2).sum())
-    slope = float((away * y).sum() / spread)
-    return _Fit(float(y.mean()), slope, float(x.mean()), spread, y - y.mean() - slope * away)
+    return fitted_line(np.log([point.level for point in clear]), np.log([point.error for point in clear]))
 
 
-def _scatter(fits: Sequence[_Fit]) -> float:
+def _scatter(fits: Sequence[LineFit]) -> float:
     """Variance of logarithms of errors about their lines, over all that have points to spare."""
     free = sum(fit.free for fit in fits)
-    return sum(float((fit.left**2).sum()) for fit in fits) / free if free else UNKNOWN_SCATTER**2
+    return sum(fit.squares for fit in fits) / free if free else UNKNOWN_SCATTER**2
 
 
-def _foretold(fit: _Fit, level: int, variance: float) -> tuple[float, float, float]:
+def _foretold(fit: LineFit, level: int, variance: float) -> tuple[float, float, float]:
     """Error at a level, and the ends of its interval."""
     away = math.log(level) - fit.middle
-    own = float((fit.left**2).sum())
     free = LEARNT + fit.free
-    deviation = math.sqrt((LEARNT * variance + own) / free * (1.0 + 1.0 / len(fit.left) + away**2 / fit.spread))
+    scatter = (LEARNT * variance + fit.squares) / free
+    deviation = math.sqrt(scatter * (1.0 + 1.0 / fit.count + away**2 / fit.spread))
     half = float(student.ppf(0.5 + CHANCE / 2.0, free)) * deviation
-    middle = fit.a + fit.slope * away
+    middle = fit.mean + fit.slope * away
     return math.exp(middle), math.exp(middle - half), math.exp(middle + half)

@@ -19,9 +19,10 @@ from contactlab.api import ExplicitIntegrator
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
+from contactlab.studies.awaited import awaited
 from contactlab.studies.call import Call
+from contactlab.studies.measure_run import without_compilation
 from contactlab.studies.measures import pressure_error
-from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
 from contactlab.studies.profile import FoldedSurfaceError, Profile
 from contactlab.studies.run_job import Outcome, run
 from contactlab.studies.scheduler import LOCAL, open_pool
@@ -97,7 +98,7 @@ def error_budget(
             place = folder / "runs" / name.replace(" ", "-")
             return pool.submit(Call(run, (wanted, place, 0, 1), limit=limit, folder=place))
 
-        base = _outcome(begin(AS_IT_IS, scene))
+        base = awaited(begin(AS_IT_IS, scene))
         told(AS_IT_IS, base)
         if base.curve is None or base.status != "finished":
             return ErrorBudget(base.status, base.reason, _cost(base), ())
@@ -105,7 +106,7 @@ def error_budget(
         asked = {begin(knob.name, scene.with_(dict(knob.settings))): knob for knob in knobs}
         shares = []
         for future in as_completed(asked):
-            finer = _outcome(future)
+            finer = awaited(future)
             told(asked[future].name, finer)
             shares.append(_share(asked[future], base, finer))
     shares.sort(key=lambda share: -share.pressure if share.pressure >= 0.0 else math.inf)
@@ -145,19 +146,8 @@ def _pace(time: Mapping[str, Any], found: Mapping[str, Any]) -> list[Knob]:
     ]
 
 
-def _outcome(future: Any) -> Outcome:
-    try:
-        outcome: Outcome = future.result()
-    except TimedOutError as error:
-        return Outcome("timed-out", str(error))
-    except (ProcessDiedError, RaisedError) as error:
-        return Outcome("failed", str(error))
-    return outcome
-
-
 def _cost(outcome: Outcome) -> float:
-    cost = outcome.summary.get("cost", {})
-    return float(cost.get("run_cpu_s", math.nan)) - float(cost.get("compile_s", 0.0))
+    return without_compilation(outcome.summary.get("cost", {}), "run_cpu_s")
 
 
 def _share(knob: Knob, base: Outcome, finer: Outcome) -> Share:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import t as student
 
+from contactlab.accuracy.line_fit import fitted_line
 from contactlab.accuracy.lines import CLEAR, TINY, Line
 from contactlab.accuracy.run import Accuracy
 
@@ -51,10 +52,8 @@ def _order(line: Line, theory: float) -> Order | None:
 
 def slope(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
     """Slope of the least-squares line and the half-width of its 95 % interval, nan for two points."""
-    away = x - x.mean()
-    found = float((away * y).sum() / (away**2).sum())
-    if len(x) < 3:
-        return found, math.nan
-    left = y - y.mean() - found * away
-    deviation = math.sqrt(float((left**2).sum()) / (len(x) - 2) / float((away**2).sum()))
-    return found, float(student.ppf(0.975, len(x) - 2)) * deviation
+    line = fitted_line(x, y)
+    if not line.free:
+        return line.slope, math.nan
+    deviation = math.sqrt(line.squares / line.free / line.spread)
+    return line.slope, float(student.ppf(0.975, line.free)) * deviation

@@ -25,6 +25,7 @@ from contactlab.cases.run_case import evaluated, run_case, run_job, scene_of
 from contactlab.errors import ContactlabError
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
+from contactlab.studies.measure_run import without_compilation
 from contactlab.studies.run_job import be_ready
 from contactlab.studies.system import machine
 from contactlab.studies.worker import BEGUN
@@ -186,8 +187,7 @@ def _be_ready(task: Task, problem: Problem, registry: Registry) -> None:
 
 def cost_of(record: Record) -> float:
     """CPU time of a run without imports, building and compilation [s]."""
-    cost = record.summary.get("cost", {})
-    return max(0.0, float(cost.get("run_cpu_s", 0.0)) - float(cost.get("compile_s", 0.0)))
+    return without_compilation({"run_cpu_s": 0.0, **record.summary.get("cost", {})}, "run_cpu_s")
 
 
 def _point(task: Task, error: float, done: Mapping[str, Record], keys: tuple[str, ...]) -> Point:

@@ -14,6 +14,7 @@ from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import plan, run_accuracy
 from contactlab.accuracy.study import CaseStudy
 from contactlab.commands.common import console, print_json, registry_with
+from contactlab.commands.interruption import interrupted
 from contactlab.errors import RequestError
 from contactlab.reports.accuracy_page import write_accuracy_page
 from contactlab.reports.accuracy_predictions import told
@@ -22,8 +23,6 @@ from contactlab.run.folders import results_folder
 from contactlab.studies.resume import sigterm_as_ctrl_c
 from contactlab.studies.scheduler import checked_scheduler
 from contactlab.studies.system import usable_cores
-
-INTERRUPTED = 130
 
 
 def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
@@ -50,9 +49,7 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
             out.print(f"foretold from coarser meshes: {told(evaluated.predictions)}", markup=False, highlight=False)
         out.print(f"page: {folder / 'accuracy.html'}", markup=False, highlight=False, soft_wrap=True)
     if found.interrupted:
-        line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
-        print(line, file=sys.stderr)
-        return INTERRUPTED
+        return interrupted(folder)
     return 0 if any(point.finished for point in found.points) else 1
 
 

@@ -11,12 +11,12 @@ from typing import Any
 from contactlab.accuracy.choose import Chosen, Wish, choose
 from contactlab.accuracy.point import Point
 from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
+from contactlab.commands.interruption import interrupted
 from contactlab.run.folders import results_folder
 from contactlab.scene.scene import load_scene
 from contactlab.studies.resume import sigterm_as_ctrl_c
 from contactlab.studies.system import usable_cores
 
-INTERRUPTED = 130
 CANNOT = 1
 
 
@@ -30,9 +30,7 @@ def choose_for(options: argparse.Namespace) -> int:
             with sigterm_as_ctrl_c():
                 found = choose(scene, wish, registry, folder, options.jobs or usable_cores(), _tell)
         except KeyboardInterrupt:
-            line = f"interrupted; what was tried is kept; add --out {folder} --resume to the same command to go on"
-            print(line, file=sys.stderr)
-            return INTERRUPTED
+            return interrupted(folder)
     line = command(options, found)
     if options.json:
         print_json({"folder": str(folder), "command": line, "known": found.known, **vars(found)})

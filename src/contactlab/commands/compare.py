@@ -6,10 +6,9 @@ import argparse
 import json
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
+from contactlab.commands.interruption import INTERRUPTED
 from contactlab.errors import RequestError
 from contactlab.run.folders import results_folder
-
-INTERRUPTED = 130
 
 
 def compare(options: argparse.Namespace) -> int:

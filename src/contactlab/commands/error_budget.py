@@ -12,6 +12,7 @@ from typing import Any
 from contactlab.accuracy.error_budget import ErrorBudget, Share, error_budget
 from contactlab.accuracy.files import finite
 from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
+from contactlab.commands.interruption import interrupted
 from contactlab.reports.numbers import percent, significant
 from contactlab.run.folders import results_folder
 from contactlab.scene.scene import load_scene
@@ -21,7 +22,6 @@ from contactlab.studies.system import usable_cores
 
 FILE = "error-budget.json"
 FAILED = 1
-INTERRUPTED = 130
 
 
 def budget(options: argparse.Namespace) -> int:
@@ -33,9 +33,7 @@ def budget(options: argparse.Namespace) -> int:
             with sigterm_as_ctrl_c():
                 found = error_budget(scene, registry, folder, options.jobs or usable_cores(), _tell, options.time_limit)
         except KeyboardInterrupt:
-            line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
-            print(line, file=sys.stderr)
-            return INTERRUPTED
+            return interrupted(folder)
         data = _data(found)
         (folder / FILE).write_text(json.dumps(data, indent=1), encoding="utf-8")
     if options.json:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from contactlab.cases.verdict import WORST
 from contactlab.commands.common import add_row, console, fitting, print_json, registry_with, table
+from contactlab.commands.interruption import interrupted
 from contactlab.matrix.cell import CellResult
 from contactlab.matrix.files import against, plain_cells, verdicts, write
 from contactlab.matrix.orders import orders, write_orders
@@ -20,7 +21,6 @@ from contactlab.studies.resume import sigterm_as_ctrl_c
 from contactlab.studies.scheduler import checked_scheduler
 from contactlab.studies.system import usable_cores
 
-INTERRUPTED = 130
 SHORT = {"not-applicable": "-", "not-judged": "not judged", "ill-posed": "ill-posed"}
 
 
@@ -39,9 +39,7 @@ def matrix(options: argparse.Namespace) -> int:
             with sigterm_as_ctrl_c():
                 found = run_matrix(request, registry, folder, jobs, _tell, options.scheduler)
         except KeyboardInterrupt:
-            line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
-            console().print(line, markup=False, highlight=False, soft_wrap=True)
-            return INTERRUPTED
+            return interrupted(folder)
         write(found, folder)
         write_orders(found, folder)
         write_scenes(folder)

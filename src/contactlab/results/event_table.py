@@ -26,14 +26,11 @@ class EventTable:
         self.growing = growing
         self.group = own.require_group("events")
         old = _rows(self.group, None) if OLD in self.group else []
-        if old:
-            self.cut(0)
         if OLD in self.group:
-            del self.group[OLD]
-        for name, kind in _KINDS.items():
-            if name not in self.group:
-                self.group.create_dataset(name, (0,), maxshape=(None,), dtype=kind, chunks=(64,))
+            self.group.clear()
         if WORDS not in self.group:
+            for name, kind in _KINDS.items():
+                self.group.create_dataset(name, (0,), maxshape=(None,), dtype=kind, chunks=(64,))
             self.group.create_dataset(WORDS, (0,), maxshape=(None,), dtype="u1", chunks=(4096,))
         for event, _ in old:
             self.add(event)
@@ -57,12 +54,11 @@ class EventTable:
 
     def cut(self, count: int) -> None:
         """Drop all events after the first `count`."""
-        self._resize(count, int(self.group["end"][count - 1]) if count and "end" in self.group else 0)
+        self._resize(count, int(self.group["end"][count - 1]) if count else 0)
 
     def _resize(self, count: int, size: int) -> None:
         for name in (*_KINDS, WORDS):
-            if name in self.group:
-                self.group[name].resize(size if name == WORDS else count, 0)
+            self.group[name].resize(size if name == WORDS else count, 0)
 
 
 def _stored(event: Event) -> tuple[int, float, str, str]:

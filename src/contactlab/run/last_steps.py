@@ -30,10 +30,8 @@ if TYPE_CHECKING:
     from contactlab.scene.keys import Record
 
 LENGTH = 200  # steps, where the scene names none
-STORED, IN_MEMORY = (
-    0.5,
-    2.0,
-)  # what a frame takes compressed on the disk at most, and in memory, of what it is in a file
+# what a frame takes compressed on the disk at most, and in memory, of what it is in a file
+STORED, IN_MEMORY = 0.5, 2.0
 MEMORY = 128.0  # MB that the frames of the last steps may take before they are stored
 
 

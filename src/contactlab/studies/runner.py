@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import CancelledError, Future, as_completed
+from concurrent.futures import Future, as_completed
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,13 +18,13 @@ from contactlab.run.folders import claimed_folder, full_disk_told, made_folder
 from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies import run_job
+from contactlab.studies.awaited import awaited
 from contactlab.studies.call import Call, Pool
 from contactlab.studies.cost_breakdown import BreakdownPlan, breakdown_of, plan_breakdown
 from contactlab.studies.find_reference import Source, find_reference
 from contactlab.studies.gather import common_reference, gather, row_of
 from contactlab.studies.installed_measures import measure_columns
 from contactlab.studies.plan import Job, Plan, Vary, make_plan
-from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
 from contactlab.studies.progress import Bars, MakeBars, no_bars
 from contactlab.studies.recordings import record_comparison, side_by_side
 from contactlab.studies.resume import sigterm_as_ctrl_c, stored_outcomes
@@ -198,7 +198,7 @@ def _run_all(
             queue = sorted(rest, key=lambda job: (job.refines, -job.scene.level))
             futures = {_submit(pool, plan, job, folder, bars): job for job in queue}
             for future in as_completed(futures):
-                job, outcome = futures[future], _outcome(future)
+                job, outcome = futures[future], awaited(future)
                 outcomes[job.name] = outcome
                 over(job, outcome)
                 bars.finish(job.name, outcome.status)
@@ -215,11 +215,11 @@ def _stop(pool: Pool, futures: Mapping[Future[Outcome], Job]) -> dict[str, Outco
         if running:
             print(_waiting_for(running), file=sys.stderr, flush=True)
         pool.stop()
-        return {job.name: _outcome(future, stopped=True) for future, job in futures.items()}
+        return {job.name: awaited(future, stopped=True) for future, job in futures.items()}
     except KeyboardInterrupt:
         print("contactlab: ending them at once; what was saved last is kept", file=sys.stderr, flush=True)
         pool.kill()
-        return {job.name: _outcome(future, stopped=True) for future, job in futures.items()}
+        return {job.name: awaited(future, stopped=True) for future, job in futures.items()}
 
 
 def _waiting_for(names: Sequence[str]) -> str:
@@ -253,25 +253,3 @@ def _call_limit(plan: Plan) -> float | None:
     """Time for all repetitions of one run [s]."""
     limit = plan.study.time_limit
     return None if limit is None else limit * plan.study.repeat
-
-
-def _outcome(future: Future[Outcome], stopped: bool = False) -> Outcome:
-    try:
-        return future.result()
-    except CancelledError:
-        return Outcome("interrupted", "stopped before it began")
-    except TimedOutError as error:
-        return _timed_out(error)
-    except ProcessDiedError as error:
-        return Outcome("interrupted", "stopped by the user") if stopped else Outcome("failed", str(error))
-    except RaisedError as error:
-        return Outcome("failed", str(error), traceback=error.details)
-
-
-def _timed_out(error: TimedOutError) -> Outcome:
-    """As far as the run came when it was told to stop; one that ended all the same has ended."""
-    if not isinstance(error.result, Outcome):
-        return Outcome("timed-out", f"{error}; it did not answer and was killed")
-    if error.result.status != "interrupted":
-        return error.result
-    return replace(error.result, status="timed-out", reason=f"{error}, after step {error.result.summary['steps']}")

@@ -11,7 +11,8 @@ from typing import ClassVar
 
 import pytest
 
-from contactlab.cli import _COMMANDS, main
+from contactlab.cli import main
+from contactlab.commands.arguments import COMMANDS
 from contactlab.commands.doctor import _plugins as plugin_facts
 from contactlab.errors import PartError, RequestError, SceneError
 from contactlab.parts.loading import Broken
@@ -494,7 +495,7 @@ class TestOtherHooks:
         assert 'there is no file "/no/such/gone.toml"' in capsys.readouterr().err
 
     def test_names_of_the_cores_commands_are_all_reserved(self) -> None:
-        assert set(CORE_COMMANDS) == set(_COMMANDS)
+        assert set(CORE_COMMANDS) == set(COMMANDS)
 
     def test_run_finished_reaches_all_plugins_and_gives_back_those_that_raise(self, install: Install) -> None:
         hook = f"{HEAD}\nseen = []\n@hookimpl\ndef contactlab_run_finished(summary):\n    "

@@ -160,17 +160,10 @@ def _sets(rows, touched, compliances, y, scratch, tolerance, limit):
             if dropped:  # forces of conditions that open are taken away at once
                 searching = False
                 continue
-        before, dropped, searching = 0.0, False, True
-        for i in range(count):
-            search.residual[i] = -gaps[i] if search.active[i] else 0.0
-            search.direction[i] = search.residual[i] * search.easy[i]
-            before += search.residual[i] * search.direction[i]
+        before, dropped, searching = begin_descent(gaps, search), False, True
         if not before > 0.0:
             break
-    # a force that a dying condition keeps by round-off alone is no tension
-    for i in range(count):
-        if y[i] < 0.0 and -scale[i] * y[i] <= tolerance * size[i]:
-            y[i] = 0.0
+    drop_round_off(y, scale, size, tolerance)
     return passes, worst_residual(gaps, y, scale, size)
 
 
@@ -185,6 +178,25 @@ def choose(y, gaps, scale, search):
             search.direction[i], dropped = -y[i], True
             y[i] = 0.0
     return dropped
+
+
+@section
+def begin_descent(gaps, search):
+    """The first direction of the conjugate gradients on a set; returns the scaled square of the residual."""
+    square = 0.0
+    for i in range(gaps.size):
+        search.residual[i] = -gaps[i] if search.active[i] else 0.0
+        search.direction[i] = search.residual[i] * search.easy[i]
+        square += search.residual[i] * search.direction[i]
+    return square
+
+
+@section
+def drop_round_off(y, scale, size, tolerance):
+    """A force that a condition about to open keeps by round-off alone is no tension: it is set to zero."""
+    for i in range(y.size):
+        if y[i] < 0.0 and -scale[i] * y[i] <= tolerance * size[i]:
+            y[i] = 0.0
 
 
 @section

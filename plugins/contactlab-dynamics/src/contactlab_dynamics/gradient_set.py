@@ -11,7 +11,7 @@ from contactlab.api.compiled.contact_tables import FactoredGradientsTable
 from contactlab.api.compiled.gradient_products import conditions_moved, nodes_pushed
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
-from contactlab_dynamics.active_set import SETS, Search, choose, descend, worst_residual
+from contactlab_dynamics.active_set import SETS, Search, begin_descent, choose, descend, drop_round_off, worst_residual
 
 BEYOND = 0.3  # of the tolerance: forces need not be better than the work that is left, 1e-10 segments of way
 
@@ -110,14 +110,8 @@ def _sets(rows, soft, y, scale, scratch, tolerance, limit):
         searching = not choose(y, gaps, scale, search)
         if not searching:  # forces of conditions that open are taken away at once
             continue
-        before = 0.0
-        for i in range(count):
-            search.residual[i] = -gaps[i] if search.active[i] else 0.0
-            search.direction[i] = search.residual[i] * search.easy[i]
-            before += search.residual[i] * search.direction[i]
+        before = begin_descent(gaps, search)
         if not before > 0.0:
             break
-    for i in range(count):
-        if y[i] < 0.0 and -scale[i] * y[i] <= tolerance * size[i]:
-            y[i] = 0.0
+    drop_round_off(y, scale, size, tolerance)
     return passes, worst_residual(gaps, y, scale, size)

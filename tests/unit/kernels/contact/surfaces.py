@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from contactlab.api import Floats, Ints, Surface
@@ -10,6 +12,8 @@ from contactlab.kernels.contact.banded_rows import fill_columns
 from contactlab.kernels.contact.tables import BandedRows
 from contactlab.meshing.mesh import surface_from_edges
 from contactlab.model.contact.coupling import Coupling
+
+H = 1e-6  # of central differences over surfaces of size one: their error and round-off over H are below 1e-9
 
 
 def chain(nodes: int, closed: bool = False) -> Surface:
@@ -77,3 +81,12 @@ def columns_of(seed: int = 1) -> tuple[BandedRows, Floats, Coupling, Floats]:
             if k >= 0:
                 np.add.at(dense[k], nodes[p], values[p, :, j])
     return columns, dense, found, dense_coupling(found, multiplier, T)
+
+
+def central_differences(pair: Any, memory: Any, nodes: Floats, move: Floats, slots: Ints) -> Floats:
+    """Change (k,) of the gaps in `slots` (k,) with a motion `move` (N, 2) of `nodes` (N, 2)."""
+    gaps = []
+    for step in (H, -H):
+        pair.update(nodes + step * move, memory)
+        gaps.append(pair.gaps[slots, 0].copy())
+    return np.asarray((gaps[0] - gaps[1]) / (2.0 * H))

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from contactlab_dynamics.forward_increment import ForwardIncrement
 from contactlab_mortar.mortar import MortarP0, MortarP1
+from surfaces import central_differences
 
 from contactlab.api import FactoredGradients, Floats
 from contactlab.kernels.contact import factored_gradients as kernels
 from contactlab.model.contact.factored_gradients import ModelGradients
 from contactlab.testing.surfaces import Chains, flat, pair_of
 
-H = 1e-6  # of central differences over surfaces of size one: their error and round-off over H are below 1e-9
 BOTH = pytest.mark.parametrize("algorithm", [MortarP0(), MortarP1()], ids=["P0", "P1"])
 
 
@@ -65,11 +65,8 @@ def test_write_gradients_gives_central_differences_of_gaps(algorithm: Any) -> No
     arm = at.nodes[slave] - at.nodes[slave].mean(axis=0)
     move[slave] = draw.normal(size=2) + draw.normal() * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
     slots = rows.factors.slot[: rows.factors.count].copy()
-    found, gaps = (dense(rows, len(at.nodes)) * move).sum(axis=(1, 2)), []
-    for step in (H, -H):
-        pair.update(at.nodes + step * move, memory)
-        gaps.append(pair.gaps[slots, 0].copy())
-    expected = (gaps[0] - gaps[1]) / (2.0 * H)
+    found = (dense(rows, len(at.nodes)) * move).sum(axis=(1, 2))
+    expected = central_differences(pair, memory, at.nodes, move, slots)
     assert np.abs(expected).max() > 1.0
     np.testing.assert_allclose(found, expected, atol=1e-8)
 

@@ -1,0 +1,45 @@
+"""Numbers as they are typed in a command. Each raises ArgumentTypeError with what is allowed."""
+
+from __future__ import annotations
+
+import argparse
+
+
+def positive(text: str) -> int:
+    """A whole number of at least 1."""
+    try:
+        number = int(text)
+    except ValueError:
+        number = 0
+    if number < 1:
+        raise argparse.ArgumentTypeError(f"got {text}, allowed: a whole number >= 1")
+    return number
+
+
+def share(text: str) -> float:
+    """An error below 1: a fraction, or a percentage such as 1%."""
+    try:
+        number = float(text.removesuffix("%")) / (100.0 if text.endswith("%") else 1.0)
+    except ValueError:
+        number = 0.0
+    if not 0.0 < number < 1.0:
+        raise argparse.ArgumentTypeError(f"got {text}, allowed: an error such as 1% or 0.01, below 1")
+    return number
+
+
+def seconds(text: str) -> float:
+    """A time above 0; the unit s may be added."""
+    try:
+        number = float(text.removesuffix("s"))
+    except ValueError:
+        number = 0.0
+    if not 0.0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"got {text}, allowed: seconds, above 0")
+    return number
+
+
+def step(text: str) -> int:
+    """A whole number of at least 0."""
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"got {text}, allowed: a whole number >= 0")
+    return int(text)
