@@ -19,6 +19,8 @@ from typing import Any
 import kept_rows
 from kept_rows import Row
 
+from contactlab.reports.numbers import percent
+
 HERE = Path(__file__).parent
 STORED, SOURCE = HERE / "effect_costs.csv", HERE / "effect_costs.md"
 PAGE = HERE.parents[1] / "docs" / "effect-costs.md"
@@ -123,7 +125,7 @@ def _table(rows: list[Row]) -> list[str]:
 
 
 def _percent(text: str) -> str:
-    return f"{float(f'{100.0 * float(text):.2g}'):g} %" if text else ""
+    return f"{percent(float(text))} %" if text else ""
 
 
 def main() -> None:
