@@ -12,7 +12,7 @@ Layouts
     history               (h, P)
     connectivity          (a, B)      int32
 
-Everything is float64 and C-contiguous. Component-major blocks are what lets a compiler
+Everything is float64 and C-contiguous. Blocks are component-major so that a compiler can
 vectorise a law: each component of a block is one contiguous row.
 """
 

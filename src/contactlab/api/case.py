@@ -1,7 +1,7 @@
-"""Cases: questions with known answers that are put to contact algorithms.
+"""Cases: problems with known answers for contact algorithms.
 
-A case is data, and questions put to records: it plans runs, names what is measured on them, and evaluates what came
-back. It never runs anything itself, so that it pickles, hashes and travels.
+A case is data: it plans runs, names their measures, and evaluates the records of the runs. It never runs anything
+itself, so that it can be pickled, hashed and sent to another process.
 """
 
 from __future__ import annotations
@@ -18,18 +18,18 @@ Spec = str | Mapping[str, Any]
 """A part as a scene writes it: its name, or a table with `use` and fields."""
 
 Changes = Mapping[str, Any]
-"""Values at dotted keys of a scene, as `Scene.with_` takes them; None takes the key away."""
+"""Values at dotted keys of a scene, as `Scene.with_` takes them; None removes the key."""
 
 
 @dataclass(frozen=True)
 class Setup:
-    """What a case is put to: the choices of one cell of the matrix.
+    """The choices with which a case is run: one cell of the matrix.
 
     algorithm   of every contact of the case
-    swap        whether slave and master are exchanged against what the case declares
+    swap        whether slave and master are exchanged from what the case declares
     element     of the bodies, one of `Case.elements`
     integrator  one of `Case.integrators`
-    level       1 for the size of the quick matrix; what a higher one refines, the case says
+    level       1 for the meshes of the quick matrix; the case decides what a higher level refines
     """
 
     algorithm: Spec
@@ -39,7 +39,7 @@ class Setup:
     level: int = 1
 
     def changes(self, *bodies: str, contacts: int = 1) -> dict[str, Any]:
-        """These choices as changes of a scene with so many contacts, and with elements to choose in `bodies`."""
+        """These choices as changes of a scene with `contacts` contacts; `bodies` are those that take the element."""
         found: dict[str, Any] = {f"bodies.{body}.element": self.element for body in bodies}
         found["integrator"] = self.integrator
         for number in range(contacts):
@@ -51,14 +51,14 @@ class Setup:
 class Job:
     """One run.
 
-    name     tells the jobs of a case apart
+    name     unique among the jobs of a case
     scene    name of a bundled scene, or a scene as plain tables
     changes  of that scene
     watch    parts of kind watch; each is found in the record by the key `name` of its table, else by its `use`
     work     steps and iterations after which the run is stopped and not judged
-    guards   False for a run that means to do what the guards stop; it can miss a criterion but is never silent
-    fields   whether the record keeps the fields of the end
-    frames   stored frames
+    guards   False for a run that is meant to do what guards stop; it can miss a criterion but is never silent
+    fields   whether the record keeps the fields at the end of the run
+    frames   number of stored frames
     """
 
     name: str
@@ -73,11 +73,11 @@ class Job:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a measure is compared with.
+    """The known value of a measure.
 
     value        [unit of the measure]
     uncertainty  of it, as a fraction
-    kind         "exact", "two-discretisations", "other-code" or "finest" (of the own meshes)
+    kind         "exact", "two-discretisations", "other-code" or "finest" (our own finest mesh)
     origin       paper, equation or program
     """
 
@@ -94,13 +94,13 @@ Role = Literal["error", "criterion", "invariant", "reported"]
 class Measure:
     """One number of a case.
 
-    role   "error": against an answer; a finished run that is off by over 3 times `most` without a warning is silent.
-           "criterion": met or missed. "invariant": what no run may break; a finished one that does is silent.
-           "reported": only told
+    role   "error": against an answer; a finished run whose error exceeds 3 times `most` without a warning is silent.
+           "criterion": met or missed. "invariant": no run may break it; a finished one that does is silent.
+           "reported": not judged
     least, most  allowed values
     why    the reason of the tolerance
     order  q, where the tolerance falls as h^q
-    codes  of warnings that name a miss: with one of them set, a miss is not silent
+    codes  of warnings that report a miss: with one of them given, a miss is not silent
     """
 
     name: str
@@ -114,7 +114,7 @@ class Measure:
     answer: Answer | None = None
 
     def met(self, value: float) -> bool:
-        """Whether `value` is allowed; what is only reported always is, and nan never."""
+        """Whether `value` is allowed: always if it is only reported, otherwise never for nan."""
         return self.role == "reported" or self.least <= value <= self.most
 
 
@@ -140,32 +140,32 @@ def near(name: str, exact: float, fraction: float, why: str, unit: str = "", **m
 
 
 def invariant(name: str, most: float, why: str, unit: str = "", **more: Any) -> Measure:
-    """An invariant: a number that no run may let grow larger than `most`."""
+    """An invariant: a number that may exceed `most` in no run."""
     return Measure(name, unit, "invariant", -math.inf, most, why, **more)
 
 
 def reported(name: str, unit: str = "") -> Measure:
-    """A number that is told and not judged."""
+    """A number that is reported and not judged."""
     return Measure(name, unit, "reported")
 
 
 class Case(ABC):
-    """A question. Subclasses are frozen dataclasses; their fields are perturbations of it (mesh ratio, friction ...).
+    """A problem with a known answer. Subclasses are frozen dataclasses; their fields vary it (friction, mesh ratio).
 
-    1. `plan` names the runs as data; called again with what is done, it may name more, and nothing ends it.
-    2. `measures` says what is measured and what is allowed, before anything has run.
-    3. `evaluate` finds these numbers in the records, by name. Runs that failed are records, too; a number that cannot
+    1. `plan` names the runs as data. Called again with the records so far, it may name more; () ends the plan.
+    2. `measures` names the numbers and their allowed values, before anything has run.
+    3. `evaluate` finds these numbers in the records, by name. Failed runs are records, too; a number that cannot
        be found is left out, which counts as nan.
 
     title        one line
     source       where the answer is published
-    family       a word that cases which belong together share
+    family       a word shared by related cases
     axes         values of the fields in the full matrix; the quick one takes the defaults
-    demands      of "friction", "explicit", "implicit", "quadratic edges": told to people and to `contactlab check`
-    proves       what a part shows that meets it: "patch test", "friction", "momentum" ...
-    integrators, elements  to choose from; the first is that of the quick matrix
+    demands      of "friction", "explicit", "implicit", "quadratic edges": shown to people and to `contactlab check`
+    proves       property of a part that meets the case: "patch test", "friction", "momentum" ...
+    integrators, elements  to choose from; the quick matrix takes the first
     swaps        whether slave and master can be exchanged
-    margin       field that `--margins` drives until a criterion is missed, and the value it stops at
+    margin       field that `--margins` changes until a criterion is missed, and the value at which it stops
     """
 
     title: ClassVar[str]
@@ -185,16 +185,16 @@ class Case(ABC):
 
     @abstractmethod
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """The numbers that are measured with this setup, and what they are compared with."""
+        """The numbers that are measured with this setup, and their allowed values."""
 
     @abstractmethod
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
         """The numbers by the names of the measures."""
 
     def applies(self, setup: Setup) -> str:
-        """Why this setup cannot be put to the case; empty when it can."""
+        """Why the case cannot be run with this setup; empty when it can."""
         return "" if self.swaps or not setup.swap else "a rigid surface cannot be the slave"
 
     def ill_posed(self, setup: Setup) -> str:
-        """Why the problem has no answer, so that a run which says so is right; empty when it has one."""
+        """Why the problem has no solution, so that a run which reports that is right; empty when it has one."""
         return ""

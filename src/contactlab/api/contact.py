@@ -1,14 +1,14 @@
-"""Contact algorithms: how two surfaces become gap conditions.
+"""Contact algorithms: from two surfaces to gap conditions.
 
-An algorithm knows neither friction law nor enforcement nor time. It is written in one of two ways, which share
-`ContactMethod`:
+An algorithm depends neither on the friction law nor on enforcement or time. It is written in one of two ways, which
+share `ContactMethod`:
 
 `ContactAlgorithm`  gives local, segment-wise pieces of the operators D, M and T; the core assembles
                     them, merges and drops multipliers on partial cover, builds the rows
                     G = T^-T [D^T | -M^T] . normal and turns multipliers into pressures.
 `GapAlgorithm`      gives finished rows. Simple to write in plain NumPy; implicit runs take differences of them.
 
-What an algorithm may see of a contact is one `ContactView`.
+An algorithm sees a contact through one `ContactView`.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class ContactView(NamedTuple):
     at             positions of their nodes [mm]
     near           master segments near each slave segment
     reach          [mm] slave segments (or nodes) whose gap exceeds it are to be left out
-    memory         (memory_size, m) what the algorithm remembers of the last step, updated in place
+    memory         (memory_size, m) numbers that the algorithm keeps from the last step, updated in place
     """
 
     slave: Surface
@@ -48,7 +48,7 @@ class Pieces:
 
     A piece couples at most `s` slave nodes, `k` multipliers and `r` master nodes. Multiplier
     j = slot * m + i belongs to slave node i; slot is 0 unless the algorithm declares more rows per
-    node. T may couple multipliers of neighbouring carriers of the chain only.
+    node. T may couple only multipliers of neighbouring carriers of the chain.
 
     slave       (capacity, s) int32, slave nodes as positions in the slave surface
     multiplier  (capacity, k) int32
@@ -85,9 +85,9 @@ class Pieces:
 class ContactMethod(ABC):
     """What both kinds of contact algorithms declare. Algorithms derive from one of the classes below.
 
-    passes_patch_test  declared, and checked both ways
+    passes_patch_test  True or False; checked either way
     explicit_only      True for an algorithm whose conditions jump too much for Newton's method: implicit runs refuse it
-    keeps_energy       True for conditions that only take energy: no explicit step of contact without friction makes any
+    keeps_energy       True if frictionless contact creates energy in no explicit step
     rows_per_node      conditions a slave node can carry at once
     memory_size        numbers remembered per slave node between steps (zero at the start)
     """
@@ -105,19 +105,19 @@ class ContactAlgorithm(ContactMethod):
     gradient_nodes: ClassVar[int] = 0
 
     def with_friction(self) -> ContactAlgorithm:
-        """What the algorithm is where friction is declared. The default is what it is anyway."""
+        """The algorithm to use where friction is declared. The default is the algorithm itself."""
         return self
 
     def carriers(self, slave: Surface) -> Flags:
         """Which nodes (m,) of the slave carry multipliers. The default is all of them.
 
-        Between two carriers of a chain there may be one node that is none; reports give it the mean of the two.
+        At most one node between two carriers of a chain may be without a multiplier; reports give it their mean.
         """
         return np.ones(len(slave.nodes), np.bool_)
 
     @abstractmethod
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
-        """Slave nodes, multipliers and master nodes that one piece couples at most."""
+        """Largest numbers of slave nodes, multipliers and master nodes that one piece couples."""
 
     @abstractmethod
     def capacity(self, slave: Surface, near: Candidates) -> int:
@@ -130,7 +130,7 @@ class ContactAlgorithm(ContactMethod):
     def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         """Fill out (multipliers, 2) with the normals that the first `count` of `pieces` have at the view's positions.
 
-        Asked for with friction, at the start of the step. The default integrates anew; algorithms
+        Called with friction, at the start of the step. The default integrates all pieces again; algorithms
         whose normals follow from positions alone override it.
         """
         widths = self.widths(view.slave, view.master)
@@ -142,8 +142,8 @@ class ContactAlgorithm(ContactMethod):
     def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
         """Fill `out` with the derivatives of the first `count` of `pieces`, which were filled for this view.
 
-        Asked for by implicit integrators. The default says no, and the core takes differences of
-        `pieces`: right, and slower by about fifty calls of it. `out` has room for 2 (s + r + 8) entries
+        Called by implicit integrators. The default returns False, and the core takes differences of
+        `pieces`: right, but about fifty calls slower. `out` has room for 2 (s + r + 8) entries
         of each piece, for 20 of each normal and 32 more of the normals for each piece.
         """
         return False
@@ -153,20 +153,20 @@ class ContactAlgorithm(ContactMethod):
     ) -> bool:
         """Fill `out` with the derivatives of the separations of the first `count` of `pieces`, one entry for each.
 
-        Asked for by explicit integrators whose contact forces are conjugate, in every step, of algorithms that declare
-        `gradient_nodes`. `separation` (multipliers, 2) [mm] counts for the multiplier `owner` (multipliers,) int32 that
-        each one became, for none where that is -1. False, and the core takes `derivatives`: the same and slower.
+        Called in every step by explicit integrators whose contact forces are conjugate, for algorithms that declare
+        `gradient_nodes`. The separation of multiplier i is row owner[i] of `separation` (multipliers, 2) [mm]; `owner`
+        (multipliers,) int32 is -1 for none. If it returns False, the core takes `derivatives`: the same but slower.
         """
         return False
 
     def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
         """Fill out (p, 4): on the slave and on the master segment, -1 to 1, where each piece begins, and where it ends.
 
-        Of the first `count` of `pieces`. Asked for as `gradients`, where all edges are straight and nothing rubs: of
-        algorithms that join a point of a slave segment with one of a master segment along the averaged normals of the
-        slave, interpolated between its nodes, and integrate over the slave segment with the place on the master linear
-        in each piece. The core then does with these what `gradients` does, many times faster. False, as the default has
-        it: `gradients` are asked for.
+        Of the first `count` of `pieces`. Called like `gradients`, where all edges are straight, without friction.
+        For algorithms that project a point of a slave segment onto a master segment along the averaged normals of the
+        slave, interpolated between its nodes, and integrate over the slave segment with the projection linear in each
+        piece. The core then finds the result of `gradients` many times faster. The default returns False, and
+        `gradients` is called.
         """
         return False
 
@@ -180,7 +180,7 @@ class GapConditions:
     normal_weight  (z, 2) [-]  derivative of the gap by the node's position
     tangent_weight (z, 2) [-]  derivative of the slip; (0, 2) where no friction is declared
     gap            (k,) [mm]   positive when open
-    measure        (k,) [mm]   length of slave surface that each condition stands for
+    measure        (k,) [mm]   length of slave surface that belongs to each condition
     owner          (k,) int32  multiplier slot * m + i of each condition at slave node i, each at most once
     """
 
@@ -198,13 +198,13 @@ class GapAlgorithm(ContactMethod):
 
     @abstractmethod
     def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
-        """The gap conditions at the positions of the view. `tangent` asks for tangent weights."""
+        """The gap conditions at the positions of the view, with tangent weights if `tangent` is True."""
 
     def derivatives(self, view: ContactView, found: GapConditions) -> ConditionDerivatives | None:
-        """How the weights of `found`, the conditions of this view, change with positions; read-only, memory too.
+        """Derivatives of the weights of `found`, the conditions of this view; all is read-only, `memory` included.
 
-        Asked for by implicit integrators. The default says None, and the core takes differences of `conditions`:
-        slower by about thirty calls for one node on one segment, or four calls for each node of the widest condition.
-        Where conditions follow from nodes far from those that they name, it finds out, and takes more calls.
+        Called by implicit integrators. The default returns None, and the core takes differences of `conditions`:
+        about thirty calls for one node on one segment, or four calls for each node of the widest condition.
+        Where conditions depend on nodes far from those that they name, the core detects it and takes more calls.
         """
         return None

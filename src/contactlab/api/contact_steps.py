@@ -1,4 +1,4 @@
-"""What is kept of a contact in every step: one number per slave node and quantity."""
+"""The contact record of every step: one number per slave node and quantity."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from contactlab.api.frame import ContactLayout
 __all__ = ["NO_SEGMENT", "contact_record"]
 
 NO_SEGMENT = 65535
-"""`segment` of a node that faces none."""
+"""`segment` of a node that faces no master segment."""
 
 
 def contact_record(contact: ContactLayout) -> np.dtype[Any]:
@@ -23,10 +23,10 @@ def contact_record(contact: ContactLayout) -> np.dtype[Any]:
     state       (m,) 0 open, 1 stick, 2 slip
     segment     (m,) number of the master segment that has most of the weight in the node's condition, counted along
                 `ContactLayout.master_segments`; `NO_SEGMENT` where there is none or its number is larger than that
-    shear       (m,) [MPa], with friction alone
-    slip        (m,) tangential motion in this step [mm], with friction alone
+    shear       (m,) [MPa], only with friction
+    slip        (m,) tangential motion in this step [mm], only with friction
 
-    In single precision this is 19 bytes a node and step with friction and 11 without.
+    In single precision this is 19 bytes per node and step with friction and 11 without.
     """
     m, own = len(contact.slave_nodes), "gap pressure shear slip" if contact.friction else "gap pressure"
     fields: list[Any] = [("step", "i8"), ("time", "f8")]

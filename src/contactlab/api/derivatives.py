@@ -11,10 +11,10 @@ from contactlab.api.arrays import Floats, Ints
 
 @dataclass
 class PieceDerivatives:
-    """Room for the derivatives of D, M, T and the normals by positions of surface nodes.
+    """Room for the derivatives of D, M, T and the normals with respect to positions of surface nodes.
 
     One entry for each piece and each coordinate that it depends on; entries that are all zero may be
-    left out. `count` and `normal_count` are in use. `moved` tells the coordinate: 2 * node + direction,
+    left out. `count` and `normal_count` are in use. `moved` is the coordinate: 2 * node + direction,
     where node is a position in the slave surface, or m + a position in the master surface.
 
     slave, multiplier, master  (capacity, s), (capacity, k), (capacity, r) int32, those of the piece
@@ -61,10 +61,10 @@ class PieceDerivatives:
 class ConditionDerivatives:
     """Derivatives of the normal weights of finished gap conditions by positions, one by one; zeros may be left out.
 
-    Tangent weights turn with the normal ones, and gaps are sums of weights times positions: both follow.
+    Tangent weights turn with the normal ones, and gaps are sums of weights times positions, so that both follow.
 
     entry  (t,) int32  entry of `GapConditions.node` whose weight changes
-    moved  (t,) int32  coordinate that it changes with: 2 * global node + direction
+    moved  (t,) int32  coordinate of the derivative: 2 * global node + direction
     value  (t, 2) [1/mm]  d(normal_weight of the entry)/d(coordinate)
     """
 
@@ -77,7 +77,7 @@ class ConditionDerivatives:
 class GapGradients:
     """Room for the derivatives of the weighted separations D^T x - M^T y - T^T r of the pieces.
 
-    Only what follows from weights that change: positions x, y and separations r that are multiplied with them stay.
+    Only the part from changing weights: the positions x, y and separations r that they multiply are held fixed.
     Nodes are positions in the slave surface, or m + a position in the master surface; -1 for none. `count` and
     `normal_count` are in use.
 

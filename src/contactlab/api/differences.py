@@ -1,4 +1,4 @@
-"""Derivatives of laws by central differences, for those that give none, and what follows from them."""
+"""Tangents of laws by central differences, and the stiffening that follows from a tangent."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from contactlab.api.material import Material
 
 DIRECTIONS = 24  # of waves within half a turn
-BETWEEN = 0.035  # 1 - cos(4 * 3.75 degrees): how much of their spread may be missed between two directions
+BETWEEN = 0.035  # 1 - cos(4 * 3.75 degrees): share of the spread that may be missed between two directions
 
 STEP = 6e-6  # cube root of round-off: balances truncation and cancellation for gradients of order one
 
@@ -31,11 +31,11 @@ def tangent_by_differences(law: Material, gradient: Floats, history: Floats, dt:
 
 
 def stiffening_of_waves(law: Material, gradient: Floats, out: Floats) -> None:
-    """Fill out (P,) with the fastest wave's modulus over that at rest, for a "finite" law without history.
+    """Fill out (P,) with the modulus of the fastest wave over that at rest, for a "finite" law without history.
 
-    A wave along n whose particles move along u sees Q u = d(stress) n for the motion u n^T: the acoustic tensor of the
-    moduli on the current geometry (Ogden 1984, 6.4). Its largest eigenvalue is sought among some directions, and what
-    may lie between two of them is added.
+    For a plane wave along n with displacement u the acoustic tensor is Q u = d(stress) n under the motion u n^T, on the
+    current geometry (Ogden 1984, 6.4). Its largest eigenvalue is sought among some directions, and a bound of what may
+    lie between two of them is added.
     """
     points = gradient.shape[1]
     tangent, history = np.empty((4, 4, points)), np.zeros((0, points))

@@ -1,4 +1,4 @@
-"""Effects: anything else that pushes on nodes."""
+"""Effects: nodal forces that are neither loads nor contact."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from contactlab.api.arrays import Floats, Ints
 
 
 class EffectView(NamedTuple):
-    """What an effect may see. Arrays are read-only and always current.
+    """All that an effect sees. Arrays are read-only and always current.
 
     reference     (N, 2) undeformed positions [mm]
     mass          (N,) lumped [t]; 0 for nodes of rigid surfaces; (0,) in statics unless an effect needs it
@@ -31,12 +31,12 @@ class EffectView(NamedTuple):
 class Effect(ABC):
     """Gravity, springs, dampers ... Subclasses are frozen dataclasses.
 
-    Their fields are the TOML keys; a ValueError that `bind` raises is reported at the effect. Implicit integrators
-    find out by themselves how forces change with the positions and velocities of the nodes that they act on.
+    Their fields are the TOML keys; a ValueError that `bind` raises is reported at the effect's table. Implicit
+    integrators find by themselves how forces change with the positions and velocities of the nodes they act on.
 
-    needs_mass    whether masses are assembled for it in statics, too
-    conservative  at any time its forces follow from positions alone, and take no work around a closed path
-    dissipates    its forces never drive a motion
+    needs_mass    whether it needs masses in statics, too
+    conservative  at any time its forces follow from positions alone, and do no work around a closed path
+    dissipates    its forces never do positive work
     internal      its forces have neither a resultant nor a moment: they act between the bodies, or within them
     """
 

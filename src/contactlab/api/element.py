@@ -1,4 +1,4 @@
-"""Elements: tables of one reference cell. Loops over cells belong to the core."""
+"""Elements: tables on one reference cell. The core loops over the cells."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from contactlab.api.material import Kinematics
 
 
 class Shape(NamedTuple):
-    """Shape functions at s points: `value` (s, a), `gradient` (s, a, 2) by reference coordinates."""
+    """Shape functions at s points: `value` (s, a), and `gradient` (s, a, 2) by reference coordinates."""
 
     value: Floats
     gradient: Floats
@@ -33,12 +33,12 @@ class BlockKernels(NamedTuple):
         Adds the internal nodal forces of the block [N] to `force`.
 
     stabilise(reference (N, 2), displacement (N, 2), connectivity (a, B), shear, force (N, 2), scratch)
-        For elements whose points leave modes without stiffness, None for the rest: adds the forces K u of
+        For elements whose quadrature leaves modes without stiffness, None for others: adds the forces K u of
         a constant symmetric K, proportional to the law's shear modulus [MPa] and zero for every linear
-        displacement. Their energy u K u/2 is booked as numerical.
+        displacement. Their energy u K u/2 is counted as numerical.
 
-    `scratch` is (6 a + 6, B). What `gradient` leaves there is still there when `force` is called for
-    the same block and geometry; nothing else is kept between calls.
+    `scratch` is (6 a + 6, B). The values that `gradient` leaves there are still there when `force` is called
+    for the same block and geometry; nothing else is kept between calls.
     """
 
     gradient: Callable[..., None]
@@ -49,16 +49,16 @@ class BlockKernels(NamedTuple):
 class Element(ABC):
     """A quadrilateral with nodes numbered counter-clockwise, corners first.
 
-    An author gives the class attributes and three methods; the core derives mass, gradients,
+    An author provides the class attributes and three methods; the core derives mass, gradients,
     internal forces and contact traces from them.
 
     nodes    (a, 2) reference coordinates in [-1, 1]^2
     edges    local nodes of each side: start, end, then inner ones; the cell lies on the left
-    degree   complete polynomial degree, which promises error O(h**(degree + 1)) in displacement
+    degree   complete polynomial degree; the displacement error must be O(h**(degree + 1))
     lumping  how the mass becomes diagonal: "row-sum" (integral of each shape function),
              "hrz" (Hinton, Rock & Zienkiewicz: consistent diagonal scaled to the total) or
              "quadrature" (nodal quadrature, for elements whose nodes are Lobatto points)
-    locks    True: too stiff where the material hardly changes its volume, and runs in which it matters say so
+    locks    True: too stiff for nearly incompressible materials; runs in which this matters warn of it
     without  effects of this element ("quadratic shape functions"), each with the element that leaves it out
     beyond   effects that this element leaves out, each with the element that has it
     """
@@ -86,6 +86,6 @@ class Element(ABC):
     def block_kernels(self, kinematics: Kinematics) -> BlockKernels | None:
         """Kernels of the element's own, or None for the core's generic ones made from the tables.
 
-        `kinematics` is the law's: it tells what `field` and `geometry` are (see `Material`).
+        `kinematics` is that of the law and decides what `field` and `geometry` are (see `Material`).
         """
         return None

@@ -24,10 +24,10 @@ class Rows:
     tangent_weight (z, 2) [-]  d(slip)/d(position); (0, 2) without friction
     gap            (k,) [mm]   at the predicted positions
     slip           (k,) [mm]   of the step at the predicted positions; (0,) without friction
-    measure        (k,) [mm]   length that the condition stands for
+    measure        (k,) [mm]   length of slave surface that belongs to the condition
     size           (k,) [mm]   length of the slave segments there, to scale gaps
-    slot           (k,) int32  where the condition's multiplier lives in the state
-    offset         (k,) [mm]   what the gap has beside weights times positions, for those who record it
+    slot           (k,) int32  index of the condition's multiplier in the state
+    offset         (k,) [mm]   gap less weights times positions, for records
     bound          (3, k)      friction bound per row: coefficient, adhesion, cap; (3, 0) without friction
     work           (4, k)      scratch for the enforcement
     """
@@ -56,17 +56,17 @@ class Rows:
 class FactoredRows:
     """Frictionless gap conditions before their coupling is inverted, `count` of them in use.
 
-    The condition i is normal . (own + [T^-T B])_i: B has few entries per condition, T couples neighbours. What
-    `Rows` says with many weights is said here with few, for enforcements that only need products.
+    The condition i is normal . (own + [T^-T B])_i: B has few entries per condition, T couples neighbours. It is the
+    row that `Rows` holds as many weights, for enforcements that only need products.
 
     start    (k + 1,) int32
     node     (z,) int32 global nodes, weight (z,) [mm]: row i of B
-    own      (k,) int32  slave node that the condition weighs by one beside B; -1 where B has it
+    own      (k,) int32  slave node of weight one in addition to B; -1 where B contains it
     normal   (k, 2)      unit vectors
     gap, size, slot      as in `Rows`, (k,)
     above    (k,) [mm]   T[i - 1, i], 0 at the start of a chain
     below    (k,) [mm]   T[i, i - 1], 0 at the start of a chain
-    inverse  (k,) [1/mm] of the pivots of T, eliminated in this order
+    inverse  (k,) [1/mm] inverse pivots of T, eliminated in this order
     left     (k,) [mm]   gaps after the solve; written by the enforcement for recorders
     """
 
@@ -104,19 +104,19 @@ class FactoredRows:
 class FactoredGradients:
     """Frictionless conditions whose rows are the derivatives of their gaps, before their coupling is inverted.
 
-    The row of condition i is normal . (own + [T^-T B])_i + spin d(angle), products with it are in
-    `contactlab.api.compiled.gradient_products`. Nodes are numbered among those that rows touch.
+    The row of condition i is normal . (own + [T^-T B])_i + spin d(angle); products with it are in
+    `contactlab.api.compiled.gradient_products`. Local node numbers are indices into `nodes`.
 
-    factors      `FactoredRows` for all that is alike; its `node` and `own` are numbers among `nodes`, its `weight` is
-                 of no use, its `gap` is what is left of the motion that may be allowed, and `left`, written by the
-                 enforcement, that after the solve plus `offset`
+    factors      the `FactoredRows` that it shares; `node` and `own` are local, `weight` is unused, `gap` is the
+                 predicted motion less the allowed one, and `left`, written by the enforcement, the same after the
+                 solve plus `offset`
     block        (z, 2, 2) [mm] row i of B: derivative of component c of the weighted separation by coordinate d
     nodes        (n,) int32 global nodes, the first used[0] in use
     angle_start  (k + 1,) int32, angle (y,) int32, lever (y, 2) [mm]: B by the angles of averaged normals
     ends, turn   (a, 2) int32, (a, 2) [1/mm]: an angle turns by turn . (motion of ends[1] - that of ends[0]); the first
                  used[1] in use
-    own_angle    (k,) int32 angle of the condition's own normal, spin (k,) [mm] how its gap changes with that
-    offset       (k,) [mm] what the gap has beside what is left of the allowed motion
+    own_angle    (k,) int32 angle of the condition's own normal, spin (k,) [mm] derivative of its gap by that angle
+    offset       (k,) [mm] gap at the start of the step plus the allowed motion
     used         (2,) int32
     """
 
@@ -152,8 +152,8 @@ class FactoredGradients:
 
 
 class Solve(NamedTuple):
-    """How a contact solve went: sweeps or other passes over all rows, scaled natural residual, rows without any
-    compliance, and the largest correction of a node [mm]."""
+    """Result of a contact solve: sweeps or other passes over all rows, scaled natural residual, number of rows without
+    any compliance, and the largest correction of a node [mm]."""
 
     sweeps: int
     residual: float
@@ -162,9 +162,9 @@ class Solve(NamedTuple):
 
 
 class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
-    """How gap conditions become forces. Subclasses derive from one of the classes below.
+    """Finds contact forces from gap conditions. Subclasses derive from one of the classes below.
 
-    exact  closed gaps are zero and sticking conditions do not slip; False for springs, which give way
+    exact  closed gaps are zero and sticking conditions do not slip; False for springs, which deform
     """
 
     exact: ClassVar[bool] = True
@@ -173,9 +173,9 @@ class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
 class ExplicitEnforcement(Enforcement):
     """For integrators that predict positions and correct them with contact forces in the same step.
 
-    factored   it has `solve_factored`, which is then asked first where all conditions can be given that way
+    factored   it has `solve_factored`, which is called first where all conditions can be given in that form
     conjugate  rows are the whole derivatives of the gaps at the start of the step, weights and normals included, and
-               `Rows.gap` is what is left of the motion that may be allowed (docs/theory/contact-energy.md);
+               `Rows.gap` is the predicted motion less the one allowed (docs/theory/contact-energy.md);
                otherwise rows are weights and normals at the end of the step, and `Rows.gap` is the predicted gap
     """
 
@@ -189,18 +189,18 @@ class ExplicitEnforcement(Enforcement):
     def solve_factored(
         self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats
     ) -> Solve | None:
-        """As `solve`; None where it gives up, with multipliers and forces as they were."""
+        """Like `solve`; returns None where it fails, with multipliers and forces unchanged."""
         raise NotImplementedError
 
     def solve_gradients(
         self, rows: FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
     ) -> Solve | None:
-        """As `solve_factored`, for rows that are the derivatives of their gaps; asked of those that are `conjugate`."""
+        """Like `solve_factored`, for rows that are the derivatives of their gaps; called if it is `conjugate`."""
         return None
 
     @abstractmethod
     def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
-        """Fill `multipliers` and `force` so that the rows hold at the corrected positions,
+        """Fill `multipliers` and `force` so that the conditions hold at the corrected positions,
         predicted + compliance * force.
 
         compliance  (N, 2) [mm/N]  displacement per force within the step; 0 where motion is prescribed
@@ -215,16 +215,16 @@ class Conditions:
 
     r is 1, or 2 with friction: normal, then tangential.
 
-    present    (k,) bool   slots without a condition have no force
+    present    (k,) bool   whether the slot has a condition; one without has no force
     gap        (k,) [mm]   positive when open
     slip       (k,) [mm]   since the last accepted step; (0,) without friction
     force      (r, k) [N]  trial multipliers y
     anchor     (r, k) [N]  multipliers of the last augmentation, see `ImplicitEnforcement.augments`
-    measure    (k,) [mm]   length that the condition stands for
+    measure    (k,) [mm]   length of slave surface that belongs to the condition
     size       (k,) [mm]   length of the slave segments there, to scale gaps
     bound      (3, k)      friction bound: coefficient, adhesion, cap; (3, 0) without friction
-    stiffness  (k,) [N/mm] force that one unit of gap costs the bodies' surfaces, from the stiffness of their
-                           nodes; inf where motion is prescribed on both sides
+    stiffness  (k,) [N/mm] force per unit of gap, from the stiffness of the nodes on both surfaces; inf where
+                           motion is prescribed on both sides
     """
 
     present: Any
@@ -240,14 +240,14 @@ class Conditions:
 
 @dataclass
 class Response:
-    """What an enforcement asks of the forces of each condition, linearised.
+    """The linearised equations of an enforcement for the forces of each condition.
 
-    Row i is the normal one, and with friction the tangential one; the normal one knows nothing of the other.
+    Rows are the normal one and, with friction, the tangential one; the normal one does not depend on the other.
 
         residual + by_force dy + by_gap d(gap or slip) = 0
         in the tangential row also: + cross_force dy_n + cross_gap d(gap)
 
-    residual     (r, k) [N]     how far the conditions are from holding
+    residual     (r, k) [N]     zero where the condition holds
     by_force     (r, k) [-]     d(residual)/d(force of its own row)
     by_gap       (r, k) [N/mm]  d(residual)/d(gap), d(residual)/d(slip)
     cross_force  (k,) [-]       of the tangential row by the normal force; (0,) without friction
@@ -273,7 +273,7 @@ class Response:
 class ImplicitEnforcement(Enforcement):
     """For integrators that find positions and contact forces together, by Newton's method.
 
-    augments  True: after the iteration has converged the forces become the `anchor` and it goes on, until
+    augments  True: after the iteration has converged the forces become the `anchor` and it continues, until
               closed gaps are as small as with exact multipliers
     """
 
@@ -281,4 +281,4 @@ class ImplicitEnforcement(Enforcement):
 
     @abstractmethod
     def respond(self, conditions: Conditions, out: Response) -> None:
-        """Fill `out`. Residuals are piecewise smooth; where pieces meet either derivative will do."""
+        """Fill `out`. Residuals are piecewise smooth; at a kink the derivative of either side will do."""

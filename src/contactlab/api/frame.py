@@ -1,4 +1,4 @@
-"""What recorders see of a run: its layout, stored frames, every step's scalars, and events."""
+"""The data that recorders get of a run: its layout, stored frames, every step's scalars, and events."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ OPEN, STICK, SLIP = 0, 1, 2
 """States of a slave node; frictionless contact counts as slip."""
 
 STATES = ("open", "stick", "slip")
-"""What `ContactCurve.state` means, by number."""
+"""Names of the values of `ContactCurve.state`, by number."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ContactCurve:
     """The contact surface at one instant, one entry per slave node (m,), in chain order.
 
-    s               arc length of the undeformed slave surface [mm]; a chain goes on where the one before it ends
+    s               arc length of the undeformed slave surface [mm]; a chain continues that of the one before
     x, y            deformed position [mm]
     pressure        the multiplier Lambda, positive when pressed [MPa]
     shear           positive along the slave's arc length [MPa]
@@ -72,9 +72,9 @@ class ContactCurve:
 
 @dataclass(frozen=True)
 class BodyLayout:
-    """One body: its cells (n, a) in global node numbers, its parts, and what its law remembers.
+    """One body: its cells (n, a) in global node numbers, its parts, and the internal variables of its law.
 
-    corners first, then mid-sides, then the middle: 4, 8 or 9 nodes per cell
+    Nodes of a cell: corners first, then mid-sides, then the middle; 4, 8 or 9 in all.
     """
 
     name: str
@@ -85,15 +85,15 @@ class BodyLayout:
 
     @property
     def shown_variables(self) -> tuple[str, ...]:
-        """Internal variables in stored frames: without the stress, which laws in rate form remember."""
+        """Internal variables in stored frames: without the stress, which laws in rate form keep in their history."""
         return tuple(name for name in self.internal_variables if not name.startswith("stress_"))
 
 
 @dataclass(frozen=True)
 class ContactLayout:
-    """One contact: `name` is "contacts.0", `label` what the scene calls it.
+    """One contact: `name` is "contacts.0", `label` its name in the scene.
 
-    slave, master    edge sets as they act, "disc.arc"
+    slave, master    edge sets in these roles, "disc.arc"
     *_nodes (m,)     global node numbers of each surface
     *_segments (s, 2)  straight segments, as positions in those
     """
@@ -112,9 +112,9 @@ class ContactLayout:
 
 @dataclass(frozen=True)
 class Layout:
-    """What does not change in a run.
+    """All that does not change during a run.
 
-    scene       the scene as a TOML file, defaults written out
+    scene       the scene as a TOML file, with all defaults
     title       the scene's name; units its label of units
     nodes       (N, 2) reference positions [mm]
     parts       by key of the scene: name and distribution of each part; versions of libraries
@@ -162,7 +162,7 @@ Level = Literal["info", "warning", "error"]
 
 
 class Event(NamedTuple):
-    """Something worth a line: the step and time [s] when it was seen."""
+    """A notable event of a run, with its step and time [s]."""
 
     step: int
     time: float
@@ -171,11 +171,11 @@ class Event(NamedTuple):
 
 
 class IterationRow(NamedTuple):
-    """One Newton iteration of an attempted step; a step that was taken back stays in the record.
+    """One Newton iteration of an attempted step; those of rejected attempts stay in the record.
 
-    step, time [s], dt [s]  the step being made, where it begins, and its length
-    attempt, number         of the step (1 unless it was taken back before), of the iteration in it
-    force, contact          residuals, see `contactlab.api.Iteration`, and so for the rest
+    step, time [s], dt [s]  number of the step, time at its start, and its length
+    attempt, number         attempt at this step, from 1, and iteration within it
+    force, contact          residuals, see `contactlab.api.Iteration`, as for the other fields
     statuses                as digits, contact after contact in the order of slave nodes; `active_set` as numbers
     """
 
@@ -207,12 +207,12 @@ class StoredRun(Protocol):
 
     @property
     def frames(self) -> Sequence[Frame]:
-        """All stored frames, each read when it is asked for."""
+        """All stored frames, each read when it is accessed."""
         ...
 
     @property
     def last_steps(self) -> Mapping[str, Sequence[Frame]]:
-        """Frames of every one of the last steps, by what they came before, see `contactlab.api.recorder`."""
+        """Frames of each of the last steps before a failure or warning, by these names of `contactlab.api.recorder`."""
         ...
 
     @property

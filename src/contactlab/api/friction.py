@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 
 class FrictionBound(NamedTuple):
-    """|y_t| <= min(adhesion * measure, cap * y_n) + coefficient * y_n, the form every solver can sweep over.
+    """|y_t| <= min(adhesion * measure, cap * y_n) + coefficient * y_n: the form that all solvers use.
 
     coefficient [-]   Coulomb: mu; Tresca: 0
     adhesion    [MPa] Tresca's slip bound; Coulomb: 0
-    cap         [-]   inf: the adhesion acts on all of the surface; finite: only where pressed
+    cap         [-]   inf: the adhesion acts on the whole surface; finite: only where contact is closed
     """
 
     coefficient: float
@@ -20,7 +20,7 @@ class FrictionBound(NamedTuple):
 
 
 class FrictionLaw(ABC):
-    """Knows no geometry. Subclasses are frozen dataclasses; their fields are the TOML keys."""
+    """A friction law, without geometry. Subclasses are frozen dataclasses; their fields are the TOML keys."""
 
     @abstractmethod
     def bound(self) -> FrictionBound:

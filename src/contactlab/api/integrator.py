@@ -1,4 +1,4 @@
-"""Integrators: one accepted step from state to state, through a narrow view of the model."""
+"""Integrators: steps from state to state, through a narrow interface to the model."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contactlab.api.state import State
 
 
 class StepStatus(Enum):
-    """How a step ended; the text says what to try."""
+    """How a step ended; the text advises what to try."""
 
     accepted = ""
     not_converged = "the iteration did not converge; a shorter step is tried next"
@@ -27,8 +27,8 @@ class Iteration(NamedTuple):
     contact   largest violation of a contact condition, in segment lengths
     active    closed conditions; sticking: those that stick; changed: conditions whose status changed
     length    fraction of the computed correction that was taken
-    note      what was done beside a plain iteration, and why
-    statuses  a digit per contact condition: 0 open, 1 stick, 2 slip; empty where nobody says
+    note      any departure from a plain iteration, and why
+    statuses  a digit per contact condition: 0 open, 1 stick, 2 slip; empty if unknown
     """
 
     force: float
@@ -42,13 +42,13 @@ class Iteration(NamedTuple):
 
 
 class Step(NamedTuple):
-    """What an attempted step did: its status, work and reactions, and how its iteration went.
+    """Result of an attempted step: its status, work and reactions, and its iterations.
 
     work        (7,) energy ledger at its end, see `contactlab.api.WORK` [mJ]
     reaction    (N, 2) [N] forces of the supports on prescribed degrees of freedom, 0 elsewhere
-    status      whether it is accepted; one that is not says why in `reason` and needs no other field
-    iterations  of Newton's method; trace tells every one of them
-    sweeps      of the contact solve; residual is what it left
+    status      whether it is accepted; otherwise `reason` gives the cause and no other field is needed
+    iterations  number of Newton iterations; `trace` has each of them
+    sweeps      of the contact solve; `residual` is that at its end
 
     `work` and `reaction` are new arrays, or the state's own fields of these names brought up to date in place.
     """
@@ -68,7 +68,7 @@ class PrescribedMotion(Protocol):
 
     dof    (p,) int32, 2 * node + component
     scale  (p,) [mm], displacement = scale * ramp value
-    ramp   (p,) int32, which ramp each one follows
+    ramp   (p,) int32, number of the ramp that each one follows
     """
 
     dof: Ints
@@ -83,11 +83,11 @@ class ContactEquations(Protocol):
     """All contact pairs together, as explicit integrators see them."""
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        """Rows at the `predicted` positions (N, 2) from search to friction, then the enforcement's answer.
+        """Find the rows at the `predicted` positions (N, 2), from search to friction, and solve for the forces.
 
         `current` (N, 2) are the positions at the start of the step, for objective slip. Multipliers
-        are warm-started from the state and left there; `force` (N, 2) [N] brings the contact forces
-        of the last step (they tell where the nodes will be) and receives those of this one.
+        are warm-started from the state and stored there; `force` (N, 2) [N] holds the contact forces
+        of the last step, from which final positions are estimated, and receives those of this one.
         """
 
     def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
@@ -99,13 +99,13 @@ class ContactEquations(Protocol):
 
 
 class Equations(Protocol):
-    """What every integrator may see of a model. What a scene does not declare is None or empty.
+    """What every integrator sees of a model. Anything that a scene does not declare is None or empty.
 
     reference  (N, 2) undeformed positions [mm]
     position   (N, 2) reference + displacement, kept current by `internal_force` [mm]
     mass       (N,) lumped [t]; 0 for nodes of rigid surfaces; (0,) without inertia
-    damping    mass-proportional [1/s], of velocities beside the state's `drift` where there is one
-    relaxation time [s] in which `drift` follows velocities; 0 without it
+    damping    mass-proportional [1/s], of velocities relative to the state's `drift` where there is one
+    relaxation time constant [s] with which `drift` follows velocities; 0 without it
     """
 
     reference: Floats
@@ -114,25 +114,25 @@ class Equations(Protocol):
 
     @property
     def damping(self) -> float:
-        """Mass-proportional damping [1/s] of velocities beside the `drift`."""
+        """Mass-proportional damping [1/s] of velocities relative to the `drift`."""
 
     @property
     def relaxation(self) -> float:
-        """Time [s] in which `drift` follows velocities."""
+        """Time constant [s] with which `drift` follows velocities."""
 
     @property
     def prescribed(self) -> PrescribedMotion:
         """Degrees of freedom whose displacement is given."""
 
     def internal_force(self, dt: float) -> None:
-        """Stresses and history at the state's displacement, reached by a step `dt`; fills `internal_force`."""
+        """Find stresses and history at the state's displacement after a step `dt`, and fill `internal_force`."""
 
     def external_force(self, time: float, out: Floats) -> bool:
         """Fill `out` (N, 2) with all loads [N]; False if the scene has none (`out` is then untouched)."""
 
 
 class ExplicitEquations(Equations, Protocol):
-    """What explicit integrators see beside `Equations`."""
+    """What explicit integrators see in addition to `Equations`."""
 
     @property
     def contact(self) -> ContactEquations | None:
@@ -155,14 +155,14 @@ class ImplicitContact(Protocol):
         """Fill (N, 2) [N] each with the nodal forces of the trial multipliers; the second (0, 2) without friction."""
 
     def scale(self, flexibility: Floats) -> None:
-        """From the next `evaluate` on, stiffnesses follow from these (N, 2) [mm/N] of single nodes, 0 where held."""
+        """Derive stiffnesses from the flexibility (N, 2) [mm/N] of nodes, 0 where held, from the next `evaluate` on."""
 
     def linearise(self, chosen: Ints) -> ContactDerivatives:
         """Derivatives at the positions of the last `evaluate`; rows are the `chosen` slots, in increasing order."""
 
 
 class ContactDerivatives(NamedTuple):
-    """Sparse derivatives by the 2N degrees of freedom; one row for each chosen slot.
+    """Sparse derivatives with respect to the 2N degrees of freedom; one row for each chosen slot.
 
     normal, tangent  directions of the forces: nodal forces = normal^T y_n + tangent^T y_t
     gap, slip        derivatives of gap and slip; tangent and slip are None without friction
@@ -177,11 +177,11 @@ class ContactDerivatives(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """What is expected of a state before it is solved for, as the solution on a coarser mesh gives it.
+    """Estimate of a state before it is solved for, from the solution on a coarser mesh.
 
     time          of the state [s]
     displacement  (N, 2) [mm]
-    pressure      (r, k) [MPa] multipliers over the length that each condition stands for
+    pressure      (r, k) [MPa] multipliers over the length that belongs to each condition
     """
 
     time: float
@@ -190,10 +190,10 @@ class Estimate(NamedTuple):
 
 
 class ImplicitEquations(Equations, Protocol):
-    """What implicit integrators see beside `Equations`.
+    """What implicit integrators see in addition to `Equations`.
 
     Between `begin_step` and `accept` everything is a trial: `internal_force` starts from the history of the
-    last accepted step, whatever was tried in between, and multipliers are those of `contact.conditions`.
+    last accepted step, whatever was tried in between; multipliers are those of `contact.conditions`.
     """
 
     @property
@@ -203,7 +203,7 @@ class ImplicitEquations(Equations, Protocol):
     def begin_step(self, dt: float) -> None:
         """Take the state as the start of a step of length dt [s], also after it was restored (then of length 0).
 
-        Conditions that follow the time, as overlaps that are pushed out in a ramp, are those of the end of the step.
+        Conditions that depend on time, such as overlaps pushed out in a ramp, are those at the end of the step.
         """
 
     def stiffness(self, dt: float) -> Any:
@@ -216,45 +216,45 @@ class ImplicitEquations(Equations, Protocol):
         """
 
     def estimate(self, time: float) -> Estimate | None:
-        """Where the iteration of a step that ends at `time` [s] had better begin; None where nothing is known."""
+        """A better start for the iteration of a step that ends at `time` [s]; None where none is known."""
 
     def folded(self) -> bool:
-        """Whether a cell is turned inside out at the last `internal_force`."""
+        """Whether a cell was folded over at the last `internal_force`."""
 
     def accept(self) -> None:
-        """The trial becomes the state: history, multipliers and what contacts remember."""
+        """Make the trial the state: history, multipliers and memory of contacts."""
 
 
 class Integrator(ABC):
     """What explicit and implicit integrators have in common. Parts derive from one of the two classes below.
 
-    Subclasses are frozen dataclasses; their fields are the TOML keys. Clock, reactions and energy ledger are the
-    core's: a step reads them, and its `Step` says what becomes of them. An author's duties, each held by checks of
-    `contactlab.testing.integrator` (those that do not concern a kind are not applicable to it):
+    Subclasses are frozen dataclasses; their fields are the TOML keys. Clock, reactions and energy ledger belong to
+    the core: a step reads them, and returns reactions and ledger in its `Step`. The duties of an author, each with
+    checks in `contactlab.testing.integrator` (those that do not concern a kind are not applicable to it):
 
-     1. It says what it is by the class attributes below.
+     1. It declares its properties by the class attributes below.
      2. `bind` gives a function that moves `displacement` and `velocity` of the state by one step, in place, and with
         the promised order: from the first step on, under damping, and where the length of steps changes.
      3. A step ends with `internal_force(dt)` at the new displacement, so that positions, stresses and `internal_force`
         belong to its end.
-     4. Prescribed degrees of freedom are at its end where `prescribed` says, to round-off, and no force moves them.
+     4. Prescribed degrees of freedom end where `prescribed` puts them, to round-off, and no force moves them.
      5. Loads are those of `external_force` at times within the step.
      6. Contact forces come from `contact`, where that is not None, in the same step as the motion that they stop, act
-        on velocities as on displacements, and are left in `contact_force`.
-     7. `Step.work` is the ledger with the work of every force in the step, so that it closes with the kinetic energy.
-     8. `Step.reaction` holds the forces of the supports, whatever else acts on them.
+        on velocities as well as displacements, and are stored in `contact_force`.
+     7. `Step.work` is the ledger with the work of every force in the step, so that it balances with kinetic energy.
+     8. `Step.reaction` holds the forces of the supports, whatever else acts on their nodes.
      9. The clock is read (`state.time`, `state.step`) and never written.
-    10. What a step must know of those before it stands in the state: `memory` names what it needs beside the fields
-        that every run has. Bound anew to a restored state, it goes on with the same bits.
-    11. A step that is not accepted says why, and leaves the state as it was, to the last bit.
-    12. Energy never grows, and is only lost where the class says that it `dissipates`.
-    13. All else is read-only: reference, mass, what is prescribed, and the loads' and contact's own arrays.
+    10. All that a step needs from earlier steps is in the state: `memory` declares fields beyond those that every
+        run has. Bound again to a restored state, it continues with the same bits.
+    11. A step that is not accepted gives the reason, and leaves the state unchanged, to the last bit.
+    12. Energy never grows, and is only lost where the class declares that it `dissipates`.
+    13. All else is read-only: reference, mass, prescribed motion, and the arrays of loads and contact.
 
     needs                the enforcement class it works with, set by its kind
-    default_enforcement  used by contacts that name none, so that integrators can be swept alone
-    order                of its error by the length of steps, promised and checked on an oscillator
+    default_enforcement  used by contacts that name none, so that integrators can be varied alone
+    order                of its error in the length of steps, checked on an oscillator
     inertia              False for statics: no mass is assembled
-    dissipates           True for a scheme that takes energy by itself
+    dissipates           True for a scheme that dissipates energy by itself
     without              effects of this integrator ("inertia"), each with the integrator that leaves it out
     """
 
@@ -275,10 +275,10 @@ class Integrator(ABC):
 
 
 class ExplicitIntegrator(Integrator):
-    """Steps that follow from the state before them, bounded by the stable step; see `Integrator` for the duties.
+    """Steps that follow from the state before them, limited by the stable step; see `Integrator` for the duties.
 
-    velocity_lag  part of a step by which `velocity` is behind `time`: 0.5 for leapfrogs, 0 for schemes whose
-                  velocities are those of the end of the step
+    velocity_lag  fraction of a step by which `velocity` lags behind `time`: 0.5 for leapfrog schemes, 0 for schemes
+                  whose velocities are those at the end of the step
     """
 
     needs: ClassVar[type[Enforcement]] = ExplicitEnforcement
@@ -300,14 +300,14 @@ class ImplicitIntegrator(Integrator):
     needs: ClassVar[type[Enforcement]] = ImplicitEnforcement
 
     def wished_steps(self) -> int:
-        """Equal steps that are first tried for the whole loading."""
+        """Number of equal steps that is first tried for the whole loading."""
         return 20
 
     def for_coarser_levels(self) -> ImplicitIntegrator | None:
-        """What solves coarser levels of the meshes first, where the end of a scene does not depend on the loading path.
+        """The integrator that solves coarser levels of the meshes first, where the end does not depend on the path.
 
-        Each step then ends where the loading does or turns, and `ImplicitEquations.estimate` tells it where to begin.
-        None: load steps are taken on the way in any scene.
+        Each step then ends where the loading ends or turns, and `ImplicitEquations.estimate` gives its start.
+        None: every scene is solved in load steps.
         """
         return None
 

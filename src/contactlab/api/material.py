@@ -16,16 +16,16 @@ class Material(ABC):
     """A plane-strain law. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
     density        [t/mm3], a field of every law
-    kinematics     what the law is given as `gradient`, and the geometry on which forces act:
+    kinematics     meaning of the `gradient` that the law is given, and geometry on which forces act:
                    "small"   du/dX, forces on the undeformed geometry (displacements small)
                    "finite"  dX/dx, the inverse of the deformation gradient, forces on the current geometry
-                   "rate"    the displacement-increment gradient referred to the middle of the step,
+                   "rate"    the gradient of the displacement increment by positions at the middle of the step,
                              forces on the current geometry
-    history_size   numbers remembered per point, all zero at the start
-    history_names  what they are called in output, one name per number; "equivalent_plastic_strain" for what its
-                   name says
+    history_size   numbers kept per point, all zero at the start
+    history_names  their names in output, one per number; the equivalent plastic strain must be called
+                   "equivalent_plastic_strain"
     rate_dependent True for a law whose stress depends on `dt`, the time that a change of strain takes (creep,
-                   relaxation, viscosity): load steps of statics then follow time as well as load
+                   relaxation, viscosity): static load steps then advance time as well as load
     isotropic      False for a law with directions of its own
     without        effects of this law ("finite strain", "plasticity"), each with the law that leaves it out
     beyond         effects that this law leaves out, each with the law that has it
@@ -44,7 +44,7 @@ class Material(ABC):
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """Fill Cauchy `stress` (4, P) [MPa] and `new_history` (h, P).
 
-        `gradient` (4, P) is what `kinematics` says; `history` is that of the last accepted step.
+        `gradient` (4, P) is defined by `kinematics`; `history` is that of the last accepted step.
         `history` and `new_history` may be the same array: read a point before you write it.
         `dt` [s] is the step that led here (0 before the first step).
         """
@@ -54,11 +54,11 @@ class Material(ABC):
         """Dilatational and shear speed [mm/s] of the undeformed material; they set the stable step."""
 
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
-        """Fill out (P,) with a bound of the moduli that waves see at each point, over that of `wave_speeds` at rest.
+        """Fill out (P,) with a bound of the fastest wave's modulus at each point, over that of `wave_speeds` at rest.
 
         Explicit steps are shortened by its root: where the bound is too low, a run diverges. The modulus is the largest
         eigenvalue of the acoustic tensor on the current geometry, in any direction. The default finds it from `tangent`
-        for "finite" laws without history that do not depend on the rate, at a cost of many stresses, and is 1 for all
+        for "finite" laws without history that do not depend on the rate, at the cost of many stresses, and is 1 for all
         others: laws in rate form and laws with history that stiffen must override it.
         """
         if self.kinematics == "finite" and not self.history_size and not self.rate_dependent:
@@ -71,7 +71,7 @@ class Material(ABC):
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """Fill `tangent` (4, 4, P): d(stress row)/d(gradient row), of the stress that `stress` gives.
 
-        The default takes central differences of `stress`: right, and eight times slower than one stress.
+        The default takes central differences of `stress`: right, at the cost of eight calls of it.
         """
         from contactlab.api.differences import tangent_by_differences
 
@@ -87,9 +87,9 @@ class Material(ABC):
     has_energy: ClassVar[bool] = False
 
     def elastic_limit(self) -> float:
-        """Von Mises stress [MPa] beyond which the material would yield and the law does not; inf where it has none.
+        """Von Mises stress [MPa] beyond which the material would yield, but the law does not; inf where it has none.
 
-        A run that goes beyond it says so at its end.
+        A run that exceeds it warns at its end.
         """
         return math.inf
 

@@ -1,4 +1,4 @@
-"""Measures of runs: columns that a comparison has beside its own."""
+"""Measures of runs: further columns of comparisons."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from contactlab.api.reference import Solution
 
 
 class RunMeasure(ABC):
-    """A number that a comparison tells of each of its runs. Subclasses are frozen dataclasses without required fields.
+    """A number that a comparison shows for each of its runs. Subclasses are frozen dataclasses without required fields.
 
-    1. `evaluate` finds the number in what a run left, whose whole load was applied; it is given the summary, the
-       history and the last curve of the compared contact, and no fields.
-    2. It gives nan where the number has no meaning: no pressure at all, no reference where it needs one.
-    3. It changes nothing, and finds the same each time it is asked.
+    1. `evaluate` finds the number in the record of a run with its whole load applied: the summary, the history and the
+       last curve of the compared contact, and no fields.
+    2. It returns nan where the number has no meaning: no pressure at all, no reference where it needs one.
+    3. It changes nothing, and returns the same in every call.
 
     title    heading of its column
     unit     "share" (0.01 is shown as 1 %), "" for none, or the kind of a unit: "length", "pressure", "line_force" ...

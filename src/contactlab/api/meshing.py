@@ -1,4 +1,4 @@
-"""Grids for authors of meshes: a lattice over the unit square, mapped to where a body is."""
+"""Grids for authors of meshes: a lattice over the unit square, mapped to the body."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a plugin says about a part before anything of it is imported."""
+"""The entry of a part in a plugin: known before any of its code is imported."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ NEW_IN_2: Final[Mapping[str, str]] = {
     "conditions; call slopes derivatives, and PieceSlopes PieceDerivatives",
     "enforcement": "call ChainedRows FactoredRows, chained factored, and solve_chained solve_factored",
 }
-"""What parts of version 1 must change, by kind."""
+"""Changes that parts of version 1 need, by kind."""
 
 
 def what_to_change(kind: str, version: int) -> str:
-    """What makes a part of a kind that was written for `version` of the contract one of this version."""
+    """Advice on how to bring a part of a kind from `version` of the contract to this one."""
     if version != 1:
         return f"install a release of contactlab with version {version} of the contract, or a newer one of the part"
     return NEW_IN_2.get(kind, "nothing but api=2, if its tests pass")
@@ -46,7 +46,7 @@ def what_to_change(kind: str, version: int) -> str:
 
 @dataclass(frozen=True)
 class Part:
-    """One part on offer: enough to list it, and the place to import it from when a scene asks.
+    """One part on offer: enough to list it, and the place to import it from when a scene uses it.
 
     kind       one of `KINDS`
     name       kebab-case, as written in a scene: "mortar-p0"

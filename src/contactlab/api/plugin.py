@@ -1,4 +1,4 @@
-"""What the entry-point module of a plugin imports: the hook marker and `Part`.
+"""Imports for the entry-point module of a plugin: the hook marker and `Part`.
 
 from contactlab.api.plugin import Part, hookimpl
 

@@ -1,4 +1,4 @@
-"""What is left of a run when a case is evaluated: numbers and arrays, no model."""
+"""The record of a run, from which a case is evaluated: numbers and arrays, no model."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Record:
     summary         the content of `summary.json`
     history         columns of `history.csv` by name, each (frames,)
     times, curves   of each contact by "contacts.0": stored frames (frames,) [s] and their curves
-    watched         of each watch by its name: the arrays that it remembered
-    events          the texts of warnings and of what was worth a line
+    watched         of each watch by its name: the arrays of its memory
+    events          the texts of warnings and other events
     nodes           (N, 2) reference positions [mm], displacement (N, 2) [mm], velocity (N, 2) [mm/s] at the end
     stress          Cauchy stress of each body at the end, (n, q, 4) xx yy zz xy [MPa]
     cells           of each body in global node numbers

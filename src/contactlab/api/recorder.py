@@ -1,4 +1,4 @@
-"""Recorders: they see what a run stores and change nothing."""
+"""Recorders: they write what a run stores, and change nothing in it."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from contactlab.api.arrays import Floats
 from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
 
 FAILURE, WARNING = "failure", "warning"
-"""Why the last steps are stored whole: the run failed, or a guard warned for the first time."""
+"""Why all fields of the last steps are stored: the run failed, or a guard warned for the first time."""
 
 
 class Recording(ABC):
-    """What a recorder has opened for one run. `frame` and `close` must be given.
+    """The recording of one run. Subclasses must define `frame` and `close`.
 
-    An OSError (disk full) from any method stops the run with what is written; after any other
-    exception the run goes on without this recorder, with a warning.
+    An OSError (disk full) from any method stops the run and keeps what was written; after any other
+    exception the run continues without this recorder, with a warning.
 
-    keeps_state  `save` keeps what it is given, so that the run can be taken up again
+    keeps_state  `save` stores what it is given, so that the run can be resumed
     """
 
     keeps_state: ClassVar[bool] = False
@@ -38,7 +38,7 @@ class Recording(ABC):
         """
 
     def contact_steps(self, block: Mapping[str, np.ndarray]) -> None:  # noqa: B027
-        """Take rows of the contact record, those of the same steps of every contact by its name; they may be kept.
+        """Take rows of the contact record of the same steps, by the name of each contact; they may be kept.
 
         Their fields are those of `contactlab.api.contact_steps.contact_record`. Called for recorders with
         `every_contact`, in runs that record contact.
@@ -51,13 +51,13 @@ class Recording(ABC):
         """Take the Newton iterations of one attempted step; never called in explicit runs."""
 
     def last_steps(self, end: str, frames: Sequence[Frame]) -> None:  # noqa: B027
-        """Take a frame of every one of the last steps before `end`, one of FAILURE and WARNING; each comes once.
+        """Take frames of each of the last steps before `end`, which is FAILURE or WARNING; each is given once.
 
-        Called for recorders with `every_field`, in runs that fail or are warned of.
+        Called for recorders with `every_field`, in runs that fail or give a warning.
         """
 
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:  # noqa: B027
-        """Keep all that a restart needs. Called now and then, at an interrupt, and at the end."""
+        """Keep all that a restart needs. Called from time to time, at an interrupt, and at the end."""
 
     @abstractmethod
     def close(self, summary: Mapping[str, Any]) -> None:
@@ -68,9 +68,9 @@ class Recorder(ABC):
     """Makes recordings. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
     by_default  used where a scene names no recorders
-    every_step  its recordings want `steps`
-    every_contact  its recordings want `contact_steps`
-    every_field  its recordings want `last_steps`
+    every_step  its recordings take `steps`
+    every_contact  its recordings take `contact_steps`
+    every_field  its recordings take `last_steps`
     shown_file  name of the file that `show` opens; empty where there is nothing to show
     """
 
@@ -82,39 +82,39 @@ class Recorder(ABC):
 
     @abstractmethod
     def open(self, folder: Path, layout: Layout) -> Recording:
-        """Start a recording in `folder`. Import what is heavy here."""
+        """Start a recording in `folder`. Import heavy libraries here."""
 
     def disk_bytes(self, layout: Layout, steps: float, memory: float) -> float:
-        """How much a run will leave on the disk, in bytes; 0 where nobody can say. It begins where there is room.
+        """Bytes that a run will leave on the disk, 0 if unknown. A run begins only where there is room.
 
-        The run has `layout.frames` frames and about so many steps, and a restart needs `memory` bytes of it.
+        The run has `layout.frames` frames and about `steps` steps; the state for a restart has `memory` bytes.
         """
         return 0.0
 
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
-        """Go on with an interrupted run: by default a new recording of all that `run` has stored."""
+        """Continue an interrupted run: by default with a new recording of all that `run` has stored."""
         recording = self.open(folder, layout)
         replay(run, recording, steps=self.every_step, contact=self.every_contact, fields=self.every_field)
         return recording
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:  # noqa: B027
-        """Called once after a comparison, with its folder and its runs by what tells them apart."""
+        """Called once after a comparison, with its folder and its runs by the values in which they differ."""
 
     def show(self, file: Path, png: Path | None, step: int | None) -> None:
-        """Let a person look at `file`, or write a picture of it to `png`: at `step`, or at its end.
+        """Show `file` on the screen, or write a picture of it to `png`: at `step`, or at its end.
 
-        Raises RuntimeError, saying what to install, where this machine cannot show it, and ValueError
+        Raises RuntimeError, with what to install, where this machine cannot show it, and ValueError
         where there is no such step.
         """
         raise NotImplementedError(f"{type(self).__name__} has nothing to show")
 
     def inline(self, file: Path) -> Any:
-        """What a notebook displays of `file`; None where it cannot."""
+        """Object that a notebook displays for `file`; None where it cannot."""
         return None
 
 
 def replay(run: StoredRun, recording: Recording, steps: bool, contact: bool, fields: bool = False) -> None:
-    """Give `recording` everything that `run` has stored; `steps`, `contact` and `fields` where it is for those."""
+    """Give `recording` everything that `run` has stored; `steps`, `contact` and `fields` where it takes those."""
     if steps:
         for block in run.step_blocks():
             recording.steps(block)

@@ -1,4 +1,4 @@
-"""Reference solutions: what a comparison measures its runs against."""
+"""Reference solutions, against which a comparison measures its runs."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contactlab.api.arrays import Floats
 
 @dataclass(frozen=True)
 class Scalar:
-    """A number of a reference solution, known to +-`error`; `meaning` says in words what it is."""
+    """A number of a reference solution, known to +-`error`; `meaning` describes it in words."""
 
     value: float
     error: float = 0.0
@@ -22,10 +22,10 @@ class Scalar:
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A contact pressure and what else is known of the end of a scene.
+    """The contact pressure, and other known numbers, at the end of a scene.
 
     x            (m,) [mm] deformed positions, increasing
-    pressure     (m,) [MPa] there, with straight lines between and none outside
+    pressure     (m,) [MPa] there, linear in between and zero outside
     error        of the pressure, relative in L2; nan where it is not known
     error_meaning  how it was estimated
     spread       (m,) [MPa] of the results behind the pressure; empty for none
@@ -45,10 +45,10 @@ class Solution:
 class ReferenceSolution(ABC):
     """A solution of one scene, or of a family of them. Subclasses are frozen dataclasses without required fields.
 
-    1. `mismatch` says why it is silent about a scene; meshes, algorithms and time stepping are free, everything that
-       changes the exact solution is not.
-    2. `solution` gives the solution of a scene that it holds for; the same each time it is asked.
-    3. The pressure carries the reaction: their difference lies within the errors that are told.
+    1. `mismatch` gives the reason why it does not apply to a scene: meshes, algorithms and time stepping are free,
+       everything that changes the exact solution is not.
+    2. `solution` returns the solution of a scene to which it applies, the same in every call.
+    3. The pressure carries the reaction: they differ by no more than the stated errors.
 
     title   one line
     origin  where it comes from: paper and equation, or program and settings
@@ -59,7 +59,7 @@ class ReferenceSolution(ABC):
 
     @abstractmethod
     def mismatch(self, scene: Mapping[str, Any]) -> str:
-        """Why it says nothing about a scene (its TOML data, defaults written out); empty where it holds.
+        """Why it does not apply to a scene (its TOML data, with all defaults); empty where it does.
 
         Never raises, whatever the scene holds.
         """

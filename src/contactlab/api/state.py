@@ -17,7 +17,7 @@ class State:
     clock           (3,)    time [s], number of steps taken, and length of the last one [s]; kept by the core
     displacement    (N, 2)  u at `time` [mm]
     velocity        (N, 2)  v at `time`, or earlier by an explicit integrator's `velocity_lag` [mm/s]; none in statics
-    drift           (N, 2)  motion that damping leaves alone, in runs that are to be quasi-static [mm/s]; see
+    drift           (N, 2)  slow part of the velocity, exempt from damping in quasi-static runs [mm/s]; see
                             `Equations.damping`
     internal_force  (N, 2)  of the stresses at `time` [N]
     reaction        (N, 2)  forces of supports on prescribed degrees of freedom in the last step [N]
@@ -26,9 +26,9 @@ class State:
     multipliers_before (k,)  normal multipliers one step earlier [N]
     contact_force   (N, 2)  contact forces on the nodes over the last step [N]
     history.BODY    history of each body whose law has any, all its blocks one after another
-    memory.CONTACT  what a contact algorithm remembers, where it declares anything
+    memory.CONTACT  memory of a contact algorithm that declares any
 
-    and an integrator may ask for more. A field that nobody declares does not exist.
+    and an integrator may declare more. Fields that no part declares do not exist.
     """
 
     def __init__(self, shapes: Mapping[str, tuple[int, ...]]) -> None:
@@ -66,13 +66,13 @@ class State:
         return self.buffer.copy()
 
     def restore(self, snapshot: Floats) -> None:
-        """Back to a snapshot, exactly; views stay valid."""
+        """Restore a snapshot exactly; views stay valid."""
         self.buffer[:] = snapshot
 
 
 WORK = ("internal", "external", "damping", "contact", "friction", "numerical", "slip")
 """Entries of the field `work`: work done so far [mJ] by stresses (stored or dissipated in the bodies),
 by loads and supports, by damping (dissipated), by normal contact forces on the nodes, by friction
-forces (negative when they dissipate), by forces that only stabilise the discretisation; the last is
-the sum of -y_t d over the slip d at the end of each step, which never falls: `friction` differs from
-its negative by what sliding that reverses keeps of the slip before (docs/theory/forward-increment.md)."""
+forces (negative when they dissipate), by forces that only stabilise the discretisation. The last is
+the sum of -y_t d with the slip d of each step, which never falls: `friction` differs from its negative
+by the work on the slip before a reversal (docs/theory/forward-increment.md)."""

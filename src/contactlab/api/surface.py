@@ -12,8 +12,8 @@ from contactlab.api.arrays import Floats, Ints
 class Surface:
     """The boundary nodes of one contact side, cut into straight segments.
 
-    Quadratic edges count as two segments, so that geometry is always piecewise straight; the
-    trace functions that live on them are told by `edges`.
+    Quadratic edges count as two segments, so that geometry is always piecewise straight; their
+    trace functions belong to the `edges`.
 
     nodes         (m,) int32, global node numbers; chain order within each connected piece
     segments      (s, 2) int32, start and end of each segment as positions in `nodes`
@@ -30,7 +30,7 @@ class Surface:
 
 
 class Candidates(NamedTuple):
-    """For every slave segment the master segments whose grown boxes overlap its own.
+    """For every slave segment the master segments whose enlarged boxes overlap its own.
 
     start  (s + 1,) int32 row pointers
     master (z,) int32 master segments, ascending within a row

@@ -1,4 +1,4 @@
-"""What a run that goes on has to say against itself: a record with its number, and the list that keeps them."""
+"""Warnings of a run about its own result, each with its number, and the list that keeps them."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ __all__ = ["RunWarning", "Warnings"]
 
 @dataclass(frozen=True)
 class RunWarning:
-    """Something of a result that may be wrong: a number, its limit, its key, and what to change.
+    """A sign that a result may be wrong: a number, its limit, its key, and what to change.
 
     code   kebab-case, one per kind; `docs/warnings.md` lists all
-    value  what was seen
-    limit  what it was judged by, in the same unit
+    value  the number that was measured
+    limit  the largest or smallest allowed, in the same unit
     key    of the scene, where the cause can be changed
     text   one sentence: where, the number in its unit, and after a semicolon what to try
     """
@@ -36,7 +36,7 @@ class RunWarning:
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> RunWarning:
-        """A record of `summary.json`, which writes null for a number that is none."""
+        """A warning read from `summary.json`, which writes null for nan."""
         numbers = {name: math.nan if data[name] is None else float(data[name]) for name in ("value", "limit")}
         return cls(str(data["code"]), key=str(data["key"]), text=str(data["text"]), **numbers)
 
@@ -47,9 +47,9 @@ class RunWarning:
 
 
 class Warnings:
-    """The warnings of one run: each code and key once, as it was worst.
+    """The warnings of one run: each code and key once, with its worst value.
 
-    Whoever takes part in a run may `add` at any time, as often as it likes: `model.warnings`.
+    Any part of a run may `add` one at any time, to `model.warnings`.
     """
 
     def __init__(self) -> None:
@@ -63,7 +63,7 @@ class Warnings:
         return len(self._found)
 
     def add(self, warning: RunWarning) -> None:
-        """Keep a warning; one of the same code and key gives way where this one is as bad or worse."""
+        """Keep a warning; it replaces one of the same code and key unless that was worse."""
         name = warning.code, warning.key
         before = self._found.get(name)
         if before is None:
@@ -72,15 +72,15 @@ class Warnings:
             self._found[name] = warning
 
     def untold(self) -> list[RunWarning]:
-        """Those that came since the last call, as they stand now."""
+        """Those added since the last call, with their present values."""
         names, self._untold = self._untold, []
         return [self._found[name] for name in names]
 
     def keep(self, warnings: Iterable[RunWarning]) -> None:
-        """Go back to these where one of the same code and key is there."""
+        """Put these back in place of those of the same code and key."""
         self._found |= {(warning.code, warning.key): warning for warning in warnings}
 
     def restore(self, warnings: Iterable[RunWarning]) -> None:
-        """Those of a run that is taken up again, told already."""
+        """Take over the warnings of a resumed run, as already reported."""
         self._found = {(warning.code, warning.key): warning for warning in warnings}
         self._untold = []

@@ -1,4 +1,4 @@
-"""Watches: they look at every step of a run, read-only, and remember in arrays that a restart keeps."""
+"""Watches: they observe every step of a run and keep numbers of it in arrays that a restart restores."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Protocol
 from contactlab.api.arrays import Floats, Ints
 
 Memory = dict[str, Floats]
-"""Arrays by name, of shapes that stay the same all through the run."""
+"""Arrays by name, whose shapes never change during the run."""
 
 
 class StepView(Protocol):
@@ -60,9 +60,9 @@ class StepView(Protocol):
         ...
 
     def slips(self, contact: int = 0) -> Floats:
-        """Tangential motion [mm] in this step, one per multiplier; zeros where nothing is in reach.
+        """Tangential motion [mm] in this step, one per multiplier; zero where no master is in reach.
 
-        Known to explicit runs with friction. Raises LookupError in others.
+        Only in explicit runs with friction. Raises LookupError in others.
         """
         ...
 
@@ -80,13 +80,13 @@ class StepView(Protocol):
 
 
 class Watch(ABC):
-    """Looks at every accepted step. Subclasses are frozen dataclasses; their fields are their keys.
+    """Observes every accepted step. Subclasses are frozen dataclasses; their fields are their keys.
 
     1. `begin` gives the memory before the first step: arrays whose shapes never change.
     2. `step` is called after each accepted step and writes to that memory in place, and to nothing else.
-    3. What is in the memory when the run ends is found in `Record.watched`.
+    3. The memory at the end of the run is found in `Record.watched`.
 
-    A watched run is never a measure of cost.
+    Costs are never measured on a watched run.
     """
 
     @abstractmethod
@@ -95,8 +95,8 @@ class Watch(ABC):
 
     @abstractmethod
     def step(self, view: StepView, memory: Memory) -> None:
-        """Look at the model after one accepted step, and keep numbers of it."""
+        """Observe the model after one accepted step, and keep numbers of it."""
 
     def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
-        """What of the memory goes into the record: all of it by default."""
+        """The part of the memory that goes into the record: all of it by default."""
         return memory

@@ -1,9 +1,9 @@
-"""The colours of every picture: of algorithms, of the states of a slave node, of fields.
+"""The colours of all pictures: of algorithms, of the states of a slave node, of fields.
 
 An algorithm has one colour and one marker, the same in every report, plot and recording.
 The colours are those of Okabe and Ito ("Color universal design", 2008) that stand out on white and
-on black; readers with any colour vision can tell them apart, and the markers tell them apart in
-grey. No algorithm is named here: a name always leads to the same colour.
+on black; readers with any colour vision can distinguish them, and markers do so in grey. No
+algorithm is named here: a name always leads to the same colour.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ STATES: Final = ("#9AA0A6", "#56B4E9", "#D55E00")
 """Of a slave node that is open, sticks, slips (by `contactlab.api.frame.STATES`)."""
 
 CLOSED: Final = "#F4F1EA"
-"""Of a slave node that is closed where there is no friction: it neither sticks nor slips."""
+"""Of a closed slave node without friction: it neither sticks nor slips."""
 
 FIELD: Final = (
     "#00224e", "#002e6a", "#1a386f", "#32436d", "#434e6c", "#535a6d", "#61656f", "#6f7073", "#7d7c78",
