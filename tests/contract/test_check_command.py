@@ -9,6 +9,7 @@ import pytest
 
 from contactlab.cli import main
 from contactlab.errors import RequestError
+from contactlab.parts.registry import default_registry
 from contactlab.testing.card import as_data
 from contactlab.testing.check_part import check_part
 from contactlab.testing.find import subjects
@@ -81,6 +82,55 @@ def test_a_package_that_is_not_installed_is_checked_from_its_folder(tmp_path: Pa
     )
     (subject,) = subjects(str(tmp_path))
     assert subject.make().mu == 0.2
+
+
+def package(folder: Path, module: str, text: str) -> Path:
+    """A package of one module that is not installed."""
+    source = folder / "src" / module
+    source.mkdir(parents=True)
+    (source / "__init__.py").touch()
+    (source / "plugin.py").write_text(text)
+    (folder / "pyproject.toml").write_text(
+        f'[project]\nname = "{module}-parts"\nversion = "0.3"\n'
+        f'[project.entry-points.contactlab]\n{module} = "{module}.plugin"\n'
+    )
+    return folder
+
+
+def test_a_card_names_the_package_of_a_folder_and_its_version(tmp_path: Path) -> None:
+    text = SLIP.format(grip=0.0, name="shown-slip", module="shown_slip.plugin")
+    folder = package(tmp_path / "shown", "shown_slip", text)
+    assert main(["check", str(folder), "--card", str(tmp_path / "card")]) == 0
+    card = json.loads((tmp_path / "card" / "card.json").read_text())
+    assert card["parts"][0]["from"] == "shown_slip-parts 0.3"
+    assert card["versions"]["shown_slip-parts"] == "0.3"
+    assert card["format"] == 1
+
+
+def test_a_package_that_cannot_be_imported_says_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = package(tmp_path / "broken", "broken_slip", "import nothing_of_this_name\n")
+    assert main(["check", str(folder)]) == 2
+    assert "No module named 'nothing_of_this_name'" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("target", ["block-on-incline", "contactlab-cases"])
+def test_what_a_usual_package_would_bring_is_told(
+    target: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("CONTACTLAB_PLUGINS", "contactlab-mortar")
+    default_registry.cache_clear()
+    try:
+        assert main(["check", target]) == 2
+        assert "pip install contactlab-cases" in capsys.readouterr().err
+        assert main(["matrix"]) == 2
+        assert "pip install contactlab-cases" in capsys.readouterr().err
+    finally:
+        default_registry.cache_clear()
+
+
+def test_units_of_costs_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "penalty"]) == 0
+    assert "CPU time [us]" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,9 @@ from contactlab.api import Case, Setup
 from contactlab.errors import RequestError, did_you_mean
 from contactlab.parts.registry import Registry
 
+PACKAGES = {"case": "contactlab-cases", "contact": "contactlab-mortar"}
+"""What brings parts of a kind."""
+
 
 @dataclass(frozen=True)
 class Cell:
@@ -65,11 +68,14 @@ def plan(request: Request, registry: Registry) -> list[Cell]:
 
 def _known(kind: str, wanted: Sequence[str], registry: Registry) -> list[str]:
     names = registry.names(kind)
+    if not names:
+        hint = f"pip install {PACKAGES[kind]}"
+        raise RequestError(f"no {kind} is installed at all", where="contactlab matrix", hint=hint)
     for name in wanted:
         if name not in names:
             raise RequestError(
                 f"no {kind} of this name is installed", where=f"contactlab matrix, {kind}", got=name,
-                allowed=", ".join(names) or f"no {kind} is installed at all", hint=did_you_mean(name, names),
+                allowed=", ".join(names), hint=registry.missing_from(name) or did_you_mean(name, names),
             )  # fmt: skip
     return list(dict.fromkeys(wanted)) or names
 

@@ -193,12 +193,12 @@ class Registry:
         return "install the plugin that brings it; contactlab parts lists what there is"
 
     def missing_from(self, name: str) -> str:
-        """What to install for a part that a usual plugin brings; nothing where no such part is known."""
+        """What to install for a part that a usual plugin brings, or for that plugin; nothing where none is known."""
         import json
 
         known = json.loads((Path(__file__).parents[1] / "data" / "known_parts.json").read_text(encoding="utf-8"))
         here = {plugin.origin.distribution for plugin in self._plugins}
-        bringing = [package for package, names in known.items() if name in names and package not in here]
+        bringing = [package for package, names in known.items() if name in (package, *names) and package not in here]
         if not bringing:
             return ""
         hidden = os.environ.get(plugins.RESTRICT)

@@ -21,8 +21,8 @@ def print_costs(found: Accuracy, costs: Sequence[Cost], console: Console) -> Non
     """CPU seconds to each target, and what the marks mean; cases with no answer at all are told below."""
     best = best_of(costs)
     targets = sorted(found.study.targets, reverse=True)
-    table = RichTable(box=box.SIMPLE_HEAD, pad_edge=False, title=f"{found.study.name}: CPU seconds to an error of",
-                      title_justify="left")  # fmt: skip
+    title = Text(f"{found.study.name}: CPU seconds to an error of")
+    table = RichTable(box=box.SIMPLE_HEAD, pad_edge=False, title=title, title_justify="left")
     for name in ("case", "contender"):
         table.add_column(name, overflow="fold")
     for target in targets:

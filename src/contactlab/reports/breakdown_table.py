@@ -68,7 +68,7 @@ def print_breakdown(table: Table, console: Console) -> None:
 
 def render_breakdown(breakdown: CostBreakdown, title: str) -> RenderableType:
     """The table of all effects, with sentences and reasons of failures below it."""
-    drawn = RichTable(box=box.SIMPLE_HEAD, title=title, title_justify="left", pad_edge=False)
+    drawn = RichTable(box=box.SIMPLE_HEAD, title=Text(title), title_justify="left", pad_edge=False)
     for number, head in enumerate(HEADS):
         drawn.add_column(head, justify="left" if number in (0, 1, len(HEADS) - 1) else "right")
     for cost in by_cost(breakdown):

@@ -145,7 +145,7 @@ def _draw(table: Table, columns: Sequence[_Shown]) -> RichTable:
         padding=(0, 1),
         collapse_padding=True,
         pad_edge=False,
-        title=table.study.name,
+        title=Text(table.study.name),
         title_justify="left",
     )
     for column in columns:

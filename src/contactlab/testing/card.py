@@ -6,7 +6,7 @@ import json
 import platform
 from collections.abc import Sequence
 from datetime import UTC, datetime
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,7 @@ OUTCOMES = {"not applicable": "not-applicable"}
 
 def as_data(reports: Sequence[PartReport]) -> dict[str, Any]:
     """What came out, for programs."""
-    return {"parts": [_part(report) for report in reports]}
+    return {"format": 1, "parts": [_part(report) for report in reports]}
 
 
 def _part(report: PartReport) -> dict[str, Any]:
@@ -46,7 +46,6 @@ def _check(outcome: Outcome) -> dict[str, str]:
 def write_cards(reports: Sequence[PartReport], folder: Path) -> None:
     """Write card.json and card.md to a folder, which is made if need be."""
     data = {
-        "format": 1,
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "versions": _versions(reports),
         "sources": {_package(report): sources({_package(report)})[-1] for report in reports},
@@ -62,12 +61,11 @@ def _package(report: PartReport) -> str:
 
 
 def _versions(reports: Sequence[PartReport]) -> dict[str, str]:
-    found = {"python": platform.python_version()}
-    for name in (*LIBRARIES, *sorted({report.origin.partition(" ")[0] for report in reports})):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            continue  # a file is no distribution: its hash tells which one it was
+    found = {"python": platform.python_version()} | {name: version(name) for name in LIBRARIES}
+    for origin in sorted({report.origin for report in reports}):
+        name, _, number = origin.rpartition(" ")
+        if name and not origin.endswith(".py"):  # a file is no distribution: its hash tells which one it was
+            found[name] = number
     return found
 
 

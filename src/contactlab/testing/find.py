@@ -6,7 +6,7 @@ import sys
 import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from importlib.metadata import EntryPoint
+from importlib.metadata import Distribution, EntryPoint
 from pathlib import Path
 from typing import Any
 
@@ -71,7 +71,7 @@ def _of_folder(folder: Path, files: Sequence[str]) -> tuple[Registry, list[Offer
         own = [str(p.resolve()) for p in sorted(folder.glob("*.py")) if "hookimpl" in p.read_text(encoding="utf-8")]
         registry = Registry(files=[*files, *own])
         return registry, [o for o in registry.parts() if o.origin.distribution in own]
-    table = tomllib.loads(project.read_text(encoding="utf-8")).get("project", {})
+    table = _project(project)
     name, points = str(table.get("name", folder.name)), table.get("entry-points", {}).get(GROUP, {})
     if not points:
         raise PartError(
@@ -82,18 +82,48 @@ def _of_folder(folder: Path, files: Sequence[str]) -> tuple[Registry, list[Offer
     known = [point for point in installed() if point.dist is None or point.dist.name != name]
     if len(known) == len(installed()):
         sys.path[:0] = [str(p.resolve()) for p in (folder / "src", folder) if p.is_dir()]
-        known += [EntryPoint(plugin, module, GROUP) for plugin, module in points.items()]
+        known += [_of_project(EntryPoint(plugin, module, GROUP), table, folder) for plugin, module in points.items()]
     else:
         known = installed()
     registry = Registry(known, files)
     return registry, [o for o in registry.parts() if o.origin.plugin in points]
 
 
+class _Project(Distribution):
+    """A package that is not installed, by the table `project` of its pyproject.toml."""
+
+    def __init__(self, table: Mapping[str, Any], folder: Path) -> None:
+        self.table, self.folder = table, folder
+
+    @property
+    def name(self) -> str:
+        """As it would be installed under."""
+        return str(self.table.get("name", self.folder.name))
+
+    @property
+    def version(self) -> str:
+        """Empty where it is not written down."""
+        return str(self.table.get("version", ""))
+
+    def read_text(self, filename: str) -> str | None:
+        """Nothing is installed, so that there is nothing to read."""
+        return None
+
+    def locate_file(self, path: Any) -> Any:
+        """A file of the package."""
+        return self.folder / path
+
+
+def _of_project(point: EntryPoint, table: Mapping[str, Any], folder: Path) -> EntryPoint:
+    vars(point)["dist"] = _Project(table, folder)
+    return point
+
+
 def _nothing(target: str, kind: str, registry: Registry, offers: Sequence[Offer]) -> RequestError:
     if offers:
         found = ", ".join(f"{o.part.kind} {o.part.name}" for o in offers)
         return RequestError("there is no part of this kind in it", where=target, got=kind, allowed=found)
-    broken = [b for b in registry.broken() if b.origin.distribution in (target, str(Path(target).resolve()))]
+    broken = [b for b in registry.broken() if b.origin.distribution in _names_of(target)]
     if broken:
         return PartError("; ".join(b.reason for b in broken), where=target)
     if Path(target).is_dir():
@@ -105,5 +135,21 @@ def _nothing(target: str, kind: str, registry: Registry, offers: Sequence[Offer]
     return RequestError(
         "no part, file, folder or distribution of this name", where="contactlab check", got=target,
         allowed="the name of a part (contactlab parts), a Python file, a folder, or an installed distribution",
-        hint=did_you_mean(target, names),
+        hint=registry.missing_from(target) or did_you_mean(target, names),
     )  # fmt: skip
+
+
+def _names_of(target: str) -> set[str]:
+    """Distributions that what breaks in a file, a folder or a distribution may be of."""
+    path = Path(target)
+    files = {str(file.resolve()) for file in path.glob("*.py")} if path.is_dir() else set()
+    project = path / "pyproject.toml"
+    if project.is_file():
+        files.add(str(_project(project).get("name", path.name)))
+    return {target, str(path.resolve()), *files}
+
+
+def _project(file: Path) -> dict[str, Any]:
+    """The table `project` of a pyproject.toml."""
+    found: dict[str, Any] = tomllib.loads(file.read_text(encoding="utf-8")).get("project", {})
+    return found
