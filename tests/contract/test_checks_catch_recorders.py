@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from contactlab.api import Floats, Frame, Layout, Recorder, Recording
+from contactlab.results.vtkhdf import VtkHdf
 from contactlab.testing import recorder
 from contactlab.testing.assertions import Check
 
@@ -79,3 +80,31 @@ def test_wrong_recorders_are_caught(caught: Any, check: Check, part: Recorder, r
 
 def test_every_check_has_a_wrong_part() -> None:
     assert {check for check, _, _ in WRONG} == set(recorder.CHECKS)
+
+
+class Halved(Recording):
+    """What the shipped recorder writes, of displacements half as large."""
+
+    def __init__(self, inner: Recording) -> None:
+        self.inner = inner
+
+    def steps(self, block: Floats) -> None:
+        self.inner.steps(block)
+
+    def frame(self, frame: Frame) -> None:
+        self.inner.frame(replace(frame, displacement=0.5 * frame.displacement))
+
+    def close(self, summary: Mapping[str, Any]) -> None:
+        self.inner.close(summary)
+
+
+@dataclass(frozen=True)
+class Halving(VtkHdf):
+    def open(self, folder: Path, layout: Layout) -> Recording:
+        return Halved(super().open(folder, layout))
+
+
+def test_what_is_read_back_must_be_what_was_recorded() -> None:
+    recorder.is_read_back(VtkHdf())
+    with pytest.raises(AssertionError, match="displacements of frame 1 are read back with an error of 5.00e-03"):
+        recorder.is_read_back(Halving())

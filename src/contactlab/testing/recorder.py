@@ -17,6 +17,8 @@ from contactlab.results.step_columns import step_columns
 from contactlab.testing.assertions import Check, NotApplicable, require, untouched
 
 STEPS_PER_FRAME = 5
+IN_SINGLE = 1e-4
+"""Of the largest value of a field: files keep 16 significant bits of most."""
 SUMMARY: dict[str, Any] = {"format": 1, "status": "finished", "reason": "", "steps": 3 * STEPS_PER_FRAME}
 
 
@@ -208,11 +210,39 @@ def _written(recorder: Recorder, run: SmallRun, spoilt: int | None = None) -> di
         return {str(p.relative_to(place)): p.read_bytes() for p in Path(place).rglob("*") if p.is_file()}
 
 
+def is_read_back(recorder: Recorder) -> None:
+    """Results that are read from its file are what it was given, as far as single precision goes."""
+    from contactlab.results.load import load_results
+    from contactlab.results.result_file import FILE
+
+    run = SmallRun()
+    with TemporaryDirectory() as place:
+        recording = recorder.open(Path(place), run.layout)
+        record(recorder, recording, run)
+        recording.close(SUMMARY)
+        if not Path(place, FILE).is_file():
+            raise NotApplicable(f"it writes no {FILE}, from which results are read")
+        frames = list(load_results(place).frames)
+    require(len(frames) == len(run.frames), f"{len(run.frames)} frames were given, {len(frames)} are read back")
+    for found, given in zip(frames, run.frames, strict=True):
+        require(found.step == given.step, f"frame {given.number} is of step {found.step}, not {given.step}")
+        _near(found.displacement, given.displacement, f"displacements of frame {given.number}")
+        for name, values in given.cells["square"].items():
+            _near(found.cells["square"][name], values, f"{name} of frame {given.number}")
+
+
+def _near(found: Floats, given: Floats, what: str) -> None:
+    off = float(np.abs(found - given).max())
+    most = IN_SINGLE * float(np.abs(given).max())
+    require(off <= most, f"{what} are read back with an error of {off:.2e}, allowed {most:.2e}")
+
+
 CHECKS: tuple[Check, ...] = (
     leaves_something,
     changes_nothing,
     closes_after_a_failure,
     records_twice,
+    is_read_back,
     everything_leaves_a_trace,
 )
 """All checks of recorders."""
