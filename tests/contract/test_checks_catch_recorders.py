@@ -62,26 +62,6 @@ def test_a_right_recorder_passes(check: Check) -> None:
     check(Text())
 
 
-WRONG: list[tuple[Check, Recorder, bool]] = [
-    (recorder.leaves_something, Text("forgets to write"), False),
-    (recorder.leaves_something, Text("writes beside"), False),
-    (recorder.leaves_something, Text("another name"), False),
-    (recorder.changes_nothing, Text("scales in place"), False),
-    (recorder.closes_after_a_failure, Text("needs a frame"), True),
-    (recorder.everything_leaves_a_trace, Text("leaves the last frame out"), False),
-    (recorder.records_twice, Text("one list for all"), False),
-]
-
-
-@pytest.mark.parametrize(("check", "part", "raises"), WRONG)
-def test_wrong_recorders_are_caught(caught: Any, check: Check, part: Recorder, raises: bool) -> None:
-    caught(check, part, raises=raises)
-
-
-def test_every_check_has_a_wrong_part() -> None:
-    assert {check for check, _, _ in WRONG} == set(recorder.CHECKS)
-
-
 class Halved(Recording):
     """What the shipped recorder writes, of displacements half as large."""
 
@@ -104,7 +84,22 @@ class Halving(VtkHdf):
         return Halved(super().open(folder, layout))
 
 
-def test_what_is_read_back_must_be_what_was_recorded() -> None:
-    recorder.is_read_back(VtkHdf())
-    with pytest.raises(AssertionError, match="displacements of frame 1 are read back with an error of 5.00e-03"):
-        recorder.is_read_back(Halving())
+WRONG: list[tuple[Check, Recorder, bool]] = [
+    (recorder.leaves_something, Text("forgets to write"), False),
+    (recorder.leaves_something, Text("writes beside"), False),
+    (recorder.leaves_something, Text("another name"), False),
+    (recorder.changes_nothing, Text("scales in place"), False),
+    (recorder.closes_after_a_failure, Text("needs a frame"), True),
+    (recorder.everything_leaves_a_trace, Text("leaves the last frame out"), False),
+    (recorder.records_twice, Text("one list for all"), False),
+    (recorder.is_read_back, Halving(), False),
+]
+
+
+@pytest.mark.parametrize(("check", "part", "raises"), WRONG)
+def test_wrong_recorders_are_caught(caught: Any, check: Check, part: Recorder, raises: bool) -> None:
+    caught(check, part, raises=raises)
+
+
+def test_every_check_has_a_wrong_part() -> None:
+    assert {check for check, _, _ in WRONG} == set(recorder.CHECKS)
