@@ -182,8 +182,8 @@ def check_files(folder: Path, frames: int) -> None:
         assert frame.step <= len(results.steps["step"])
         curve = frame.curves["contacts.0"]
         at = (results.nodes + frame.displacement)[results.layout.contacts[0].slave_nodes, 0]
-        # displacements are below 0.2 and stored in single precision
-        np.testing.assert_allclose(curve.x, at, rtol=0.0, atol=0.2 * 2.0**-24)
+        # displacements are below 0.2
+        np.testing.assert_allclose(curve.x, at, rtol=0.0, atol=0.25 * 2.0**-PLACES)
     check_vtk(folder / "results.vtkhdf", times)
 
 
@@ -202,8 +202,8 @@ def check_vtk(path: Path, times: Any) -> None:
     results = contactlab.load_results(path.parent)
     points = vtk_to_numpy(grid.GetPoints().GetData())[:, :2]
     expected = results.nodes + results.frames[-1].displacement
-    # what positions are rounded to, and single precision of displacements below 0.2
-    np.testing.assert_allclose(points, expected, rtol=2.0**-PLACES, atol=0.2 * 2.0**-24)
+    # what positions are rounded to, all to the same place, and displacements below 0.2
+    np.testing.assert_allclose(points, expected, rtol=0.0, atol=(2.0 * np.abs(points).max() + 0.25) * 2.0**-PLACES)
 
 
 def test_sigterm_and_ctrl_c_save_the_last_state(scene: Any, fork_server: ForkServer, tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ import pytest
 
 from contactlab.results.load import load_results
 from contactlab.results.packed_file import pack
-from contactlab.results.precision import FULL, PLACES, SHOWN, rounded
+from contactlab.results.precision import FULL, PLACES, SHOWN, placed, rounded
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
@@ -23,7 +23,7 @@ Same = Callable[[Results, Results], None]
 SHORT = {"time.end": 3e-6, "record.frames": 5}
 
 
-@pytest.mark.parametrize("bits", [SHOWN, PLACES, FULL])
+@pytest.mark.parametrize("bits", [SHOWN, FULL])
 def test_values_are_rounded_to_so_many_bits(bits: int) -> None:
     values = np.random.default_rng(1).normal(size=1000) * 10.0 ** np.arange(-10, 10).repeat(50)
     found = rounded(values, bits)
@@ -32,6 +32,38 @@ def test_values_are_rounded_to_so_many_bits(bits: int) -> None:
     np.testing.assert_array_equal(rounded(found, bits), found)
     special = np.array([0.0, -0.0, np.inf, -np.inf, np.nan, 1.0])
     np.testing.assert_array_equal(rounded(special, bits), special.astype(np.float32))
+
+
+def test_places_are_those_of_the_largest_value() -> None:
+    values = np.random.default_rng(1).normal(size=(50, 3)) * [1.0, 1e-3, 0.0]
+    found, largest = placed(values, PLACES), np.abs(values).max()
+    assert np.abs(found - values).max() <= largest * 2.0**-PLACES
+    np.testing.assert_array_equal(placed(found, PLACES), found)
+    assert not placed(np.zeros((4, 3)), PLACES).any()
+    wild = np.array([1.0, np.inf, np.nan])
+    np.testing.assert_array_equal(placed(wild, PLACES), wild.astype(np.float32))
+
+
+def test_a_run_that_is_over_keeps_the_fields_of_its_end_alone(small_scene: MakeScene, tmp_path: Path) -> None:
+    run = simulate(small_scene(SHORT), tmp_path / "run")
+    before = load_results(tmp_path / "run")
+    whole = _saved_numbers(tmp_path / "run")
+    pack(tmp_path / "run" / FILE)
+    after = load_results(tmp_path / "run")
+    for seen in (before, after):
+        np.testing.assert_array_equal(seen.displacement, run.displacement)
+        np.testing.assert_array_equal(seen.velocity, run.velocity)
+        for body in run.stress:
+            np.testing.assert_array_equal(seen.stress[body], run.stress[body])
+    assert (after.closed, after.status, after.summary) == (before.closed, "finished", before.summary)
+    ends = _saved_numbers(tmp_path / "run")
+    assert 0 < ends[0] == ends[1] < whole[0]
+
+
+def _saved_numbers(folder: Path) -> list[int]:
+    """Numbers in each of the two saved states."""
+    with h5py.File(folder / FILE) as file:
+        return [len(file[f"contactlab/checkpoint/{slot}/memory"]) for slot in (0, 1)]
 
 
 def test_compressed_is_the_same_run(
@@ -81,4 +113,5 @@ def test_a_file_in_double_precision_is_read_and_taken_up(
     assert (run.status, len(run.frames)) == ("finished", 6)
     with h5py.File(tmp_path / "run" / FILE) as file:
         assert file["VTKHDF/Points"].dtype == np.float64
-    np.testing.assert_allclose(run.frames[-1].displacement, run.displacement, rtol=1e-6, atol=1e-12)
+    place = np.abs(run.displacement).max() * 2.0**-PLACES
+    np.testing.assert_allclose(run.frames[-1].displacement, run.displacement, rtol=0.0, atol=place)

@@ -28,6 +28,7 @@ PLASTIC = {f"materials.soft.{key}": value for key, value in {
 BOTH = {"record.recorders": ["vtkhdf", "rerun"]}
 # the viewer keeps single precision, and drawings are scaled: 2^-23 of the largest coordinate, a few times
 SINGLE = 1e-6
+DRAWN = 2.0**-15  # positions of meshes, as a share of the model's size: half of their last place
 
 
 class Rows(NamedTuple):
@@ -100,10 +101,9 @@ def test_entities(run: Results, reader: Reader) -> None:
     )} | {f"/axes/0/{name}" for name in ("view", "axes", "grid", "labels")}  # fmt: skip
     tracks = {path for path in reader.paths if path.startswith("/run/state/contacts.0/s-")}
     assert 2 <= len(tracks) <= 8
-    pictures = {f"/run/steps/contacts.0/{kind}/{part}" for kind in ("state", "segment", "pressure")
-                for part in ("picture", "page", "cursor")}  # fmt: skip
-    names = {path for path in reader.paths if path.startswith("/run/steps/") and "/nodes/" in path}
-    assert reader.paths - tracks - names == expected | pictures
+    pictures = {f"/run/steps/contacts.0/{kind}/picture" for kind in ("state", "segment", "pressure")}
+    pictures |= {f"/run/steps/contacts.0/all/{part}" for part in ("nodes", "page", "cursor")}
+    assert reader.paths - tracks == expected | pictures
 
 
 def test_scalars_of_every_step_are_those_of_the_results_file(run: Results, reader: Reader) -> None:
@@ -134,7 +134,7 @@ def test_every_frame_has_its_deformed_mesh(run: Results, reader: Reader) -> None
     assert abs(focal - largest) < SINGLE
     for frame, positions in zip(run.frames, rows.values, strict=True):
         shown = np.array(positions)
-        assert np.abs(shown[:, :2] - (run.nodes + frame.displacement)).max() < SINGLE
+        assert np.abs(shown[:, :2] - (run.nodes + frame.displacement)).max() < DRAWN * np.ptp(run.nodes)
         assert (shown[:, 2] == -focal).all()
     triangles = np.array(reader.constant("/run/mesh", "Mesh3D:triangle_indices"))
     cells = np.concatenate(list(run.cells.values()))
@@ -217,7 +217,7 @@ def test_pictures_have_a_column_per_step_and_a_row_per_node(kind: str, run: Resu
     assert ((shown > 0) == closed).all()
     pairs = set(zip(expected[closed].tolist(), shown[closed].tolist(), strict=True))
     assert len({value for value, _ in pairs}) == len(pairs) >= 2
-    cursor = reader.rows(f"/run/steps/contacts.0/{kind}/cursor", "Boxes2D:centers")
+    cursor = reader.rows("/run/steps/contacts.0/all/cursor", "Boxes2D:centers")
     assert cursor.steps.tolist() == record["step"].tolist()
 
 
@@ -297,6 +297,27 @@ def test_fewer_frames_keep_the_last_one(run: Results, tmp_path: Path) -> None:
     expected = sorted({*steps[::7], steps[-1]})
     assert read.rows("/run/mesh", "Mesh3D:vertex_positions").steps.tolist() == expected
     assert len(read.scalars("/run/energy")[1].steps) == len(run.steps["step"])
+
+
+def test_meshes_of_large_models_are_drawn_at_fewer_frames(
+    run: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is no mesh has all frames; the first and the last frame are always drawn."""
+    from contactlab_rerun import drawing, timeline_file
+
+    frames = len(run.frames)
+    monkeypatch.setattr(timeline_file, "MESHES", drawing.POINT_BYTES * len(run.nodes) * frames / 2.5)
+    monkeypatch.setattr(drawing, "FEWEST", 4)
+    read = again(run, tmp_path / "run")
+    steps = [frame.step for frame in run.frames]
+    expected = sorted({*steps[::-1][::3], steps[0]})
+    for path, component in (("mesh", "Mesh3D:vertex_positions"), ("arrows", "Arrows3D:origins")):
+        assert read.rows(f"/run/{path}", component).steps.tolist() == expected
+    tracks = [path for path in read.paths if path.startswith("/run/state/")]
+    changes = {step for path in tracks for step in read.rows(path, "StateChange:state").steps.tolist()}
+    assert not changes <= set(expected)
+    monkeypatch.setattr(drawing, "FEWEST", frames)
+    assert again(run, tmp_path / "all").rows("/all/mesh", "Mesh3D:vertex_positions").steps.tolist() == steps
 
 
 # --- statics --------------------------------------------------------------------------------------

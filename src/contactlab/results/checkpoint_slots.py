@@ -93,7 +93,7 @@ class Slots:
         growing.flush()  # a header on the disk says that its state is there
         self.serial += 1
         counts = np.array([self.serial, frames, steps, events, len(text)], np.int64)
-        header = np.append(counts, _checksum(flat, text, counts))
+        header = np.append(counts, checksum_of(flat, text, counts))
         header = np.append(header, of_array(header))
         self.headers[slot].id.write(h5py.h5s.ALL, h5py.h5s.ALL, header)
 
@@ -119,7 +119,7 @@ class Slots:
     def _read(self, slot: int) -> Checkpoint | None:
         header, flat = self.headers[slot][:], self.memories[slot][:]
         text = self.texts[slot].dataset[: header[LENGTH]]
-        if header[SERIAL] == 0 or header[CHECKSUM] != _checksum(flat, text, header[:CHECKSUM]):
+        if header[SERIAL] == 0 or header[CHECKSUM] != checksum_of(flat, text, header[:CHECKSUM]):
             return None
         summary = text.tobytes().decode(errors="ignore")
         return Checkpoint(self._arrays(flat), summary, *(int(header[i]) for i in (FRAMES, STEPS, EVENTS)))
@@ -133,5 +133,6 @@ class Slots:
         return arrays
 
 
-def _checksum(flat: Floats, text: np.ndarray, counts: np.ndarray) -> int:
+def checksum_of(flat: Floats, text: np.ndarray, counts: np.ndarray) -> int:
+    """The checksum of a saved state: its arrays one after the other, its summary and its counts."""
     return zlib.crc32(counts.tobytes(), zlib.crc32(text.tobytes(), zlib.crc32(flat.tobytes())))

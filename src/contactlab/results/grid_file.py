@@ -13,9 +13,10 @@ from contactlab.api.arrays import Floats
 from contactlab.api.frame import Frame, Layout
 from contactlab.results.cell_types import connectivity
 from contactlab.results.growing import Column, GrowingFile
-from contactlab.results.precision import PLACES, SHOWN, rounded
+from contactlab.results.precision import PLACES, SHOWN, placed, rounded
 from contactlab.results.shown_times import ShownTimes, create_times
 
+OFFSETS = 64  # frames whose offsets are in a chunk
 LOOKED_AT = "f4"
 """Type of the fields of frames; of most of them not all digits are kept, see `precision.py`."""
 
@@ -78,14 +79,18 @@ class GridFile:
     def _offsets(self, steps: h5py.Group) -> list[tuple[Column, int | None]]:
         """Tables of offsets with their stride per frame; None: all ones."""
         n, c = self.nodes, self.cells
+
+        def table(group: h5py.Group, name: str, shape: tuple[int, ...] = ()) -> Column:
+            return Column(group, name, "i8", 1, shape, OFFSETS)
+
         return [
-            (Column(steps, "PartOffsets", "i8"), 0),
-            (Column(steps, "PointOffsets", "i8"), n),
-            (Column(steps, "NumberOfParts", "i8"), None),
-            *((Column(steps, name, "i8", 1, (1,)), 0) for name in ("CellOffsets", "ConnectivityIdOffsets")),
-            *((Column(steps["PointDataOffsets"], name, "i8"), n) for name in self.point_fields),
-            *((Column(steps["CellDataOffsets"], name, "i8"), c) for name in self.cell_fields),
-            (Column(steps["CellDataOffsets"], "body", "i8"), 0),
+            (table(steps, "PartOffsets"), 0),
+            (table(steps, "PointOffsets"), n),
+            (table(steps, "NumberOfParts"), None),
+            *((table(steps, name, (1,)), 0) for name in ("CellOffsets", "ConnectivityIdOffsets")),
+            *((table(steps["PointDataOffsets"], name), n) for name in self.point_fields),
+            *((table(steps["CellDataOffsets"], name), c) for name in self.cell_fields),
+            (table(steps["CellDataOffsets"], "body"), 0),
         ]
 
     @property
@@ -114,12 +119,12 @@ class GridFile:
         """Fill all fields of a frame; nobody sees it yet."""
         spatial = self._spatial
         spatial[:, :2] = frame.displacement
-        self.point_fields["displacement"].write(row, spatial)
+        self.point_fields["displacement"].write(row, placed(spatial, PLACES))
         spatial[:, :2] += self.layout.nodes
-        self.points.write(row, rounded(spatial, PLACES))
+        self.points.write(row, placed(spatial, PLACES))
         if self.layout.has_velocity:
             spatial[:, :2] = frame.velocity
-            self.point_fields["velocity"].write(row, rounded(spatial, SHOWN))
+            self.point_fields["velocity"].write(row, placed(spatial, SHOWN))
         self._write_contacts(row, frame)
         self._write_cells(row, frame)
 

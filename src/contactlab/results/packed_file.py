@@ -14,12 +14,15 @@ from typing import Any
 import h5py
 import numpy as np
 
-from contactlab.results.checkpoint_slots import SERIAL
+from contactlab.results.final_slots import copy_final
 from contactlab.results.growing import HEADERS
 
+STATE = "/contactlab/checkpoint"
 LEVEL = 1  # of gzip: higher ones are slower and save 2 %
 SMALL = 4096  # bytes of a table that is left as it is: what describes compressed chunks would be larger
 CHUNK = 1 << 15  # numbers of a chunk of what had none
+LARGEST = 1 << 17  # bytes of a chunk in which several frames, or many steps, are put together
+AT_ONCE = 3 << 18  # bytes of all chunks that a frame needs: HDF5 keeps 1 MiB of what it has decompressed
 
 
 def pack(path: Path, least: int = 0) -> None:
@@ -56,7 +59,11 @@ def _copy_group(old: h5py.Group, new: h5py.Group, places: dict[int, str]) -> Non
         places[address] = item.name
         if isinstance(item, h5py.Group):
             ordered = item.id.get_create_plist().get_link_creation_order()
-            _copy_group(item, new.create_group(name, track_order=bool(ordered)), places)
+            made = new.create_group(name, track_order=bool(ordered))
+            if item.name != STATE or not copy_final(item, made, LEVEL):
+                _copy_group(item, made, places)
+        elif _takes(item) < SMALL:
+            h5py.h5o.copy(old.id, name.encode(), new.id, name.encode())
         else:
             _copy_dataset(item, new, name)
 
@@ -64,25 +71,28 @@ def _copy_group(old: h5py.Group, new: h5py.Group, places: dict[int, str]) -> Non
 def _copy_dataset(old: h5py.Dataset, new: h5py.Group, name: str) -> None:
     how: dict[str, Any] = {}
     if old.chunks is not None:
-        chunks = tuple(max(1, min(pair)) for pair in zip(old.chunks, old.shape, strict=True))
-        how = {"maxshape": old.maxshape, "chunks": chunks}
+        how = {"maxshape": old.maxshape, "chunks": _chunks(old)}
     if old.nbytes >= SMALL and old.dtype.kind != "O":
         chunks = how.get("chunks") or (min(old.shape[0], CHUNK), *old.shape[1:])
         how |= {"chunks": chunks, "compression": "gzip", "compression_opts": LEVEL, "shuffle": True}
     made = new.create_dataset(name, old.shape, old.dtype, **how)
-    if not _outdated(old):
-        made[...] = old[()]
+    made[...] = old[()]
     _copy_attributes(old, made)
 
 
-def _outdated(dataset: h5py.Dataset) -> bool:
-    """Whether this is the memory of the older one of two saved states: only the newer one is of use any more."""
-    slot = dataset.parent
-    if not dataset.name.endswith("/memory") or "header" not in slot:
-        return False
-    slots = {name: other for name, other in slot.parent.items() if isinstance(other, h5py.Group)}
-    serials = {name: int(other["header"][SERIAL]) for name, other in slots.items()}
-    return serials[slot.name.rpartition("/")[2]] < max(serials.values())
+def _takes(dataset: h5py.Dataset) -> int:
+    """Bytes on the disk."""
+    return int(dataset.id.get_storage_size()) if dataset.dtype.kind != "O" else SMALL
+
+
+def _chunks(old: h5py.Dataset) -> tuple[int, ...]:
+    """Chunks of one component each: like is then beside like. Those of several frames or blocks are one."""
+    first, *inner = (max(1, min(pair)) for pair in zip(old.chunks, old.shape, strict=True))
+    components = inner[-1] if inner else 1
+    row = old.dtype.itemsize * int(np.prod(inner[:-1], dtype=np.int64))
+    together = min(LARGEST, AT_ONCE // components) // (row * first)
+    rows = min(first * max(1, together), max(1, old.shape[0]))
+    return (rows, *inner[:-1], *((1,) if inner else ()))
 
 
 def _copy_attributes(old: Any, new: Any) -> None:

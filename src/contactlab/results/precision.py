@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-SHOWN = 16
-"""Significant bits of stresses, velocities, tractions and internal variables: to 1.5e-5 of each value."""
-PLACES = 19
-"""Significant bits of positions, which are exactly the nodes and their displacement: to 2e-6 of each coordinate."""
+SHOWN = 14
+"""Significant bits of stresses, tractions and internal variables: to 3e-5 of each value; velocities: of the largest."""
+PLACES = 20
+"""Bits of positions and displacements: to 1e-6 of the largest one in a frame."""
 FULL = 24
 """Significant bits of a number in single precision."""
 
@@ -24,3 +24,12 @@ def rounded(values: np.ndarray, bits: int) -> np.ndarray:
         whole += np.uint32(1 << (unused - 1))
         whole &= np.uint32(0xFFFFFFFF << unused & 0xFFFFFFFF)
     return single
+
+
+def placed(values: np.ndarray, bits: int) -> np.ndarray:
+    """The values (...) in single precision, all to the same place: with so many bits for the largest of them."""
+    largest = float(np.abs(values).max(initial=0.0))
+    if not np.isfinite(largest):
+        return rounded(values, FULL)
+    place = np.ldexp(1.0, int(np.frexp(largest)[1]) - bits)
+    return np.asarray(np.rint(values / place) * place, np.float32)

@@ -43,6 +43,7 @@ class ShownTimes:
         self.values = [group["Values"] for group in groups]
         self.groups, self.links = groups, growing.file["contactlab/shown"]
         self.shown = 1 if self.links["frames"] == groups[1] else 0
+        self.times: Floats = self.values[self.shown][:]
 
     @property
     def count(self) -> int:
@@ -51,14 +52,13 @@ class ShownTimes:
 
     def append(self, time: float) -> None:
         """Show one more frame; all that belongs to it has been written."""
-        times = self.values[self.shown][:]
-        if len(times) % CHUNK == 0:
+        if len(self.times) % CHUNK == 0:
             self.growing.reserve(2 * 8 * CHUNK)
-        self._show(np.append(times, time))
+        self._show(np.append(self.times, time))
 
     def cut(self, count: int) -> None:
         """Let readers see exactly `count` frames."""
-        self._show(self.values[self.shown][:count])
+        self._show(self.times[:count].copy())
 
     def _show(self, times: Floats) -> None:
         other = 1 - self.shown
@@ -67,7 +67,7 @@ class ShownTimes:
             self.values[other].id.write(h5py.h5s.ALL, h5py.h5s.ALL, np.ascontiguousarray(times))
         self.numbers[other].write(len(times))
         self.growing.flush()
-        del self.links["frames"]
-        self.links["frames"] = self.groups[other]
-        self.shown = other
+        self.links.id.unlink(b"frames")
+        h5py.h5o.link(self.groups[other].id, self.links.id, b"frames")
+        self.shown, self.times = other, times
         self.growing.flush()

@@ -205,6 +205,7 @@ def _lines(
 def _picture_view(picture: Picture, name: str) -> rrb.Spatial2DView:
     return rrb.Spatial2DView(
         origin=picture.path,
+        contents=["+ $origin/**", f"+ {picture.beside}/**"],
         name=name,
         visual_bounds=rrb.VisualBounds2D(
             x_range=[-LEFT, picture.width + 10.0], y_range=[-10.0, picture.height + BELOW]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -15,6 +16,9 @@ from contactlab_rerun.mesh_shape import MeshShape
 from contactlab_rerun.projection import ON_MESH, camera, in_plane, line_strips
 from contactlab_rerun.series import times
 
+POINT_BYTES = 16.0  # of a node in a frame: position and colour
+FEWEST = 20  # frames that are drawn in any case
+PLACES = 16  # bits of positions, of the size of the model: a twentieth of a pixel, and one where it is seen from near
 AT_ONCE = 4_000_000  # bytes of positions that are sent together
 FEW_CELLS = 800  # up to here the sides of cells are drawn
 LONGEST_ARROW = 0.16  # of the model's size
@@ -57,12 +61,15 @@ class Drawing:
         scale: Scale,
         outline: str,
         wire: bool,
+        room: float,
     ) -> None:
         self.recording, self.run, self.appearance, self.scale = recording, run, appearance, scale
         self.outline = outline
         self.shape = MeshShape(run.layout)
         self.wire = wire
-        self.when = times([i.step for i in run.instants], [i.time for i in run.instants])
+        self.frames = drawn_frames(run, room)
+        self.instants = [run.instants[k] for k in self.frames]
+        self.place = 2.0 ** (np.ceil(np.log2(scale.size)) - PLACES)
 
     def draw(self) -> None:
         """Draw meshes, outlines, arrows and fields of all frames."""
@@ -79,7 +86,7 @@ class Drawing:
         nodes = self.shape.nodes
 
         def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
-            positions = in_plane(np.array([i.positions for i in instants]), 0.0, self.scale.distance).reshape(-1, 3)
+            positions = self._in_plane(np.array([i.positions for i in instants]), 0.0)
             colours = np.concatenate([self._colours(i) for i in instants])
             made = rr.Mesh3D.columns(vertex_positions=positions, vertex_colors=colours)
             return made.partition(np.full(len(instants), nodes))
@@ -110,9 +117,9 @@ class Drawing:
         if not contacts:
             return
         longest = LONGEST_ARROW * self.scale.size / self.scale.pressure
-        points = np.concatenate([surfaces[c.name].points for c in contacts], axis=1)
-        pulls = np.concatenate([tractions(surfaces[c.name], c.slave_segments) for c in contacts], axis=1)
-        state = np.concatenate([surfaces[c.name].state for c in contacts], axis=1)
+        points = np.concatenate([surfaces[c.name].points[self.frames] for c in contacts], axis=1)
+        pulls = np.concatenate([tractions(surfaces[c.name], c.slave_segments)[self.frames] for c in contacts], axis=1)
+        state = np.concatenate([surfaces[c.name].state[self.frames] for c in contacts], axis=1)
         frictional = np.repeat([bool(c.friction) for c in contacts], [len(c.slave_nodes) for c in contacts])
         touching = state > 0
         columns = rr.Arrows3D.columns(
@@ -121,7 +128,8 @@ class Drawing:
             colors=np.where(frictional, COLOURS[state], CLOSED_COLOUR)[touching],
         )
         path = f"{self.appearance.path}/arrows"
-        self.recording.send_columns(path, self.when, columns.partition(touching.sum(axis=1)))
+        when = times([i.step for i in self.instants], [i.time for i in self.instants])
+        self.recording.send_columns(path, when, columns.partition(touching.sum(axis=1)))
         self.recording.log(path, rr.Arrows3D.from_fields(radii=[-1.8]), static=True)
 
     # --- sending ----------------------------------------------------------------------------------
@@ -131,16 +139,22 @@ class Drawing:
 
         def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
             positions = np.array([i.positions for i in instants])[:, nodes]
-            points = in_plane(positions, ON_MESH, self.scale.distance).reshape(-1, 3)
+            points = self._in_plane(positions, ON_MESH)
             made = rr.LineStrips3D.columns(strips=line_strips(points, np.tile(lengths, len(instants))))
             return made.partition(np.full(len(instants), len(lengths)))
 
         self._in_batches(f"{self.appearance.path}/{name}", 12 * len(nodes), columns)
 
+    def _in_plane(self, positions: np.ndarray, lift: float) -> np.ndarray:
+        """Positions (..., 2) as the viewer takes them (P, 3), to a fraction of a pixel: what is finer is noise."""
+        points = in_plane(positions, lift, self.scale.distance)
+        points[..., :2] = np.rint(points[..., :2] / self.place) * self.place
+        return points.reshape(-1, 3)
+
     def _in_batches(
         self, path: str, frame_bytes: int, columns: Callable[[Sequence[Instant]], rr.ComponentColumnList]
     ) -> None:
-        instants = self.run.instants
+        instants = self.instants
         batch = max(1, AT_ONCE // max(1, frame_bytes))
         for begin in range(0, len(instants), batch):
             some = instants[begin : begin + batch]
@@ -150,6 +164,16 @@ class Drawing:
     def _style(self, name: str, colour: tuple[int, ...], radius: float) -> None:
         style = rr.LineStrips3D.from_fields(colors=[colour], radii=[radius])
         self.recording.log(f"{self.appearance.path}/{name}", style, static=True)
+
+
+def drawn_frames(run: Gathered, room: float) -> list[int]:
+    """Which frames are drawn: the last steps before an end, and others evenly apart as far as `room` bytes go."""
+    whole = {instant.step for part in run.last_steps.values() for instant in part}
+    others = [k for k, instant in enumerate(run.instants) if instant.step not in whole]
+    size = POINT_BYTES * len(run.layout.nodes) * len(others)
+    apart = max(1, min(math.ceil(size / room), len(others) // FEWEST))
+    left_out = {k for place, k in enumerate(reversed(others)) if place % apart and k != others[0]}
+    return [k for k in range(len(run.instants)) if k not in left_out]
 
 
 def tractions(surface: Surface, segments: np.ndarray) -> Floats:

@@ -17,7 +17,8 @@ from contactlab_rerun.gathered import Appearance, Gathered, nice
 from contactlab_rerun.series import times
 
 MARGIN = 0.08  # of what is ever pressed, on either side
-MOST_POINTS = 400_000  # of the curves of a run, beside its last steps
+MOST_POINTS = 100_000  # of the curves of all runs of a recording, beside their last steps
+LEAST_POINTS = 30_000  # of those of each
 LAST = 200  # steps before the end whose curves are always there
 
 
@@ -63,14 +64,17 @@ def log_profile(
         ]
         log_legend(recording, axes.path, names, axes.hang)
     for name, run, appearance in runs:
-        _log_curves(recording, axes, run, appearance, name)
+        most = max(LEAST_POINTS, MOST_POINTS // len(runs))
+        _log_curves(recording, axes, run, appearance, name, most)
 
 
-def _log_curves(recording: rr.RecordingStream, axes: Axes, run: Gathered, appearance: Appearance, contact: str) -> None:
+def _log_curves(
+    recording: rr.RecordingStream, axes: Axes, run: Gathered, appearance: Appearance, contact: str, most: int
+) -> None:
     surface = run.surfaces[contact]
     order = surface.along
     order = order[(surface.s[order] >= axes.x0 - 1e-12) & (surface.s[order] <= axes.x1 + 1e-12)]
-    shown = curves_of(run, contact, len(order))
+    shown = curves_of(run, contact, len(order), most)
     when, path = times(shown.step, shown.time), f"{appearance.path}/profile/{contact}"
     pressure = axes.points(np.broadcast_to(surface.s[order], (len(shown.step), len(order))), shown.pressure[:, order])
     recording.send_columns(f"{path}/pressure", when, solid_columns(pressure))
@@ -101,13 +105,13 @@ class Curves:
     shear: np.ndarray
 
 
-def curves_of(run: Gathered, contact: str, nodes: int) -> Curves:
-    """Curves of the frames, and of the contact record: all of its last steps, earlier ones as far as there is room."""
+def curves_of(run: Gathered, contact: str, nodes: int, most: int) -> Curves:
+    """Curves of the frames, and of the contact record: all of its last steps, earlier ones up to `most` points."""
     surface, rows = run.surfaces[contact], run.records.get(contact, np.zeros(0))
     step, time = np.array([i.step for i in run.instants]), np.array([i.time for i in run.instants])
     if not len(rows):
         return Curves(step, time, surface.pressure, surface.shear)
-    sparse = -(-len(rows) * nodes // MOST_POINTS)
+    sparse = -(-len(rows) * nodes // most)
     kept = np.union1d(np.arange(0, len(rows), sparse), np.arange(max(0, len(rows) - LAST), len(rows)))
     rows = rows[kept]
     rows = rows[~np.isin(rows["step"], step)]

@@ -21,7 +21,8 @@ class Rerun(Recorder):
 
     field      what colours the mesh: von_mises or (hydrostatic) pressure [MPa], an internal variable of the laws such
                as plastic_strain, or "none"
-    every      1: every stored frame is shown, 2: every other one, ... (the last one always)
+    every      1: every stored frame is drawn, 2: every other one, ... (the last one always); "auto": as many as fit
+               into 4 MB, at least 20; curves, tracks and events are then those of all frames
     wire       draw the sides of all cells; "auto": where there are few enough to be told apart
     lanes      slave nodes of each contact whose state has a track of its own
     """
@@ -33,19 +34,25 @@ class Rerun(Recorder):
     shown_file: ClassVar[str] = FILE
 
     field: str = "von_mises"
-    every: int = 1
+    every: int | Literal["auto"] = "auto"
     wire: bool | Literal["auto"] = "auto"
     lanes: int = 8
 
     def __post_init__(self) -> None:
-        if self.every < 1:
-            raise ValueError(f"every: got {self.every}, allowed: at least 1")
+        if self.every != "auto" and self.every < 1:
+            raise ValueError(f'every: got {self.every}, allowed: at least 1, or "auto"')
         if self.lanes < 0:
             raise ValueError(f"lanes: got {self.lanes}, allowed: at least 0")
 
+    @property
+    def frames_apart(self) -> int:
+        """1: all stored frames are kept until the end, 2: every other one."""
+        return 1 if self.every == "auto" else self.every
+
     def disk_bytes(self, layout: Layout, steps: float, memory: float) -> float:
         """Meshes of the frames that are shown, and scalars of all steps."""
-        return NODE_BYTES * len(layout.nodes) * layout.frames / self.every + STEP_BYTES * steps * len(layout.steps)
+        drawn = layout.frames / self.frames_apart
+        return NODE_BYTES * len(layout.nodes) * drawn + STEP_BYTES * steps * len(layout.steps)
 
     def open(self, folder: Path, layout: Layout) -> Recording:
         """Begin to gather; the file is written when the run ends, with one colour scale for all of it."""

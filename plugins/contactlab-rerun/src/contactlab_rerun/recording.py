@@ -35,7 +35,7 @@ class RunRecording(Recording):
         layout: Layout,
         finish: Callable[[Summary], None],
     ) -> None:
-        self.run, self.open_run, self.finish = Gathered(layout, options.field, options.every), open_run, finish
+        self.run, self.open_run, self.finish = Gathered(layout, options.field, options.frames_apart), open_run, finish
         self.series: SeriesWriter | None = None
         self.waiting: list[Floats] = []
 

@@ -24,19 +24,22 @@ from contactlab_rerun.gathered import Appearance, Gathered, short
 from contactlab_rerun.series import times
 
 PAGE = 200  # steps
-WIDTH, HEIGHT = 600, 300  # pixels of a page, about
+WIDE = 3  # pixels of a step
+HEIGHT = 300  # pixels of a page, about
 LEFT, BELOW = 150, 40  # room for labels
 MOST_PAGES = 500  # pictures of a run; earlier pages are left out
 TICKS = 6  # nodes that are named
 SEGMENTS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
 EMPTY = "#22262c"
+BESIDE = "all"  # entity of what the pictures of a contact share
 
 
 @dataclass(frozen=True)
 class Picture:
-    """One kind of picture: the root of its entities and the name of its view."""
+    """One kind of picture: the root of its entities, that of what all kinds share, and the name of its view."""
 
     path: str
+    beside: str
     name: str
     width: float
     height: float
@@ -60,10 +63,13 @@ def log_pictures(recording: rr.RecordingStream, run: Gathered, appearance: Appea
         }
         # without friction all that is closed has one state: where it is says more
         order = ("state", "segment", "pressure") if contact.friction else ("segment", "state", "pressure")
+        path, high = f"{appearance.path}/steps/{contact.name}", max(1, round(HEIGHT / len(along)))
+        size = float(WIDE * PAGE), float(high * len(along))
         for kind in order:
             name, (indices, palette) = kinds[kind]
-            path = f"{appearance.path}/steps/{contact.name}/{kind}"
-            found.append(_log(recording, path, name, rows, (indices, palette), _labels(run, contact, along)))
+            _log(recording, f"{path}/{kind}/picture", rows, indices, palette, high)
+            found.append(Picture(f"{path}/{kind}", f"{path}/{BESIDE}", name, *size))
+        _log_beside(recording, f"{path}/{BESIDE}", rows, size[1], high, _labels(run, contact, along))
     return found
 
 
@@ -97,43 +103,48 @@ def _labels(run: Gathered, contact: ContactLayout, along: Ints) -> list[tuple[in
 
 
 def _log(
-    recording: rr.RecordingStream, path: str, name: str, rows: np.ndarray, picture: tuple[np.ndarray, list[str]],
-    labels: Sequence[tuple[int, str]],
-) -> Picture:  # fmt: skip
-    indices, palette = picture
-    wide, high = WIDTH // PAGE, max(1, round(HEIGHT / indices.shape[1]))
-    height = high * indices.shape[1]
-    at = [(-4.0, high * (k + 0.5)) for k, _ in labels]
-    style: dict[str, Any] = {"radii": [0.0], "colors": [(205, 210, 216)], "show_labels": True}
-    for number, ((x, y), (_, text)) in enumerate(zip(at, labels, strict=True)):
-        # a label is centred on its point
-        recording.log(f"{path}/nodes/{number}", rr.Points2D([(x - 72.0, y - 9.0)], labels=[text], **style), static=True)
+    recording: rr.RecordingStream, path: str, rows: np.ndarray, indices: np.ndarray, palette: list[str], high: int
+) -> None:
+    """All pages of one kind, rows of `high` pixels."""
+    pictures, begins = [], [begin for begin, _ in _pages(len(rows))]
     for begin, end in _pages(len(rows)):
-        steps = rows["step"][begin:end]
-        when = times(steps[:1], rows["time"][begin : begin + 1])
         page = np.zeros((PAGE, indices.shape[1]), np.uint8)  # all of one size: the viewer takes them for a film
-        page[PAGE - len(steps) :] = indices[begin:end]
-        png = png_of(np.repeat(np.repeat(page.T, high, axis=0), wide, axis=1), palette)
-        recording.send_columns(f"{path}/picture", when, rr.EncodedImage.columns(blob=[png], media_type=["image/png"]))
-        span = rr.Points2D.columns(
-            positions=[(wide * PAGE / 2.0, height + 8.0)], labels=[f"steps {steps[0]} to {steps[-1]}"]
-        )
-        recording.send_columns(f"{path}/page", when, span)
+        page[PAGE - (end - begin) :] = indices[begin:end]
+        pictures.append(png_of(np.repeat(np.repeat(page.T, high, axis=0), WIDE, axis=1), palette))
+    when = times(rows["step"][begins], rows["time"][begins])
+    columns = rr.EncodedImage.columns(blob=pictures, media_type=["image/png"] * len(pictures))
+    recording.send_columns(path, when, columns)
+
+
+def _log_beside(
+    recording: rr.RecordingStream, path: str, rows: np.ndarray, height: float, high: int,
+    labels: Sequence[tuple[int, str]],
+) -> None:  # fmt: skip
+    """What all pictures of a contact have in common: names of nodes, steps of the page, and the cursor."""
+    style: dict[str, Any] = {"radii": [0.0], "colors": [(205, 210, 216)], "show_labels": True}
+    at = [(-76.0, high * (k + 0.5) - 9.0) for k, _ in labels]  # a label is centred on its point
+    recording.log(f"{path}/nodes", rr.Points2D(at, labels=[text for _, text in labels], **style), static=True)
+    pages = list(_pages(len(rows)))
+    begins = [begin for begin, _ in pages]
+    spans = [f"steps {rows['step'][begin]} to {rows['step'][end - 1]}" for begin, end in pages]
+    places = np.tile(np.array([[WIDE * PAGE / 2.0, height + 8.0]], np.float32), (len(pages), 1))
+    when = times(rows["step"][begins], rows["time"][begins])
+    recording.send_columns(f"{path}/page", when, rr.Points2D.columns(positions=places, labels=spans))
     recording.log(f"{path}/page", rr.Points2D.from_fields(**style), static=True)
-    _log_cursor(recording, path, rows, wide, height)
-    return Picture(path, name, wide * PAGE, height)
+    columns = [np.arange(PAGE - (end - begin), PAGE) for begin, end in pages]
+    _log_cursor(recording, path, rows, np.concatenate(columns), height)
 
 
-def _log_cursor(recording: rr.RecordingStream, path: str, rows: np.ndarray, wide: int, height: int) -> None:
+def _log_cursor(recording: rr.RecordingStream, path: str, rows: np.ndarray, column: np.ndarray, height: float) -> None:
     """A frame around the column of the step at the cursor, in the last pages; a line per step is dear."""
-    column = np.concatenate([np.arange(PAGE - (end - begin), PAGE) for begin, end in _pages(len(rows))])
     shown = rows[len(rows) - len(column) :]
-    boxes = rr.Boxes2D.columns(
-        centers=np.stack([wide * (column + 0.5), np.full(len(column), height / 2.0)], axis=1).astype(np.float32),
-        half_sizes=np.tile(np.array([[wide / 2.0 + 1.0, height / 2.0 + 3.0]], np.float32), (len(column), 1)),
+    centres = np.stack([WIDE * (column + 0.5), np.full(len(column), height / 2.0)], axis=1).astype(np.float32)
+    when = times(shown["step"], shown["time"])
+    recording.send_columns(f"{path}/cursor", when, rr.Boxes2D.columns(centers=centres))
+    style = rr.Boxes2D.from_fields(
+        half_sizes=[(WIDE / 2.0 + 1.0, height / 2.0 + 3.0)], colors=[(255, 255, 255)], radii=[-0.8]
     )
-    recording.send_columns(f"{path}/cursor", times(shown["step"], shown["time"]), boxes)
-    recording.log(f"{path}/cursor", rr.Boxes2D.from_fields(colors=[(255, 255, 255)], radii=[-0.8]), static=True)
+    recording.log(f"{path}/cursor", style, static=True)
 
 
 def _pages(count: int) -> Iterator[tuple[int, int]]:
@@ -151,7 +162,9 @@ def png_of(indices: np.ndarray, palette: Sequence[str]) -> bytes:
     rows[:, 0] = 2
     head = struct.pack(">IIBBBBB", width, height, 8, 3, 0, 0, 0)
     colours = bytes(part for colour in palette for part in rgb(colour))
-    parts = [(b"IHDR", head), (b"PLTE", colours), (b"IDAT", zlib.compress(rows.tobytes(), 6)), (b"IEND", b"")]
+    runs = zlib.compressobj(1, strategy=zlib.Z_RLE)  # pictures in blocks: smaller and faster than usual
+    data = runs.compress(rows.tobytes()) + runs.flush()
+    parts = [(b"IHDR", head), (b"PLTE", colours), (b"IDAT", data), (b"IEND", b"")]
     return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(kind, data) for kind, data in parts)
 
 

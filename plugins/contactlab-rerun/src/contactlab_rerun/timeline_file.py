@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import os
 import shutil
 from collections.abc import Mapping, Sequence
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
 
 MOST_TRACKS = 12  # in the view of a comparison
+MESHES = 4e6  # bytes of all meshes of a recording, where it is not said which frames are drawn
 ROOM = 1 << 20  # bytes of disk that must be left: the library does not tell when there are none
 
 
@@ -118,7 +120,7 @@ class TimelineFile:
         shown = []
         for run, appearance, writer in self.runs:
             outline = appearance.colour if len(self.runs) > 1 else OUTLINE
-            Drawing(self.recording, run, appearance, scale, outline, self._wired(run)).draw()
+            Drawing(self.recording, run, appearance, scale, outline, self._wired(run), self._room).draw()
             box = np.asarray(low, float), np.asarray(high, float)
             if run.layout.contacts:
                 log_state_key(self.recording, appearance.path, *box, run.frictional, scale.distance)
@@ -127,6 +129,11 @@ class TimelineFile:
                 box = log_colour_bar(self.recording, appearance.path, label, field, *box, scale.distance)
             shown.append(Shown(appearance, run, box, writer.shown()))
         return shown
+
+    @property
+    def _room(self) -> float:
+        """Bytes that the meshes of a run may take."""
+        return MESHES / len(self.runs) if self.options.every == "auto" else math.inf
 
     def _wired(self, run: Gathered) -> bool:
         few = sum(len(body.cells) for body in run.layout.bodies) <= FEW_CELLS
