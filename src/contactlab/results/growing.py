@@ -148,7 +148,7 @@ class Column:
             if chunk not in self.places:
                 return False
             low, high = max(begin, chunk * first), min(end, (chunk + 1) * first)
-            part = data[low - begin : high - begin]
+            part: Any = data[low - begin : high - begin]
             place = self.places[chunk] + (low - chunk * first) * (data.nbytes // len(data))
             if os.pwrite(self.descriptor, part, place) != part.nbytes:  # the file system has gone back on its word
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
