@@ -184,7 +184,7 @@ def choose(y, gaps, scale, search):
 def begin_descent(gaps, search):
     """The first direction of the conjugate gradients on a set; returns the scaled square of the residual."""
     square = 0.0
-    for i in range(gaps.size):
+    for i in range(search.residual.size):
         search.residual[i] = -gaps[i] if search.active[i] else 0.0
         search.direction[i] = search.residual[i] * search.easy[i]
         square += search.residual[i] * search.direction[i]
