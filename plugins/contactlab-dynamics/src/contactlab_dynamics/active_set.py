@@ -182,7 +182,10 @@ def choose(y, gaps, scale, search):
 
 @section
 def begin_descent(gaps, search):
-    """The first direction of the conjugate gradients on a set; returns the scaled square of the residual."""
+    """The first direction of the conjugate gradients on a set; returns the scaled square of the residual.
+
+    `gaps` may have room for more conditions than the (k,) arrays of `search`.
+    """
     square = 0.0
     for i in range(search.residual.size):
         search.residual[i] = -gaps[i] if search.active[i] else 0.0
