@@ -27,8 +27,8 @@ COLUMNS = (*CHOICES, "verdict", "measure", "role", "value", "least", "most", "un
 HEAD = """# Every case, with its numbers
 
 Written by `make pages` from the archive of `contactlab matrix`. [Cases against algorithms](matrix.md) explains the
-verdicts, and each case is described in its file in `plugins/contactlab-cases`. Numbers outside what is
-allowed are bold. {counts}
+verdicts, and each case is described in its file in `plugins/contactlab-cases`. Numbers outside their
+allowed range are bold. {counts}
 """
 
 

@@ -1,4 +1,4 @@
-"""Why cells of the full matrix have no right answer, or miss a number: what was found out, or that it was not.
+"""Why cells of the full matrix have no right answer, or miss a number; or that the cause is not known.
 
 A test holds `CAUSES` complete and without entries that are no longer needed, so that the list can only shrink.
 """
@@ -8,31 +8,31 @@ from __future__ import annotations
 NODES = "node-on-segment"
 UNKNOWN = "not known"
 
-LEANING = "normals averaged on the slave lean beside a node that has been let go, and work on what slides there"
-ONE_PASS = "one-pass conditions do not pass a constant pressure between meshes that do not match"
-VERTEX = "forces jump where a node lies on a vertex of the master: the iteration goes to and fro; the run says so"
+LEANING = "normals averaged on the slave are tilted next to a node just released, and do work on the sliding there"
+ONE_PASS = "one-pass conditions do not transmit a constant pressure between non-matching meshes"
+VERTEX = "forces jump where a node lies on a vertex of the master: the iteration alternates; the run reports it"
 FINE_ON_SOFT = (
-    "a stiff slave of finer cells than the soft master: multipliers between the master's nodes have no answer, and "
-    "statuses find no rest; the run says so, and with the sides exchanged it is met"
+    "a stiff slave of finer cells than the soft master: multipliers between the master's nodes are not determined, and "
+    "statuses keep changing; the run reports it, and with the sides exchanged the case is met"
 )
-ROUGH = "very high friction: which nodes stick finds no rest; the run says so"
+ROUGH = "very high friction: the set of sticking nodes keeps changing; the run reports it"
 CORNERS = (
-    "two corners that meet head on: nodes are pushed out of the other body's side, and contact makes energy; the run "
-    "is stopped for it"
+    "two corners that meet head on: nodes are pushed out of the other body's side, and contact makes energy, for which "
+    "the run is stopped"
 )
 BEYOND = (
-    "corner nodes that stand up to two per cent of a segment beyond the end of the master are held by its last node: "
-    "the two forces are not in one line and turn the pair; with either body wider the change is 150 to 600 times less"
+    "corner nodes up to two per cent of a segment beyond the end of the master are held by its last node: the two "
+    "forces are not in one line and turn the pair; with either body wider the change is 150 to 600 times less"
 )
 SLIDES_OFF = (
-    "friction alone holds the upper layer, and there is none where nothing is pressed yet: the first iteration slides "
-    "it off and opens all conditions; the run says so"
+    "only friction holds the upper layer, and there is none before contact presses: the first iteration slides it off "
+    "and opens all conditions; the run reports it"
 )
 SOFT_SPRINGS = (
     "only springs of a ten-millionth of the stiffness hold the bodies, and the first iteration moves them far away; "
-    "with springs a thousand times as stiff the run comes to its end; what loads the springs was not found"
+    "with springs a thousand times as stiff the run finishes; the load on the springs was not found"
 )
-NODE_BY_NODE = "contact ends node by node, one or two in an iteration: more than the limit of work allows on this mesh"
+NODE_BY_NODE = "contact opens node by node, one or two per iteration: more than the work limit allows on this mesh"
 
 CAUSES: dict[tuple[str, str, str], str] = {
     ("dropped-block", "mortar-p0", "silent"): LEANING,
@@ -50,7 +50,7 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("two-rings", NODES, "silent"): f"{ONE_PASS}: on a curve first order where the case allows second",
     ("disc-in-ring", NODES, "silent"): f"{ONE_PASS}: on a curve first order where the case allows second",
     ("disc-in-ring", NODES, "failed"): SOFT_SPRINGS,
-    ("hertz", NODES, "silent"): f"{ONE_PASS}: the pressure swings over several nodes, which no saw-tooth is",
+    ("hertz", NODES, "silent"): f"{ONE_PASS}: the pressure oscillates over several nodes, which is no saw-tooth",
     ("hertz", NODES, "failed"): VERTEX,
     ("stiffness-contrast", NODES, "failed"): VERTEX,
     ("elastic-punch", NODES, "silent"): f"{ONE_PASS}: the exponent at the corner is fitted to such pressures",
@@ -58,55 +58,55 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("ironing", NODES, "not-judged"): VERTEX,
     ("lifted-beam", NODES, "not-judged"): NODE_BY_NODE,
     ("disc-on-block", NODES, "not-judged"): VERTEX,
-    ("rigid-punch", NODES, "not-judged"): "statuses beside the singular edge find no rest",
+    ("rigid-punch", NODES, "not-judged"): "statuses next to the singular edge keep changing",
     ("rough-plate", "mortar-p0", "not-judged"): ROUGH,
     ("rough-plate", "mortar-p1", "not-judged"): ROUGH,
     ("spinning-pair", NODES, "silent"): BEYOND,
     ("vertex-to-vertex", NODES, "failed"): CORNERS,
 }
-"""By case, algorithm and verdict: why there is no right answer, or none that says that it is wrong."""
+"""By case, algorithm and verdict: why there is no right answer, or no warning that it is wrong."""
 
-RIM = "segments that a rim covers in part are shown on whole ones"
-EDGE = "where the edge of contact lies between two nodes decides; the tolerance falls with the cells"
-SAW = "the run warns of it: cells feel little of a pressure that alternates from node to node, so that it is free to"
+RIM = "pressures on partly covered segments at a rim are shown on whole segments"
+EDGE = "the position of the edge of contact between two nodes decides; the tolerance falls with the cells"
+SAW = "the run warns of it: a pressure that alternates from node to node does little work on the cells"
 FACETS = "nodes of two polygons that do not meet: their facets are as deep as the interference"
-LATE_FORCE = "a step's force acts where the surfaces are at its end; half the step, half the change"
-CIRCLES = "the tip of the master lies within a quadratic segment of the slave: Newton goes round in circles"
+LATE_FORCE = "a step's force acts along the surfaces at its end; half the step gives half the change"
+CIRCLES = "the tip of the master lies within a quadratic segment of the slave: Newton's method cycles"
 FINE_SLAVE = "a slave of finer cells than the master carries the pressure of the master's facets"
 
 MISSED: dict[tuple[str, str], str] = {
     ("", "saw-tooth of the pressure"): SAW,
-    ("", "saw-tooth of the shear"): "the run warns of it: the same of the shear",
-    ("corner-slide", "saw-tooth of the pressure"): "the base is a zigzag, whose vertices press",
+    ("", "saw-tooth of the shear"): "the run warns of it: as for the pressure",
+    ("corner-slide", "saw-tooth of the pressure"): "the base is a zigzag, whose vertices are pressed",
     ("rigid-punch", "resultant against integral of the pressure"): RIM,
     ("tilted-punch", "resultant against integral of the pressure"): RIM,
     ("elastic-punch", "resultant against integral of the pressure"): RIM,
     ("leaf-spring", "resultant against integral of the pressure"): RIM,
     ("inclined-layers", "resultant against integral of the pressure"): "slips of 2e-5 uncover as much of a segment",
-    ("inclined-layers", "stress along y"): "the layer slides a little before friction holds it, as where runs failed",
+    ("inclined-layers", "stress along y"): "the layer slides a little before friction holds it, as in the failed runs",
     ("hertz", "L2 of the pressure"): EDGE,
     ("hertz", "half-width in segments"): EDGE,
     ("hertz", "largest pressure"): FINE_SLAVE,
     ("sliding-cylinder", "L2 of the pressure"): EDGE,
     ("rounded-punch", "L2 of the pressure"): "most of the face is flat: the pressure rises at its rim within few cells",
     ("rounded-punch", "largest pressure"): "most of the face is flat: the pressure rises at its rim within few cells",
-    ("rigid-punch", "L2 of the pressure over 0.9 a"): "the singular edge leaves its mark on the cells beside it",
+    ("rigid-punch", "L2 of the pressure over 0.9 a"): "the singular edge affects the cells next to it",
     ("stiffness-contrast", "largest pressure"): FINE_SLAVE,
     ("stiffness-contrast", "L2 of the pressure"): ONE_PASS,
     ("oblique-discs", "change of the angular momentum"): LATE_FORCE,
     ("vertex-to-vertex", "change of the angular momentum"): LATE_FORCE,
     ("oblique-discs", "energy gained"): LEANING,
-    ("taylor-bar", "energy taken by flow over the kinetic one, less one"): "with `q1-reduced` alone",
+    ("taylor-bar", "energy taken by flow over the kinetic one, less one"): "with `q1-reduced` only",
     ("bouncing-bar", "highest point after the last period, later than exact [periods]"):
-        "implicit alone: lumped masses and the trapezoidal rule slow waves (docs/statics.md)",
-    ("bar-between-walls", "speed in the end"): "late by a part of an impact after twenty: the run ends within one",
-    ("wall-impact", "mean force"): "five cells a step, and contact begins in the middle of one",
+        "implicit runs only: lumped masses and the trapezoidal rule slow waves (docs/statics.md)",
+    ("bar-between-walls", "speed in the end"): "late by part of an impact after twenty: the run ends during one",
+    ("wall-impact", "mean force"): "five cells a step, and contact begins in the middle of a step",
     ("shrink-fit", "mean pressure"): FACETS,
     ("shrink-fit", "largest difference of a node from the mean"): FACETS,
-    ("initial-overlap", "ramped: force in the end"): "free master nodes swing through the coarser slave",
+    ("initial-overlap", "ramped: force in the end"): "free master nodes oscillate through the coarser slave",
     ("pulled-block", "slip of sticking nodes in segments"):
-        "`q2` alone: with friction, multipliers stand at the ends of quadratic edges, and what is between them is free",
-    ("two-rings", "order of the carried pressure"): "meshes too coarse for the order that they tend to",
+        "`q2` only: with friction, multipliers are at the ends of quadratic edges, and nodes between them are free",
+    ("two-rings", "order of the carried pressure"): "meshes too coarse for the asymptotic order",
     ("patch", "stress"): ONE_PASS,
     ("mindlin", "loaded: peak of the shear"): ONE_PASS,
     ("nafems-cgs1", "largest pressure"): ONE_PASS,
@@ -117,9 +117,9 @@ MISSED: dict[tuple[str, str], str] = {
     ("two-rings", "coarse: stopped"): VERTEX,
     ("disc-in-ring", "stopped"): VERTEX,
     ("leaf-spring", "stopped"): CIRCLES,
-    ("pulled-strip", "error of the energy ledger"): f"{UNKNOWN}: it stays with four times as many steps; the run warns",
+    ("pulled-strip", "error of the energy ledger"): f"{UNKNOWN}: it stays with four times the steps; the run warns",
 }  # fmt: skip
-"""By case ("" for any) and the number that misses first: why, as far as it was looked into."""
+"""By case ("" for any) and the number that misses first: the cause, as far as it was examined."""
 
 
 def why_missed(case: str, what: str) -> str:

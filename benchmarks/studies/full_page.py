@@ -30,7 +30,7 @@ ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
 HEAD = """# The full matrix
 
 Written by `make pages` from the archive of `contactlab matrix --full`: {cells} cells (cases with all their variants,
-either slave, all their elements and integrators, three algorithms), which took {minutes:.0f} CPU minutes.
+either slave, all their elements and integrators, three algorithms) in {minutes:.0f} CPU minutes.
 {counts}{missing}
 
 [Cases against algorithms](matrix.md) explains the verdicts. The numbers of the quick matrix are in
@@ -38,7 +38,7 @@ either slave, all their elements and integrators, three algorithms), which took 
 
 ## By case
 
-Met / all cells; then those that are silent (s), failed (f), not judged (n).
+Cells met / all cells; then the numbers of silent (s), failed (f) and not judged (n) cells.
 """
 
 
@@ -83,12 +83,12 @@ def page(rows: list[Row]) -> str:
         text.append(f"| `{case}` | {contact} | {number} {verdict} | {CAUSES.get((case, contact, verdict), '')} |")
     missed = list(_missed(rows))
     unknown = sum(int(line.split("|")[3]) for line in missed if line.split("|")[5].strip().startswith(UNKNOWN))
-    text += ["", "## Missed, by the number that misses first", "", f"Of {unknown} cells the cause is not known.", ""]
+    text += ["", "## Missed, by the number that misses first", "", f"The cause is not known for {unknown} cells.", ""]
     return "\n".join([*text, *missed]) + "\n"
 
 
 def _missing(rows: list[Row]) -> str:
-    """Say which cases have not been put to everything yet."""
+    """List the cases that have not been run yet."""
     names = sorted(set(default_registry().names("case")) - {row["case"] for row in rows})
     return f"\n\nNot run yet: {', '.join(f'`{name}`' for name in names)}." if names else ""
 
@@ -109,7 +109,7 @@ def _cell(found: Counter[str]) -> str:
 
 def _missed(rows: list[Row]) -> Iterator[str]:
     """One line per case, algorithm and number, those of the same cause together."""
-    yield from ("| case | algorithm | cells | what | why |", "|---|---|---|---|---|")
+    yield from ("| case | algorithm | cells | number | cause |", "|---|---|---|---|---|")
     missed = ((r["case"], r["contact"], _what(r["reason"])) for r in rows if r["verdict"] == "missed")
     for (case, contact, what), number in sorted(Counter(missed).items()):
         yield f"| `{case}` | {contact} | {number} | {what} | {why_missed(case, what)} |"
