@@ -38,7 +38,8 @@ either slave, all their elements and integrators, three algorithms) in {minutes:
 
 ## By case
 
-Cells met / all cells; then the numbers of silent (s), failed (f) and not judged (n) cells.
+Cells that are met, or ill-posed where that is the answer / all cells; then the numbers of silent (s), failed (f) and not
+judged (n) cells.
 """
 
 
@@ -104,7 +105,7 @@ def _table(rows: list[Row]) -> list[str]:
 
 def _cell(found: Counter[str]) -> str:
     more = "".join(f", {found[verdict]} {verdict[0]}" for verdict in UNANSWERED if found[verdict])
-    return f"{found['met']} / {found.total()}{more}"
+    return f"{found['met'] + found['ill-posed']} / {found.total()}{more}"
 
 
 def _missed(rows: list[Row]) -> Iterator[str]:

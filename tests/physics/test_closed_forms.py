@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from contactlab_cases.driven_layers import WAVE_NUMBER, exact_wave
 from contactlab_cases.fourth_power import HALF
 from contactlab_cases.indenters import MODULUS, half_width_of, pressure
+from contactlab_cases.interface_waves import compliance, growth_and_speed, opening, sliding_wave
 from contactlab_cases.rings import TwoRings, shrunk_rings
 from contactlab_cases.rounded_punch import RoundedPunch
 from contactlab_cases.shrink_fit import POISSON, RADII, YOUNG, ShrinkFit
@@ -71,3 +73,36 @@ def test_rings_agree_with_published_pressures() -> None:
     # a third ring that is not shrunk on at all, cut from the outer one: the pressure in the first joint is the same
     cut = shrunk_rings([(a, b), (b, 0.8), (0.8, c)], [(YOUNG, POISSON)] * 3, [1e-3 * b, 0.0])
     assert cut[0] == pytest.approx(both[0], rel=1e-12)
+
+
+def test_the_surface_of_a_half_plane_answers_waves_as_it_should() -> None:
+    """At rest (1 - nu)/(G k) under a pressure (Johnson 13.2), none but at 0.8740, the Rayleigh speed at nu = 0."""
+    slow = compliance(complex(1e-3, 0.0), 2.0, 1.0)
+    assert slow[1, 1] == pytest.approx(-0.5, rel=1e-5)
+    assert slow[1, 0] == pytest.approx(0.25j, rel=1e-5)  # (1 - 2 nu)/(2 G k), a quarter of a wave off
+    rayleigh = np.sqrt(3.0 - np.sqrt(5.0))  # root of (2 - c^2)^4 = 16 (1 - c^2)(1 - c^2/2)
+    assert rayleigh == pytest.approx(0.8740, abs=1e-4)
+    below, above = (compliance(complex(0.0, -rayleigh * f), 1.0, 1.0)[1, 1].real for f in (1.0 - 1e-6, 1.0 + 1e-6))
+    assert below * above < 0.0
+    assert min(abs(below), abs(above)) > 1e4
+
+
+def test_sliding_waves_grow_with_any_friction_and_the_faster_the_shorter() -> None:
+    """Ranjith & Rice 2001: where the generalised Rayleigh wave exists, a small mu makes it grow in proportion to mu."""
+    free = sliding_wave(1.44, 0.0)
+    assert free.real == pytest.approx(0.0, abs=1e-12)
+    assert 0.8740 < -free.imag < 1.0  # between the upper layer's Rayleigh and shear waves
+    small, twice = sliding_wave(1.44, 1e-3), sliding_wave(1.44, 2e-3)
+    assert small.real > 1e-6
+    assert twice.real == pytest.approx(2.0 * small.real, rel=1e-3)
+    assert abs(opening(sliding_wave(1.44, 0.9), 1.44, 0.9)) < 1e-9
+    with pytest.raises(ArithmeticError, match="Rayleigh"):
+        sliding_wave(1.0, 0.3)
+
+
+def test_a_driven_wave_becomes_the_free_one() -> None:
+    times = np.linspace(14.0, 18.0, 100)
+    growth, speed = growth_and_speed(WAVE_NUMBER * times, exact_wave(times, 1.44, 0.9))
+    exact = sliding_wave(1.44, 0.9)
+    assert growth == pytest.approx(exact.real, rel=0.01)
+    assert speed == pytest.approx(-exact.imag, rel=0.002)

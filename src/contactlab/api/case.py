@@ -87,7 +87,7 @@ class Answer:
     origin: str = ""
 
 
-Role = Literal["error", "criterion", "invariant", "reported"]
+Role = Literal["error", "criterion", "invariant", "reported", "no-limit"]
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,8 @@ class Measure:
 
     role   "error": against an answer; a finished run whose error exceeds 3 times `most` without a warning is silent.
            "criterion": met or missed. "invariant": no run may break it; a finished one that does is silent.
-           "reported": not judged
+           "reported": not judged. "no-limit": a number of several meshes which shows that finer ones have no limit;
+           where the case calls the problem ill-posed, a finished cell with such a number, and all met, is `ill-posed`
     least, most  allowed values
     why    the reason of the tolerance
     order  q, where the tolerance falls as h^q
@@ -142,6 +143,11 @@ def near(name: str, exact: float, fraction: float, why: str, unit: str = "", **m
 def invariant(name: str, most: float, why: str, unit: str = "", **more: Any) -> Measure:
     """An invariant: a number that may exceed `most` in no run."""
     return Measure(name, unit, "invariant", -math.inf, most, why, **more)
+
+
+def no_limit(name: str, least: float, most: float, why: str, unit: str = "", **more: Any) -> Measure:
+    """A number which shows that finer meshes have no limit: between two others. See `Measure`."""
+    return Measure(name, unit, "no-limit", least, most, why, **more)
 
 
 def reported(name: str, unit: str = "") -> Measure:
@@ -196,5 +202,8 @@ class Case(ABC):
         return "" if self.swaps or not setup.swap else "a rigid surface cannot be the slave"
 
     def ill_posed(self, setup: Setup) -> str:
-        """Why the problem has no solution, so that a run which reports that is right; empty when it has one."""
+        """Why the problem has no solution, so that a run which reports that is right; empty when it has one.
+
+        Where every run finishes, measures of role "no-limit" must show it.
+        """
         return ""

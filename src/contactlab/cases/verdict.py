@@ -58,6 +58,8 @@ def judge(case: Case, setup: Setup, done: Mapping[str, Record], values: Mapping[
     impossible = case.ill_posed(setup)
     if impossible and status in ("not-converged", "refused"):
         return Finding("ill-posed", status, f"{impossible}; the run says so: {reason}", tuple(judged))
+    if impossible and status == "finished" and (shown := _shown_to_have_no_limit(judged)):
+        return Finding("ill-posed", status, f"{impossible}; {shown}", tuple(judged))
     own: list[Verdict] = [j.verdict for j in judged]
     if status != "finished":
         own.append("not-judged" if status == "timed-out" else "failed")
@@ -95,6 +97,13 @@ def _end(done: Mapping[str, Record]) -> tuple[str, str]:
             told = f"{name}: " if len(done) > 1 else ""
             return record.status, told + record.reason
     return "finished", ""
+
+
+def _shown_to_have_no_limit(judged: Sequence[Judged]) -> str:
+    """The numbers of finished runs that show it, in words; empty where there are none, or where any number is off."""
+    if any(j.verdict != "met" for j in judged):
+        return ""
+    return "; ".join(f"{j.measure.name}: {j.value:.4g}" for j in judged if j.measure.role == "no-limit")
 
 
 def _told(judged: Sequence[Judged]) -> str:

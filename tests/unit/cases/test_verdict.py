@@ -10,7 +10,7 @@ from typing import ClassVar
 import pytest
 
 from contactlab.api import Case, Job, Measure, Record, Setup
-from contactlab.api.case import at_most, error, invariant, reported
+from contactlab.api.case import at_most, error, invariant, no_limit, reported
 from contactlab.cases.verdict import judge, verdict_of, worst
 
 GOOD = Record("finished", "", {"status": "finished", "guards": True, "balance": {}, "contacts": {}})
@@ -83,6 +83,25 @@ def test_saying_so_is_right_where_there_is_no_answer() -> None:
     stopped = {"run": replace(GOOD, status="not-converged", reason="circles")}
     assert judge(Question(ERROR, "several solutions"), SETUP, stopped, {}).verdict == "ill-posed"
     assert judge(Question(ERROR), SETUP, stopped, {}).verdict == "failed"
+
+
+@pytest.mark.parametrize(
+    ("ratio", "unanswerable", "verdict"),
+    [(2.0, "waves grow", "ill-posed"), (2.0, "", "met"), (1.0, "waves grow", "missed")],
+)
+def test_finished_runs_must_show_that_there_is_no_limit(ratio: float, unanswerable: str, verdict: str) -> None:
+    """What does not grow under refinement is missed, whatever the case says of the problem."""
+    case = Question(no_limit("rate, cells halved over whole", 1.8, 2.2, "w"), unanswerable)
+    found = judge(case, SETUP, {"run": GOOD}, {"rate, cells halved over whole": ratio})
+    assert found.verdict == verdict
+    assert ("halved over whole: 2" in found.reason) == (verdict == "ill-posed")
+
+
+def test_numbers_that_show_nothing_about_limits_make_no_cell_ill_posed() -> None:
+    assert judge(Question(ERROR, "several solutions"), SETUP, {"run": GOOD}, {"e": 0.0}).verdict == "met"
+    broke = {"run": broken("ledger")}
+    case = Question(no_limit("r", 1.8, 2.2, "w"), "waves grow")
+    assert judge(case, SETUP, broke, {"r": 2.0}).verdict == "silent"
 
 
 def test_the_worst_measure_is_the_cell() -> None:

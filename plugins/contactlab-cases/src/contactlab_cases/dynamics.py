@@ -126,3 +126,36 @@ class Tip(Watch):
         """Return the kept rows as columns by name."""
         rows = memory["rows"][: int(memory["count"][0])].T
         return {**dict(zip(("time", "tip", "energy"), rows, strict=True)), "left out": np.zeros(1)}
+
+
+@dataclass(frozen=True)
+class NodalForces(Watch):
+    """Contact forces [N] across the surface on every slave node, along y, one row each.
+
+    every  steps between rows
+    most   rows there is room for; later ones are left out
+    """
+
+    every: int = 1
+    most: int = 2000
+
+    def begin(self, view: StepView) -> Memory:
+        """Start without a row; `x` [mm] of the nodes stays what it is before the run."""
+        count = len(view.slave())
+        return {
+            "count": np.zeros(1), "time": np.zeros(self.most), "x": np.array(view.reference[view.slave(), 0]),
+            "force": np.zeros((self.most, count)),
+        }  # fmt: skip
+
+    def step(self, view: StepView, memory: Memory) -> None:
+        """Keep one row of the step."""
+        row = int(memory["count"][0])
+        if view.step % self.every or row >= self.most:
+            return
+        memory["time"][row], memory["count"][0] = view.time, row + 1
+        memory["force"][row] = view.field("contact_force")[view.slave(), 1]
+
+    def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
+        """Return the kept rows: time (r,), x (n,), force (r, n)."""
+        count = int(memory["count"][0])
+        return {"x": memory["x"], "time": memory["time"][:count], "force": memory["force"][:count]}

@@ -12,6 +12,7 @@ WATCHES = (
     ("contact-changes", "dynamics:ContactChanges", "conditions that open or close in every step"),
     ("slips", "dynamics:Slips", "largest slip that a condition adds up to"),
     ("tip", "dynamics:Tip", "displacement of the first slave node"),
+    ("nodal-forces", "dynamics:NodalForces", "contact forces on every node of the slave"),
     ("overlap-area", "dynamics:Overlap", "largest area between two surfaces"),
 )
 MEASURES = (
@@ -53,6 +54,7 @@ CASES = (
     ("sliding-cylinder", "sliding_cylinder:SlidingCylinder", "cylinder that slides, like materials", "Johnson 1985"),
     ("receding-layer", "receding_layer:RecedingLayer", "layer on a block, receding contact", "Keer et al. 1972"),
     ("few-cells", "few_cells:FewCells", "blocks of one element a side", ""),
+    ("unlike-layers", "unlike_layers:UnlikeLayers", "layers that slide: short waves grow", "Ranjith & Rice 2001"),
     ("spring-friction", "spring_friction:SpringFriction", "block on a spring with friction", "Den Hartog 1931"),
     ("oblique-discs", "oblique_discs:ObliqueDiscs", "oblique impact of two discs with spin", "Routh 1860"),
     ("rolling-disc", "rolling_disc:RollingDisc", "disc thrown along a floor until it rolls", "Routh 1860"),
