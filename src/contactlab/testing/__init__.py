@@ -11,8 +11,8 @@ One module per kind, each with its `CHECKS`. In a plugin's own tests:
         check(MyLaw(young=7000.0, poisson=0.3, density=2.7e-9))
 
 A check returns nothing and raises AssertionError with what it got, what is allowed and why; it raises
-`NotApplicable` (pytest skips) where the part declares that it does not offer what is checked, and `Expected` where the
-part misses what it never promised. What a part could declare and does not is told by a warning `Undeclared`.
+`NotApplicable` (pytest skips) where the part declares that it does not offer the property, and `Expected` where the
+part misses what it never promised. A warning `Undeclared` names a property that a part has but does not declare.
 `contactlab check` runs these, and after them scenarios and cases (docs/check.md).
 """
 

@@ -1,4 +1,4 @@
-"""What checks say when they fail."""
+"""Assertions and outcomes of checks."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ import numpy as np
 
 
 class NotApplicable(SkipTest):
-    """The part declares that it does not offer what a check is about; the text is the reason."""
+    """The part declares that it does not offer the checked property; the text is the reason."""
 
 
 class Expected(SkipTest):
-    """The part misses what it never promised: the text is what was found, and what the part declares."""
+    """The part misses what it never promised; the text gives the finding and the declaration."""
 
 
 class Undeclared(UserWarning):
-    """A part is better than it says."""
+    """A part has a property that it does not declare."""
 
 
 def tell(fact: str) -> None:
-    """Tell of a fact that the part does not declare; the check goes on."""
+    """Report a property that the part does not declare; the check continues."""
     warn(fact, Undeclared, stacklevel=2)
 
 

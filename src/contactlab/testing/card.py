@@ -1,4 +1,4 @@
-"""A card that an author can show: what was checked, when, with which versions, and what came out."""
+"""A card for authors to show: the checks of a part with date, versions and results."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OUTCOMES = {"not applicable": "not-applicable"}
 
 
 def as_data(reports: Sequence[PartReport]) -> dict[str, Any]:
-    """What came out, for programs."""
+    """The results as plain data."""
     return {"format": 1, "parts": [_part(report) for report in reports]}
 
 
@@ -44,7 +44,7 @@ def _check(outcome: Outcome) -> dict[str, str]:
 
 
 def write_cards(reports: Sequence[PartReport], folder: Path) -> None:
-    """Write card.json and card.md to a folder, which is made if need be."""
+    """Write card.json and card.md to a folder, created if needed."""
     data = {
         "date": datetime.now(UTC).strftime("%Y-%m-%d"),
         "versions": _versions(reports),

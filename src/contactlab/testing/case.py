@@ -1,4 +1,4 @@
-"""What every case must do: be data, plan scenes that can be built, and say what it measures and why."""
+"""Checks of cases: they are data, plan scenes that can be built, and name their measures with reasons."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def is_data(case: Case) -> None:
 
 
 def says_what_it_asks(case: Case) -> None:
-    """Title, source and family are told; axes and margin name fields, and the defaults are among their values."""
+    """Title, source and family are given; axes and margin name fields, and the defaults are among their values."""
     names = {field.name for field in fields(case)}  # type: ignore[arg-type]
     require(all((case.title, case.source, case.family)), "title, source or family is empty")
     for name, values in case.axes.items():
@@ -50,7 +50,7 @@ def says_what_it_asks(case: Case) -> None:
 
 
 def measures_with_reasons(case: Case) -> None:
-    """Every number has a name of its own, and what is judged has a reason for its tolerance."""
+    """Every number has its own name, and every judged one a reason for its tolerance."""
     judged = [measure for setup in setups(case) for measure in case.measures(setup) if measure.role != "reported"]
     require(len(judged) > 0, "nothing is judged, whatever the setup")
     for setup in setups(case):
@@ -65,7 +65,7 @@ def measures_with_reasons(case: Case) -> None:
 
 
 def plans_scenes(case: Case) -> None:
-    """Every job of every setup is a scene that can be read, with watches that are installed and names of its own."""
+    """Every job of every setup is a scene that can be read, with installed watches and unique names."""
     registry = default_registry()
     for setup in setups(case):
         jobs = case.plan(setup, {})

@@ -1,4 +1,4 @@
-"""Everything that is known to ask of a part: unit checks, scenarios with cases, and what a call costs."""
+"""All checks of a part: unit checks, scenarios with cases, and the cost of a call."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Told = Callable[[Subject, Outcome], None]
 
 @dataclass(frozen=True)
 class PartReport:
-    """What came out for one part; `tags` are what it declares."""
+    """The results of one part; `tags` are its declarations."""
 
     kind: str
     name: str
@@ -34,7 +34,7 @@ class PartReport:
     cpu_s: float = 0.0
 
     def count(self, status: str) -> int:
-        """How many checks ended so."""
+        """Number of checks with this result."""
         return sum(outcome.status == status for outcome in self.outcomes)
 
     @property
@@ -44,14 +44,14 @@ class PartReport:
 
 
 def check_names(kind: str) -> list[str]:
-    """Everything that is asked of a part of this kind, in order."""
+    """Names of all checks of a part of this kind, in order."""
     return [keeps_the_contract.__name__, *(check.__name__ for check in (*checks_for(kind), *scenarios_for(kind)))]
 
 
 def check_part(
     subject: Subject, told: Told | None = None, until_failure: bool = False, only: Collection[str] = ()
 ) -> PartReport:
-    """Every check of one part, or those that `only` names. With `until_failure` the first that fails ends it."""
+    """Run every check of one part, or those that `only` names; with `until_failure` stop at the first that fails."""
     began, outcomes = time.process_time(), []
     for outcome in _outcomes(subject, only):
         outcomes.append(outcome)
@@ -99,7 +99,7 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
 
 
 def keeps_the_contract(subject: Subject) -> None:
-    """It is a class of its kind with all that the contract asks for, and can be made from usual values."""
+    """It is a class of its kind with all members of the contract, and can be made from usual values."""
     try:
         subject.part_class  # noqa: B018 - raises where it is none
         subject.make()
@@ -109,7 +109,7 @@ def keeps_the_contract(subject: Subject) -> None:
 
 
 def _tags(subject: Subject) -> dict[str, Any]:
-    """What the class declares of itself beyond data: its plain class attributes, by name."""
+    """Declarations of the class beyond data: its plain class attributes, by name."""
     from contactlab.parts.declared_values import declared
 
     try:

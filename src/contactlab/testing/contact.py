@@ -1,4 +1,4 @@
-"""What every contact algorithm must do."""
+"""Checks of contact algorithms."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def tangents_run_along_the_slave(algorithm: ContactMethod) -> None:
 
 
 def measures_sum_to_the_cover(algorithm: ContactMethod) -> None:
-    """The lengths that conditions stand for sum to the covered length of the slave."""
+    """The lengths that belong to the conditions sum to the covered length of the slave."""
     agree(conditions(algorithm, flat()).measure.sum(), HIGH - LOW, ROUND_OFF, "sum of measures on full cover")
 
 
@@ -134,7 +134,7 @@ def patch_test(algorithm: ContactMethod) -> None:
 
 
 def patch_test_on_quadratic_edges(algorithm: ContactMethod) -> None:
-    """Make the patch test with three nodes to an edge."""
+    """Run the patch test with three nodes per edge."""
     if not algorithm.passes_patch_test:
         raise NotApplicable("the part declares that it fails the patch test")
     for full in (True, False):
@@ -162,7 +162,7 @@ def nothing_when_apart(algorithm: ContactMethod) -> None:
 
 
 def only_facing_surfaces(algorithm: ContactMethod) -> None:
-    """Surfaces that turn the same way, like the two sides of a sheet, do not touch."""
+    """Surfaces that face the same way, like the two sides of a sheet, are not in contact."""
     at = flat()
     m = len(at.slave.nodes)
     # the master is a copy of the slave, a little above: the slave looks away from it
@@ -185,7 +185,7 @@ def rigid_motion_leaves_gaps(algorithm: ContactMethod) -> None:
 
 
 def slip_is_objective(algorithm: ContactMethod) -> None:
-    """Slip is what the slave slides along the master: none in a rigid rotation, the distance in a translation."""
+    """Slip is the sliding of the slave along the master: none in a rigid rotation, the distance in a translation."""
     start = flat(edges=(6, 5))
     agree(_slip(algorithm, start, start.lifted((0.01, 0.0))), 0.01, ROUND_OFF, "slip of a slave that slides by 0.01")
     open_pair = start.lifted((0.0, 0.05))
@@ -235,7 +235,7 @@ def _pieces(algorithm: Any, at: Chains) -> tuple[Pieces, int, int]:
 
 
 def same_answer_twice(algorithm: ContactMethod) -> None:
-    """The same positions give the same conditions, whatever was asked in between, to the last bit."""
+    """The same positions give the same conditions after any other calls, to the last bit."""
     at = curved()
     first = conditions(algorithm, at)
     conditions(algorithm, flat())

@@ -1,4 +1,4 @@
-"""What Newton's method is given of a contact algorithm: derivatives of gaps, slips and forces, against differences."""
+"""Derivatives of gaps, slips and forces for Newton's method, compared with differences."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Bounds = tuple[float, float, float]
 
 
 def answers_of(contact: ImplicitContact, position: Floats, forces: Floats, chosen: Ints) -> Answers:
-    """What all contact pairs of a model say at a position (N, 2), where multipliers are held at `forces` (r, k)."""
+    """Gaps, slips and forces of all contact pairs at a position (N, 2), with multipliers held at `forces` (r, k)."""
     c = contact.conditions
     contact.evaluate(position)
     c.force[:] = forces
@@ -86,7 +86,7 @@ def _positions() -> dict[str, Chains]:
 def derivatives_are_right(algorithm: ContactMethod) -> None:
     """Derivatives of gaps, slips and nodal forces are those of the conditions, with friction and without.
 
-    Of an algorithm that gives none the differences are judged that the core takes in their place: they are right where
+    For an algorithm without derivatives the core's differences are judged instead: they are right where
     tangent weights are normal ones turned by -90 degrees.
     """
     if algorithm.explicit_only:

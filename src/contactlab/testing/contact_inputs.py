@@ -1,4 +1,4 @@
-"""What a contact algorithm may do with what it is given: read it, and remember in `memory` alone."""
+"""Inputs of a contact algorithm are only read, and `memory` is all that it keeps."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ GLIDE, STRIDE = 0.15, 0.005
 
 
 def view_of(algorithm: ContactMethod, at: Chains, memory: Floats | None = None) -> ContactView:
-    """What the algorithm sees of surfaces, with arrays of its own."""
+    """The algorithm's view of surfaces, with its own arrays."""
     sides = SurfacePositions(at.nodes[at.slave.nodes], at.nodes[at.master.nodes])
     reach = REACH * at.spacing
     near = near_segments(sides.slave, at.slave.segments, sides.master, at.master.segments, 2.0 * reach)
@@ -51,7 +51,7 @@ def asked(algorithm: Any, view: ContactView, garbage: bool = False) -> list[Floa
 
 
 def inputs_are_only_read(algorithm: ContactMethod) -> None:
-    """Surfaces, positions and candidates belong to the run: they are as they were after every call."""
+    """Surfaces, positions and candidates belong to the run: no call changes them."""
     for at in (flat(), curved()):
         view = view_of(algorithm, at)
         arrays = {
@@ -63,7 +63,7 @@ def inputs_are_only_read(algorithm: ContactMethod) -> None:
 
 
 def pieces_are_filled(algorithm: ContactMethod) -> None:
-    """All of a piece is written: what was in the room before does not matter."""
+    """All of a piece is written: earlier contents of the arrays do not matter."""
     if isinstance(algorithm, GapAlgorithm):
         raise NotApplicable("finished gap conditions come in arrays of their own")
     for at in (flat(), flat(order=2), curved()):
@@ -74,7 +74,7 @@ def pieces_are_filled(algorithm: ContactMethod) -> None:
 
 
 def arrays_are_of_their_types(algorithm: ContactMethod) -> None:
-    """Finished conditions come as contiguous arrays of float64 and int32: others lose digits, or are copied."""
+    """Finished conditions are contiguous arrays of float64 and int32: others lose digits, or are copied."""
     if not isinstance(algorithm, GapAlgorithm):
         raise NotApplicable("pieces are written into arrays of the core")
     for tangent in (False, True):
@@ -87,7 +87,7 @@ def arrays_are_of_their_types(algorithm: ContactMethod) -> None:
 
 
 def positions_change_in_place(algorithm: ContactMethod) -> None:
-    """Runs move the same arrays on: the answer is that of the positions in them now."""
+    """Runs change arrays in place: the result is that of their present values."""
     at = curved()
     moved = at.lifted((0.013, -0.006))
     view = view_of(algorithm, at)
@@ -130,7 +130,7 @@ def memory_is_all_it_remembers(algorithm: ContactMethod) -> None:
 
 
 def a_notch_is_held_by_both_sides(algorithm: ContactMethod) -> None:
-    """Where a node may carry several conditions, one in a notch of the master is held by both of its sides."""
+    """Where a node may carry several conditions, one in a notch of the master is constrained by both of its sides."""
     if algorithm.rows_per_node < 2:
         raise NotApplicable("a node carries one condition")
     x = np.array([-1.0, 0.0, 1.0])

@@ -1,4 +1,4 @@
-"""What a call of a part costs, beside the other parts of its kind."""
+"""The cost of a call of a part, compared with other parts of its kind."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Cost:
 
 
 def costs(subject: Subject) -> list[Cost]:
-    """The part first, then every other part of its kind that can be asked for the same; empty where none is known."""
+    """Costs of the part, then of every other part of its kind with the same call; empty where none is known."""
     call_of = partial(_contact, edges=_edges(subject)) if subject.kind == "contact" else _CALLS.get(subject.kind)
     if call_of is None:
         return []

@@ -1,4 +1,4 @@
-"""What every effect must do."""
+"""Checks of effects."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Scenery:
 
     @classmethod
     def moving(cls, seed: int) -> Scenery:
-        """A state of its own for each seed; shapes and masses are the same."""
+        """A different state for each seed; shapes and masses are the same."""
         x: Floats = np.array([[i, j] for j in range(2) for i in range(3)], np.float64)
         reference: Floats = np.concatenate([x + np.array([0.0, 1.5]), x])
         rng = np.random.default_rng(seed)
@@ -57,7 +57,7 @@ def gives_forces(effect: Effect) -> None:
 
 
 def adds_to_what_is_there(effect: Effect) -> None:
-    """Other effects and loads have put their forces in before: they stay."""
+    """Forces are added to those of other effects and loads."""
     scenery = Scenery.moving(1)
     alone = scenery.forces(effect, (0.3,))[0]
     before = np.random.default_rng(2).uniform(-1.0, 1.0, alone.shape) * max(1.0, float(np.abs(alone).max()))
@@ -106,7 +106,7 @@ def numbers_count(effect: Effect) -> None:
 
 
 def work_around_a_path_is_declared(effect: Effect) -> None:
-    """Around closed paths of displacements the forces take no work, if the part says that it is `conservative`."""
+    """Around closed paths of displacements the forces do no work, if the part declares that it is `conservative`."""
     scenery = Scenery.moving(8)
     view, rng = scenery.view, np.random.default_rng(9)
     view.velocity[:] = 0.0
@@ -126,7 +126,7 @@ def work_around_a_path_is_declared(effect: Effect) -> None:
 
 
 def power_is_declared(effect: Effect) -> None:
-    """Forces never drive the motion, if the part says that it `dissipates`."""
+    """Forces never do positive work, if the part declares that it `dissipates`."""
     powers = []
     for seed in range(10, 16):
         scenery = Scenery.moving(seed)
@@ -137,7 +137,7 @@ def power_is_declared(effect: Effect) -> None:
 
 
 def resultants_are_declared(effect: Effect) -> None:
-    """Forces have neither a resultant nor a moment, if the part says that it is `internal`."""
+    """Forces have neither a resultant nor a moment, if the part declares that it is `internal`."""
     worst = 0.0
     for seed in range(10, 13):
         scenery = Scenery.moving(seed)
@@ -151,7 +151,7 @@ def resultants_are_declared(effect: Effect) -> None:
 
 
 def _declared(says: bool, fact: bool, tag: str, found: str) -> None:
-    """A promise that is not kept fails; a fact that is not declared is told."""
+    """A broken promise fails; an undeclared property is reported."""
     require(fact or not says, f"{tag} is True: {found}")
     if fact and not says:
         tell(f"declare {tag} = True")

@@ -1,4 +1,4 @@
-"""What every element must do."""
+"""Checks of elements."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def gradient_is_the_derivative(element: Element) -> None:
 
 
 def complete_to_its_degree(element: Element) -> None:
-    """Polynomials up to `degree` are reproduced, which is what the promised rate of convergence rests on."""
+    """Polynomials up to `degree` are reproduced, as the promised rate of convergence requires."""
     points, nodes = _points(), np.asarray(element.nodes)
     value = element.shape(points).value
     for i in range(element.degree + 1):
@@ -191,7 +191,7 @@ def lumped_mass(element: Element) -> None:
 
 
 def forces_are_added(element: Element) -> None:
-    """The force kernel adds to what is there, also where cells share nodes, and touches no other node."""
+    """The force kernel adds to the array, also where cells share nodes, and changes no other node."""
     cells = distorted_cells(element, 3)
     q, a = len(element.quadrature().weights), len(element.nodes)
     stress = np.random.default_rng(3).normal(size=(4, q))
@@ -206,7 +206,7 @@ def forces_are_added(element: Element) -> None:
 
 
 def stabilisation_sees_no_linear_field(element: Element) -> None:
-    """Stabilising forces vanish for every linear displacement, so that patch tests are not disturbed."""
+    """Stabilising forces vanish for every linear displacement, so that patch tests still pass."""
     cells = distorted_cells(element, 5)
     if cells.kernels.stabilise is None:
         raise NotApplicable("the element needs no stabilising forces")

@@ -1,4 +1,4 @@
-"""What every enforcement must do; here for explicit integrators, `enforcement_implicit` has the others."""
+"""Checks of enforcements for explicit integrators; `enforcement_implicit` has the others."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def conditions_hold(enforcement: Enforcement) -> None:
 
 
 def forces_are_the_rows(enforcement: Enforcement) -> None:
-    """Nodal forces are the rows times the multipliers, at every node, whatever was in the array before."""
+    """Nodal forces are the rows times the multipliers, at every node, for any earlier contents of the array."""
     normal = coupled_normals(COUNT, 3)
     rows, compliance, *_ = _problem(3)
     multipliers = np.zeros((1, COUNT))
@@ -62,7 +62,7 @@ def warm_start_changes_nothing(enforcement: Enforcement) -> None:
 
 
 def slots_are_kept_apart(enforcement: Enforcement) -> None:
-    """A row's force lives in its own slot, and slots without a row are cleared."""
+    """A row's force is stored in its own slot, and slots without a row are cleared."""
     normal = np.zeros((2, 2, 2))
     normal[0, 0], normal[1, 1] = (0.0, 1.0), (1.0, 0.0)
     multipliers = np.full((1, 6), 5.0)
@@ -101,7 +101,7 @@ def correction_is_reported(enforcement: Enforcement) -> None:
 
 
 def friction_keeps_its_bound(enforcement: Enforcement) -> None:
-    """Sticking rows do not slip, sliding ones rub with their bound against the slip, and none exceeds it."""
+    """Sticking rows do not slip, sliding ones carry their bound against the slip, and none exceeds it."""
     normal = coupled_normals(COUNT, 5)
     tangent = turned(normal)
     rng = np.random.default_rng(5)
@@ -121,7 +121,7 @@ def friction_keeps_its_bound(enforcement: Enforcement) -> None:
 
 
 def inputs_untouched(enforcement: Enforcement) -> None:
-    """Rows and compliance are read only, but for the scratch."""
+    """Rows and compliance are only read, except for scratch arrays."""
     rows, compliance, *_ = _problem(6)
     with untouched(
         node=rows.node,

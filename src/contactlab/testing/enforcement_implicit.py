@@ -1,4 +1,4 @@
-"""What every enforcement for implicit integrators must do: conditions on single springs, solved by Newton's method."""
+"""Checks of enforcements for implicit integrators: conditions on single springs, solved by Newton's method."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Solved(NamedTuple):
 
 
 def _solve(enforcement: ImplicitEnforcement, friction: bool, seed: int = 1) -> tuple[Solved, Conditions]:
-    """Every slot is held by a spring of its own: gap = g0 + y_n/k, slip = d0 + y_t/k, from no force at all."""
+    """Every slot has its own spring: gap = g0 + y_n/k, slip = d0 + y_t/k, from no force at all."""
     given, _ = some_conditions(friction=friction, seed=seed)
     free = replace(given, force=np.zeros_like(given.force), anchor=np.zeros_like(given.force))
     now, iterations = free, 0
@@ -145,7 +145,7 @@ def _agree_where_smooth(got: Floats, expected: tuple[Floats, Floats], row: int, 
 
 
 def closed_gaps_bear_forces(enforcement: Enforcement) -> None:
-    """Overlaps of springs are pressed away by forces that push; what is open, or not there, has no force."""
+    """Overlaps of springs are removed by pushing forces; open or absent conditions have no force."""
     part = _implicit(enforcement)
     done, free = _solve(part, friction=False)
     overlapping = free.present & (free.gap < 0.0)
@@ -161,7 +161,7 @@ def closed_gaps_bear_forces(enforcement: Enforcement) -> None:
 
 
 def exactness_is_declared(enforcement: Enforcement) -> None:
-    """Closed gaps are zero if the part says that it is `exact`; springs leave an overlap."""
+    """Closed gaps are zero if the part declares that it is `exact`; springs leave an overlap."""
     part = _implicit(enforcement)
     done, free = _solve(part, friction=False)
     closed = done.force[0] > 0.0
@@ -177,7 +177,7 @@ def exactness_is_declared(enforcement: Enforcement) -> None:
 
 
 def friction_keeps_its_bound(enforcement: Enforcement) -> None:
-    """Tangential forces stay within the bound; what sticks does not slip, and what slips rubs against its motion."""
+    """Tangential forces stay within the bound; sticking conditions do not slip, slipping forces oppose it."""
     part = _implicit(enforcement)
     done, free = _solve(part, friction=True)
     normal, rub = done.force
@@ -197,7 +197,7 @@ def friction_keeps_its_bound(enforcement: Enforcement) -> None:
 
 
 def few_iterations(enforcement: Enforcement) -> None:
-    """Newton's method on single springs needs a handful of iterations, and some more where the law bends smoothly."""
+    """Newton's method on single springs needs a handful of iterations, some more where the law is curved."""
     part = _implicit(enforcement)
     smooth = _bends(part)
     # each piece is linear: open or closed, then stick or slip, and a sign that turns. Where pieces are joined by a bend
@@ -228,7 +228,7 @@ def slots_know_nothing_of_each_other(enforcement: Enforcement) -> None:
 
 
 def conditions_are_untouched(enforcement: Enforcement) -> None:
-    """Conditions are only read, and the response does not depend on what was asked before."""
+    """Conditions are only read, and the response does not depend on earlier calls."""
     part = _implicit(enforcement)
     conditions, _ = some_conditions()
     with untouched(**{f.name: getattr(conditions, f.name) for f in fields(conditions)}):

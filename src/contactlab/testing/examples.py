@@ -1,4 +1,4 @@
-"""Parts to check when nobody gave one: fields without a default get a usual value by their name."""
+"""Parts to check by default: fields without a default get a usual value by their name."""
 
 from __future__ import annotations
 

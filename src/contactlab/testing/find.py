@@ -1,4 +1,4 @@
-"""Which parts `contactlab check` is asked for: by name, in a file or folder, or of an installed distribution."""
+"""The parts that `contactlab check` runs on: by name, in a file or folder, or of an installed distribution."""
 
 from __future__ import annotations
 

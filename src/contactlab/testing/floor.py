@@ -1,4 +1,4 @@
-"""Rigid floors below single masses: the smallest contact that an integrator can be asked to keep."""
+"""Rigid floors below single masses: the smallest contact problem for an integrator."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every friction law must do."""
+"""Checks of friction laws."""
 
 from __future__ import annotations
 

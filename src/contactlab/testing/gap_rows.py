@@ -1,4 +1,4 @@
-"""Gap rows without any geometry, and the direct solution of what they ask."""
+"""Gap rows without geometry, and their direct solution."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def direct_forces(matrix: Floats, gap: Floats) -> Floats:
 def solved(
     enforcement: Enforcement, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats | None = None
 ) -> tuple[Solve, Floats]:
-    """The enforcement's answer: how it went, and the forces (N, 2); multipliers are left in their array."""
+    """The result of an enforcement and the forces (N, 2); multipliers are left in their array."""
     if not isinstance(enforcement, ExplicitEnforcement):
         raise NotApplicable("the enforcement is not for explicit integrators")
     out = np.full(compliance.shape, 7.0) if force is None else force  # garbage that has to be overwritten

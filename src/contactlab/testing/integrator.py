@@ -1,4 +1,4 @@
-"""What every integrator must do: its duties, as `contactlab.api.Integrator` numbers them."""
+"""Checks of integrators: their duties, as numbered in `contactlab.api.Integrator`."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def _moving(integrator: AnyIntegrator) -> AnyIntegrator:
 
 
 def declarations(integrator: AnyIntegrator) -> None:
-    """What it needs is an enforcement, its default is named, and its order is a whole number (duty 1)."""
+    """It needs an enforcement, names a default one, and its order is an integer (duty 1)."""
     require(
         isinstance(integrator.needs, type) and issubclass(integrator.needs, Enforcement), "needs: not an Enforcement"
     )
@@ -55,7 +55,7 @@ def _error(integrator: AnyIntegrator, steps: int, damping: float) -> float:
 
 
 def converges_at_its_order(integrator: AnyIntegrator) -> None:
-    """Halving the step divides the error of an oscillator, out of rest and place, by 2 to the promised order."""
+    """Halving the step divides the error of an oscillator, displaced and in motion, by 2 to the promised order."""
     _moving(integrator)
     for damping in (0.0, 0.5):
         coarse, fine = _error(integrator, 200, damping), _error(integrator, 400, damping)
@@ -116,7 +116,7 @@ def ledger_closes(integrator: AnyIntegrator) -> None:
 
 
 def velocities_are_where_declared(integrator: AnyIntegrator) -> None:
-    """Velocities are those of `time` less the part of a step that `velocity_lag` says; 0 for implicit integrators."""
+    """Velocities are those of `time` less the fraction `velocity_lag` of a step; 0 for implicit integrators."""
     _moving(integrator)
     lag = integrator.velocity_lag if isinstance(integrator, ExplicitIntegrator) else 0.0
     frequency, errors = np.sqrt(STIFFNESS / MASS)[:, None], []
@@ -147,7 +147,7 @@ def forces_belong_to_the_end_of_the_step(integrator: AnyIntegrator) -> None:
 
 
 def loads_act_at_their_time(integrator: AnyIntegrator) -> None:
-    """A load that grows with time bends the path as it should: F t^3/(6 m), or F t/k in statics."""
+    """A load that grows with time gives the exact path: F t^3/(6 m), or F t/k in statics."""
     force = np.array([[0.0, -20.0], [5.0, 0.0], [1.0, 2.0]])
     if not integrator.inertia:
         path = Oscillator(integrator, MASS, STIFFNESS, force=lambda time: time * force).run(10, 0.1)
@@ -196,7 +196,7 @@ def reaction_balances(integrator: AnyIntegrator) -> None:
 
 
 def restart_is_exact(integrator: AnyIntegrator) -> None:
-    """The state is all that a run needs: restored and bound anew it goes on with the same bits."""
+    """The state is all that a run needs: restored and bound again it continues with the same bits."""
     model, again = (
         Oscillator(integrator, MASS, STIFFNESS, velocity=START, damping=0.1, force=lambda time: time * START)
         for _ in range(2)
@@ -212,7 +212,7 @@ def restart_is_exact(integrator: AnyIntegrator) -> None:
 
 
 def the_clock_is_left_alone(integrator: AnyIntegrator) -> None:
-    """A step of any length is accepted and counted once, and time goes on by its length: the core sees to it."""
+    """A step of any length is accepted and counted once, and time advances by its length, by the core alone."""
     model = Oscillator(integrator, MASS, STIFFNESS, velocity=START)
     for dt in (0.01, 0.02, 0.01):
         model.run(1, dt)
@@ -221,7 +221,7 @@ def the_clock_is_left_alone(integrator: AnyIntegrator) -> None:
 
 
 def refused_steps_leave_the_state(integrator: AnyIntegrator) -> None:
-    """A step that loses its forces is not accepted, says why, and leaves the state as it was; the next one goes on."""
+    """A step without finite forces is not accepted, gives the reason, and leaves the state unchanged for the next."""
     if isinstance(integrator, ExplicitIntegrator):
         raise NotApplicable("explicit steps are always accepted")
     whole = Oscillator(integrator, MASS, STIFFNESS, velocity=START, force=lambda time: time * START)

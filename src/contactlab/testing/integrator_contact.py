@@ -1,4 +1,4 @@
-"""What every integrator must do with contact: masses that press on, fall on and slide along rigid floors."""
+"""Checks of integrators with contact: masses that press on, fall on and slide along rigid floors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CLOSES = 1e-11  # energy ledgers: round-off of sums of order one over a few hund
 
 
 def pressed_masses_rest(integrator: AnyIntegrator) -> None:
-    """Masses that are pressed onto a floor stay there at rest, and contact bears the load."""
+    """Masses pressed onto a floor stay at rest, and contact carries the load."""
     model = Oscillator(integrator, MASS, STIFFNESS, force=LOAD[:, None] * DOWN, clearance=NONE)
     dt, borne = 0.05, np.zeros(3)
     path = model.run(400, dt)
@@ -41,7 +41,7 @@ def pressed_masses_rest(integrator: AnyIntegrator) -> None:
 
 
 def contact_stops_what_falls(integrator: AnyIntegrator) -> None:
-    """A mass that meets the floor goes through it no farther than in a step, and loses what momentum contact took."""
+    """A mass that hits the floor penetrates no deeper than in a step, and loses the momentum that contact took."""
     _moving(integrator)
     model = Oscillator(integrator, MASS, 0.0 * STIFFNESS, velocity=np.tile(DOWN, (3, 1)), clearance=0.2 * np.ones(3))
     dt, impulse, before = 0.01, np.zeros((3, 2)), MASS[:, None] * DOWN
@@ -56,7 +56,7 @@ def contact_stops_what_falls(integrator: AnyIntegrator) -> None:
 
 
 def contact_makes_no_energy(integrator: AnyIntegrator) -> None:
-    """Masses on springs that meet a floor once a period come back no higher than they were, and the ledger closes."""
+    """Masses on springs that hit a floor once a period rise no higher than before, and the ledger closes."""
     _moving(integrator)
     upward = np.array([0.0, 1.0])
     model = Oscillator(integrator, MASS, STIFFNESS, velocity=np.tile(upward, (3, 1)), clearance=0.1 * np.ones(3))
@@ -68,7 +68,7 @@ def contact_makes_no_energy(integrator: AnyIntegrator) -> None:
 
 
 def friction_takes_the_energy_of_what_slides(integrator: AnyIntegrator) -> None:
-    """A mass that slides on a floor stops after v^2 m/(2 mu N), and the ledger books its energy as friction."""
+    """A mass that slides on a floor stops after v^2 m/(2 mu N), and the ledger counts its energy as friction."""
     _moving(integrator)
     mu, dt = 0.25, 0.005
     speed = np.array([[1.0, 0.0], [0.5, 0.0], [-0.8, 0.0]])

@@ -1,4 +1,4 @@
-"""What every material must do."""
+"""Checks of materials."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def speeds_belong_to_the_tangent(law: Material) -> None:
 
 
 def objectivity(law: Material) -> None:
-    """A rigid rotation turns the stress and does nothing else."""
+    """A rigid rotation only rotates the stress."""
     {"small": _infinitesimal_rotation, "finite": _superposed_rotation, "rate": _rotation_in_steps}[law.kinematics](law)
 
 
@@ -120,7 +120,7 @@ def tangent_is_the_derivative(law: Material) -> None:
 
 
 def rate_is_declared(law: Material) -> None:
-    """A law that does not say `rate_dependent` gives the same stress however long the step takes."""
+    """A law that does not declare `rate_dependent` gives the same stress for any length of the step."""
     if law.rate_dependent:
         raise NotApplicable("the law says that it depends on rate")
     gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
@@ -178,7 +178,7 @@ def _energy_of(law: Material, deformation: Floats) -> Floats:
 
 
 def any_cut_gives_the_same(law: Material) -> None:
-    """Points know nothing of each other: any cut and order of a block gives the same bits."""
+    """Points are independent: any division and order of a block gives the same bits."""
     gradient, history = gradients(law, 61, STRAIN), some_history(law, 61)
     stress, new = respond(law, gradient, history)
     order = np.random.default_rng(9).permutation(61)
@@ -192,7 +192,7 @@ def any_cut_gives_the_same(law: Material) -> None:
 
 
 def no_points_at_all(law: Material) -> None:
-    """Blocks without points are answered with nothing."""
+    """Blocks without points are accepted."""
     stress, history = respond(law, gradients(law, 0, STRAIN), no_history(law, 0))
     require(stress.shape == (4, 0), "a block of no points changed its shape")
     require(history.shape == (law.history_size, 0), "the history of no points changed its shape")
@@ -220,7 +220,7 @@ def history_in_place(law: Material) -> None:
 
 
 def same_answer_twice(law: Material) -> None:
-    """The answer depends on the arguments alone: a part remembers nothing between calls."""
+    """The result depends on the arguments alone: a part keeps nothing between calls."""
     gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
     first = respond(law, gradient, history)
     respond(law, 1.01 * gradient, history)

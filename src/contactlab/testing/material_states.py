@@ -1,4 +1,4 @@
-"""What every material must do beyond one answer: isotropy, plane strain, work along a path, blocks side by side."""
+"""Checks of materials beyond single stresses: isotropy, plane strain, work along a path, parallel blocks."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def plane_strain(law: Material) -> None:
 
 
 def work_is_stored_or_dissipated(law: Material) -> None:
-    """Along a path of many small steps the work of the stresses is what is stored and what is dissipated."""
+    """Along a path of many small steps the work of the stresses is the stored plus the dissipated energy."""
     if not law.has_energy:
         raise NotApplicable("the law declares no stored energy")
     if law.kinematics == "rate":
@@ -79,7 +79,7 @@ def work_is_stored_or_dissipated(law: Material) -> None:
 
 
 def arrays_change_in_place(law: Material) -> None:
-    """Runs write new gradients to the same array: the stress is that of what is in it now."""
+    """Runs change gradients in place: the stress is that of their present values."""
     gradient, history = points.gradients(law, POINTS, STRAIN), points.some_history(law, POINTS)
     expected = points.respond(law, gradient, history)
     moving, stress, new = points.at_rest(law, POINTS) + 0.0, np.empty((4, POINTS)), np.empty_like(history)
@@ -91,7 +91,7 @@ def arrays_change_in_place(law: Material) -> None:
 
 
 def threads_do_not_disturb_each_other(law: Material) -> None:
-    """Blocks are worked on side by side: each gets the bits that it gets alone."""
+    """Blocks processed in parallel give the same bits as alone."""
     blocks = [(points.gradients(law, 500, STRAIN, seed), points.some_history(law, 500)) for seed in range(4)]
     alone = [points.respond(law, *block) for block in blocks]
 

@@ -1,4 +1,4 @@
-"""Waves in strained points, against the speeds that a material promises for them."""
+"""Wave speeds at strained points, compared with the bound of the material."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every measure of runs must do: find one number in what a run left, and change nothing."""
+"""Checks of measures of runs: they find one number in the record of a run, and change nothing."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def solution() -> Solution:
 
 
 def says_what_it_is(measure: RunMeasure) -> None:
-    """Title and meaning are told, the unit is one that tables know; it pickles and is equal to what comes back."""
+    """Title and meaning are given, tables know its unit; it can be pickled and is equal to its copy."""
     require(bool(measure.title) and bool(measure.meaning), "its title or its meaning is empty")
     require(measure.meaning.endswith("."), f"its meaning is no sentence: {measure.meaning!r}")
     known = {column.unit for column in BY_NAME.values()} | {"force", "energy", "time", "line_energy"}
@@ -61,14 +61,14 @@ def finds_a_number(measure: RunMeasure) -> None:
 
 
 def finds_the_same_again(measure: RunMeasure) -> None:
-    """Asked twice, and by its own copy, it finds the same number in the same run."""
+    """A second call and a copy find the same number in the same run."""
     first = [measure.evaluate(record(), CONTACT, solution()), measure.evaluate(record(), CONTACT, solution())]
     first.append(pickle.loads(pickle.dumps(measure)).evaluate(record(), CONTACT, solution()))
     require(len({repr(float(value)) for value in first}) == 1, f"it finds {first} in the same run")
 
 
 def changes_nothing(measure: RunMeasure) -> None:
-    """Curve, summary and reference are as they were."""
+    """Curve, summary and reference are unchanged."""
     seen, against = record(), solution()
     measure.evaluate(seen, CONTACT, against)
     for name in ContactCurve.COLUMNS:

@@ -1,4 +1,4 @@
-"""What every mesh source must do."""
+"""Checks of mesh sources."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Masses on springs: the smallest model that an integrator can be asked to advance, explicit, implicit or static."""
+"""Masses on springs: the smallest model for an integrator, explicit, implicit or static."""
 
 from __future__ import annotations
 

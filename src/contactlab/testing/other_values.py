@@ -1,4 +1,4 @@
-"""The same part with other values of its fields: numbers that a scene must give have to count."""
+"""The same part with other values of its fields: required numbers must have an effect."""
 
 from __future__ import annotations
 

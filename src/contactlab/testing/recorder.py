@@ -1,4 +1,4 @@
-"""What every recorder must do."""
+"""Checks of recorders."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def record(recorder: Recorder, recording: Recording, run: SmallRun, frames: slic
 
 
 def leaves_something(recorder: Recorder) -> None:
-    """A run that was recorded leaves a file in its folder, and nothing beside it."""
+    """A recorded run leaves a file in its folder, and nothing outside it."""
     with TemporaryDirectory() as place:
         folder = Path(place, "run")
         folder.mkdir()

@@ -1,4 +1,4 @@
-"""What every reference solution must do: say what it holds for and how good it is, and be the same each time."""
+"""Checks of reference solutions: they state their scope and accuracy, and are the same in every call."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ STRANGE: tuple[dict[str, Any], ...] = ({}, {"name": "x"}, {"contacts": [], "bodi
 
 
 def scenes(reference: ReferenceSolution) -> Iterator[Scene]:
-    """Bundled scenes that it holds for, as they are or at the first support's other depths."""
+    """Bundled scenes to which it applies, as they are or at other depths of the first support."""
     for name in bundled_scenes():
         plain = load_scene(name)
         for changes in ({}, {"supports.1.uy.to": -0.01}):
@@ -37,7 +37,7 @@ def scenes(reference: ReferenceSolution) -> Iterator[Scene]:
 
 
 def says_what_it_is(reference: ReferenceSolution) -> None:
-    """Title and origin are told; it pickles and is equal to what comes back."""
+    """Title and origin are given; it can be pickled and is equal to its copy."""
     require(bool(reference.title) and bool(reference.origin), "its title or its origin is empty")
     require(pickle.loads(pickle.dumps(reference)) == reference, "it is not equal to what its pickle brings back")
 
@@ -76,7 +76,7 @@ def can_be_compared_with(reference: ReferenceSolution) -> None:
 
 
 def pressure_carries_the_reaction(reference: ReferenceSolution) -> None:
-    """The integral of the pressure over x is the reaction, within the errors that it tells."""
+    """The integral of the pressure over x is the reaction, within the stated errors."""
     for scene in _some(reference):
         solution = reference.solution(scene.data)
         if "reaction" not in solution.scalars:

@@ -1,4 +1,4 @@
-"""What is checked: a part of a registry, with values for its fields."""
+"""The subject of checks: a part of a registry, with values for its fields."""
 
 from __future__ import annotations
 

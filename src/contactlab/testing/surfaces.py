@@ -1,4 +1,4 @@
-"""Pairs of surfaces to try a contact algorithm on, and the gap conditions that come out."""
+"""Pairs of surfaces for checks of contact algorithms, and their gap conditions."""
 
 from __future__ import annotations
 

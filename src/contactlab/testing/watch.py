@@ -1,4 +1,4 @@
-"""What every watch must do: see and not touch, and keep its memory where a restart finds it."""
+"""Checks of watches: they change nothing, and keep their memory where a restart finds it."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ STEPS, DT = 60, 1e-6
 
 
 def small_scene() -> Scene:
-    """Two blocks that turn together and hold each other by friction, for a few steps: upper and lower."""
+    """Two blocks that rotate together and stick by friction, for a few steps: upper and lower."""
     return load_scene("spinning-pair").with_({"time.step": DT, "time.end": STEPS * DT, "record.frames": 1})
 
 
@@ -30,7 +30,7 @@ def looks_only(watch: Watch) -> None:
 
 
 def finds_arrays(watch: Watch) -> None:
-    """What it found is arrays by name, the same in a second run."""
+    """Its memory is arrays by name, the same in a second run."""
     first, second = (simulate(small_scene(), watch={"watch": watch}).watched["watch"] for _ in range(2))
     require(len(first) > 0, "it found nothing at all")
     for name, values in first.items():
@@ -38,7 +38,7 @@ def finds_arrays(watch: Watch) -> None:
 
 
 def remembers(watch: Watch) -> None:
-    """Its memory is all it has: put back into a new run half-way, it finds the same in the end."""
+    """Its memory is its only state: restored in a new run half-way, it ends with the same numbers."""
     whole, parts = _stepped(watch, None), _stepped(watch, STEPS // 2)
     for name, values in whole.items():
         require(np.array_equal(values, parts[name], equal_nan=True), f"{name} differs after a restart")
