@@ -130,6 +130,7 @@ def _describe_archive(command: argparse.ArgumentParser) -> None:
 def _describe_view(command: argparse.ArgumentParser) -> None:
     command.add_argument("path", metavar="DIR-or-RRD", help="folder of a run or a comparison, or a recording")
     command.add_argument("--png", metavar="FILE", help="write a picture instead; needs no display")
+    command.add_argument("--panel", default="", metavar="NAME", help="show one panel alone: part of its name")
     command.add_argument(
         "--runs", nargs="+", metavar="NAME", default=[],
         help="runs of a comparison to show (default: all up to 12, else the first of each algorithm)",

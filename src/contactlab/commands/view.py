@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from shutil import rmtree
 
 from contactlab.api.recorder import Recorder
 from contactlab.commands.common import console
@@ -15,6 +17,8 @@ from contactlab.results.result_file import FILE
 from contactlab.run.recorders import record_again
 from contactlab.studies.recordings import checked_names, left_out, main_runs_of, runs_of, titled_runs
 
+PANEL = "panel"
+"""Folder of the recording of one panel that was asked for."""
 CHOSEN = "chosen"
 """Folder of the recording of runs that were asked for by name, beside that of the comparison."""
 
@@ -29,7 +33,10 @@ def view(options: argparse.Namespace) -> int:
     path = Path(options.path)
     if options.runs and (path.is_file() or (path / FILE).is_file()):
         raise RequestError("runs are chosen of a comparison", where="--runs", got=str(path), allowed="its folder")
-    file = path if path.is_file() else recording_in(path, recorder, options.runs)
+    if options.panel:
+        file = _one_panel(path, recorder, options)
+    else:
+        file = path if path.is_file() else recording_in(path, recorder, options.runs)
     png = _writable(Path(options.png)) if options.png is not None else None
     if not path.is_file() and not options.runs and (more := left_out(path)):
         console().print(more, markup=False, highlight=False, soft_wrap=True)
@@ -42,6 +49,26 @@ def view(options: argparse.Namespace) -> int:
     if png is not None:
         console().print(f"picture: {png}", markup=False, highlight=False, soft_wrap=True)
     return 0
+
+
+def _one_panel(path: Path, recorder: Recorder, options: argparse.Namespace) -> Path:
+    """A recording of one panel alone, made anew from the results, in a folder beside that of all of them."""
+    if path.is_file() or not hasattr(recorder, "panel"):
+        raise RequestError("panels are taken from results", where="--panel", got=str(path), allowed="a folder of a run")
+    folder = path / PANEL
+    known, alone = folder.exists(), replace(recorder, panel=options.panel)  # type: ignore[type-var]
+    folder.mkdir(parents=True, exist_ok=True)
+    try:
+        if (path / FILE).is_file():
+            record_again(alone, folder, load_results(path))
+        else:
+            names = checked_names(path, options.runs) if options.runs else main_runs_of(path)
+            alone.compared(folder, titled_runs(runs_of(path, names)))
+    except ValueError as error:
+        if not known:
+            rmtree(folder)
+        raise RequestError(str(error), where="--panel") from error
+    return folder / recorder.shown_file
 
 
 def _showing_recorder(registry: Registry) -> Recorder:

@@ -18,7 +18,7 @@ from contactlab.testing.assertions import Check, NotApplicable, require, untouch
 
 STEPS_PER_FRAME = 5
 IN_SINGLE = 1e-4
-"""Of the largest value of a field: files keep 16 significant bits of most."""
+"""Of the largest value of a field: files keep 14 significant bits of most."""
 SUMMARY: dict[str, Any] = {"format": 1, "status": "finished", "reason": "", "steps": 3 * STEPS_PER_FRAME}
 
 

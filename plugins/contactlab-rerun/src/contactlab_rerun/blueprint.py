@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -15,10 +16,11 @@ from contactlab.api.drawing.units import Units
 from contactlab_rerun.axes import BOX
 from contactlab_rerun.convergence import PATH as CONVERGENCE
 from contactlab_rerun.gathered import Appearance, Gathered
+from contactlab_rerun.iterations import CHANGES, RESIDUALS
+from contactlab_rerun.pages import BELOW, LEFT, Picture
 from contactlab_rerun.profiles import Profile
 from contactlab_rerun.projection import bounds
 from contactlab_rerun.series import Series
-from contactlab_rerun.step_pictures import BELOW, LEFT, Picture
 from contactlab_rerun.stream import Arrangement
 
 LEGEND = np.array([0.75, 0.0])  # room for a legend right of a plot
@@ -34,7 +36,7 @@ class Shown:
 
     box     what its mesh view shows
     series  with which of their lines are worth drawing
-    pictures  of the contact record, node by step
+    pictures, active_sets  of the contact record, node by step, and of Newton's iterations
     """
 
     appearance: Appearance
@@ -42,13 +44,22 @@ class Shown:
     box: tuple[Floats, Floats]
     series: Sequence[tuple[Series, Sequence[bool]]]
     pictures: Sequence[Picture] = ()
+    active_sets: Sequence[Picture] = ()
 
 
-def arrange(shown: Sequence[Shown], profiles: Sequence[Profile], converged: bool, timeline: str) -> Arrangement:
-    """Meshes above; profiles, curves over time, states and events below. `converged`: Newton's iteration is drawn."""
+def arrange(
+    shown: Sequence[Shown], profiles: Sequence[Profile], converged: bool, timeline: str, panel: str = ""
+) -> Arrangement:
+    """Meshes above; profiles, curves over time, states and events below. `converged`: Newton's iteration is drawn.
+
+    With `panel` only the first whose name has this in it. Raises ValueError where none has.
+    """
     curves = [_profile_view(profile, shown) for profile in profiles]
-    solver = _tabs([*([_convergence_view(shown)] if converged else []), *_solver_views(shown)])
+    newton = _newton_views(shown) if converged else []
+    solver = _tabs([*([_convergence_view(shown)] if converged else []), *_solver_views(shown), *newton])
     layout = _one(shown, curves, solver) if len(shown) == 1 else _several(shown, curves, solver)
+    if panel:
+        layout = _alone(layout, panel)
     window = shown[0].run.window() if len(shown) == 1 else None
     selected = AbsoluteTimeRange(*window) if window else None
     return Arrangement(
@@ -58,6 +69,24 @@ def arrange(shown: Sequence[Shown], profiles: Sequence[Profile], converged: bool
         rrb.SelectionPanel(state="hidden"),
         auto_views=False,
     )
+
+
+def _alone(layout: rrb.Container, panel: str) -> rrb.Container:
+    views = list(_views(layout))
+    names = {str(view.name): view for view in views}
+    wanted = [view for name, view in names.items() if panel.lower() in name.lower()]
+    if not wanted:
+        raise ValueError(f"no panel is named like {panel}; there are: {'; '.join(names)}")
+    return rrb.Horizontal(names.get(panel, wanted[0]))
+
+
+def _views(layout: Any) -> Iterator[rrb.View]:
+    """All views below a container."""
+    if isinstance(layout, rrb.View):
+        yield layout
+        return
+    for part in layout.contents:
+        yield from _views(part)
 
 
 def _one(shown: Sequence[Shown], profiles: Sequence[rrb.View], solver: rrb.Container) -> rrb.Container:
@@ -142,6 +171,20 @@ def _plot_view(path: str, curves: Sequence[str], name: str, legend: bool) -> rrb
         visual_bounds=bounds(BOX[0], BOX[1] + (LEGEND if legend else 0.0), margin=0.02),
         background=PAPER,
     )
+
+
+def _newton_views(shown: Sequence[Shown]) -> list[rrb.View | None]:
+    """What the timeline of iterations is for."""
+    several = len(shown) > 1
+    views: list[rrb.View | None] = [
+        _picture_view(picture, f"{one.appearance.title}: {picture.name}" if several else picture.name)
+        for one in shown
+        for picture in one.active_sets
+    ]
+    for path, name in ((RESIDUALS, "residual by iteration"), (CHANGES, "active set by iteration, in numbers")):
+        iterating = [f"{one.appearance.path}/{path}" for one in shown if one.run.iterations]
+        views.append(_lines(iterating, name, legend=not several))
+    return views
 
 
 def _solver_views(shown: Sequence[Shown]) -> list[rrb.View | None]:

@@ -12,9 +12,9 @@ import rerun as rr
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.drawing.colours import CLOSED, FIELD, STATES, rgb
 from contactlab_rerun.gathered import Appearance, Gathered, Instant, Surface
+from contactlab_rerun.iterations import frame_times
 from contactlab_rerun.mesh_shape import MeshShape
 from contactlab_rerun.projection import ON_MESH, camera, in_plane, line_strips
-from contactlab_rerun.series import times
 
 POINT_BYTES = 16.0  # of a node in a frame: position and colour
 FEWEST = 20  # frames that are drawn in any case
@@ -128,7 +128,7 @@ class Drawing:
             colors=np.where(frictional, COLOURS[state], CLOSED_COLOUR)[touching],
         )
         path = f"{self.appearance.path}/arrows"
-        when = times([i.step for i in self.instants], [i.time for i in self.instants])
+        when = frame_times(self.run, [i.step for i in self.instants], [i.time for i in self.instants])
         self.recording.send_columns(path, when, columns.partition(touching.sum(axis=1)))
         self.recording.log(path, rr.Arrows3D.from_fields(radii=[-1.8]), static=True)
 
@@ -158,7 +158,7 @@ class Drawing:
         batch = max(1, AT_ONCE // max(1, frame_bytes))
         for begin in range(0, len(instants), batch):
             some = instants[begin : begin + batch]
-            when = times([i.step for i in some], [i.time for i in some])
+            when = frame_times(self.run, [i.step for i in some], [i.time for i in some])
             self.recording.send_columns(path, when, columns(some))
 
     def _style(self, name: str, colour: tuple[int, ...], radius: float) -> None:

@@ -13,6 +13,7 @@ from contactlab.api.drawing.colours import CLOSED, rgb
 from contactlab.api.drawing.colours import STATES as COLOURS
 from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow
 from contactlab_rerun.gathered import Appearance, Gathered, Instant, Surface, short
+from contactlab_rerun.iterations import iteration_times
 from contactlab_rerun.series import times
 
 LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
@@ -126,7 +127,7 @@ def log_iterations(recording: rr.RecordingStream, run: Gathered, appearance: App
     last = {row.step: row.attempt for row in run.iterations}
     texts = [_iteration_text(row) for row in run.iterations]
     levels = ["INFO" if row.attempt == last[row.step] else "WARN" for row in run.iterations]
-    when = times([row.step for row in run.iterations], [row.time + row.dt for row in run.iterations])
+    when = iteration_times(run.iterations, np.arange(len(run.iterations)))
     recording.send_columns(f"{appearance.path}/iterations", when, rr.TextLog.columns(text=texts, level=levels))
 
 
@@ -173,6 +174,9 @@ def what_to_look_for(run: Gathered) -> list[str]:
         lines.append("- *energy*: contact without friction makes none; where its line leaves zero, contact goes wrong.")
     if run.iterations:
         lines.append("- *residual* and *iterations*: how the step at the cursor converged, and what opened or closed.")
+        lines.append(
+            "- The timeline *iteration* walks through Newton's iterations; *active set* has a column for each of them."
+        )
     return lines or ["- *energy* and *reaction* over the whole run; the mesh is that of the cursor."]
 
 

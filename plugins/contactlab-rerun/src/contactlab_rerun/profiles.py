@@ -14,7 +14,7 @@ from contactlab.api.drawing.units import Units
 from contactlab.api.frame import ContactLayout
 from contactlab_rerun.axes import Axes, dashed, dashed_columns, log_legend, solid_columns, ticks
 from contactlab_rerun.gathered import Appearance, Gathered, nice
-from contactlab_rerun.series import times
+from contactlab_rerun.iterations import frame_times
 
 MARGIN = 0.08  # of what is ever pressed, on either side
 MOST_POINTS = 100_000  # of the curves of all runs of a recording, beside their last steps
@@ -75,7 +75,7 @@ def _log_curves(
     order = surface.along
     order = order[(surface.s[order] >= axes.x0 - 1e-12) & (surface.s[order] <= axes.x1 + 1e-12)]
     shown = curves_of(run, contact, len(order), most)
-    when, path = times(shown.step, shown.time), f"{appearance.path}/profile/{contact}"
+    when, path = frame_times(run, shown.step.tolist(), shown.time.tolist()), f"{appearance.path}/profile/{contact}"
     pressure = axes.points(np.broadcast_to(surface.s[order], (len(shown.step), len(order))), shown.pressure[:, order])
     recording.send_columns(f"{path}/pressure", when, solid_columns(pressure))
     names = ["pressure"]

@@ -25,6 +25,7 @@ class Rerun(Recorder):
                into 4 MB, at least 20; curves, tracks and events are then those of all frames
     wire       draw the sides of all cells; "auto": where there are few enough to be told apart
     lanes      slave nodes of each contact whose state has a track of its own
+    panel      show the panel alone whose name has this in it; by default all of them
     """
 
     by_default: ClassVar[bool] = True
@@ -37,6 +38,7 @@ class Rerun(Recorder):
     every: int | Literal["auto"] = "auto"
     wire: bool | Literal["auto"] = "auto"
     lanes: int = 8
+    panel: str = ""
 
     def __post_init__(self) -> None:
         if self.every != "auto" and self.every < 1:

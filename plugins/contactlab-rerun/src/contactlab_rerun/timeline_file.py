@@ -20,6 +20,7 @@ from contactlab_rerun.colour_bar import log_colour_bar, log_state_key
 from contactlab_rerun.convergence import log_convergence
 from contactlab_rerun.drawing import FEW_CELLS, OUTLINE, Drawing, Scale, model_box
 from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Appearance, Gathered, nice
+from contactlab_rerun.iterations import log_newton
 from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks
 from contactlab_rerun.opening import OPENS
 from contactlab_rerun.profiles import Profile, log_profile, profile_of
@@ -57,7 +58,7 @@ class TimelineFile:
             if all(run.instants for run, _, _ in self.runs):
                 self._finish(summaries)
             _need_room(self.path.parent)
-        except OSError:
+        except Exception:
             self.abandon()
             raise
         self._close()
@@ -87,7 +88,11 @@ class TimelineFile:
         ]
         shown, profiles = self._draw(), self._profiles()
         shown = [
-            replace(one, pictures=log_pictures(self.recording, one.run, one.appearance, _unit(one.run)))
+            replace(
+                one,
+                pictures=log_pictures(self.recording, one.run, one.appearance, _unit(one.run)),
+                active_sets=log_newton(self.recording, one.run, one.appearance),
+            )
             for one in shown
         ]
         converged = log_convergence(
@@ -101,7 +106,7 @@ class TimelineFile:
         self.recording.send_recording_name(self.runs[0][0].layout.title)
         if not several and (window := self.runs[0][0].window()):
             self.recording.send_property(OPENS, rr.AnyValues(step=window[1]))
-        arrange(shown, profiles, converged, self.timeline).send(self.recording)
+        arrange(shown, profiles, converged, self.timeline, self.options.panel).send(self.recording)
 
     @property
     def _hang(self) -> float:

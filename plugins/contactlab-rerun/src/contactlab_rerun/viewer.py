@@ -26,6 +26,7 @@ SIZE = "1600x1000"
 MEMORY = "2GB"  # unlimited, the viewer takes three quarters of the machine
 MENU = 36  # pixels of the window's own bar, which says nothing about the recording
 PATIENCE = 60.0  # seconds until the viewer has loaded a recording; software renderers are slow
+TRIES = 3  # the library waits 15 s for a picture
 SETTLE = 5.0  # seconds for views to follow the cursor, and for messages of the first moments to go
 
 NO_DRIVER = (
@@ -96,10 +97,21 @@ def write_picture(file: Path, png: Path, step: int | None) -> None:
         sleep(SETTLE)
         with tempfile.TemporaryDirectory() as folder:
             shot = Path(folder) / "picture.png"
-            client.save_screenshot(str(shot))
+            _save(client, shot)
             _publish(shot, png)
         for error in view_errors(client):
             warnings.warn(f"the viewer could not draw all of {file}: {error}", RuntimeWarning, stacklevel=2)
+
+
+def _save(client: Any, shot: Path) -> None:
+    """The picture of the whole window; a loaded machine may need a second look. Raises RuntimeError where two fail."""
+    for _ in range(TRIES):
+        try:
+            client.save_screenshot(str(shot))
+        except TimeoutError:
+            continue
+        return
+    raise RuntimeError("the viewer took too long to draw: the machine is busy, or its graphics driver too slow")
 
 
 def check_recording(file: Path) -> None:
