@@ -341,6 +341,44 @@ def test_newton_iterations_are_on_the_timeline(small_scene: MakeScene, tmp_path:
     names, values = read.scalars("/run/solver")
     per_step = np.array(values.values)[:, names.index("iterations")]
     assert per_step.sum() == run.summary["iterations"]
+    assert_one_iteration_after_the_other(run, read)
+
+
+def assert_one_iteration_after_the_other(run: Results, read: Reader) -> None:
+    """Residuals, active sets and meshes on the timeline of iterations."""
+    import io
+
+    from PIL import Image
+
+    def numbers(path: str) -> list[int]:
+        return [
+            n
+            for batch in read.moving[path]
+            if "iteration" in batch.schema.names
+            for n in batch["iteration"].to_pylist()
+        ]
+
+    count = len(run.iterations)
+    assert numbers("/run/newton/residuals") == numbers("/run/newton/changes") == list(range(1, count + 1))
+    _, residuals = read.scalars("/run/newton/residuals")
+    expected = np.log10(np.maximum([(row.force, row.contact) for row in run.iterations], 1e-17))
+    assert np.array_equal(np.array(residuals.values), expected)
+    (page,) = read.rows("/run/newton/contacts.0/active-set/picture", "EncodedImage:blob").values
+    shown = np.asarray(Image.open(io.BytesIO(bytes(page[0]))))
+    sets = np.array([row.active_set for row in run.iterations])[:, np.argsort(run.contact["contacts.0"].last.s)]
+    high, wide = shown.shape[0] // sets.shape[1], shown.shape[1] // count
+    assert np.array_equal(shown[high // 2 :: high, wide // 2 :: wide].T > 0, sets > 0)
+    last = {row.step: number for number, row in enumerate(run.iterations, start=1)}
+    assert numbers("/run/mesh") == [last.get(frame.step, 0) for frame in run.frames]
+
+
+def test_a_panel_alone(run: Results, tmp_path: Path) -> None:
+    """It is named by a part of its name; a name that none has is refused, and leaves nothing."""
+    read = again(run, tmp_path / "run", panel="Pressure on")
+    assert "/run/mesh" in read.paths
+    with pytest.raises(ValueError, match=r"no panel is named like nothing; there are: disc-on-block.*; events; scene"):
+        again(run, tmp_path / "other", panel="nothing")
+    assert not list((tmp_path / "other").iterdir())
 
 
 # --- several runs ---------------------------------------------------------------------------------

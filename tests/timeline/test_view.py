@@ -237,3 +237,24 @@ def test_runs_of_a_comparison_are_chosen_by_name(
     assert "the comparison has no such run" in capsys.readouterr().err
     assert main(["view", str(comparison / "runs" / "0"), "--runs", "0", "--png", str(tmp_path / "no.png")]) == 2
     assert "runs are chosen of a comparison" in capsys.readouterr().err
+
+
+def test_a_panel_that_is_not_there(comparison: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run = comparison / "runs" / "0"
+    assert main(["view", str(run), "--panel", "nothing", "--png", str(run / "a.png")]) == 2
+    assert "--panel: no panel is named like nothing; there are: disc-on-block" in capsys.readouterr().err
+    assert not (run / "panel").exists()
+    assert main(["view", str(run / "timeline.rrd"), "--panel", "energy", "--png", str(run / "a.png")]) == 2
+    assert "panels are taken from results" in capsys.readouterr().err
+
+
+def test_a_picture_of_one_panel(comparison: Path, tmp_path: Path) -> None:
+    for name in ("whole", "energy"):
+        panel = ["--panel", "internal energy"] if name == "energy" else []
+        if main(["view", str(comparison), "--png", str(tmp_path / f"{name}.png"), *panel]):
+            pytest.skip("no graphics driver")
+    whole, energy = pixels(tmp_path / "whole.png"), pixels(tmp_path / "energy.png")
+    assert whole.shape == energy.shape
+    # curves on an empty ground: far fewer colours than meshes in theirs
+    seen, alone = (len(np.unique(picture.reshape(-1, 3), axis=0)) for picture in (whole, energy))
+    assert 2 <= alone < seen

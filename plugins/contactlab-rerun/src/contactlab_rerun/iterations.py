@@ -14,7 +14,7 @@ import rerun as rr
 from contactlab.api.drawing.colours import CLOSED, STATES, rgb
 from contactlab.api.frame import SLIP, IterationRow
 from contactlab_rerun.gathered import Appearance, Gathered
-from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages, picture_size
+from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages
 from contactlab_rerun.series import LINES, times
 from contactlab_rerun.step_pictures import EMPTY, node_labels
 
@@ -77,7 +77,7 @@ def _active_sets(recording: rr.RecordingStream, run: Gathered, appearance: Appea
         along = run.surfaces[contact.name].along
         part, begin = states[:, begin : begin + len(along)][:, along], begin + len(along)
         colours = [EMPTY, *STATES[1:SLIP], STATES[SLIP] if contact.friction else CLOSED]
-        path, (high, *size) = f"{appearance.path}/newton/{contact.name}", picture_size(len(along))
+        path, (high, *size) = f"{appearance.path}/newton/{contact.name}", columns.size(len(along))
         log_pages(recording, f"{path}/active-set/picture", columns, part.astype(np.uint8), colours, high)
         log_beside(recording, f"{path}/all", columns, size[1], high, node_labels(run, contact, along))
         found.append(

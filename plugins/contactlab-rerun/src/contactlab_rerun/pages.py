@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,9 +18,8 @@ import rerun as rr
 from contactlab.api.arrays import Ints
 from contactlab.api.drawing.colours import rgb
 
-PAGE = 200  # columns
-WIDE = 3  # pixels of a column
-HEIGHT = 300  # pixels of a page, about
+PAGE = 200  # columns at most
+WIDTH, HEIGHT = 600, 300  # pixels of a page, about
 LEFT, BELOW = 150, 40  # room for labels
 MOST_PAGES = 500  # pictures of a run; earlier pages are left out
 
@@ -44,22 +43,37 @@ class Columns:
     numbers: Ints
     when: Callable[[np.ndarray], list[rr.TimeColumn]]
 
+    @property
+    def page(self) -> int:
+        """Columns of a page."""
+        return min(PAGE, len(self.numbers))
 
-def picture_size(rows: int) -> tuple[int, float, float]:
-    """Pixels of a row, and width and height of a page."""
-    high = max(1, round(HEIGHT / rows))
-    return high, float(WIDE * PAGE), float(high * rows)
+    @property
+    def wide(self) -> int:
+        """Pixels of a column."""
+        return WIDTH // self.page
+
+    def size(self, rows: int) -> tuple[int, float, float]:
+        """Pixels of a row where there are so many, and width and height of a page."""
+        high = max(1, round(HEIGHT / rows))
+        return high, float(self.wide * self.page), float(high * rows)
+
+    def pages(self) -> list[tuple[int, int]]:
+        """First and last column of each page, whole ones from the end."""
+        count = len(self.numbers)
+        starts = range(count - self.page * min(MOST_PAGES, -(-count // self.page)), count, self.page)
+        return [(max(0, start), start + self.page) for start in starts]
 
 
 def log_pages(
     recording: rr.RecordingStream, path: str, columns: Columns, indices: np.ndarray, palette: Sequence[str], high: int
 ) -> None:
     """All pages of one kind: colours (n, m) of the columns from top to bottom, rows of `high` pixels."""
-    pictures, begins = [], [begin for begin, _ in _pages(len(indices))]
-    for begin, end in _pages(len(indices)):
-        page = np.zeros((PAGE, indices.shape[1]), np.uint8)  # all of one size: the viewer takes them for a film
-        page[PAGE - (end - begin) :] = indices[begin:end]
-        pictures.append(png_of(np.repeat(np.repeat(page.T, high, axis=0), WIDE, axis=1), palette))
+    pictures, begins = [], [begin for begin, _ in columns.pages()]
+    for begin, end in columns.pages():
+        page = np.zeros((columns.page, indices.shape[1]), np.uint8)  # all of one size: the viewer takes them for a film
+        page[columns.page - (end - begin) :] = indices[begin:end]
+        pictures.append(png_of(np.repeat(np.repeat(page.T, high, axis=0), columns.wide, axis=1), palette))
     images = rr.EncodedImage.columns(blob=pictures, media_type=["image/png"] * len(pictures))
     recording.send_columns(path, columns.when(np.array(begins)), images)
 
@@ -72,33 +86,28 @@ def log_beside(
     style: dict[str, Any] = {"radii": [0.0], "colors": [(205, 210, 216)], "show_labels": True}
     at = [(-76.0, high * (k + 0.5) - 9.0) for k, _ in labels]  # a label is centred on its point
     recording.log(f"{path}/nodes", rr.Points2D(at, labels=[text for _, text in labels], **style), static=True)
-    pages, numbers = list(_pages(len(columns.numbers))), columns.numbers
+    pages, numbers = columns.pages(), columns.numbers
     begins = [begin for begin, _ in pages]
     spans = [f"{columns.word} {numbers[begin]} to {numbers[end - 1]}" for begin, end in pages]
-    places = np.tile(np.array([[WIDE * PAGE / 2.0, height + 8.0]], np.float32), (len(pages), 1))
+    places = np.tile(np.array([[columns.wide * columns.page / 2.0, height + 8.0]], np.float32), (len(pages), 1))
     when = columns.when(np.array(begins))
     recording.send_columns(f"{path}/page", when, rr.Points2D.columns(positions=places, labels=spans))
     recording.log(f"{path}/page", rr.Points2D.from_fields(**style), static=True)
-    place = np.concatenate([np.arange(PAGE - (end - begin), PAGE) for begin, end in pages])
-    _log_cursor(recording, path, columns.when(np.arange(len(numbers) - len(place), len(numbers))), place, height)
+    place = np.concatenate([np.arange(columns.page - (end - begin), columns.page) for begin, end in pages])
+    when = columns.when(np.arange(len(numbers) - len(place), len(numbers)))
+    _log_cursor(recording, path, when, place, columns.wide, height)
 
 
 def _log_cursor(
-    recording: rr.RecordingStream, path: str, when: list[rr.TimeColumn], place: np.ndarray, height: float
+    recording: rr.RecordingStream, path: str, when: list[rr.TimeColumn], place: np.ndarray, wide: int, height: float
 ) -> None:
     """A frame around the column at the cursor."""
-    centres = np.stack([WIDE * (place + 0.5), np.full(len(place), height / 2.0)], axis=1).astype(np.float32)
+    centres = np.stack([wide * (place + 0.5), np.full(len(place), height / 2.0)], axis=1).astype(np.float32)
     recording.send_columns(f"{path}/cursor", when, rr.Boxes2D.columns(centers=centres))
     style = rr.Boxes2D.from_fields(
-        half_sizes=[(WIDE / 2.0 + 1.0, height / 2.0 + 3.0)], colors=[(255, 255, 255)], radii=[-0.8]
+        half_sizes=[(wide / 2.0 + 1.0, height / 2.0 + 3.0)], colors=[(255, 255, 255)], radii=[-0.8]
     )
     recording.log(f"{path}/cursor", style, static=True)
-
-
-def _pages(count: int) -> Iterator[tuple[int, int]]:
-    """First and last row of each page, whole ones from the end."""
-    starts = range(count - PAGE * min(MOST_PAGES, -(-count // PAGE)), count, PAGE)
-    yield from ((max(0, start), start + PAGE) for start in starts)
 
 
 def png_of(indices: np.ndarray, palette: Sequence[str]) -> bytes:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import rerun as rr
 
@@ -10,7 +12,7 @@ from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.api.drawing.colours import CLOSED, FIELD, STATES
 from contactlab.api.frame import SLIP, ContactLayout
 from contactlab_rerun.gathered import Appearance, Gathered, short
-from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages, picture_size
+from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages
 from contactlab_rerun.series import times
 
 TICKS = 6  # nodes that are named
@@ -37,14 +39,19 @@ def log_pictures(recording: rr.RecordingStream, run: Gathered, appearance: Appea
         }
         # without friction all that is closed has one state: where it is says more
         order = ("state", "segment", "pressure") if contact.friction else ("segment", "state", "pressure")
-        path, (high, *size) = f"{appearance.path}/steps/{contact.name}", picture_size(len(along))
-        columns = Columns("steps", rows["step"], lambda at, rows=rows: times(rows["step"][at], rows["time"][at]))  # type: ignore[misc]
+        path = f"{appearance.path}/steps/{contact.name}"
+        columns = Columns("steps", rows["step"], partial(_when, rows))
+        high, *size = columns.size(len(along))
         for kind in order:
             name, (indices, palette) = kinds[kind]
             log_pages(recording, f"{path}/{kind}/picture", columns, indices, palette, high)
             found.append(Picture(f"{path}/{kind}", f"{path}/{BESIDE}", name, *size))
         log_beside(recording, f"{path}/{BESIDE}", columns, size[1], high, node_labels(run, contact, along))
     return found
+
+
+def _when(rows: np.ndarray, at: np.ndarray) -> list[rr.TimeColumn]:
+    return times(rows["step"][at], rows["time"][at])
 
 
 def _states(rows: np.ndarray, along: Ints, frictional: bool) -> tuple[np.ndarray, list[str]]:
