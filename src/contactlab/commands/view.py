@@ -53,7 +53,7 @@ def view(options: argparse.Namespace) -> int:
 
 def _one_panel(path: Path, recorder: Recorder, options: argparse.Namespace) -> Path:
     """A recording of one panel alone, made anew from the results, in a folder beside that of all of them."""
-    if path.is_file() or not hasattr(recorder, "panel"):
+    if not path.is_dir() or not hasattr(recorder, "panel"):
         raise RequestError("panels are taken from results", where="--panel", got=str(path), allowed="a folder of a run")
     folder = path / PANEL
     known, alone = folder.exists(), replace(recorder, panel=options.panel)  # type: ignore[type-var]
