@@ -40,7 +40,8 @@ def frame_times(run: Gathered, steps: Sequence[int], seconds: Sequence[float]) -
     """Timelines of what is known at the end of steps, in implicit runs with the last iteration of each of them."""
     when = times(steps, seconds)
     if run.iterations:
-        known, numbers = last_iterations(run), []
+        known: dict[int, int] = last_iterations(run)
+        numbers: list[int] = []
         for step in steps:
             numbers.append(known.get(int(step), numbers[-1] if numbers else 0))
         when.append(rr.TimeColumn(TIMELINE, sequence=np.array(numbers, np.int64)))
@@ -72,7 +73,7 @@ def _active_sets(recording: rr.RecordingStream, run: Gathered, appearance: Appea
     if len({len(each) for each in sets}) != 1 or len(sets[0]) != sum(len(c.slave_nodes) for c in contacts):
         return []
     states = np.array(sets)
-    columns = Columns("iterations", np.arange(1, len(rows) + 1), lambda at: iteration_times(rows, at))
+    columns = Columns("iterations", np.arange(1, len(rows) + 1, dtype=np.int32), lambda at: iteration_times(rows, at))
     for contact in contacts:
         along = run.surfaces[contact.name].along
         part, begin = states[:, begin : begin + len(along)][:, along], begin + len(along)
