@@ -67,6 +67,23 @@ def test_steps_before_the_first_warning_of_a_guard(
     assert "failure" not in run.last_steps
 
 
+def test_steps_before_a_warning_that_is_judged_at_the_end(
+    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only where the scene asks for it; they are those of a run with a frame in each."""
+    monkeypatch.setattr("contactlab.run.energy_guard.MADE", 1e9)  # no guard warns
+    changes = {"time.end": 4e-6, "record.last": 30}
+    plain = simulate(small_scene(changes), tmp_path / "plain")
+    assert plain.warnings
+    assert not plain.last_steps, "none of its warnings is one of a guard"
+    run = simulate(small_scene({**changes, "record.warnings": "all"}), tmp_path / "run")
+    frames, told = run.last_steps["warning"], [e.step for e in run.events if e.level == "warning" and e.step]
+    assert len(frames) == 30
+    assert frames[-1].step == told[0]
+    slow = simulate(small_scene({**changes, "record.frames": 1_000_000}), tmp_path / "slow")
+    assert_same_frames(slow, frames)
+
+
 def test_a_part_that_remembers_is_told_of(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

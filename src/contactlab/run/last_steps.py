@@ -47,11 +47,12 @@ def length_of(record: Record, layout: Layout) -> int:
 class LastSteps:
     """Takes the frames of the last `length` steps of one run, and hands them to a journal.
 
-    rebuild  gives another model of the same scene, as it was before the first step
+    rebuild      gives another model of the same scene, as it was before the first step
+    all_warnings  warnings judged at frames and at the end count, not only those of guards
     """
 
-    def __init__(self, model: Model, length: int, rebuild: Callable[[], Model]) -> None:
-        self.model, self.length, self.rebuild = model, length, rebuild
+    def __init__(self, model: Model, length: int, rebuild: Callable[[], Model], all_warnings: bool = False) -> None:
+        self.model, self.length, self.rebuild, self.all_warnings = model, length, rebuild, all_warnings
         self.frames: deque[Frame] = deque(maxlen=length)
         self.known: int | None = None
 
@@ -68,28 +69,31 @@ class LastSteps:
     def _seen(self, step: Step, dt: float) -> None:
         self.frames.append(_frame(self.model, step, 0))
 
-    def know_warnings(self) -> None:
-        """Warnings up to now are none of a guard that watches the steps."""
-        if self.known is not None:
+    def judged(self, journal: Journal, kept: KeptStates) -> None:
+        """Warnings since the last look are none of a guard: they come from a frame, or from the end."""
+        if self.all_warnings:
+            self.listen(journal, kept)
+        elif self.known is not None:
             self.known = len(self.model.warnings)
 
     def listen(self, journal: Journal, kept: KeptStates) -> None:
         """Store the steps before the first warning that came since the last look."""
         if self.known is None or len(self.model.warnings) == self.known:
             return
-        self.known = None
-        self.store(WARNING, journal, kept)
+        # before the first step there are none to store: the next warning then is the first
+        self.known = None if self.store(WARNING, journal, kept) else len(self.model.warnings)
 
     def begin(self, folder: Path) -> None:
         """The run begins in its folder, or goes on there: what it stored before an earlier failure is none any more."""
         drop_last_steps(folder, FAILURE)
         self.known = None if has_last_steps(folder, WARNING) else len(self.model.warnings)
 
-    def store(self, end: str, journal: Journal, kept: KeptStates) -> None:
-        """Hand on the frames of the last steps up to the present one."""
+    def store(self, end: str, journal: Journal, kept: KeptStates) -> bool:
+        """Hand on the frames of the last steps up to the present one; False where there are none."""
         frames = self._repeated(journal, kept) if self.model.explicit else list(self.frames)
         if frames:
             journal.last_steps(end, [replace(frame, number=k) for k, frame in enumerate(frames)])
+        return bool(frames)
 
     def _repeated(self, journal: Journal, kept: KeptStates) -> list[Frame]:
         """The frames of the last steps, from a model that repeats them; as far as it comes."""

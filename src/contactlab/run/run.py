@@ -128,7 +128,7 @@ class Run:
         self.monitor.examine_frame()
         self.tell_warnings()
         if self.last_steps is not None:
-            self.last_steps.know_warnings()
+            self.last_steps.judged(self.journal, self.kept)
         self.clock.recording_s += perf_counter() - began
 
     def judge(self) -> None:
@@ -151,6 +151,8 @@ class Run:
         self.listen()
         self.schedule.verdict()
         self.judge()
+        if self.last_steps is not None:
+            self.last_steps.judged(self.journal, self.kept)
 
     def tell_warnings(self) -> None:
         """Note warnings that are new as events."""

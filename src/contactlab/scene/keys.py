@@ -287,6 +287,11 @@ class Record:
         says="steps before a failure, and before the first warning of a guard, that are stored with all fields; "
         "0: none; not written: 200",
     )
+    warnings: Literal["guards", "all"] | None = key(
+        None,
+        says="which first warning these steps are kept before: of a guard, which watches the steps, or of all, those "
+        "judged at frames and at the end too; not written: guards",
+    )
 
     def __post_init__(self) -> None:
         if self.to is not None and self.to < (self.from_ or 1):
