@@ -14,6 +14,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import pictures
+
 from contactlab.accuracy.lines import lines_of
 from contactlab.accuracy.orders import orders_of
 from contactlab.accuracy.point import Point
@@ -102,6 +104,7 @@ def main() -> None:
     with house_style():
         figure = cost_figure(found, lines_of(found))
         figure.savefig(DOCS / "pictures" / "accuracy.svg", metadata={"Date": None, "Creator": None})
+    pictures.keep(["pictures/accuracy.svg"])
 
 
 if __name__ == "__main__":

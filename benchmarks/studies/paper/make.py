@@ -13,6 +13,9 @@ from time import process_time
 
 from common import PICTURES, ROOT, Numbers
 
+sys.path.append(str(ROOT / "benchmarks" / "studies"))
+import pictures
+
 MODULES = ("test1", "test2", "test3", "cases")
 PAGE = ROOT / "benchmarks" / "studies" / "paper" / "page.md"
 NUMBERS = PICTURES / "numbers.json"
@@ -33,6 +36,7 @@ def main(wanted: list[str]) -> int:
         numbers[name] = made
         print(f"{name}: {process_time() - began:.0f} s of processor time", flush=True)
         NUMBERS.write_text(json.dumps(numbers, indent=1, sort_keys=True) + "\n")
+        pictures.keep(pictures.of_figure(name))
     (ROOT / "docs" / "paper.md").write_text(filled(PAGE.read_text(), numbers))
     return 0
 
