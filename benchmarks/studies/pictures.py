@@ -4,12 +4,11 @@
     python benchmarks/studies/pictures.py keep NAME ...    # those that were made anew, by the commands of their page
 
 docs/pictures/shown.json has for each picture a hash of its file and one of what it shows: rows that a study keeps,
-numbers of its page, or the scene, the commands and the arrangement of views of a timeline.
+numbers of its page, or the commands of its page and their scene.
 """
 
 from __future__ import annotations
 
-import ast
 import hashlib
 import json
 import re
@@ -23,7 +22,6 @@ from contactlab.scene.scene import bundled_scenes
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 KEPT = DOCS / "pictures" / "shown.json"
-VIEWS = ROOT / "plugins" / "contactlab-rerun" / "src" / "contactlab_rerun" / "blueprint.py"
 
 
 def demo_rows() -> str:
@@ -52,21 +50,12 @@ def figure(name: str) -> str:
 
 
 def timeline(page: str, scene: str) -> str:
-    """Commands of a page with a scene, the scene without its comments, and how views are arranged."""
+    """Commands of a page with a scene, and the scene without its comments."""
     text = (DOCS / page).read_text(encoding="utf-8").replace("\\\n", " ")
     commands = [line.split(" #")[0].split() for line in text.splitlines() if line.startswith("contactlab ")]
     lines = bundled_scenes()[scene].read_text(encoding="utf-8").splitlines()
     settings = [line.split(" #")[0].strip() for line in lines if line.strip() and not line.startswith("#")]
-    return json.dumps([commands, settings, code(VIEWS)])
-
-
-def code(path: Path) -> str:
-    """A module without comments and docstrings."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    for node in ast.walk(tree):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and ast.get_docstring(node) is not None:
-            node.body = node.body[1:] or [ast.Pass()]
-    return ast.unparse(tree)
+    return json.dumps([commands, settings])
 
 
 _BENCHMARKS = partial(numbers_of, "benchmarks.md")
