@@ -38,8 +38,8 @@ either slave, all their elements and integrators, three algorithms) in {minutes:
 
 ## By case
 
-Cells that are met, or ill-posed where that is the answer / all cells; then the numbers of silent (s), failed (f) and not
-judged (n) cells.
+Cells that are met, or ill-posed where that is the answer / all cells; then the numbers of silent (s), failed (f) and
+not judged (n) cells.
 """
 
 
