@@ -4,7 +4,7 @@
     python benchmarks/studies/pictures.py keep NAME ...    # those that were made anew, by the commands of their page
 
 docs/pictures/shown.json has for each picture a hash of its file and one of what it shows: rows that a study keeps,
-numbers of its page, or the commands of its page and their scene.
+numbers of its page, or the command of its page and its scene.
 """
 
 from __future__ import annotations
@@ -49,30 +49,33 @@ def figure(name: str) -> str:
     return json.dumps(found[name], sort_keys=True)
 
 
-def timeline(page: str, scene: str) -> str:
-    """Commands of a page with a scene, and the scene without its comments."""
+def timeline(page: str, scene: str, folder: str) -> str:
+    """The command of a page that runs a scene into runs/FOLDER, and the scene without its comments."""
     text = (DOCS / page).read_text(encoding="utf-8").replace("\\\n", " ")
-    commands = [line.split(" #")[0].split() for line in text.splitlines() if line.startswith("contactlab ")]
+    (command,) = re.findall(rf"^contactlab (?:run|compare) (?:.*) --out runs/{folder}\b.*$", text, re.MULTILINE)
     lines = bundled_scenes()[scene].read_text(encoding="utf-8").splitlines()
     settings = [line.split(" #")[0].strip() for line in lines if line.strip() and not line.startswith("#")]
-    return json.dumps([commands, settings])
+    return json.dumps([command.split(), settings])
 
 
 _BENCHMARKS = partial(numbers_of, "benchmarks.md")
-_STEP = partial(timeline, "find-the-step.md", "disc-on-block")
-_INSIDE = partial(timeline, "look-inside-a-contact.md", "disc-on-block")
+_STEP = partial(timeline, "find-the-step.md", "disc-on-block", "chatter")
+_INSIDE = {"run": "rough", "comparison": "three", "statics": "statics"}
 SHOWN: dict[str, Callable[[], str]] = {
     "pictures/comparison.png": demo_rows,
     "pictures/error-against-cost.png": demo_rows,
     "pictures/accuracy.svg": partial(measured, "accuracy.md"),
     **{f"pictures/benchmarks-{name}.png": _BENCHMARKS for name in ("updates", "phases", "contact")},
     **{f"pictures/chatter-{name}.png": _STEP for name in ("end", "first", "pair", "pair-begins")},
-    **{f"pictures/timeline-{name}.png": _INSIDE for name in ("run", "comparison", "statics")},
+    **{
+        f"pictures/timeline-{name}.png": partial(timeline, "look-inside-a-contact.md", "disc-on-block", folder)
+        for name, folder in _INSIDE.items()
+    },
     **{f"paper/figure-{n:02d}.svg": partial(figure, f"f{n:02d}") for n in range(7, 16)},
     "paper/figure-16.png": partial(figure, "f16"),
     "paper/figure-16-penetration.svg": partial(figure, "f16"),
     "paper/friction-with-depth.svg": partial(figure, "paths"),
-    "paper/forging-timeline.png": partial(timeline, "paper.md", "three-body-forging"),
+    "paper/forging-timeline.png": partial(timeline, "paper.md", "three-body-forging", "forging"),
 }  # fmt: skip
 """Every stored picture by its name in docs, and what it shows."""
 
