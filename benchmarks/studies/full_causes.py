@@ -117,7 +117,6 @@ MISSED: dict[tuple[str, str], str] = {
     ("two-rings", "coarse: stopped"): VERTEX,
     ("disc-in-ring", "stopped"): VERTEX,
     ("leaf-spring", "stopped"): CIRCLES,
-    ("pulled-strip", "error of the energy ledger"): f"{UNKNOWN}: it stays with four times the steps; the run warns",
 }  # fmt: skip
 """By case ("" for any) and the number that misses first: the cause, as far as it was examined."""
 

@@ -62,8 +62,12 @@ class LoadStep:
         self.equations.internal_force(dt)
         if self.equations.contact is not None:
             self.equations.contact.evaluate(self.equations.position)
-        self.unbalanced(np.zeros_like(self.external))
-        self.ledger.begin_step(self.external, self.contact_forces.normal, self.contact_forces.tangential)
+        out = np.zeros_like(self.external)
+        self.unbalanced(out)
+        out.reshape(-1)[self.equations.prescribed.dof] = 0.0
+        # a load that nothing carries yet grows during the step: its work is that of a load path in balance
+        carried = self.external - out
+        self.ledger.begin_step(carried, self.contact_forces.normal, self.contact_forces.tangential)
 
     def _begin_at(self, expected: Estimate, dt: float, target: Floats) -> None:
         """Let the iteration begin at an expected state, unless cells fold over there."""
