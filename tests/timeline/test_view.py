@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shutil
 import subprocess
 import sys
 import warnings
@@ -19,7 +20,7 @@ from contactlab.commands.view import recording_in
 from contactlab.parts.registry import default_registry
 from contactlab.results.result_file import FILE as STORED
 from contactlab.run.simulation import simulate
-from contactlab.studies.recordings import record_comparison
+from contactlab.studies.recordings import left_out, record_comparison
 
 viewer = pytest.importorskip("contactlab_rerun.viewer", reason="plugin contactlab-rerun is not installed")
 pytest.importorskip("rerun.experimental", reason="rerun-sdk is not installed (plugin contactlab-rerun)")
@@ -258,3 +259,20 @@ def test_a_picture_of_one_panel(comparison: Path, tmp_path: Path) -> None:
     # curves on an empty ground: far fewer colours than meshes in theirs
     seen, alone = (len(np.unique(picture.reshape(-1, 3), axis=0)) for picture in (whole, energy))
     assert 2 <= alone < seen
+
+
+def test_a_folder_of_many_runs_shows_the_first_of_each_algorithm(
+    comparison: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Runs side by side in a folder that no comparison made; the scene of each tells its algorithm."""
+    for number in range(15):
+        shutil.copytree(comparison / "runs" / str(number % 3), tmp_path / f"run-{number:02d}")
+    recorder = default_registry().make("recorder", "rerun")
+    shown: list[list[str]] = []
+    monkeypatch.setattr(type(recorder), "compared", lambda self, folder, runs: shown.append(list(runs)))
+    file = recording_in(tmp_path, recorder)
+    assert file == tmp_path / "chosen" / recorder.shown_file
+    assert [title.partition(",")[0] for title in shown[0]] == list(ALGORITHMS)
+    assert left_out(tmp_path).startswith("3 of 15 runs are shown; --runs NAME ...")
+    recording_in(tmp_path, recorder, ["run-04", "run-14"])
+    assert len(shown[1]) == 2

@@ -15,7 +15,7 @@ from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.load import load_results
 from contactlab.results.result_file import FILE
 from contactlab.run.recorders import record_again
-from contactlab.studies.recordings import checked_names, left_out, main_runs_of, runs_of, titled_runs
+from contactlab.studies.recordings import checked_names, is_comparison, left_out, main_runs_of, runs_of, titled_runs
 
 PANEL = "panel"
 """Folder of the recording of one panel that was asked for."""
@@ -87,7 +87,8 @@ def _showing_recorder(registry: Registry) -> Recorder:
 def recording_in(folder: Path, recorder: Recorder, names: Sequence[str] = ()) -> Path:
     """The recording of the run or comparison in `folder`; it is made from the results where it is not there.
 
-    With `names` of runs of a comparison one of these alone, in a folder of its own.
+    With `names` of runs of a comparison one of these alone, in a folder of its own; so is that of runs side by side in
+    a folder that is no comparison's.
 
     That is so for runs that were killed or are still going on: they are shown as far as they came.
     """
@@ -101,17 +102,17 @@ def recording_in(folder: Path, recorder: Recorder, names: Sequence[str] = ()) ->
         if not file.is_file() or not results.closed:
             record_again(recorder, folder, results)
         return file
-    if names:
+    if not names and file.is_file():
+        return file
+    runs = titled_runs(runs_of(folder, checked_names(folder, names) if names else main_runs_of(folder)))
+    if not runs:
+        raise RequestError(
+            "the folder holds no results", where=str(folder), allowed="the folder of a run, of runs or of a comparison"
+        )
+    if names or not is_comparison(folder):  # more runs may come to it: what is shown is made anew each time
         file = folder / CHOSEN / recorder.shown_file
         file.parent.mkdir(exist_ok=True)
-        recorder.compared(file.parent, titled_runs(runs_of(folder, checked_names(folder, names))))
-    elif not file.is_file():
-        runs = titled_runs(runs_of(folder, main_runs_of(folder)))
-        if not runs:
-            raise RequestError(
-                "the folder holds no results", where=str(folder), allowed="the folder of a run or of a comparison"
-            )
-        recorder.compared(folder, runs)
+    recorder.compared(file.parent, runs)
     return file
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from contactlab.errors import ContactlabWarning, RequestError, did_you_mean, one_line
+from contactlab.errors import ContactlabError, ContactlabWarning, RequestError, did_you_mean, one_line
 from contactlab.results.load import load_results
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
@@ -57,8 +57,24 @@ def main_runs_of(folder: Path) -> list[str]:
     table = folder / "table.json"
     rows = json.loads(table.read_text(encoding="utf-8"))["rows"] if table.is_file() else []
     known = {row["name"]: row for row in rows}
-    names = [place.name for place in _places(folder) if not known.get(place.name, {}).get("refines")]
-    return side_by_side({name: known[name]["algorithm"] if name in known else "" for name in names})
+    places = [place for place in _places(folder) if not known.get(place.name, {}).get("refines")]
+    if len(places) <= SHOWN:
+        return [place.name for place in places]
+    return side_by_side({p.name: known[p.name]["algorithm"] if p.name in known else _algorithms_of(p) for p in places})
+
+
+def _algorithms_of(place: Path) -> str:
+    """Algorithms of the run in a folder, as its scene names them; nothing where that cannot be read."""
+    try:
+        scene = parse_toml((place / "scene.toml").read_text(encoding="utf-8"), "scene.toml")
+        return ", ".join(str(contact["algorithm"]["use"]) for contact in scene["contacts"])
+    except (OSError, ContactlabError, LookupError, TypeError):
+        return ""
+
+
+def is_comparison(folder: Path) -> bool:
+    """Whether runs are in a folder of their own below it; else they are side by side in the folder itself."""
+    return (folder / RUNS).is_dir()
 
 
 def left_out(folder: Path) -> str:
@@ -66,7 +82,8 @@ def left_out(folder: Path) -> str:
     shown, there = len(main_runs_of(folder)), len(_places(folder))
     if shown == there:
         return ""
-    return f"{shown} of {there} runs are shown; --runs NAME ... shows others, by the names of their folders in {RUNS}"
+    where = f" in {RUNS}" if is_comparison(folder) else ""
+    return f"{shown} of {there} runs are shown; --runs NAME ... shows others, by the names of their folders{where}"
 
 
 def checked_names(folder: Path, asked: Sequence[str]) -> list[str]:
@@ -83,7 +100,8 @@ def checked_names(folder: Path, asked: Sequence[str]) -> list[str]:
 
 def _places(folder: Path) -> list[Path]:
     """Folders of the runs that left results."""
-    return [place for place in sorted((folder / RUNS).glob("*")) if (place / FILE).is_file()]
+    inside = folder / RUNS if is_comparison(folder) else folder
+    return [place for place in sorted(inside.glob("*")) if (place / FILE).is_file()]
 
 
 def runs_of(folder: Path, names: Iterable[str] | None = None) -> dict[str, Results]:
