@@ -16,13 +16,13 @@ from contactlab.accuracy.study import CaseStudy
 from contactlab.commands.common import console, print_json, registry_with
 from contactlab.commands.interruption import interrupted
 from contactlab.errors import RequestError
+from contactlab.parts.machine import usable_cores
 from contactlab.reports.accuracy_page import write_accuracy_page
 from contactlab.reports.accuracy_predictions import told
 from contactlab.reports.accuracy_table import print_costs
 from contactlab.run.folders import results_folder
 from contactlab.studies.resume import sigterm_as_ctrl_c
 from contactlab.studies.scheduler import checked_scheduler
-from contactlab.studies.system import usable_cores
 
 
 def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:

@@ -12,10 +12,10 @@ from contactlab.accuracy.choose import Chosen, Wish, choose
 from contactlab.accuracy.point import Point
 from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
 from contactlab.commands.interruption import interrupted
+from contactlab.parts.machine import usable_cores
 from contactlab.run.folders import results_folder
 from contactlab.scene.scene import load_scene
 from contactlab.studies.resume import sigterm_as_ctrl_c
-from contactlab.studies.system import usable_cores
 
 CANNOT = 1
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from contactlab.commands.common import add_row, console, number, print_json, table
 from contactlab.errors import ContactlabError, one_line
-from contactlab.parts.machine import blas_kernels, processor
+from contactlab.parts.machine import blas_kernels, processor, usable_cores
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.scene import load_scene
 
@@ -103,8 +103,7 @@ def _probe(registry: Registry) -> Results:
 
 def _machine() -> Iterator[Fact]:
     yield Fact("system", f"{platform.system()} {platform.machine()}, Python {platform.python_version()}")
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
-    yield Fact("cores", f"{usable} usable of {os.cpu_count()}")
+    yield Fact("cores", f"{usable_cores()} usable of {os.cpu_count()}")
     yield Fact("processor", processor())
     yield Fact("BLAS", blas_kernels())
     limits = [f"{name}={os.environ[name]}" for name in THREADS if name in os.environ]

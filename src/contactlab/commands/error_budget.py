@@ -13,12 +13,12 @@ from contactlab.accuracy.error_budget import ErrorBudget, Share, error_budget
 from contactlab.accuracy.files import finite
 from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
 from contactlab.commands.interruption import interrupted
+from contactlab.parts.machine import usable_cores
 from contactlab.reports.numbers import percent, significant
 from contactlab.run.folders import results_folder
 from contactlab.scene.scene import load_scene
 from contactlab.studies.resume import sigterm_as_ctrl_c
 from contactlab.studies.run_job import Outcome
-from contactlab.studies.system import usable_cores
 
 FILE = "error-budget.json"
 FAILED = 1

@@ -15,11 +15,11 @@ from contactlab.matrix.orders import orders, write_orders
 from contactlab.matrix.page import write_page
 from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.matrix.run import Matrix, run_matrix
+from contactlab.parts.machine import usable_cores
 from contactlab.parts.registry import Registry
 from contactlab.run.folders import results_folder
 from contactlab.studies.resume import sigterm_as_ctrl_c
 from contactlab.studies.scheduler import checked_scheduler
-from contactlab.studies.system import usable_cores
 
 SHORT = {"not-applicable": "-", "not-judged": "not judged", "ill-posed": "ill-posed"}
 

@@ -1,7 +1,8 @@
-"""What of the machine the last digits of a run depend on: its processor, and the kernels and threads of BLAS."""
+"""The machine: its processor, cores, and the kernels and threads of BLAS; last digits of a run depend on some of it."""
 
 from __future__ import annotations
 
+import os
 import platform
 import sys
 from collections.abc import Callable
@@ -19,6 +20,13 @@ def processor() -> str:
     from llvmlite.binding import get_host_cpu_name
 
     return f"{processor_name()} ({get_host_cpu_name()})"
+
+
+def usable_cores() -> int:
+    """Number of cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 def processor_name() -> str:

@@ -25,6 +25,7 @@ from contactlab.parts.error_origin import part_at_fault, part_errors
 from contactlab.parts.machine import with_one_blas_thread
 from contactlab.results.peak_memory import reset_peak
 from contactlab.results.results import Results
+from contactlab.run.ahead import compile_ahead
 from contactlab.run.culprit import wrong_answer
 from contactlab.run.folders import run_folder
 from contactlab.run.guards import EVERY
@@ -81,6 +82,7 @@ def simulate(
         return over
     began = perf_counter()
     reset_peak()
+    compile_ahead(scene)
     model = build(scene, registry)
     with part_errors(registry):
         watching = Watching(model, watch) if watch else None

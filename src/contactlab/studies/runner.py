@@ -13,6 +13,7 @@ from time import perf_counter
 from typing import Any
 
 from contactlab.errors import RequestError
+from contactlab.parts.machine import usable_cores
 from contactlab.parts.registry import Registry
 from contactlab.run.folders import claimed_folder, full_disk_told, made_folder
 from contactlab.scene.scene import Scene
@@ -31,7 +32,6 @@ from contactlab.studies.resume import sigterm_as_ctrl_c, stored_outcomes
 from contactlab.studies.run_job import Outcome
 from contactlab.studies.scheduler import LOCAL, checked_scheduler, open_pool
 from contactlab.studies.study import FINEST, Study
-from contactlab.studies.system import usable_cores
 from contactlab.studies.table import Row, Table
 from contactlab.studies.table_files import write_table
 from contactlab.studies.worker import BEGUN

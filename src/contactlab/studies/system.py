@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import os
 import platform
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 
-from contactlab.parts.machine import processor_name
+from contactlab.parts.machine import processor_name, usable_cores
 
 _LIBRARIES = ("contactlab", "numpy", "numba")
 
@@ -27,13 +26,6 @@ def system_facts() -> dict[str, str | int]:
 def machine() -> str:
     """Name and kind of this machine, as rows of an archive carry it."""
     return f"{platform.node()} {platform.system()} {platform.machine()}"
-
-
-def usable_cores() -> int:
-    """Number of cores that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def _version(name: str) -> str:

@@ -30,6 +30,7 @@ from numba.extending import intrinsic
 
 from contactlab.api.compiled.cache import cache_folder
 from contactlab.api.compiled.library import KernelCompiler
+from contactlab.api.compiled.locks import kernel_locked
 
 __all__ = ["exp", "kernel", "log", "point", "power", "section", "summation", "table_kernel"]
 
@@ -96,27 +97,28 @@ class Compilation:
     """CPU seconds that this process has spent on compiling kernels and on loading them from the cache.
 
     Garbage is not collected meanwhile: the collector would walk through a million short-lived objects in vain.
-    `listener` is called with each kernel that Python calls, before it is compiled or loaded.
+    `listener` is called with each kernel that Python calls, before it is compiled or loaded. `depth` is above zero
+    while one is: those that it calls are compiled then, too.
     """
 
     def __init__(self) -> None:
-        self.seconds, self._depth, self._began, self._collected = 0.0, 0, 0.0, False
+        self.seconds, self.depth, self._began, self._collected = 0.0, 0, 0.0, False
         self.listener: Callable[[Any], None] | None = None
 
     def tell(self, kernel: Any) -> None:
         """Say that a kernel is about to be compiled or loaded; those inside it are not told apart."""
-        if self.listener is not None and not self._depth:
+        if self.listener is not None and not self.depth:
             self.listener(kernel)
 
     def __enter__(self) -> None:
-        if not self._depth:
+        if not self.depth:
             self._began, self._collected = thread_time(), gc.isenabled()
             gc.disable()
-        self._depth += 1
+        self.depth += 1
 
     def __exit__(self, *raised: object) -> None:
-        self._depth -= 1
-        if not self._depth:
+        self.depth -= 1
+        if not self.depth:
             if self._collected:
                 gc.enable()
             self.seconds += thread_time() - self._began
@@ -131,7 +133,7 @@ class Kernel(CPUDispatcher):
     def compile(self, sig: Any) -> Any:
         """Called at the first call with arguments of new types."""
         COMPILATION.tell(self)
-        with COMPILATION:
+        with kernel_locked(self), COMPILATION:
             return super().compile(sig)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:

@@ -1,0 +1,79 @@
+"""Locks on files: of two processes that need the same kernel, one compiles it and the other waits and loads it."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Any
+
+try:
+    import fcntl
+except ImportError:  # Windows: both compile, the later one overwrites what the other stored
+    fcntl = None  # type: ignore[assignment]
+
+_held = threading.local()
+
+
+def lock_file(dispatcher: Any) -> Path | None:
+    """The file beside a kernel's machine code that its lock is on; None for a kernel that is not cached on disk."""
+    folder = dispatcher.stats.cache_path
+    return Path(folder) / f"{file_stem(dispatcher)}.lock" if folder else None
+
+
+def file_stem(dispatcher: Any) -> str:
+    """What the names of a kernel's files in the cache begin with."""
+    function = dispatcher.py_func
+    return f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
+
+
+@contextmanager
+def kernel_locked(dispatcher: Any, wait: bool = True) -> Iterator[bool]:
+    """Hold the lock of a kernel; gives whether it was free, which `wait` makes sure of.
+
+    Inside another one's lock, and where no file can be locked, nothing is locked: kernels that a kernel calls are
+    compiled under numba's own lock, and waiting there for another thread could last for ever.
+    """
+    path = None if getattr(_held, "any", False) or fcntl is None else lock_file(dispatcher)
+    file = _opened(path)
+    if file is None:
+        yield True
+        return
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX if wait else fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:  # held by another process, or a file system without locks
+            yield wait
+            return
+        _held.any = True
+        try:
+            yield True
+        finally:
+            _held.any = False  # closing the file gives the lock back
+
+
+def free_place(folder: Path, places: int) -> IO[str] | None:
+    """Take one of a number of places that all processes of this machine share, by a lock; None where all are taken.
+
+    It is given back when the file is closed.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in range(places if fcntl is not None else 0):
+        file = _opened(folder / f"place-{number}.lock")
+        if file is None:
+            return None
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            file.close()
+        else:
+            return file
+    return None
+
+
+def _opened(path: Path | None) -> IO[str] | None:
+    try:
+        return None if path is None else path.open("a")
+    except OSError:  # a cache that cannot be written
+        return None

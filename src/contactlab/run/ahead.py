@@ -1,0 +1,89 @@
+"""Kernels that other processes compile ahead, while this one compiles those that it calls before them.
+
+A first run compiles some thirty kernels one after the other, each when it is called; a few of them take most of the
+time. Where some of these are not in the cache, processes beside the run compile them, the longest first, as far as the
+machine has cores. A run that gets to such a kernel waits until it is done, and loads it.
+"""
+
+from __future__ import annotations
+
+import atexit
+import json
+import os
+import sys
+from collections.abc import Sequence
+from contextlib import suppress
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from contactlab.parts.machine import usable_cores
+from contactlab.run.known_kernels import KnownKernel, kernels_of
+
+if TYPE_CHECKING:
+    from subprocess import Popen
+
+    from contactlab.scene.scene import Scene
+
+MOST = 3
+"""Processes beside a run: the longest kernel alone takes a fourth of the time of all."""
+FEWEST = 2
+"""Kernels that are worth a process: it takes a second to begin."""
+_processes: list[Popen[bytes]] = []
+os.register_at_fork(after_in_child=_processes.clear)  # they are the parent's to wait for
+
+
+def compile_ahead(scene: Scene) -> None:
+    """Have the kernels compiled that a run of this scene is likely to call and that are not in the cache."""
+    _compile(tuple(kernel for kernel in kernels_of(scene) if kernel.types))
+
+
+@cache
+def _compile(kernels: Sequence[KnownKernel]) -> None:
+    """Once in a process: what was not in the cache is on its way then."""
+    missing = sorted((kernel for kernel in kernels if _is_missing(kernel)), key=lambda kernel: -kernel.seconds)
+    if len(missing) >= FEWEST:
+        _start(missing, min(len(missing), MOST, usable_cores() - 1))
+
+
+def _is_missing(kernel: KnownKernel) -> bool:
+    """Whether no machine code of it is on the disk; its module need not be imported for that."""
+    from contactlab.api.compiled.cache import cache_folder
+
+    found = None
+    with suppress(ImportError, ValueError):
+        found = find_spec(kernel.module)
+    if found is None or found.origin is None:
+        return False
+    files = f"*/{kernel.module.rpartition('.')[2]}.{kernel.name}-*.nbi"
+    return not any(Path(cache_folder(found.origin)).glob(files))
+
+
+def _start(kernels: Sequence[KnownKernel], count: int) -> None:
+    import subprocess
+
+    words = json.dumps(kernels), str(usable_cores() - 1)
+    path = os.pathsep.join(entry for entry in sys.path if entry)
+    for _ in range(count):
+        with suppress(OSError):
+            process = subprocess.Popen(
+                [sys.executable, "-P", "-m", "contactlab.run.compile_listed", *words],
+                env={**os.environ, "PYTHONPATH": path}, start_new_session=True,
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            )  # fmt: skip
+            _processes.append(process)
+
+
+def wait_for_all() -> None:
+    """Wait until the processes that compile ahead are done."""
+    while _processes:
+        _processes.pop().wait()
+
+
+@atexit.register
+def _end_all() -> None:
+    """What is still compiled is of no use to a run that is over: the next one begins with what is stored."""
+    for process in _processes:
+        process.kill()
+    wait_for_all()

@@ -1,0 +1,50 @@
+"""A process that compiles kernels for another one: `python -m ... [[module, name, types, seconds], ...] places`.
+
+It takes them in their order, leaves out those that another process has in hand, and ends with the process that started
+it. Of all such processes on a machine, whoever started them, no more than `places` compile.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import json
+import os
+import signal
+import sys
+from contextlib import suppress
+from importlib import import_module
+
+from contactlab.api.compiled.cache import cache_root
+from contactlab.api.compiled.locks import free_place, kernel_locked
+
+_END_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux
+
+
+def main() -> None:
+    """Compile what the command line names."""
+    parent = os.getppid()
+    with suppress(OSError, AttributeError):  # other systems: looked at between kernels
+        ctypes.CDLL(None).prctl(_END_WITH_PARENT, signal.SIGKILL)
+    place = free_place(cache_root(), int(sys.argv[2]))
+    if place is None:
+        return
+    with place:
+        for module, name, types, _ in json.loads(sys.argv[1]):
+            if os.getppid() != parent:
+                return
+            # whatever is wrong here is found, and told, by the run that calls the kernel
+            with suppress(Exception):
+                _compile(module, name, types)
+
+
+def _compile(module: str, name: str, types: str) -> None:
+    from numba.core.sigutils import normalize_signature
+
+    kernel = getattr(import_module(module), name)
+    with kernel_locked(kernel, wait=False) as free:
+        if free:
+            kernel.compile(normalize_signature(f"({types},)")[0])
+
+
+if __name__ == "__main__":
+    main()

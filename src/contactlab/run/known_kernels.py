@@ -1,0 +1,51 @@
+"""The kernels that a scene will call, as far as it is like one whose kernels are known (data/known_kernels.json)."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from functools import cache
+from importlib.resources import files
+from typing import TYPE_CHECKING, NamedTuple
+
+from contactlab.parts.provenance import part_specs
+
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
+
+
+class KnownKernel(NamedTuple):
+    """A kernel by its module and name.
+
+    types    of its arguments in numba's words ("i8, f8[:,::1]"); empty for kernels that compile quickly
+    seconds  that it takes to compile, roughly
+    """
+
+    module: str
+    name: str
+    types: str
+    seconds: float
+
+
+def kernels_of(scene: Scene) -> Sequence[KnownKernel]:
+    """Those of the scene whose parts are most like its own, in the order of their first call; none if no part is."""
+    own = used_parts(scene)
+    likeness = {parts: len(own & parts) / len(own | parts) for parts in _known()}
+    best = max(likeness, key=lambda parts: (likeness[parts], len(_known()[parts])), default=frozenset[str]())
+    return _known()[best] if likeness.get(best, 0.0) > 0.0 else ()
+
+
+def used_parts(scene: Scene) -> frozenset[str]:
+    """Names of the parts that decide which kernels are called: all but meshes and recorders."""
+    return frozenset(name for _, kind, name in part_specs(scene) if kind not in ("mesh", "recorder"))
+
+
+@cache
+def _known() -> dict[frozenset[str], Sequence[KnownKernel]]:
+    data = json.loads((files("contactlab") / "data" / "known_kernels.json").read_text(encoding="utf-8"))
+
+    def kernel(name: str) -> KnownKernel:
+        facts = data["kernels"].get(name, {"types": "", "seconds": 0.0})
+        return KnownKernel(*name.rsplit(".", 1), **facts)
+
+    return {frozenset(entry["parts"]): [kernel(name) for name in entry["kernels"]] for entry in data["scenes"].values()}
