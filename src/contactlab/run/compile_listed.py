@@ -13,6 +13,7 @@ import signal
 import sys
 from contextlib import suppress
 from importlib import import_module
+from typing import Any
 
 from contactlab.api.compiled.cache import cache_root
 from contactlab.api.compiled.locks import free_place, kernel_locked
@@ -38,12 +39,12 @@ def main() -> None:
 
 
 def _compile(module: str, name: str, types: str) -> None:
-    from numba.core.sigutils import normalize_signature
-
-    kernel = getattr(import_module(module), name)
+    sigutils: Any = import_module("numba.core.sigutils")
+    kernel: Any = getattr(import_module(module), name)
+    numba_types: Any = sigutils
     with kernel_locked(kernel, wait=False) as free:
         if free:
-            kernel.compile(normalize_signature(f"({types},)")[0])
+            kernel.compile(sigutils.normalize_signature(f"({types},)")[0])
 
 
 if __name__ == "__main__":

@@ -46,6 +46,7 @@ def _known() -> dict[frozenset[str], Sequence[KnownKernel]]:
 
     def kernel(name: str) -> KnownKernel:
         facts = data["kernels"].get(name, {"types": "", "seconds": 0.0})
-        return KnownKernel(*name.rsplit(".", 1), **facts)
+        module, _, function = name.rpartition(".")
+        return KnownKernel(module, function, **facts)
 
     return {frozenset(entry["parts"]): [kernel(name) for name in entry["kernels"]] for entry in data["scenes"].values()}
