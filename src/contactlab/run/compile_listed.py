@@ -41,7 +41,6 @@ def main() -> None:
 def _compile(module: str, name: str, types: str) -> None:
     sigutils: Any = import_module("numba.core.sigutils")
     kernel: Any = getattr(import_module(module), name)
-    numba_types: Any = sigutils
     with kernel_locked(kernel, wait=False) as free:
         if free:
             kernel.compile(sigutils.normalize_signature(f"({types},)")[0])
