@@ -8,6 +8,7 @@ import math
 import os
 import subprocess
 import sys
+from pathlib import Path
 from typing import Any
 
 import numba
@@ -104,8 +105,11 @@ def _probed() -> Any:
 
 
 @pytest.mark.parametrize("ours", [False, True])
-def test_only_our_own_compilations_hold_the_garbage_collector(ours: bool) -> None:
+def test_only_our_own_compilations_hold_the_garbage_collector(
+    ours: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """The host program compiles with its collector on, whatever it has imported of us."""
+    monkeypatch.setenv("CONTACTLAB_CACHE", str(tmp_path))  # where nothing is yet
     collections_seen.clear()
     assert gc.isenabled()
 
