@@ -22,6 +22,12 @@ from numba.extending import overload
 from contactlab.api.compiled.kernel import COMPILATION, Kernel, exp, kernel, log, point, power, table_kernel
 
 
+@pytest.fixture(autouse=True)
+def empty_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Kernels that a test makes are not found as an earlier session of tests left them."""
+    monkeypatch.setenv("CONTACTLAB_CACHE", str(tmp_path))
+
+
 @kernel
 def _add(values, times, out):
     for i in range(out.size):
@@ -105,11 +111,8 @@ def _probed() -> Any:
 
 
 @pytest.mark.parametrize("ours", [False, True])
-def test_only_our_own_compilations_hold_the_garbage_collector(
-    ours: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_only_our_own_compilations_hold_the_garbage_collector(ours: bool) -> None:
     """The host program compiles with its collector on, whatever it has imported of us."""
-    monkeypatch.setenv("CONTACTLAB_CACHE", str(tmp_path))  # where nothing is yet
     collections_seen.clear()
     assert gc.isenabled()
 
