@@ -24,10 +24,6 @@ BEYOND = (
     "corner nodes up to two per cent of a segment beyond the end of the master are held by its last node: the two "
     "forces are not in one line and turn the pair; with either body wider the change is 150 to 600 times less"
 )
-SLIDES_OFF = (
-    "only friction holds the upper layer, and there is none before contact presses: the first iteration slides it off "
-    "and opens all conditions; the run reports it"
-)
 SOFT_SPRINGS = (
     "only springs of a ten-millionth of the stiffness hold the bodies, and the first iteration moves them far away; "
     "with springs a thousand times as stiff the run finishes; the load on the springs was not found"
@@ -41,8 +37,6 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("pressed-block", "mortar-p1", "silent"): LEANING,
     ("stiffness-contrast", "mortar-p0", "failed"): FINE_ON_SOFT,
     ("stiffness-contrast", "mortar-p1", "failed"): FINE_ON_SOFT,
-    ("inclined-layers", "mortar-p0", "failed"): SLIDES_OFF,
-    ("inclined-layers", "mortar-p1", "failed"): SLIDES_OFF,
     ("inclined-layers", NODES, "silent"): f"{ONE_PASS}: the same on a slope",
     ("few-cells", NODES, "silent"): ONE_PASS,
     ("patch", NODES, "silent"): ONE_PASS,
@@ -83,7 +77,6 @@ MISSED: dict[tuple[str, str], str] = {
     ("elastic-punch", "resultant against integral of the pressure"): RIM,
     ("leaf-spring", "resultant against integral of the pressure"): RIM,
     ("inclined-layers", "resultant against integral of the pressure"): "slips of 2e-5 uncover as much of a segment",
-    ("inclined-layers", "stress along y"): "the layer slides a little before friction holds it, as in the failed runs",
     ("hertz", "L2 of the pressure"): EDGE,
     ("hertz", "half-width in segments"): EDGE,
     ("hertz", "largest pressure"): FINE_SLAVE,

@@ -51,7 +51,9 @@ def _tangential(conditions: Conditions, stiffness: Floats, normal: Floats, close
     trial = force - stiffness * conditions.slip
     # a slip that would turn round within an iteration has met its solution in between: it sticks
     turns = (trial * force < 0.0) & (np.abs(trial) >= limit) & (limit > 0.0)
-    stick = conditions.present & ((np.abs(trial) < limit) | turns)
+    # surfaces that touch without a force yet have not slid: nothing but friction may hold a body
+    rests = np.logical_and(closed, (growth > 0.0) & (force == 0.0) & (trial == 0.0))
+    stick = conditions.present & ((np.abs(trial) < limit) | turns | rests)
     sign = np.sign(trial)
     out.residual[1] = np.where(stick, stiffness * conditions.slip, force - sign * limit)
     out.by_force[1] = np.where(stick, 0.0, 1.0)
