@@ -1,6 +1,6 @@
 """Write what `contactlab compare accuracy` found into docs/accuracy.md.
 
-    contactlab compare accuracy --quick --jobs 1 --out runs/accuracy
+    contactlab compare accuracy --jobs 1 --out runs/accuracy
     python benchmarks/studies/accuracy_page.py runs/accuracy "how it was run"
 
 Costs, ties and figures are worked out again from the points in `accuracy.json`.
@@ -11,23 +11,27 @@ from __future__ import annotations
 import json
 import math
 import sys
+from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import pictures
 
-from contactlab.accuracy.lines import lines_of
-from contactlab.accuracy.orders import orders_of
+from contactlab.accuracy.evaluation import Evaluation, evaluate
+from contactlab.accuracy.files import COUNTS
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy, Asked
 from contactlab.accuracy.study import find_case_study
-from contactlab.accuracy.targets import best_of, costs_of, shown
+from contactlab.accuracy.targets import Cost, best_of
 from contactlab.reports.accuracy_plots import cost_figure
+from contactlab.reports.accuracy_predictions import told as told_predictions
 from contactlab.reports.figures import house_style
 
 DOCS = Path(__file__).parents[2] / "docs"
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
-MARKS = {"cheapest": "**{}**", "tied": "*{}*"}
+TIMES = (0.3, 1.0, 3.0, 10.0, 30.0)
+"""CPU seconds within which shares of questions are told."""
 
 
 def read(path: Path) -> Accuracy:
@@ -36,73 +40,96 @@ def read(path: Path) -> Accuracy:
     study = find_case_study("accuracy")
     assert study is not None
     asked = [Asked(**{**case, "order": _number(case["order"])}) for case in data["cases"]]
-    return Accuracy(study, asked, data["contenders"], [_point(row) for row in data["points"]], 1)
+    points = [_point(row) for row in data["points"]]
+    return Accuracy(study, asked, data["contenders"], points, 1, data["interrupted"])
 
 
 def _point(row: dict[str, Any]) -> Point:
     cost, kernels = _number(row["cpu_s"]), _number(row["kernels"])
     place = row["case"], row["contender"], row["slave"], row["level"], row["status"], row["reason"]
-    return Point(*place, _number(row["error"]), (cost,) if cost == cost else (), cost / kernels)
+    counts = {name: row[name] for name in COUNTS if row[name] is not None}
+    return Point(*place, _number(row["error"]), (cost,) if cost == cost else (), cost / kernels, counts)
 
 
 def _number(value: Any) -> float:
     return math.nan if value is None else float(value)
 
 
-def section(found: Accuracy, how: str) -> str:
+def section(evaluated: Evaluation, how: str) -> str:
     """The measured part of the page."""
-    lines = lines_of(found)
-    targets = sorted(found.study.targets, reverse=True)
-    best = best_of(costs_of(found, lines))
-    heads = ["case", "contender", *(f"{100.0 * t:g} %" for t in targets)]
-    rows = [heads, ["---"] * len(heads)]
-    for asked in found.asked:
-        for name in found.contenders:
-            cells = [best.get((asked.label, name, target)) for target in targets]
-            if any(cells):
-                texts = [MARKS.get(c.mark, "{}").format(shown(c)) if c else "" for c in cells]
-                rows.append([asked.label, name, *texts])
-    orders = [o for o in orders_of(found, lines) if not math.isnan(o.half)]
+    found = evaluated.found
+    counted = Counter(point.status for point in found.points)
+    words = {"interrupted": "not run yet"}
+    ended = ", ".join(f"{count} {words.get(status, status)}" for status, count in counted.most_common())
+    orders = [o for o in evaluated.orders if not math.isnan(o.half) and not math.isnan(o.theory)]
     told = [["case", "contender", "slave", "order", "theory"], ["---"] * 5]
-    told += [
-        [
-            o.case,
-            o.contender,
-            o.slave,
-            f"{o.order:.2f} +- {o.half:.2f}",
-            "" if math.isnan(o.theory) else f"{o.theory:g}",
-        ]
-        for o in orders
-    ]
-    finished = sum(point.finished for point in found.points)
+    told += [[o.case, o.contender, o.slave, f"{o.order:.2f} ± {o.half:.2f}", f"{o.theory:g}"] for o in orders]
     return "\n".join(
         [
             BEGIN,
             how,
-            f"{finished} of {len(found.points)} points finished. CPU seconds to reach an error with the better slave;",
-            "the cheapest is bold, those that cannot be distinguished from it are in italics:",
-            "", *_table(rows), "",
+            f"{len(found.points)} points of {len(found.asked)} cases and {len(found.contenders)} contenders: {ended}.",
+            "",
+            "The cheapest contender of each case and target, with the better slave, and its CPU seconds; `≤` where the "
+            "coarsest mesh is good enough, `+ n` where n others cannot be told from it, `grey` where the reference is "
+            "not known well enough:",
+            "", *_table(_cheapest(evaluated)), "",
             "![Error against cost, a panel per case](pictures/accuracy.svg)", "",
-            f"Orders of convergence with 95 % intervals, where three points are above the uncertainty of the reference "
-            f"({len(orders)} of {len(lines)} lines):",
+            "Share of all questions (case, slave, target) that a contender answers within so many CPU seconds; those "
+            "that it cannot be asked, and failures, are never answered:",
+            "", *_table(_shares(evaluated)), "",
+            f"Predicted from coarser meshes: {told_predictions(evaluated.predictions)}", "",
+            "Orders of convergence with 95 % intervals, where theory has one and three points are above the "
+            f"uncertainty of the reference ({len(orders)} of {len(evaluated.lines)} lines):",
             "", *_table(told), END,
         ]
     )  # fmt: skip
 
 
-def _table(rows: list[list[str]]) -> list[str]:
+def _cheapest(evaluated: Evaluation) -> list[list[str]]:
+    """A row per case, a column per target."""
+    targets = sorted(evaluated.found.study.targets, reverse=True)
+    rows = [["case", *(f"{100.0 * target:g} %" for target in targets)], ["---"] * (len(targets) + 1)]
+    best = best_of(evaluated.costs)
+    for asked in evaluated.found.asked:
+        cells = [[cost for place, cost in best.items() if place[::2] == (asked.label, target)] for target in targets]
+        rows.append([asked.label, *map(_winner, cells)])
+    return rows
+
+
+def _winner(costs: Sequence[Cost]) -> str:
+    there = [cost for cost in costs if cost.kind == "reached"]
+    if not there:
+        return "grey" if costs and costs[0].kind == "grey" else "nobody"
+    first = min(there, key=lambda cost: cost.cost)
+    tied = sum(cost.mark == "tied" for cost in there) - 1
+    bound = "≤ " if first.coarsest else ""
+    return f"{first.contender}: {bound}{first.cost:.2g}" + (f" + {tied}" if tied > 0 else "")
+
+
+def _shares(evaluated: Evaluation) -> list[list[str]]:
+    """A row per contender: who answers most in ten seconds first."""
+    heads = ["contender", *(f"{time:g} s" for time in TIMES), "asked"]
+    rows = [heads, ["---"] * len(heads)]
+    for one in sorted(evaluated.profiles, key=lambda each: -each.share(10.0)):
+        shares = [f"{100.0 * one.share(time):.0f} %" for time in TIMES]
+        rows.append([one.contender, *shares, f"{one.put} of {one.asked}"])
+    return rows
+
+
+def _table(rows: Sequence[Sequence[str]]) -> list[str]:
     return [f"| {' | '.join(row)} |" for row in rows]
 
 
 def main() -> None:
     """Write the section and its picture."""
-    found = read(Path(sys.argv[1]) / "accuracy.json")
+    evaluated = evaluate(read(Path(sys.argv[1]) / "accuracy.json"))
     page = DOCS / "accuracy.md"
     text = page.read_text(encoding="utf-8")
     head, rest = text.split(BEGIN, 1)
-    page.write_text(head + section(found, sys.argv[2]) + rest.split(END, 1)[1], encoding="utf-8")
+    page.write_text(head + section(evaluated, sys.argv[2]) + rest.split(END, 1)[1], encoding="utf-8")
     with house_style():
-        figure = cost_figure(found, lines_of(found))
+        figure = cost_figure(evaluated.found, evaluated.lines)
         figure.savefig(DOCS / "pictures" / "accuracy.svg", metadata={"Date": None, "Creator": None})
     pictures.keep(["pictures/accuracy.svg"])
 

@@ -48,22 +48,23 @@ class BouncingBar(Case):
         }  # fmt: skip
         kept = {"use": "leapfrog-energy", "name": "bar", "body": "bar"}
         own = ("time", "force.bar.y", "energy", "displacement.bar.y", "velocity.bar.y")
-        watch = kept if explicit else series(*own, name="bar")
-        more = series("time", "velocity.bar.y", name="top") if explicit else None
+        work = WORK * setup.level  # steps, so that rows never need more room
+        watch = kept if explicit else series(*own, name="bar", most=work)
+        more = series("time", "velocity.bar.y", name="top", most=work) if explicit else None
         return (
             Job(
                 "bar",
                 "bouncing-bar",
                 changes,
                 (watch, more) if more else (watch,),
-                work=WORK * setup.level,
+                work=work,
                 guards=False,
             ),
         )
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """Each impact takes the energy of half a node, and with it some of the height."""
-        early, ends = 0.02 / setup.level * CELLS / self.cells, "half a node of energy is lost at each of six impacts"
+        """Each impact takes the energy of half a cell, and with it some of the height."""
+        early, ends = 0.02 / setup.level * CELLS / self.cells, "half a cell of energy is lost at each of six impacts"
         bounds = [
             error("highest point after the last period, later than exact [periods]", early, ends),
             invariant("largest rise of the energy in a step", 1e-9, "round-off; contact conditions only take"),

@@ -55,7 +55,7 @@ class WallImpact(Case):
         """The trapezoidal rule keeps energy but for the nodes that are stopped."""
         return (
             error("mean force", 0.002, "rho c v, and a node's share of fifty"),
-            error("loss against that of the stopped nodes", 0.02, "half a node, more within a step"),
+            error("loss against that of the stopped nodes", 0.02, "half a cell, more within a step"),
             at_most("contacts after the first", 0.0, "it leaves once"),
             invariant("largest rise of energy in a step", 1e-9, "round-off; contact conditions only take"),
             reported("ripple of the force"),
