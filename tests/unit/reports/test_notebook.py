@@ -138,8 +138,9 @@ class TestResults:
     def test_a_data_set_of_xarray(self, results: Results) -> None:
         data = results.to_xarray()
         assert data.attrs["status"] == "finished"
+        largest = abs(results.displacement).max()  # what frames are rounded by follows from it
         assert data["displacement"].sel(component="y").isel(time=-1).to_numpy() == pytest.approx(
-            results.displacement[:, 1]
+            results.displacement[:, 1], abs=1e-5 * largest
         )
         pressure = data["contacts.0.pressure"]
         assert pressure.dims == ("time", "contacts.0_node")
