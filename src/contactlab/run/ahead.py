@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactlab.parts.machine import usable_cores
-from contactlab.run.known_kernels import KnownKernel, kernels_of
+from contactlab.run.known_kernels import KnownKernel, surely_called
 
 if TYPE_CHECKING:
     from subprocess import Popen
@@ -36,7 +36,7 @@ os.register_at_fork(after_in_child=_processes.clear)  # they are the parent's to
 
 def compile_ahead(scene: Scene) -> None:
     """Have the kernels compiled that a run of this scene is likely to call and that are not in the cache."""
-    _compile(tuple(kernel for kernel in kernels_of(scene) if kernel.types))
+    _compile(tuple(kernel for kernel in surely_called(scene) if kernel.types))
 
 
 @cache
@@ -51,13 +51,12 @@ def _is_missing(kernel: KnownKernel) -> bool:
     """Whether no machine code of it is on the disk; its module need not be imported for that."""
     from contactlab.api.compiled.cache import cache_folder
 
-    found = None
-    with suppress(ImportError, ValueError):
-        found = find_spec(kernel.module)
-    if found is None or found.origin is None:
+    package, *inner = kernel.module.split(".")
+    found = find_spec(package)  # of a module within it, `find_spec` would import what is around
+    if found is None or not found.submodule_search_locations:
         return False
-    files = f"*/{kernel.module.rpartition('.')[2]}.{kernel.name}-*.nbi"
-    return not any(Path(cache_folder(found.origin)).glob(files))
+    file = Path(found.submodule_search_locations[0], *inner).with_suffix(".py")
+    return not any(Path(cache_folder(str(file))).glob(f"*/{inner[-1]}.{kernel.name}-*.nbi"))
 
 
 def _start(kernels: Sequence[KnownKernel], count: int) -> None:

@@ -35,6 +35,12 @@ def kernels_of(scene: Scene) -> Sequence[KnownKernel]:
     return _known()[best] if likeness.get(best, 0.0) > 0.0 else ()
 
 
+def surely_called(scene: Scene) -> Sequence[KnownKernel]:
+    """Those of the largest known scene whose parts are all used here, too: hardly any of them is called in vain."""
+    own = used_parts(scene)
+    return max((kernels for parts, kernels in _known().items() if parts <= own), key=len, default=())
+
+
 def used_parts(scene: Scene) -> frozenset[str]:
     """Names of the parts that decide which kernels are called: all but meshes and recorders."""
     return frozenset(name for _, kind, name in part_specs(scene) if kind not in ("mesh", "recorder"))

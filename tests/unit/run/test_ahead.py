@@ -14,7 +14,7 @@ from numba.core.sigutils import normalize_signature
 
 from contactlab.api.compiled.locks import free_place, kernel_locked, lock_file
 from contactlab.run import ahead
-from contactlab.run.known_kernels import kernels_of
+from contactlab.run.known_kernels import kernels_of, surely_called
 from contactlab.scene.scene import bundled_scenes, load_scene
 from contactlab.studies.run_job import warm_up
 
@@ -38,12 +38,12 @@ from contactlab.run import ahead
 from contactlab.run.known_kernels import KnownKernel
 from importlib import import_module
 
-wanted = [KnownKernel("some_kernels", name, "i8, f8[::1]", 1.0) for name in ("doubled", "halved")]
+wanted = [KnownKernel("some_package.kernels", name, "i8, f8[::1]", 1.0) for name in ("doubled", "halved")]
 missing = [kernel.name for kernel in wanted if ahead._is_missing(kernel)]
 ahead.usable_cores = lambda: 2
 ahead._start(wanted, 1)
 ahead.wait_for_all()
-module, values = import_module("some_kernels"), np.ones(3)
+module, values = import_module("some_package.kernels"), np.ones(3)
 module.doubled(3, values)
 module.halved(2, values)
 hits = [sum(getattr(module, name).stats.cache_hits.values()) for name in ("doubled", "halved")]
@@ -53,7 +53,9 @@ print(json.dumps([missing, hits, left, values.tolist()]))
 
 
 def test_what_was_compiled_ahead_is_loaded(tmp_path: Path) -> None:
-    (tmp_path / "some_kernels.py").write_text(KERNELS)
+    (tmp_path / "some_package").mkdir()
+    (tmp_path / "some_package" / "__init__.py").write_text("")
+    (tmp_path / "some_package" / "kernels.py").write_text(KERNELS)
     env = {**os.environ, "CONTACTLAB_CACHE": str(tmp_path / "cache"), "PYTHONPATH": str(tmp_path)}
     done = subprocess.run([sys.executable, "-c", PROGRAM], env=env, capture_output=True, text=True, check=True)
     missing, hits, left, values = json.loads(done.stdout)
@@ -84,6 +86,12 @@ def test_types_are_those_of_calls(changes: dict[str, str], monkeypatch: pytest.M
     (kernels, _), *_ = started  # type: ignore[misc]
     assert [kernel.seconds for kernel in kernels] == sorted((kernel.seconds for kernel in known), reverse=True)
     ahead._compile.cache_clear()
+
+
+def test_nothing_is_compiled_for_parts_that_a_scene_has_not() -> None:
+    scene = load_scene("disc-on-block")
+    assert surely_called(scene) == kernels_of(scene)
+    assert surely_called(scene.with_({"contacts": []})) == ()
 
 
 @pytest.mark.parametrize("name", list(bundled_scenes()))

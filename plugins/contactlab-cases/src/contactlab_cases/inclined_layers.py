@@ -16,6 +16,7 @@ from contactlab_cases.statics import static_job
 
 YOUNG, SIDE = 1000.0, 1e-3  # MPa; pressure on both sides
 MOST = 1e-2  # MPa: the stress along y that both layers would carry as one, without slip
+HELD_BY_FRICTION = {"use": "active-set", "start": "stick"}  # nothing else holds the upper layer sideways
 
 
 @dataclass(frozen=True)
@@ -67,7 +68,10 @@ class InclinedLayers(Case):
         return (
             static_job(
                 "pressed", setup, {"m": {"young": YOUNG, "poisson": 0.0}}, bodies,
-                {"slave": "upper.bottom", "master": "lower.top", "friction": {"use": "coulomb", "mu": self.mu}},
+                {
+                    "slave": "upper.bottom", "master": "lower.top", "friction": {"use": "coulomb", "mu": self.mu},
+                    "enforcement": HELD_BY_FRICTION,
+                },
                 steps=8, loads=loads,
                 supports=[
                     {"on": "lower.bottom", "uy": 0.0}, {"on": "lower.left", "ux": 0.0}, {"on": "upper.top", "uy": down}

@@ -59,7 +59,10 @@ class StuckRings(Case):
         if any(not record.finished for record in done.values()):
             return ()
         a, b, c = RADII
-        contact = {"start": {"gap": "zero"}, "friction": {"use": "coulomb", "mu": self.mu}}
+        contact = {
+            "start": {"gap": "zero"}, "friction": {"use": "coulomb", "mu": self.mu},
+            "enforcement": {"use": "active-set", "start": "stick"},
+        }  # fmt: skip
         left = [name for name in SIZES if name not in done]
         return [
             replace(

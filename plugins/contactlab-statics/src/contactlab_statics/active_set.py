@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -21,9 +22,12 @@ class ActiveSet(ImplicitEnforcement):
     not depend on it.
 
     scale  factor on c [-]
+    start  of friction where surfaces touch without a force yet: "slip" as under no friction, or "stick", for bodies
+           that nothing but friction holds; it needs more iterations elsewhere
     """
 
     scale: float = 1.0
+    start: Literal["slip", "stick"] = "slip"
 
     def __post_init__(self) -> None:
         if not 0.0 < self.scale < float("inf"):
@@ -42,17 +46,19 @@ class ActiveSet(ImplicitEnforcement):
         out.by_gap[0] = np.where(closed, stiffness, 0.0)
         out.status[:] = np.where(closed, SLIP, OPEN)
         if len(out.residual) > 1:
-            _tangential(conditions, stiffness, trial, closed, out)
+            _tangential(conditions, stiffness, trial, closed, self.start == "stick", out)
 
 
-def _tangential(conditions: Conditions, stiffness: Floats, normal: Floats, closed: Floats, out: Response) -> None:
+def _tangential(
+    conditions: Conditions, stiffness: Floats, normal: Floats, closed: Floats, sticks: bool, out: Response
+) -> None:
     limit, growth = limits(conditions, normal)
     force = conditions.force[1]
     trial = force - stiffness * conditions.slip
     # a slip that would turn round within an iteration has met its solution in between: it sticks
     turns = (trial * force < 0.0) & (np.abs(trial) >= limit) & (limit > 0.0)
-    # surfaces that touch without a force yet have not slid: nothing but friction may hold a body
-    rests = np.logical_and(closed, (growth > 0.0) & (force == 0.0) & (trial == 0.0))
+    # surfaces that touch without a force yet have not slid
+    rests = np.logical_and(closed, (growth > 0.0) & (force == 0.0) & (trial == 0.0) & sticks)
     stick = conditions.present & ((np.abs(trial) < limit) | turns | rests)
     sign = np.sign(trial)
     out.residual[1] = np.where(stick, stiffness * conditions.slip, force - sign * limit)
