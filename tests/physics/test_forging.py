@@ -36,6 +36,8 @@ def test_mortars_reach_the_end(algorithm: str) -> None:
     """
     results = run(algorithm)
     assert results.status == "finished", results.reason
+    # where a further node of the tools comes to bear, the force rises by a tenth within some periods
+    assert {warning.code for warning in results.warnings} == {"unbalanced-reactions"}
     for contact in results.summary["contacts"].values():
         assert contact["max_penetration"] < 0.08 * SEGMENT
         assert contact["cone_violation"] <= 1e-10 * contact["max_pressure"]
@@ -74,5 +76,5 @@ def test_nodes_on_segments_diverge_and_keep_what_they_have() -> None:
     assert results.status == "diverged"
     assert "step" in results.reason
     assert "body" in results.reason
-    assert results.summary["steps"] < 0.2 * run("mortar-p0").summary["steps"]
+    assert results.history["time"][-1] < 0.2 * results.summary["resolved"]["ramp"]
     assert len(results.contact["billet-on-anvil"].curves) >= 1

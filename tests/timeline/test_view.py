@@ -66,16 +66,25 @@ def share_of(colour: str, picture: np.ndarray) -> float:
 # --- pictures -------------------------------------------------------------------------------------
 
 
-def test_picture_of_a_comparison_shows_every_algorithm_in_its_colour(comparison: Path, tmp_path: Path) -> None:
+@pytest.fixture(scope="module")
+def late(comparison: Path, tmp_path_factory: pytest.TempPathFactory) -> np.ndarray:
+    """Step 500, where the bodies are loaded."""
+    return drawn(comparison, tmp_path_factory.mktemp("late") / "late.png", 500)
+
+
+def drawn(comparison: Path, png: Path, step: int) -> np.ndarray:
+    """Colours of the whole view."""
     recorder = default_registry().make("recorder", "rerun")
-    pictures = []
-    for step in (10, 500):
-        png = tmp_path / f"{step}.png"
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # views that could not be drawn are warned of
-            needs_driver(lambda png=png, step=step: recorder.show(comparison / recorder.shown_file, png, step))
-        pictures.append(pixels(png))
-    early, late = pictures
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # views that could not be drawn are warned of
+        needs_driver(lambda: recorder.show(comparison / recorder.shown_file, png, step))
+    return pixels(png)
+
+
+def test_picture_of_a_comparison_shows_every_algorithm_in_its_colour(
+    comparison: Path, late: np.ndarray, tmp_path: Path
+) -> None:
+    early = drawn(comparison, tmp_path / "early.png", 10)
     assert late.shape == (964, 1600, 3)
     assert len(np.unique(late.reshape(-1, 3), axis=0)) > 100, "the picture is blank"
     chosen = styles(ALGORITHMS)
@@ -249,15 +258,13 @@ def test_a_panel_that_is_not_there(comparison: Path, capsys: pytest.CaptureFixtu
     assert "panels are taken from results" in capsys.readouterr().err
 
 
-def test_a_picture_of_one_panel(comparison: Path, tmp_path: Path) -> None:
-    for name in ("whole", "energy"):
-        panel = ["--panel", "internal energy"] if name == "energy" else []
-        if main(["view", str(comparison), "--png", str(tmp_path / f"{name}.png"), *panel]):
-            pytest.skip("no graphics driver")
-    whole, energy = pixels(tmp_path / "whole.png"), pixels(tmp_path / "energy.png")
-    assert whole.shape == energy.shape
+def test_a_picture_of_one_panel(comparison: Path, late: np.ndarray, tmp_path: Path) -> None:
+    png = tmp_path / "energy.png"
+    assert main(["view", str(comparison), "--png", str(png), "--panel", "internal energy"]) == 0
+    energy = pixels(png)
+    assert energy.shape == late.shape
     # curves on an empty ground: far fewer colours than meshes in theirs
-    seen, alone = (len(np.unique(picture.reshape(-1, 3), axis=0)) for picture in (whole, energy))
+    seen, alone = (len(np.unique(picture.reshape(-1, 3), axis=0)) for picture in (late, energy))
     assert 2 <= alone < seen
 
 
