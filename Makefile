@@ -68,8 +68,7 @@ $(INSTALLED): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || { echo "creating $(VENV)"; $(PYTHON) -m venv --clear $(VENV); }
 	@echo "installing contactlab and its plugins into $(VENV)"
 	@$(PIP) install -c constraints.txt setuptools
-	@# bytecode of all libraries would take a third of the time; what is imported writes its own
-	@$(PIP) install --no-compile -c constraints.txt --no-build-isolation -e ".[test]" $(addprefix -e ./,$(PLUGINS))
+	@$(PIP) install -c constraints.txt --no-build-isolation -e ".[test]" $(addprefix -e ./,$(PLUGINS))
 	@touch $@
 
 clean:
