@@ -51,7 +51,7 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--time-limit", type=seconds, metavar="S", help="wall time for one run; one over it is a row `timed-out`"
     )
-    command.add_argument("--jobs", type=positive, metavar="N", help="runs at a time (default: one per core)")
+    _add_jobs(command, "runs")
     command.add_argument("--quick", action="store_true", help="of a study of cases: a few of them in three CPU minutes")
     command.add_argument(
         "--reference",
@@ -73,7 +73,7 @@ def _describe_choose(command: argparse.ArgumentParser) -> None:
     command.add_argument("--budget", type=seconds, default=60.0, metavar="S", help="CPU time of a run (default: 60s)")
     command.add_argument("--search", type=seconds, default=120.0, metavar="S", help="of all trials (default: 120s)")
     command.add_argument("--run", action="store_true", help="run what was chosen")
-    command.add_argument("--jobs", type=positive, metavar="N", help="trials at a time (default: one per core)")
+    _add_jobs(command, "trials")
     _add_out(command)
     command.add_argument("--resume", action="store_true", help="use what was tried in DIR")
     _add_json(command)
@@ -81,7 +81,7 @@ def _describe_choose(command: argparse.ArgumentParser) -> None:
 
 def _describe_error_budget(command: argparse.ArgumentParser) -> None:
     _add_scene(command)
-    command.add_argument("--jobs", type=positive, metavar="N", help="runs at a time (default: one per core)")
+    _add_jobs(command, "runs")
     command.add_argument("--time-limit", type=seconds, metavar="S", help="wall time of a run")
     _add_out(command)
     command.add_argument("--resume", action="store_true", help="use what was run in DIR")
@@ -110,9 +110,13 @@ def _describe_matrix(command: argparse.ArgumentParser) -> None:
     _add_files(command)
     _add_out(command)
     command.add_argument("--resume", action="store_true", help="go on with the matrix in DIR; what is done stays")
-    command.add_argument("--jobs", type=positive, metavar="N", help="cells at a time (default: one per core)")
+    _add_jobs(command, "cells")
     _add_json(command)
     _add_scheduler(command)
+
+
+def _add_jobs(command: argparse.ArgumentParser, what: str) -> None:
+    command.add_argument("--jobs", type=positive, metavar="N", help=f"{what} at a time (default: one per core)")
 
 
 def _add_scheduler(command: argparse.ArgumentParser) -> None:

@@ -92,9 +92,7 @@ class Slots:
         self.texts[slot].write(0, text, len(text))
         growing.flush()  # a header on the disk says that its state is there
         self.serial += 1
-        counts = np.array([self.serial, frames, steps, events, len(text)], np.int64)
-        header = np.append(counts, checksum_of(flat, text, counts))
-        header = np.append(header, of_array(header))
+        header = header_of(np.array([self.serial, frames, steps, events, len(text)], np.int64), flat, text)
         self.headers[slot].id.write(h5py.h5s.ALL, h5py.h5s.ALL, header)
 
     def newest(self, frames: int, steps: int, events: int, salvage: bool = False) -> Checkpoint | None:
@@ -119,7 +117,7 @@ class Slots:
     def _read(self, slot: int) -> Checkpoint | None:
         header, flat = self.headers[slot][:], self.memories[slot][:]
         text = self.texts[slot].dataset[: header[LENGTH]]
-        if header[SERIAL] == 0 or header[CHECKSUM] != checksum_of(flat, text, header[:CHECKSUM]):
+        if header[SERIAL] == 0 or header[CHECKSUM] != _checksum(flat, text, header[:CHECKSUM]):
             return None
         summary = text.tobytes().decode(errors="ignore")
         return Checkpoint(self._arrays(flat), summary, *(int(header[i]) for i in (FRAMES, STEPS, EVENTS)))
@@ -133,6 +131,11 @@ class Slots:
         return arrays
 
 
-def checksum_of(flat: Floats, text: np.ndarray, counts: np.ndarray) -> int:
-    """The checksum of a saved state: its arrays one after the other, its summary and its counts."""
+def header_of(counts: np.ndarray, flat: Floats, text: np.ndarray) -> np.ndarray:
+    """Counts of a saved state, the checksum of all of it (its arrays one after the other, its summary), and its own."""
+    header = np.append(counts, _checksum(flat, text, counts))
+    return np.append(header, of_array(header))
+
+
+def _checksum(flat: Floats, text: np.ndarray, counts: np.ndarray) -> int:
     return zlib.crc32(counts.tobytes(), zlib.crc32(text.tobytes(), zlib.crc32(flat.tobytes())))

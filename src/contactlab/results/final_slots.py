@@ -10,8 +10,8 @@ import json
 import h5py
 import numpy as np
 
-from contactlab.results.checkpoint_slots import CHECKSUM, SERIAL, Slots, checksum_of
-from contactlab.results.checksums import Damage, of_array
+from contactlab.results.checkpoint_slots import CHECKSUM, SERIAL, Slots, header_of
+from contactlab.results.checksums import Damage
 from contactlab.results.stored_text import write_text
 
 KEPT = ("state.clock", "state.displacement", "state.velocity", "state.history.", "stress.")
@@ -33,8 +33,7 @@ def copy_final(old: h5py.Group, new: h5py.Group, level: int) -> bool:
     flat = np.concatenate([array.ravel() for array in kept.values()])
     text = np.frombuffer(saved.summary.encode(), np.uint8)
     counts = np.array([slots.serial, saved.frames, saved.steps, saved.events, len(text)], np.int64)
-    header = np.append(counts, checksum_of(flat, text, counts))
-    header = np.append(header, of_array(header))
+    header = header_of(counts, flat, text)
     newest = max((0, 1), key=lambda slot: int(slots.headers[slot][SERIAL]))
     for slot in (0, 1):
         place, here = new.create_group(str(slot)), slot == newest

@@ -49,18 +49,9 @@ class BouncingBar(Case):
         kept = {"use": "leapfrog-energy", "name": "bar", "body": "bar"}
         own = ("time", "force.bar.y", "energy", "displacement.bar.y", "velocity.bar.y")
         work = WORK * setup.level  # steps, so that rows never need more room
-        watch = kept if explicit else series(*own, name="bar", most=work)
-        more = series("time", "velocity.bar.y", name="top", most=work) if explicit else None
-        return (
-            Job(
-                "bar",
-                "bouncing-bar",
-                changes,
-                (watch, more) if more else (watch,),
-                work=work,
-                guards=False,
-            ),
-        )
+        top = series("time", "velocity.bar.y", name="top", most=work)
+        watch = (kept, top) if explicit else (series(*own, name="bar", most=work),)
+        return (Job("bar", "bouncing-bar", changes, watch, work=work, guards=False),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Each impact takes the energy of half a cell, and with it some of the height."""

@@ -12,11 +12,10 @@ import numpy as np
 from contactlab.api import Case, Job, Measure, Record, Setup
 from contactlab.api.case import error, reported
 from contactlab_cases.circles import only
-from contactlab_cases.statics import static_job
+from contactlab_cases.statics import HELD_BY_FRICTION, static_job
 
 YOUNG, SIDE = 1000.0, 1e-3  # MPa; pressure on both sides
 MOST = 1e-2  # MPa: the stress along y that both layers would carry as one, without slip
-HELD_BY_FRICTION = {"use": "active-set", "start": "stick"}  # nothing else holds the upper layer sideways
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,8 @@ from contactlab.api import ContactCurve, Floats, Job, Record, Setup
 
 WORK = 250
 """Steps and iterations after which a static case is given up: three times what any of them needs where it converges."""
+HELD_BY_FRICTION = {"use": "active-set", "start": "stick"}
+"""Enforcement of a contact whose bodies nothing but friction holds along it."""
 
 
 def static_job(

@@ -18,7 +18,7 @@ from contactlab.api import Case, Job, Measure, Record, Setup
 from contactlab.api.case import error, reported, within
 from contactlab_cases.nested import STEEL, around, nested_rings, relative, squeeze
 from contactlab_cases.rings import SOURCE, TwoRings
-from contactlab_cases.statics import projected
+from contactlab_cases.statics import HELD_BY_FRICTION, projected
 
 RADII = (0.2, 0.6, 1.0)  # mm
 CELLS = 6  # of the coarser ring on a quarter, at level 1
@@ -61,7 +61,7 @@ class StuckRings(Case):
         a, b, c = RADII
         contact = {
             "start": {"gap": "zero"}, "friction": {"use": "coulomb", "mu": self.mu},
-            "enforcement": {"use": "active-set", "start": "stick"},
+            "enforcement": HELD_BY_FRICTION,
         }  # fmt: skip
         left = [name for name in SIZES if name not in done]
         return [

@@ -104,7 +104,7 @@ def write_picture(file: Path, png: Path, step: int | None) -> None:
 
 
 def _save(client: Any, shot: Path) -> None:
-    """The picture of the whole window; a loaded machine may need a second look. Raises RuntimeError where two fail."""
+    """The picture of the whole window; a loaded machine may need a second look. Raises RuntimeError where all tries fail."""
     for _ in range(TRIES):
         try:
             client.save_screenshot(str(shot))
