@@ -1,13 +1,15 @@
-"""Arrays that are bound once and passed to a kernel by one number.
+"""Arrays that are bound once and then passed to kernels as one number, their address.
 
-Passing twenty arrays costs a compiled call a microsecond, in tuples three, which is more than a kernel on a few dozen
-nodes works. A `BoundArrays` holds references to its arrays, so that its address stays good as long as it lives;
-`contactlab.api.compiled.unpack` turns the address into the arrays inside a kernel. The memory of tables is never given
-back, and an address carries a number of its own that its table repeats while it lives: so an address that has outlived
-its object is an error in the kernel, and no read of freed memory, also where other arrays are bound there by then.
+To pass twenty arrays costs a call of compiled code one microsecond, in tuples three: more than a kernel takes for a
+few dozen nodes. A `BoundArrays` object keeps its arrays alive, so its address is valid as long as the object lives;
+inside a kernel, `contactlab.api.compiled.unpack` turns the address back into the arrays.
 
-What is bound is told by a layout, "d2 i1" say, or by a table: a named tuple whose annotations are the array types
-below, or other tables. Inside a kernel a table's arrays have the names of its fields.
+An address that has outlived its object raises an error in the kernel and never reads freed memory: the memory of a
+table is never given back, and the address contains a serial number which the table repeats while its object lives.
+So a stale address is found even where other arrays have been bound at the same place since.
+
+What is bound is described by a layout such as "d2 i1", or by a table: a named tuple whose annotations are the array
+types below, or other tables. Inside a kernel the arrays of a table have the names of its fields.
 """
 
 from __future__ import annotations
@@ -64,23 +66,24 @@ Bytes2 = Annotated[NDArray[np.uint8], "c2"]
 
 @cache
 def members(table: type) -> dict[str, str | type]:
-    """What the fields of a table hold: the word of an array, "d2" say, or another table."""
+    """What each field of a table holds: the layout of an array, such as "d2", or another table."""
     hints = get_type_hints(table, include_extras=True)
     return {name: getattr(hint, "__metadata__", (hint,))[0] for name, hint in hints.items()}
 
 
 @cache
 def layout_of(table: type) -> str:
-    """The layout of all arrays of a table, those of the tables within it included, one after another."""
+    """The layout of all arrays of a table in order, including those of the tables within it."""
     return " ".join(held if isinstance(held, str) else layout_of(held) for held in members(table).values())
 
 
 class BoundArrays:
-    """C-contiguous arrays that never move while this object lives, for kernels that `unpack` its `address`.
+    """C-contiguous arrays that stay in place while this object lives, for kernels that `unpack` its `address`.
 
-    `layout` has a word for each array: a letter for what is in it (d float64, f float32, i int32, l int64, s uint16,
-    c uint8, b bool) and the number of its dimensions, "d2 i1" say; or it is a table (see the module). `table` is what
-    the address leads to: the address itself while this object lives, then the arrays as compiled code holds them.
+    `layout` has one word for each array: a letter for its type (d float64, f float32, i int32, l int64, s uint16,
+    c uint8, b bool) and its number of dimensions, as in "d2 i1"; or it is a table (see the module). `table` is the
+    memory at the address: first the address itself, as long as this object lives, then the arrays in the form in which
+    compiled code holds them. Raises TypeError for an array of another type or shape, or one that is not contiguous.
     """
 
     def __init__(self, layout: str | type, *arrays: Any) -> None:
@@ -106,7 +109,7 @@ class BoundArrays:
 
 
 def _room(words: int) -> tuple[NDArray[np.int64], int]:
-    """Memory for a table, which is never given back, and a serial number that no table there had before."""
+    """Memory for a table, never given back, and a serial number that no earlier table at this place had."""
     free = _FREE.get(words)
     table, serial = free.pop() if free else (np.zeros(words, np.int64), 0)
     return table, serial + 1
@@ -121,16 +124,16 @@ def _flat(arrays: tuple[Any, ...]) -> Iterator[Any]:
 
 
 class BoundCache:
-    """Bound arrays of objects that live for long, made when they are first asked for and forgotten with the object.
+    """Bound arrays of long-lived objects: made when first asked for, forgotten together with their object.
 
-    Asked for in every step: by the number of the object, since a weak key costs more than a kernel's call.
+    They are asked for in every step, so the key is the `id` of the object: a weak key costs more than a kernel's call.
     """
 
     def __init__(self) -> None:
         self._kept: dict[int, tuple[tuple[Any, ...], BoundArrays, ref[Any]]] = {}
 
     def of(self, owner: Any, bind: Callable[..., BoundArrays], *sources: Any) -> BoundArrays:
-        """What bind(owner, *sources) gave; asked again where one of the sources is another object than it was then."""
+        """The result of bind(owner, *sources), made again as soon as one of the sources is another object."""
         number = id(owner)
         found = self._kept.get(number)
         if found is not None:

@@ -1,9 +1,9 @@
 """Where compiled machine code lives on disk, so that it is reused and never stale.
 
-numba checks only the file of the cached function, not the files of what it inlines: after an edit
-or an upgrade of an inlined helper the old machine code would run. The folder name therefore carries
-a hash of every source a kernel can inline: the core's kernels, the decorators and the whole package that
-defines the kernel, together with the versions of numba and Python.
+numba checks only the file of the cached function, not the files of the functions that it inlines: after an inlined
+helper was edited or upgraded, the old machine code would still run. The name of the folder therefore contains a hash
+of every source that a kernel can inline (the core's kernels, the decorators, the whole package that defines the
+kernel) and of the versions of numba and Python.
 """
 
 from __future__ import annotations

@@ -38,7 +38,7 @@ def nodal_normals(node_segments, segment_normal, lengths, normals):
 
 @kernel
 def tributary_lengths(positions, segments, node_segments, out):
-    """Half the length [mm] of the segments at each node, repeated for every slot of `out` (slots * m,)."""
+    """Half the length [mm] of the segments at each of m nodes, written `slots` times into `out` (slots * m,)."""
     m = node_segments.shape[0]
     for i in range(m):
         total = 0.0

@@ -1,6 +1,7 @@
-"""Tables of what kernels of contact are given: surfaces, segment contributions and rows, as `contactlab.api` has them.
+"""Tables for contact kernels: the surfaces, segment contributions and rows of `contactlab.api` as bound arrays.
 
-Each table has the fields of the object of its name that are arrays, in their order; `unpack` gives it to a kernel.
+A table has the same array fields, in the same order, as the object that it is named after; a kernel gets it by
+`unpack`.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ __all__ = ["FactoredGradientsTable", "FactoredTable", "GradientsTable", "PiecesT
 
 
 class SurfaceTable(NamedTuple):
-    """The arrays of a `Surface` but for its nodes."""
+    """The arrays of a `Surface`, without its nodes."""
 
     segments: Ints2
     node_segments: Ints2

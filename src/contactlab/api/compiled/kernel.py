@@ -1,17 +1,17 @@
 """The one decorator for compiled kernels, and the scalar functions that vectorise.
 
-Kernels take contiguous arrays, fill the outputs they are given and allocate nothing.
+Kernels take contiguous arrays, write into the outputs that they are given and allocate nothing.
 
-`kernel`  for block kernels: division errors give inf/nan as in NumPy (the check would stop
-          vectorisation), multiply-add contraction is allowed, reassociation is not, so results do
-          not depend on block size; the interpreter lock is released; machine code is cached on disk.
-          One whose name begins with an underscore is called by other kernels alone: it has no
-          Python entry point, which saves a third of the compile time.
-`table_kernel`  for kernels on the arrays of a table (`unpack`): they count no references to arrays and can make
-          none. Counting costs more than a short loop does, and numba counts whenever it takes an array out of a
-          table; who bound the arrays keeps them.
-`point`   for functions of one point called inside kernels: always inlined, no entry from Python either.
-`section` for pieces of a long kernel: they cost no compilation of their own.
+`kernel`  for loops over blocks of cells or nodes. A division by zero gives inf or nan as in NumPy (a check would
+          prevent vectorisation); multiply-add contraction is allowed, reassociation is not, so results do not
+          depend on the block size; the interpreter lock is released; machine code is cached on disk. A kernel
+          whose name begins with an underscore is called by other kernels only: it has no entry point for Python,
+          which saves a third of the compile time.
+`table_kernel`  for kernels on the arrays of a table (`unpack`). They do not count references to arrays and cannot
+          create any: numba counts whenever it takes an array out of a table, which costs more than a short loop.
+          Whoever bound the arrays keeps them alive.
+`point`   for functions of a single point that kernels call: always inlined, and without an entry point for Python.
+`section` for parts of a long kernel: they are not compiled by themselves.
 """
 
 from __future__ import annotations
@@ -37,26 +37,26 @@ __all__ = ["exp", "kernel", "log", "point", "power", "section", "summation", "ta
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
 
-# said in so many words, or a kernel would do as the first one that calls it does
+# said explicitly: otherwise a kernel would take this option from the first kernel that calls it
 _COUNTED: dict[str, Any] = {**_OPTIONS, "_nrt": True}
 _ENTRY: dict[str, Any] = {"no_cfunc_wrapper": True}
 _NO_ENTRY: dict[str, Any] = {**_ENTRY, "no_cpython_wrapper": True}
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a block kernel; see the module text for what is fixed."""
+    """Compile a block kernel with the options that the text of this module lists."""
     return _compiled(function, _COUNTED)
 
 
 def table_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a block kernel that counts no references to arrays: it may make none, numba says so where it does."""
+    """Compile a block kernel that counts no references to arrays. numba refuses one that creates an array."""
     return _compiled(function, {**_OPTIONS, "_nrt": False})
 
 
 def summation(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a kernel whose sums may be taken in any order, as wide as the processor adds.
+    """Compile a kernel whose sums may be taken in any order, as wide as the processor can add.
 
-    The last digits then depend on the processor: for numbers that are looked at, not for those that a run goes on with.
+    Its last digits depend on the processor: for numbers that are only shown, never for those a run goes on with.
     """
     return _compiled(function, {**_COUNTED, "fastmath": {"contract", "reassoc"}})
 
@@ -75,7 +75,7 @@ def _compiled(function: Callable[..., Any], options: dict[str, Any]) -> Callable
 def _dispatcher(
     kind: type[CPUDispatcher], function: Callable[..., Any], options: dict[str, Any], cached: bool = False
 ) -> Callable[..., Any]:
-    """What `njit` would make of a function, of a class of ours; the function itself where numba is switched off."""
+    """A dispatcher of the given class, else as `njit` makes it; the function itself where numba is switched off."""
     if numba.config.DISABLE_JIT:
         return function
     made = kind(
@@ -89,16 +89,16 @@ def _dispatcher(
 
 
 def point(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function of one point that is inlined into every kernel that calls it."""
+    """Compile a function of a single point, inlined into every kernel that calls it."""
     return _dispatcher(_Inner, function, {"forceinline": True, **_NO_ENTRY, **_OPTIONS})
 
 
 class Compilation:
-    """CPU seconds that this process has spent on compiling kernels and on loading them from the cache.
+    """CPU seconds that this process has spent on compiling kernels and loading them from the cache.
 
-    Garbage is not collected meanwhile: the collector would walk through a million short-lived objects in vain.
-    `listener` is called with each kernel that Python calls, before it is compiled or loaded. `depth` is above zero
-    while one is: those that it calls are compiled then, too.
+    Garbage collection is off meanwhile: it would walk through a million short-lived objects in vain. `listener` is
+    called with each kernel that Python calls, before it is compiled or loaded. `depth` is above zero during a
+    compilation, in which the kernels that this one calls are compiled as well.
     """
 
     def __init__(self) -> None:
@@ -106,7 +106,7 @@ class Compilation:
         self.listener: Callable[[Any], None] | None = None
 
     def tell(self, kernel: Any) -> None:
-        """Say that a kernel is about to be compiled or loaded; those inside it are not told apart."""
+        """Tell the listener that a kernel is about to be compiled or loaded, but not of the kernels that it calls."""
         if self.listener is not None and not self.depth:
             self.listener(kernel)
 
@@ -128,7 +128,7 @@ COMPILATION = Compilation()
 
 
 class Kernel(CPUDispatcher):
-    """Dispatcher that treats literal arguments as plain numbers: a new literal triggers no compilation."""
+    """Dispatcher that treats literal arguments as plain numbers, so that a new literal causes no compilation."""
 
     def compile(self, sig: Any) -> Any:
         """Called at the first call with arguments of new types."""
@@ -142,11 +142,11 @@ class Kernel(CPUDispatcher):
 
 
 class _Inner(CPUDispatcher):
-    """Compiled for kernels, without an entry from Python; called from there, an entry is compiled after all."""
+    """Compiled for kernels, without an entry point for Python; it gets one when Python calls it after all."""
 
     @cached_property
     def with_entry(self) -> Callable[..., Any]:
-        """Give a compiled function an entry that Python can call."""
+        """The same function compiled with an entry point for Python."""
         return _dispatcher(Kernel, self.py_func, {**_ENTRY, **_COUNTED})
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
@@ -154,11 +154,11 @@ class _Inner(CPUDispatcher):
 
 
 class _InnerKernel(_Inner, Kernel):
-    """A kernel that Python and other kernels call."""
+    """A kernel that other kernels call, and Python only now and then."""
 
 
 def section(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A part of one kernel under a name of its own: written into its callers, never compiled by itself."""
+    """A part of a long kernel as a function of its own: inlined into its callers, never compiled by itself."""
     return njit(inline="always", **_OPTIONS)(function)
 
 
@@ -186,7 +186,7 @@ _SQRT_HALF = 0.7071067811865476
 
 @point
 def log(x: float) -> float:
-    """Natural logarithm for normal positive x; nan for the rest. Vectorises, unlike the C library's.
+    """Natural logarithm of positive normal x, nan otherwise. Vectorises, unlike that of the C library.
 
     x = 2^e m with m in [sqrt(1/2), sqrt(2)); log m = 2 artanh s, s = (m - 1)/(m + 1), whose series
     to s^21 is below half a unit in the last place because |s| < 0.1716.
@@ -217,7 +217,7 @@ def log(x: float) -> float:
 
 @point
 def exp(x: float) -> float:
-    """Exponential for |x| < 700. Vectorises, unlike the C library's."""
+    """Exponential for |x| < 700. Vectorises, unlike that of the C library."""
     k = np.floor(x * _LN2_INVERSE + 0.5)
     r = (x - k * _LN2_HIGH) - k * _LN2_LOW
     p = 1.0 / 6227020800.0

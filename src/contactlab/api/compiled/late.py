@@ -1,4 +1,4 @@
-"""Late imports: a module is imported when it is first needed, at next to no cost in the calls that follow."""
+"""Late imports: a module is imported when it is first needed; later calls cost next to nothing."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ __all__ = ["late"]
 
 @cache
 def late(module: str) -> Any:
-    """The module of that name, imported at the first call and kept; cheap enough for every step.
+    """The module of that name, imported at the first call and kept: cheap enough to be called in every step.
 
-    An import statement within a function costs as much as passing a kernel ten arrays.
+    An import statement inside a function costs as much as passing ten arrays to a kernel.
     """
     return import_module(module)

@@ -1,9 +1,9 @@
-"""Machine code of a kernel that holds all it calls, and takes nothing from what else a process has loaded.
+"""Machine code of a kernel that contains everything it calls, independent of what else the process has loaded.
 
-numba writes the kernels that a kernel calls into its machine code once more, optimised together with their caller,
-and leaves it to its linker which of all copies of one kernel the whole process runs: the first that was loaded. Copies
-may round differently, and which comes first depends on what a process has compiled, found in the cache or run before.
-Here each copy belongs to its caller alone: what a kernel computes depends on its source, types and processor only.
+numba copies the kernels that a kernel calls into its machine code and optimises them together with their caller. Of
+all copies of one kernel, its linker then lets the whole process run the one that was loaded first. Copies may round
+differently, and which is first depends on what the process compiled, found in the cache or ran before. Here each copy
+belongs to its caller alone, so the result of a kernel depends on its source, its types and the processor only.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 
 SHARED = Linkage.linkonce_odr
-"""How numba marks a copy that the linker may drop for another one."""
+"""How numba marks a copy that the linker may replace by another one."""
 
 
 class ClosedLibrary(JITCodeLibrary):
-    """The machine code of one kernel; copies of what it calls cannot be seen from outside."""
+    """The machine code of one kernel; the copies of what it calls are not visible from outside."""
 
     def _finalize_final_module(self) -> None:
         self._shared_module = _for_callers(self._final_module)
@@ -31,7 +31,7 @@ class ClosedLibrary(JITCodeLibrary):
 
 
 def _for_callers(module: Any) -> Any:
-    """A copy that other kernels may write into themselves, as numba makes it; equal names are then there once."""
+    """A copy for other kernels to include, marked as numba does it, so that equal names are linked once."""
     copy = module.clone()
     for function in copy.functions:
         if not function.is_declaration and function.linkage == Linkage.external:
@@ -40,10 +40,10 @@ def _for_callers(module: Any) -> Any:
 
 
 class KernelCompiler(Compiler):
-    """numba's own compiler, into a closed library."""
+    """numba's own compiler, with a closed library as its output."""
 
     def compile_extra(self, func: Callable[..., Any]) -> Any:
-        """Compile a function of Python."""
+        """Compile a Python function."""
         self.state.library = ClosedLibrary(self.state.targetctx.codegen(), func.__qualname__)
         self.state.library.enable_object_caching()  # before anything is in it, or it cannot be stored
         return super().compile_extra(func)

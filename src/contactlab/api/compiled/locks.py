@@ -1,4 +1,4 @@
-"""Locks on files: of two processes that need the same kernel, one compiles it and the other waits and loads it."""
+"""File locks: of two processes that need the same kernel, one compiles it; the other waits and loads the result."""
 
 from __future__ import annotations
 
@@ -17,23 +17,18 @@ _held = threading.local()
 
 
 def lock_file(dispatcher: Any) -> Path | None:
-    """The file beside a kernel's machine code that its lock is on; None for a kernel that is not cached on disk."""
-    folder = dispatcher.stats.cache_path
-    return Path(folder) / f"{file_stem(dispatcher)}.lock" if folder else None
-
-
-def file_stem(dispatcher: Any) -> str:
-    """What the names of a kernel's files in the cache begin with."""
-    function = dispatcher.py_func
-    return f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
+    """The file to lock for a kernel, beside its machine code; None for a kernel that is not cached on disk."""
+    folder, function = dispatcher.stats.cache_path, dispatcher.py_func
+    stem = f"{function.__module__.rpartition('.')[2]}.{function.__qualname__}"
+    return Path(folder) / f"{stem}.lock" if folder else None
 
 
 @contextmanager
 def kernel_locked(dispatcher: Any, wait: bool = True) -> Iterator[bool]:
-    """Hold the lock of a kernel; gives whether it was free, which `wait` makes sure of.
+    """Hold the lock of a kernel. Yields whether it could be taken; with `wait`, it waits until it can.
 
-    Inside another one's lock, and where no file can be locked, nothing is locked: kernels that a kernel calls are
-    compiled under numba's own lock, and waiting there for another thread could last for ever.
+    Nothing is locked inside the lock of another kernel, or where files cannot be locked: kernels that a kernel calls
+    are compiled under numba's own lock, and to wait there for another thread could be a deadlock.
     """
     path = None if getattr(_held, "any", False) or fcntl is None else lock_file(dispatcher)
     file = _opened(path)
@@ -54,9 +49,9 @@ def kernel_locked(dispatcher: Any, wait: bool = True) -> Iterator[bool]:
 
 
 def free_place(folder: Path, places: int) -> IO[str] | None:
-    """Take one of a number of places that all processes of this machine share, by a lock; None where all are taken.
+    """Lock one of `places` files in a folder that all processes of this machine share; None where all are taken.
 
-    It is given back when the file is closed.
+    The lock is released when the returned file is closed.
     """
     folder.mkdir(parents=True, exist_ok=True)
     for number in range(places if fcntl is not None else 0):

@@ -12,14 +12,14 @@ from contactlab.api.compiled.bound_arrays import ADDRESS_BITS, DTYPES, members
 
 __all__ = ["unpack"]
 
-STALE = "bound arrays: their BoundArrays object is no more; keep it as long as its address is used"
+STALE = "bound arrays: their BoundArrays object is gone; keep it as long as its address is used"
 
 
 @intrinsic(prefer_literal=True)
 def unpack(typingctx: Any, address: Any, layout: Any) -> Any:
-    """Tuple of the arrays bound at `address` with the same `layout`, a constant; a named one if it is a table.
+    """The arrays bound at `address`, as a tuple; as a named tuple where `layout`, a constant, is a table.
 
-    Raises ValueError where the object that bound them is no more.
+    `layout` is the one that the arrays were bound with. Raises ValueError where their `BoundArrays` object is gone.
     """
     found = _type_of(layout)
     if found is None:

@@ -136,7 +136,7 @@ def test_an_address_that_outlives_its_object_is_an_error() -> None:
     assert passed_on(address) == 4.0
     del bound
     for ask in (total, passed_on):
-        with pytest.raises(ValueError, match="their BoundArrays object is no more"):
+        with pytest.raises(ValueError, match="their BoundArrays object is gone"):
             ask(address)
 
 
@@ -149,7 +149,7 @@ def test_an_old_address_is_an_error_where_others_are_bound_by_then() -> None:
     where = (1 << ADDRESS_BITS) - 1
     assert any(bound.address & where == address & where for bound in kept), "no table was reused: nothing is shown"
     assert [total(bound.address) for bound in kept] == [6.0] * 5
-    with pytest.raises(ValueError, match="their BoundArrays object is no more"):
+    with pytest.raises(ValueError, match="their BoundArrays object is gone"):
         total(address)
 
 
