@@ -133,7 +133,7 @@ class NodalForces(Watch):
     """Contact forces [N] across the surface on every slave node, along y, one row each.
 
     every  steps between rows
-    most   rows there is room for; later ones are left out
+    most   rows there is room for; later ones are left out, and `table` raises
     """
 
     every: int = 1
@@ -149,13 +149,16 @@ class NodalForces(Watch):
 
     def step(self, view: StepView, memory: Memory) -> None:
         """Keep one row of the step."""
-        row = int(memory["count"][0])
-        if view.step % self.every or row >= self.most:
+        if view.step % self.every:
             return
-        memory["time"][row], memory["count"][0] = view.time, row + 1
-        memory["force"][row] = view.field("contact_force")[view.slave(), 1]
+        row = int(memory["count"][0])
+        memory["count"][0] = row + 1
+        if row < self.most:
+            memory["time"][row] = view.time
+            memory["force"][row] = view.field("contact_force")[view.slave(), 1]
 
     def end(self, memory: Mapping[str, Floats]) -> Mapping[str, Floats]:
-        """Return the kept rows: time (r,), x (n,), force (r, n)."""
+        """Return the kept rows: time (r,), x (n,), force (r, n); and how many were left out."""
         count = int(memory["count"][0])
-        return {"x": memory["x"], "time": memory["time"][:count], "force": memory["force"][:count]}
+        found = {"x": memory["x"], "time": memory["time"][:count], "force": memory["force"][:count]}
+        return {**found, "left out": np.array([max(0.0, count - self.most)])}

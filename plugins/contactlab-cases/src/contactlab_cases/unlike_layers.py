@@ -12,6 +12,7 @@ from contactlab.api import Case, Job, Measure, Record, Setup
 from contactlab.api.case import at_most, error, no_limit, reported
 from contactlab_cases.driven_layers import CELLS, DRIVEN, WAVE_NUMBER, exact_wave, layers_job
 from contactlab_cases.interface_waves import growth_and_speed, short_growth, sliding_wave, tapered
+from contactlab_cases.series import table
 
 MESHES = {"whole": 1, "halved": 2}
 
@@ -71,7 +72,7 @@ class UnlikeLayers(Case):
         found = {"growth of the free wave over k c": sliding_wave(self.modulus, self.mu).real}
         cells = {}
         for name, record in done.items():
-            seen = record.watched["nodal-forces"]
+            seen = table(record, "nodal-forces")
             late = seen["time"] > 1.1 * DRIVEN
             x, times = seen["x"], seen["time"][late]
             rows = (seen["force"] - seen["force"][0])[late] * tapered(x, 0.5)

@@ -104,7 +104,7 @@ def write_picture(file: Path, png: Path, step: int | None) -> None:
 
 
 def _save(client: Any, shot: Path) -> None:
-    """The picture of the whole window; a loaded machine may need a second look. Raises RuntimeError where all tries fail."""
+    """Save the picture of the whole window, with retries for a loaded machine. Raises RuntimeError where all fail."""
     for _ in range(TRIES):
         try:
             client.save_screenshot(str(shot))
