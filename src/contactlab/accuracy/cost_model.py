@@ -1,147 +1,88 @@
-"""Cost and error of a mesh level, predicted from the levels before it.
+"""What a run of a mesh level will cost, from coarser ones: start + counted work x unit costs.
 
-cost   start + unit costs x counted work, the unit costs by least squares of relative errors, none negative. Work of an
-       explicit run: steps x cells. Of an implicit one: iterations x cells, and iterations x cells^1.5, what factors of
-       a plane mesh take (George 1973). Counts of steps and iterations go on as a power of the level.
-error  C h^q by least squares of logarithms, with an interval that holds the next point with a chance of 90 %; how much
-       points scatter about such lines is learnt from all lines of the study, since one line has few points.
+A line of two or three points cannot tell its unit costs from the scatter of CPU times. They are therefore shared by all
+lines of a case that have the same contact algorithm and kind of integrator, since these do the same work on the same
+meshes (least squares of relative errors, none negative); a line has one factor of its own, the geometric mean of
+measured over fitted cost. Counts are time steps of explicit runs and iterations of implicit ones. For each count there
+is work of the contact (in proportion to the level), of the cells (its square), and of implicit runs for factors of a
+plane mesh (its cube: George 1973). Steps of explicit runs grow with the level; iterations are taken as the mean of the
+two levels before.
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import nnls
-from scipy.stats import t as student
 
-from contactlab.accuracy.line_fit import LineFit, fitted_line
-from contactlab.accuracy.lines import CLEAR, TINY, Line
-from contactlab.accuracy.orders import FIRST
+from contactlab.accuracy.lines import Line
 from contactlab.accuracy.point import Point
+from contactlab.api.arrays import Floats
 
-LEAST = 2
-"""Points that a prediction is made from, at least."""
-CHANCE = 0.9
-"""With which the error lies in its interval."""
-COST_OFF = 0.4
-"""A predicted cost that is further off, as a fraction of the measured one, is a misprediction."""
-WIDE = 3.0
-"""High over low end of an interval that is too wide to be of use."""
-LEARNT = 4.0
-"""Degrees of freedom that the scatter of all lines counts as, beside a line's own."""
-UNKNOWN_SCATTER = 0.15
-"""Standard deviation of logarithms of errors about their line, where no line has points to spare."""
+Group = tuple[str, str, bool]
+"""Case, contact algorithm, whether the runs are explicit."""
 
 
 @dataclass(frozen=True)
-class Prediction:
-    """The finest point of a line as the others foretell it, and as it came; nan where there is nothing to tell.
+class CostModel:
+    """Unit costs [s] of each group, from points coarser than a level."""
 
-    levels     those that it was made from
-    cost       measured, predicted_cost: foretold [s]
-    error      measured, predicted_error: foretold, as fractions; low, high: its interval
-    """
+    units: Mapping[Group, Floats]
 
-    case: str
-    contender: str
-    slave: str
-    level: int
-    levels: tuple[int, ...]
-    cost: float
-    predicted_cost: float
-    error: float
-    predicted_error: float
-    low: float
-    high: float
+    @classmethod
+    def below(cls, level: int, lines: Sequence[Line]) -> CostModel:
+        """Fit what the lines have below a level."""
+        points: dict[Group, list[Point]] = {}
+        for line in lines:
+            coarse = coarser(line, level)
+            if coarse:
+                points.setdefault(group_of(line), []).extend(coarse)
+        return cls({group: _units(found, group[-1]) for group, found in points.items()})
 
-    @property
-    def cost_off(self) -> float:
-        """Predicted over measured cost, less one."""
-        return self.predicted_cost / self.cost - 1.0
-
-    @property
-    def tells_error(self) -> bool:
-        """Whether an error was foretold."""
-        return math.isfinite(self.predicted_error)
-
-    @property
-    def is_within(self) -> bool:
-        """Whether the error lies in its interval."""
-        return self.low <= self.error <= self.high
-
-    @property
-    def is_wide(self) -> bool:
-        """Whether the interval is too wide to be of use."""
-        return self.high > WIDE * self.low
-
-    @property
-    def is_off(self) -> bool:
-        """Whether it missed: the cost, or the error."""
-        return abs(self.cost_off) > COST_OFF or (self.tells_error and not self.is_within)
+    def cost(self, line: Line, level: int) -> float:
+        """CPU time [s] of a level of a line that has coarser points."""
+        explicit = is_explicit(line)
+        units, before = self.units[group_of(line)], coarser(line, level)
+        fitted = np.array([float(_work(p.level, _count(p, explicit), explicit) @ units) for p in before])
+        factor = np.exp(np.mean(np.log(np.array([p.cost for p in before]) / fitted)))
+        return float(factor * (_work(level, _next_count(before, level, explicit), explicit) @ units))
 
 
-def predictions_of(lines: Sequence[Line]) -> list[Prediction]:
-    """The finest finished point of every line that has enough before it."""
-    late = [(line, [point for point in line.finished if point.level >= FIRST]) for line in lines]
-    asked = [(line, points[:-1], points[-1]) for line, points in late if len(points) > LEAST]
-    fits = [_error_fit(line, before) for line, before, _ in asked]
-    variance = _scatter([fit for fit in fits if fit is not None])
-    return [_prediction(*each, fit, variance) for each, fit in zip(asked, fits, strict=True)]
+def coarser(line: Line, level: int) -> list[Point]:
+    """The finished points of a line below a level."""
+    return [point for point in line.finished if point.level < level]
 
 
-def _prediction(line: Line, before: list[Point], last: Point, fit: LineFit | None, variance: float) -> Prediction:
-    error = low = high = math.nan
-    if fit is not None and last.error > CLEAR * line.uncertainty:
-        error, low, high = _foretold(fit, last.level, variance)
-        low, high = max(low - line.uncertainty, TINY), high + line.uncertainty
-    return Prediction(
-        line.case, line.contender, line.slave, last.level, tuple(point.level for point in before),
-        last.cost, predicted_cost(before, last.level), last.error, error, low, high,
-    )  # fmt: skip
+def is_explicit(line: Line) -> bool:
+    """Whether the runs of a line have no iterations."""
+    return not any(point.counts.get("iterations") for point in line.finished)
 
 
-def predicted_cost(before: Sequence[Point], level: int) -> float:
-    """CPU time [s] of a level from points (at least two) of coarser ones."""
-    levels = np.array([point.level for point in before], float)
-    costs = np.array([point.cost for point in before])
-    explicit = not any(point.counts.get("iterations") for point in before)
-    counts = np.array([point.counts.get("steps" if explicit else "iterations", 1.0) or 1.0 for point in before])
-    growth = float(np.clip(np.polyfit(np.log(levels), np.log(counts), 1)[0], 0.0, 2.0))
-    count = counts[-1] * (level / levels[-1]) ** growth
-    work = _work(levels, counts, explicit)
-    unit, _ = nnls(work / costs[:, None], np.ones(len(costs)))
-    return float((_work(np.array([float(level)]), np.array([count]), explicit) @ unit)[0])
+def group_of(line: Line) -> Group:
+    """The lines that share unit costs."""
+    return line.case, line.contender.partition(" ")[0], is_explicit(line)
 
 
-def _work(levels: np.ndarray, counts: np.ndarray, explicit: bool) -> np.ndarray:
-    """Columns that unit costs belong to; cells grow with the square of the level."""
-    columns = [np.ones(len(levels)), counts * levels**2]
-    return np.stack(columns if explicit else [*columns, counts * levels**3], axis=1)
+def _units(points: Sequence[Point], explicit: bool) -> Floats:
+    work = np.array([_work(p.level, _count(p, explicit), explicit) / p.cost for p in points])
+    units: Floats = nnls(work, np.ones(len(points)))[0]
+    return units
 
 
-def _error_fit(line: Line, before: Sequence[Point]) -> LineFit | None:
-    """Logarithms of errors over those of levels, where enough are above what the reference can tell."""
-    clear = [point for point in before if point.error > max(CLEAR * line.uncertainty, TINY)]
-    if len(clear) < LEAST:
-        return None
-    return fitted_line(np.log([point.level for point in clear]), np.log([point.error for point in clear]))
+def _work(level: int, count: float, explicit: bool) -> Floats:
+    """What each unit cost is multiplied by (3,), of implicit runs (4,)."""
+    powers = (1, 2) if explicit else (1, 2, 3)
+    return np.array([1.0, *(count * float(level) ** power for power in powers)])
 
 
-def _scatter(fits: Sequence[LineFit]) -> float:
-    """Variance of logarithms of errors about their lines, over all that have points to spare."""
-    free = sum(fit.free for fit in fits)
-    return sum(fit.squares for fit in fits) / free if free else UNKNOWN_SCATTER**2
+def _count(point: Point, explicit: bool) -> float:
+    return point.counts.get("steps" if explicit else "iterations", 1.0) or 1.0
 
 
-def _foretold(fit: LineFit, level: int, variance: float) -> tuple[float, float, float]:
-    """Error at a level, and the ends of its interval."""
-    away = math.log(level) - fit.middle
-    free = LEARNT + fit.free
-    scatter = (LEARNT * variance + fit.squares) / free
-    deviation = math.sqrt(scatter * (1.0 + 1.0 / fit.count + away**2 / fit.spread))
-    half = float(student.ppf(0.5 + CHANCE / 2.0, free)) * deviation
-    middle = fit.mean + fit.slope * away
-    return math.exp(middle), math.exp(middle - half), math.exp(middle + half)
+def _next_count(before: Sequence[Point], level: int, explicit: bool) -> float:
+    counts = [_count(point, explicit) for point in before[-2:]]
+    if explicit:
+        return counts[-1] * level / before[-1].level
+    return float(np.exp(np.mean(np.log(counts))))

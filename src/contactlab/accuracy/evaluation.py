@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from contactlab.accuracy.cost_model import Prediction, predictions_of
 from contactlab.accuracy.lines import Line, lines_of
 from contactlab.accuracy.orders import Order, orders_of
+from contactlab.accuracy.predictions import Prediction, predictions_of
 from contactlab.accuracy.run import Accuracy
 from contactlab.accuracy.solved import Solved, solved
 from contactlab.accuracy.targets import Cost, costs_of

@@ -46,7 +46,7 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
         out = console()
         print_costs(found, evaluated.costs, out)
         if evaluated.predictions:
-            out.print(f"foretold from coarser meshes: {told(evaluated.predictions)}", markup=False, highlight=False)
+            out.print(f"predicted from coarser meshes: {told(evaluated.predictions)}", markup=False, highlight=False)
         out.print(f"page: {folder / 'accuracy.html'}", markup=False, highlight=False, soft_wrap=True)
     if found.interrupted:
         return interrupted(folder)

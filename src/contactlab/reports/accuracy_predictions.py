@@ -1,22 +1,23 @@
-"""How well cost and error of the finest mesh are foretold by the coarser ones, as a section of the page."""
+"""How well cost and error of the finest mesh are predicted by the coarser ones, as a section of the page."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from contactlab.accuracy.cost_model import CHANCE, COST_OFF, WIDE, Prediction
+from contactlab.accuracy.error_model import CHANCE
+from contactlab.accuracy.predictions import COST_OFF, WIDE, Prediction
 from contactlab.reports.html import plain_table, section
 from contactlab.reports.numbers import percent, significant
 
 _TEXT = (
-    "<p>The finest point of each line, foretold from its coarser ones (level 2 on) before it is looked at: the cost as "
-    "start + counted work x unit cost, the error as C h<sup>q</sup> with an interval that should hold "
-    f"{CHANCE:.0%} of them.</p>"
+    "<p>The finest point of each line, predicted from coarser meshes only: the cost as start + counted work x unit cost "
+    "(shared by the lines of a case and an algorithm), the error as C h<sup>q</sup> (the order drawn to that of the case) "
+    f"with an interval that should hold {CHANCE:.0%} of them.</p>"
 )
 
 
 def told(predictions: Sequence[Prediction]) -> str:
-    """One sentence with the shares of what was foretold right; empty without predictions."""
+    """One sentence with the shares of what was predicted right; empty without predictions."""
     if not predictions:
         return ""
     near = sum(abs(one.cost_off) <= COST_OFF for one in predictions)
@@ -40,9 +41,9 @@ def predictions_section(predictions: Sequence[Prediction]) -> str:
         "from levels",
         "level",
         "cost, s",
-        "foretold",
+        "predicted",
         "error, %",
-        "foretold",
+        "predicted",
         "interval",
     )
     rows = (
@@ -54,4 +55,4 @@ def predictions_section(predictions: Sequence[Prediction]) -> str:
     )  # fmt: skip
     table = plain_table(heads, rows, texts=4)
     listed = f"<details><summary>{len(off)} mispredictions</summary>{table}</details>" if off else ""
-    return section("Foretold from coarser meshes", f"{_TEXT}<p>{told(predictions)}</p>{listed}")
+    return section("Predicted from coarser meshes", f"{_TEXT}<p>{told(predictions)}</p>{listed}")
