@@ -10,9 +10,9 @@ from contactlab.reports.html import plain_table, section
 from contactlab.reports.numbers import percent, significant
 
 _TEXT = (
-    "<p>The finest point of each line, predicted from coarser meshes only: the cost as start + counted work x unit cost "
-    "(shared by the lines of a case and an algorithm), the error as C h<sup>q</sup> (the order drawn to that of the case) "
-    f"with an interval that should hold {CHANCE:.0%} of them.</p>"
+    "<p>The finest point of each line, predicted from coarser meshes only: the cost as start + counted work x unit "
+    "cost (shared by the lines of a case and an algorithm), the error as C h<sup>q</sup> (the order drawn to that of the "
+    f"case) with an interval that should hold {CHANCE:.0%} of them.</p>"
 )
 
 
