@@ -2,6 +2,10 @@
 
 All cells get nodes of their own, so that one perturbed force evaluation gives a column of the stiffness
 of every cell at once: two evaluations for each degree of freedom of a cell, whatever the number of cells.
+
+Only the element is differenced, being smooth; stresses change by the tangent of the law. A difference of stresses
+would span both branches of a law at points that have flowed by less than its width, which is every point in a short
+load step: the mean of elastic and plastic stiffness then makes Newton's iteration crawl.
 """
 
 from __future__ import annotations
@@ -33,11 +37,13 @@ class StiffnessByDifferences:
         geometry, field = self._per_cell(self.forces.geometry, block), self._per_cell(self.forces.field, block)
         x = geometry.reshape(nodes, cells, 2)
         step = STEP * np.ptp(x, axis=0).max(axis=1)
+        tangent = np.zeros((4, 4, block.stress.shape[1]))
+        self.law.tangent(block.gradient, block.history, dt, tangent)
         matrices = np.empty((cells, 2 * nodes, 2 * nodes))
         for b in range(nodes):
             for k in range(2):
-                high = self._forces(block, dt, geometry, field, b, k, step)
-                low = self._forces(block, dt, geometry, field, b, k, -step)
+                high = self._forces(block, tangent, geometry, field, b, k, step)
+                low = self._forces(block, tangent, geometry, field, b, k, -step)
                 column = (high - low).reshape(nodes, cells, 2) / (2.0 * step[:, None])
                 matrices[:, :, 2 * b + k] = column.transpose(1, 0, 2).reshape(cells, 2 * nodes)
         scatter_all(matrices, pairs, pattern.place, pattern.stride, pattern.data)
@@ -46,7 +52,9 @@ class StiffnessByDifferences:
         """Nodal values (a B, 2) of the block's cells, node by node."""
         return np.ascontiguousarray(values[block.connectivity].reshape(-1, 2))
 
-    def _forces(self, block: Block, dt: float, geometry: Floats, field: Floats, b: int, k: int, step: Floats) -> Floats:
+    def _forces(
+        self, block: Block, tangent: Floats, geometry: Floats, field: Floats, b: int, k: int, step: Floats
+    ) -> Floats:
         """Nodal forces (a B, 2) with node b of every cell moved by `step` (B,) along k."""
         nodes, cells = block.connectivity.shape
         connectivity = np.arange(nodes * cells, dtype=np.int32).reshape(nodes, cells)
@@ -58,12 +66,12 @@ class StiffnessByDifferences:
         if kinematics != "finite":
             field[moved, k] += step
         gradient, force, stabilise = self.forces.kernels
-        strain, stress, out = np.empty_like(block.gradient), np.empty_like(block.stress), np.zeros_like(geometry)
+        strain, out = np.empty_like(block.gradient), np.zeros_like(geometry)
         scratch = np.zeros((6 * nodes + 6, cells))
         gradient(geometry, field, connectivity, strain, scratch)
         if kinematics == "rate":
             midpoint(strain)
-        self.law.stress(strain, block.history, dt, stress, np.empty_like(block.history))
+        stress = block.stress + np.einsum("ijp,jp->ip", tangent, strain - block.gradient)
         force(geometry, connectivity, stress, out, scratch)
         if stabilise is not None and self.forces.shape is not None:
             reference, displacement = (self._per_cell(values, block) for values in self.forces.shape)
