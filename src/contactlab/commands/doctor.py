@@ -24,8 +24,10 @@ if TYPE_CHECKING:
 
 OPTIONAL = {
     "ipykernel": ("notebooks", "notebook"),
+    "ipython": ("pictures and progress inside notebooks", "notebook"),
     "pandas": ("results as data frames", "notebook"),
     "pyvista": ("meshes in three-dimensional views", "notebook"),
+    "rerun-notebook": ("viewer inside notebooks", "notebook"),
     "xarray": ("results as labelled arrays", "notebook"),
     "distributed": ("comparisons on several machines", "dask"),
 }

@@ -97,15 +97,15 @@ def _print_parts(usable: list[Offer], broken: list[Broken], commands: Any) -> No
 
 
 def _parts_table(usable: list[Offer], width: int) -> Table:
-    """Each kind is named once; where a part was published only shows where there is room."""
-    columns = ("kind", "name", "from", "what it is", "published in")
-    shown = table(*columns[: 5 if width >= ROOM_TO_SPARE else 4])
-    for column in shown.columns[:3]:
+    """Each kind is named once; packages, and where a part was published, only show where there is room."""
+    roomy = width >= ROOM_TO_SPARE
+    shown = table("kind", "name", *(("from",) if roomy else ()), "what it is", *(("published in",) if roomy else ()))
+    for column in shown.columns[: 3 if roomy else 2]:
         column.no_wrap = True
     kind = ""
     for offer in usable:
         part = offer.part
-        cells = (part.kind if part.kind != kind else "", part.name, str(offer.origin), part.summary, part.reference)
-        add_row(shown, *cells[: len(shown.columns)])
+        package, published = ((str(offer.origin),), (part.reference,)) if roomy else ((), ())
+        add_row(shown, part.kind if part.kind != kind else "", part.name, *package, part.summary, *published)
         kind = part.kind
     return shown

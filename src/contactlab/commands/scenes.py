@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -99,6 +101,7 @@ def new_scene(options: argparse.Namespace) -> int:
     if file.exists():
         raise RequestError("the file is there already", where=str(file), hint="choose another name")
     text = named(source.read_text(encoding="utf-8"), Path(name).name, str(options.source))
+    text = seen_from(file.parent, text, source.parent)
     try:
         file.write_text(text, encoding="utf-8")
     except OSError as error:
@@ -118,3 +121,29 @@ def named(text: str, name: str, source: str) -> str:
     if changed.search(top):
         return head + changed.sub(lambda _: own, top, count=1) + table_at + rest
     return f"{head}{own}\n{text}"
+
+
+def seen_from(folder: Path, text: str, before: Path) -> str:
+    """The text of a scene with its relative paths of files seen from another folder than before."""
+    if folder.resolve() == before.resolve():
+        return text
+    for path in _texts(tomllib.loads(text)):
+        if path and not Path(path).is_absolute() and _is_file(before / path):
+            moved = Path(os.path.relpath(before / path, folder)).as_posix()
+            text = re.sub(rf"""(?<=["']){re.escape(path)}(?=["'])""", lambda _, moved=moved: moved, text)
+    return text
+
+
+def _texts(value: Any) -> set[str]:
+    """All texts in the data of a scene."""
+    if isinstance(value, str):
+        return {value}
+    entries = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return {text for entry in entries for text in _texts(entry)}
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # no name that a file could have
+        return False

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -84,6 +86,12 @@ class TestDoctor:
         assert len(facts) == len([fact for fact in told if fact["fact"] != "broken plugin"])  # each package once
         for name in ("contactlab", "contactlab-mortar", "numba", "rerun-sdk", "Vulkan driver", "contact step"):
             assert facts[name]["value"]
+
+    def test_every_package_of_an_extra_for_users_is_named(self) -> None:
+        written = (Path(__file__).parents[3] / "pyproject.toml").read_text()
+        extras = tomllib.loads(written)["project"]["optional-dependencies"]
+        brought = {re.split("[<>=]", line)[0]: extra for extra in ("dask", "notebook") for line in extras[extra]}
+        assert {name: extra for name, (_, extra) in doctor.OPTIONAL.items()} == brought
 
     def test_what_is_missing_comes_with_the_way_to_get_it(self, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setitem(doctor.OPTIONAL, "no-such-package", ("flying", "wings"))

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import re
 import tomllib
 from pathlib import Path
 
 import jsonschema
+import meshio
 import pytest
 
 from contactlab.cli import main
@@ -63,6 +65,21 @@ class TestNewScene:
         Path("nameless.toml").write_text(text)
         assert main(["new-scene", "mine", "--from", "nameless.toml"]) == 0
         assert load_scene("mine.toml").name == "mine"
+
+    @pytest.mark.parametrize("name", ["work/mine", "mine"])
+    def test_a_copy_elsewhere_finds_the_files_of_the_first(self, name: str) -> None:
+        """Mesh files are named as seen from the folder of the scene; what else has their name stays."""
+        for folder in ("first/meshes", "work"):
+            Path(folder).mkdir(parents=True)
+        corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]
+        meshio.Mesh(corners, [("quad", [[0, 1, 2, 3]])]).write("first/meshes/cell.vtk")
+        text = bundled_scenes()["dropped-block"].read_text()
+        source = re.sub(r"mesh = .*", 'mesh = { use = "file", path = "meshes/cell.vtk" } # "meshes" hold it', text)
+        Path("first/scene.toml").write_text(source.replace("block.bottom", "block.boundary"))
+        assert main(["new-scene", name, "--from", "first/scene.toml"]) == 0
+        path = Path(load_scene(f"{name}.toml").bodies["block"].mesh["path"])
+        assert path.resolve() == Path("first/meshes/cell.vtk").resolve()
+        assert '# "meshes" hold it' in Path(f"{name}.toml").read_text()
 
     def test_nothing_is_written_over(self, capsys: pytest.CaptureFixture[str]) -> None:
         Path("mine.toml").write_text("precious")
