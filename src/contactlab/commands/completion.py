@@ -42,6 +42,7 @@ def _completers(parser: argparse.ArgumentParser) -> Any:
     known = {
         "scene": scene_names, "source": scene_names, "name": part_names, "settings": settings, "vary": settings,
         "cases": case_names, "contacts": contact_names, "files": FilesCompleter(("py",)), "out": DirectoriesCompleter(),
+        "kind": kinds, "target": targets, "reference": reference_names, "path": DirectoriesCompleter(),
     }  # fmt: skip
     commands = next(a for a in parser._actions if isinstance(a, argparse._SubParsersAction))
     for name, command in commands.choices.items():
@@ -64,6 +65,29 @@ def part_names(**_: Any) -> list[str]:
     from contactlab.parts.registry import default_registry
 
     return [offer.part.name for offer in default_registry().parts()]
+
+
+def kinds(**_: Any) -> list[str]:
+    """Kinds of parts."""
+    from contactlab.api.part import KINDS
+
+    return list(KINDS)
+
+
+def targets(prefix: str, **_: Any) -> list[str]:
+    """What can be checked: installed parts, and Python files nearby."""
+    from argcomplete.completers import FilesCompleter
+
+    return [*part_names(), *FilesCompleter(("py",))(prefix)]
+
+
+def reference_names(prefix: str, **_: Any) -> list[str]:
+    """Installed references, and files nearby that could hold one."""
+    from argcomplete.completers import FilesCompleter
+
+    from contactlab.parts.registry import default_registry
+
+    return [*default_registry().names("reference"), "finest", *FilesCompleter(("json", "csv"))(prefix)]
 
 
 def case_names(**_: Any) -> list[str]:

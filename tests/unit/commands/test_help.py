@@ -46,6 +46,9 @@ class TestCompletion:
             ("contactlab parts mortar-p", "mortar-p0"),
             ("contactlab run disc-on-block --set contacts.0.algorithm=node", "contacts.0.algorithm=node-on-segment "),
             ("contactlab run two-bars --set bodies.left.m", "bodies.left.mesh.cells="),
+            ("contactlab new-plugin fric", "friction "),
+            ("contactlab check coul", "coulomb "),
+            ("contactlab compare disc-on-block --reference fin", "finest "),
         ],
     )
     def test_what_is_offered(self, line: str, offered: str, tmp_path: Path) -> None:

@@ -62,9 +62,7 @@ def test_every_part_of_a_scene_tells_all(offer: object) -> None:
     assert page["example"] or page["name"] == "file"
 
 
-def test_the_list_fits_a_narrow_terminal(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_list_fits_a_narrow_terminal(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "80")
     assert main(["parts"]) == 0
     lines = capsys.readouterr().out.splitlines()
