@@ -20,7 +20,7 @@ demo: $(INSTALLED)
 	echo && echo "The report is $$out/report.html"
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n auto $(TESTS)
+	$(BIN)/python -m pytest -n auto --dist worksteal $(TESTS)
 
 faults: $(INSTALLED)
 	$(BIN)/python tests/abuse/faults.py $(FAULTS)

@@ -7,6 +7,7 @@ called, imported and allocated.
 from __future__ import annotations
 
 import functools
+import gc
 import hashlib
 import json
 import os
@@ -40,6 +41,12 @@ class Trace:
     def __init__(self, steps: int, kernels: Counter[str]) -> None:
         self.last, self.kernels = steps, kernels
         self.calls: Counter[str] = Counter()
+        self.forget()
+
+    def forget(self) -> None:
+        """Count from zero on, as a new run begins."""
+        self.calls.clear()
+        self.kernels.clear()
         self.at: dict[int, Counter[str]] = {}
         self.steps, self.inside, self.bytes = 0, False, 0
 
@@ -111,6 +118,27 @@ def trace_parts(trace: Trace) -> None:
     body.midpoint = trace.counted("increment to midpoint", body.midpoint)
 
 
+def run(data: dict[str, Any]) -> Any:
+    """Results of a scene that is stopped by the trace."""
+    from contactlab.run.interruption import Interrupted
+    from contactlab.run.simulation import simulate
+    from contactlab.scene.scene import Scene
+
+    with TemporaryDirectory() as folder:
+        try:
+            return simulate(Scene.from_data(data), out=folder)
+        except Interrupted as stopped:
+            return stopped.results
+
+
+def forget_tables() -> None:
+    """Let the next run allocate its tables: it would take those of a run that is over."""
+    from contactlab.api.compiled import bound_arrays
+
+    gc.collect()
+    bound_arrays._FREE.clear()
+
+
 def main() -> None:
     wish = json.load(sys.stdin)
     from contactlab.explain.trial_run import count_kernel_calls, imported_modules
@@ -118,18 +146,13 @@ def main() -> None:
     kernels = count_kernel_calls()
     trace = Trace(wish["steps"], kernels.calls)
     trace_parts(trace)
-    from contactlab.run.interruption import Interrupted
-    from contactlab.run.simulation import simulate
-    from contactlab.scene.scene import Scene
-
-    scene = Scene.from_data(wish["scene"])
     if wish["arrays"]:
+        # once before: kernels are loaded three times as slowly while allocations are traced
+        run(wish["scene"])
+        trace.forget()
+        forget_tables()
         tracemalloc.start()
-    with TemporaryDirectory() as folder:
-        try:
-            results = simulate(scene, out=folder)
-        except Interrupted as stopped:
-            results = stopped.results
+    results = run(wish["scene"])
     first, last = WATCHED
     per_step = {}
     if last in trace.at:
