@@ -68,7 +68,7 @@ def compare(
     with RowKeeper(out) as rows:
         table = run_study(
             scene_or_study, vary, out, jobs, registry, bars, changes, effects, resume, time_limit, scheduler, rows.keep,
-            repeat, reference, make_finest,
+            repeat, reference, make_finest, results_stay=keep == "all",
         )  # fmt: skip
     if table.folder is not None:
         with full_disk_told(table.folder, "the report"):

@@ -12,7 +12,7 @@ import pytest
 from contactlab.run.simulation import simulate
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="threads of libraries are counted in /proc")
-DEFAULT = {"record.recorders": None, "time.end": 1e-6, "record.frames": 5}
+ALL = {"record.recorders": ["vtkhdf", {"use": "rerun", "write": "run"}], "time.end": 1e-6, "record.frames": 5}
 # 12 runs used to leave 48 threads and 30 MiB; what allocators keep of one run is below a tenth of that
 NOISE = 10.0 * 2**20
 
@@ -30,7 +30,7 @@ def resident() -> int:
 
 def test_runs_leave_no_threads_and_no_memory_behind(small_scene: Callable[..., Any], tmp_path: Path) -> None:
     pytest.importorskip("rerun", reason="rerun-sdk is not installed (plugin contactlab-rerun)")
-    scene = small_scene(DEFAULT)
+    scene = small_scene(ALL)
     for number in range(3):
         simulate(scene, tmp_path / f"first-{number}")
     before, memory = threads(), resident()

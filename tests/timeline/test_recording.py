@@ -25,7 +25,7 @@ COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 PLASTIC = {f"materials.soft.{key}": value for key, value in {
     "use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03,
 }.items()}  # fmt: skip
-BOTH = {"record.recorders": ["vtkhdf", "rerun"]}
+BOTH = {"record.recorders": ["vtkhdf", {"use": "rerun", "write": "run"}]}
 # the viewer keeps single precision, and drawings are scaled: 2^-23 of the largest coordinate, a few times
 SINGLE = 1e-6
 DRAWN = 2.0**-15  # positions of meshes, as a share of the model's size: half of their last place
@@ -250,6 +250,11 @@ def test_events_count_what_the_curves_show(run: Results, reader: Reader) -> None
     assert told.get("opened", 0) == ((old > 0) & (new == 0)).sum()
     assert told.get("began to slip", 0) == ((old == 1) & (new == 2)).sum()
     assert told.get("began to stick", 0) == ((old == 2) & (new == 1)).sum()
+    record = run.contact["contacts.0"].steps
+    there = np.isin(record["step"], [frame.step for frame in run.frames])
+    segments = record["segment"][there].astype(int)
+    both = (states[1:-1] > 0) & (states[2:] > 0)  # the record begins with the first step
+    assert told["changed segment"] == (both & (segments[1:] != segments[:-1])).sum() > 0
 
 
 def test_page_names_parts_versions_and_cost(run: Results, reader: Reader) -> None:
@@ -285,8 +290,75 @@ def again(run: Results, folder: Path, **options: Any) -> Reader:
     return Reader(folder / FILE)
 
 
-def test_field_that_no_body_has_is_refused(small_scene: MakeScene, tmp_path: Path) -> None:
-    scene = small_scene({"record.recorders": [{"use": "rerun", "field": "temperature"}]})
+def test_recordings_of_the_run_and_of_its_results_are_the_same(run: Results, reader: Reader, tmp_path: Path) -> None:
+    """Entities, components, timelines, rows; numbers as far as the results keep them (20 bits of places, 14 of fields).
+
+    `reader` has what was gathered while the run went on.
+    """
+    later = again(run, tmp_path / "run")
+    assert later.paths == reader.paths
+    assert moving_components(later) == moving_components(reader)
+    for path, component in sorted(moving_components(reader)):
+        during, after = reader.rows(path, component), later.rows(path, component)
+        assert np.array_equal(during.steps, after.steps), (path, component)
+        assert np.array_equal(during.times, after.times), (path, component)
+        assert_close(during.values, after.values, f"{path} {component}")
+    for path in reader.static.keys() - {"/__properties"}:
+        for batch in reader.static[path]:
+            for name in batch.schema.names if not path.startswith("/__") else ():
+                if ":" in name:
+                    assert_close([reader.constant(path, name)], [later.constant(path, name)], f"{path} {name}")
+
+
+def moving_components(read: Reader) -> set[tuple[str, str]]:
+    return {
+        (path, name)
+        for path, batches in read.moving.items()
+        for batch in batches
+        for name in batch.schema.names
+        if ":" in name
+    }
+
+
+def assert_close(one: Any, other: Any, what: str) -> None:
+    """Numbers within what the results keep of them, colours within one of 256, everything else the same."""
+    a, b = flat(one), flat(other)
+    assert len(a) == len(b), what
+    numbers = [(x, y) for x, y in zip(a, b, strict=True) if isinstance(x, float)]
+    if "colors" in what:
+        parts = np.array([[list(int(value).to_bytes(4)) for value in values] for values in (a, b) if values], int)
+        assert parts.size == 0 or np.abs(parts[0] - parts[1]).max() <= 1, what
+    elif numbers:
+        left, right = np.array(numbers).T
+        assert np.abs(left - right).max() <= 2.0**-13 * np.abs(left).max(), what
+    else:
+        assert a == b, what
+
+
+def flat(values: Any) -> list[Any]:
+    """All that lists and tables hold, one after the other."""
+    if isinstance(values, dict):
+        return [one for value in values.values() for one in flat(value)]
+    return [one for value in values for one in flat(value)] if isinstance(values, list) else [values]
+
+
+def test_nothing_of_it_is_done_in_a_run_whose_results_are_stored(small_scene: MakeScene, tmp_path: Path) -> None:
+    """By default; where nothing else is stored, the run writes it. What the scene asks for is heeded at the look."""
+    from contactlab.commands.view import recording_in
+
+    asked = {"use": "rerun", "field": "pressure"}
+    scene = small_scene({"record.recorders": ["vtkhdf", asked], "time.end": 2e-6})
+    simulate(scene, tmp_path / "run")
+    assert not (tmp_path / "run" / FILE).exists()
+    read = Reader(recording_in(tmp_path / "run", default_registry().make("recorder", "rerun")))
+    assert read.constant("/run/bar/labels", "Points3D:labels")[1] == "pressure [MPa]"
+    simulate(scene.with_({"record.recorders": [asked]}), tmp_path / "alone")
+    assert (tmp_path / "alone" / FILE).is_file()
+
+
+@pytest.mark.parametrize("beside", [[], ["vtkhdf"]])
+def test_field_that_no_body_has_is_refused(small_scene: MakeScene, tmp_path: Path, beside: list[str]) -> None:
+    scene = small_scene({"record.recorders": [*beside, {"use": "rerun", "field": "temperature"}]})
     with pytest.raises(RequestError, match="field: got temperature, allowed in this scene: von_mises, pressure, none"):
         simulate(scene, tmp_path / "run")
 

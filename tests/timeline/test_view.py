@@ -36,7 +36,8 @@ def comparison(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory)
     for number, algorithm in enumerate(ALGORITHMS):
         simulate(small_scene({"contacts.0.algorithm": algorithm}), folder / "runs" / str(number))
     scene = small_scene({"record.recorders": ["vtkhdf", "rerun"]})
-    record_comparison(scene, default_registry(), folder, [str(number) for number in range(len(ALGORITHMS))])
+    names = [str(number) for number in range(len(ALGORITHMS))]
+    record_comparison(scene, default_registry(), folder, names, for_good=True)
     return folder
 
 
@@ -263,9 +264,11 @@ def test_a_picture_of_one_panel(comparison: Path, late: np.ndarray, tmp_path: Pa
     assert main(["view", str(comparison), "--png", str(png), "--panel", "internal energy"]) == 0
     energy = pixels(png)
     assert energy.shape == late.shape
-    # curves on an empty ground: far fewer colours than meshes in theirs
-    seen, alone = (len(np.unique(picture.reshape(-1, 3), axis=0)) for picture in (late, energy))
-    assert 2 <= alone < seen
+    # curves on an empty ground, of which meshes and other panels leave less
+    seen, alone = (
+        np.unique(p.reshape(-1, 3), axis=0, return_counts=True)[1].max() / p[..., 0].size for p in (late, energy)
+    )
+    assert max(seen, 0.9) < alone < 1.0
 
 
 def test_a_folder_of_many_runs_shows_the_first_of_each_algorithm(

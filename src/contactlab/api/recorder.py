@@ -71,6 +71,7 @@ class Recorder(ABC):
     every_step  its recordings take `steps`
     every_contact  its recordings take `contact_steps`
     every_field  its recordings take `last_steps`
+    stores_results  results are read back from its recordings, and other recordings are made from them
     shown_file  name of the file that `show` opens; empty where there is nothing to show
     """
 
@@ -78,7 +79,19 @@ class Recorder(ABC):
     every_step: ClassVar[bool] = False
     every_contact: ClassVar[bool] = False
     every_field: ClassVar[bool] = False
+    stores_results: ClassVar[bool] = False
     shown_file: ClassVar[str] = ""
+
+    @property
+    def on_view(self) -> bool:
+        """Whether the file is made when it is first looked at, in runs whose results another recorder stores."""
+        return False
+
+    def check(self, layout: Layout) -> None:  # noqa: B027 - nothing is a fine answer
+        """Raise ValueError where a run of this layout lacks what the fields ask for.
+
+        Called before the first step for recorders that work `on_view`; all others raise it from `open`.
+        """
 
     @abstractmethod
     def open(self, folder: Path, layout: Layout) -> Recording:

@@ -63,9 +63,10 @@ def console() -> Console:
 
 
 def print_how_to_look(folder: Path, registry: Registry, out: Console) -> None:
-    """Say how to look at what a recorder has left in the folder, if one has."""
-    parts = [registry.part_class("recorder", name) for name in registry.names("recorder")]
-    if any(part.shown_file and (folder / part.shown_file).is_file() for part in parts):
+    """Say how to look at what is in the folder, where it can be looked at."""
+    from contactlab.studies.shown_file import can_be_shown
+
+    if can_be_shown(folder, registry):
         line = f"look at it: {shlex.join(['contactlab', 'view', str(folder)])}"
         out.print(line, markup=False, highlight=False, soft_wrap=True)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from shutil import rmtree
@@ -14,13 +13,13 @@ from contactlab.errors import ContactlabError, RequestError
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.load import load_results
 from contactlab.results.result_file import FILE
+from contactlab.results.results import Results
 from contactlab.run.recorders import record_again
-from contactlab.studies.recordings import checked_names, is_comparison, left_out, main_runs_of, runs_of, titled_runs
+from contactlab.studies.recordings import checked_names, left_out, main_runs_of, runs_of, titled_runs
+from contactlab.studies.shown_file import as_asked, recording_in, showing_recorder
 
 PANEL = "panel"
 """Folder of the recording of one panel that was asked for."""
-CHOSEN = "chosen"
-"""Folder of the recording of runs that were asked for by name, beside that of the comparison."""
 
 
 def view(options: argparse.Namespace) -> int:
@@ -29,7 +28,7 @@ def view(options: argparse.Namespace) -> int:
         raise RequestError(
             "a step is for pictures", where="--step", hint="add --png FILE; in the viewer, move the cursor"
         )
-    recorder = _showing_recorder(default_registry())
+    recorder = _recorder(default_registry())
     path = Path(options.path)
     if options.runs and (path.is_file() or (path / FILE).is_file()):
         raise RequestError("runs are chosen of a comparison", where="--runs", got=str(path), allowed="its folder")
@@ -56,14 +55,16 @@ def _one_panel(path: Path, recorder: Recorder, options: argparse.Namespace) -> P
     if not path.is_dir() or not hasattr(recorder, "panel"):
         raise RequestError("panels are taken from results", where="--panel", got=str(path), allowed="a folder of a run")
     folder = path / PANEL
-    known, alone = folder.exists(), replace(recorder, panel=options.panel)  # type: ignore[type-var]
+    known = folder.exists()
     folder.mkdir(parents=True, exist_ok=True)
     try:
         if (path / FILE).is_file():
-            record_again(alone, folder, load_results(path))
+            run = load_results(path)
+            record_again(_panel_of(recorder, run, options.panel), folder, run)
         else:
             names = checked_names(path, options.runs) if options.runs else main_runs_of(path)
-            alone.compared(folder, titled_runs(runs_of(path, names)))
+            runs = titled_runs(runs_of(path, names))
+            _panel_of(recorder, next(iter(runs.values()), None), options.panel).compared(folder, runs)
     except ValueError as error:
         if not known:
             rmtree(folder)
@@ -71,49 +72,22 @@ def _one_panel(path: Path, recorder: Recorder, options: argparse.Namespace) -> P
     return folder / recorder.shown_file
 
 
-def _showing_recorder(registry: Registry) -> Recorder:
-    """The first installed recorder whose recordings can be looked at."""
-    for name in registry.names("recorder"):
-        if registry.part_class("recorder", name).shown_file:
-            recorder: Recorder = registry.make("recorder", name)
-            return recorder
-    raise RequestError(
-        "no installed recorder makes recordings that can be looked at",
-        where="view",
-        hint="install a plugin with such a recorder; contactlab parts lists what there is",
-    )
+def _panel_of(recorder: Recorder, run: Results | None, panel: str) -> Recorder:
+    """The recorder that shows this panel alone, else as the scene of the run says."""
+    asked = recorder if run is None else as_asked(recorder, run)
+    return replace(asked, panel=panel)  # type: ignore[type-var]
 
 
-def recording_in(folder: Path, recorder: Recorder, names: Sequence[str] = ()) -> Path:
-    """The recording of the run or comparison in `folder`; it is made from the results where it is not there.
-
-    With `names` of runs of a comparison one of these alone, in a folder of its own; so is that of runs side by side in
-    a folder that is no comparison's.
-
-    That is so for runs that were killed or are still going on: they are shown as far as they came.
-    """
-    if not folder.is_dir():
+def _recorder(registry: Registry) -> Recorder:
+    """The recorder whose recordings are looked at. Raises RequestError where none is installed."""
+    recorder = showing_recorder(registry)
+    if recorder is None:
         raise RequestError(
-            "there is no such file or folder", where=str(folder), allowed="the folder of a run, or a recording"
+            "no installed recorder makes recordings that can be looked at",
+            where="view",
+            hint="install a plugin with such a recorder; contactlab parts lists what there is",
         )
-    file = folder / recorder.shown_file
-    if (folder / FILE).is_file():
-        results = load_results(folder)
-        if not file.is_file() or not results.closed:
-            record_again(recorder, folder, results)
-        return file
-    if not names and file.is_file():
-        return file
-    runs = titled_runs(runs_of(folder, checked_names(folder, names) if names else main_runs_of(folder)))
-    if not runs:
-        raise RequestError(
-            "the folder holds no results", where=str(folder), allowed="the folder of a run, of runs or of a comparison"
-        )
-    if names or not is_comparison(folder):  # more runs may come to it: what is shown is made anew each time
-        file = folder / CHOSEN / recorder.shown_file
-        file.parent.mkdir(exist_ok=True)
-    recorder.compared(file.parent, runs)
-    return file
+    return recorder
 
 
 def _writable(png: Path) -> Path:

@@ -51,6 +51,7 @@ class VtkHdf(Recorder):
     every_step: ClassVar[bool] = True
     every_contact: ClassVar[bool] = True
     every_field: ClassVar[bool] = True
+    stores_results: ClassVar[bool] = True
 
     def disk_bytes(self, layout: Layout, steps: float, memory: float) -> float:
         """Frames, steps, twice what a restart needs with a summary, and headers."""

@@ -20,7 +20,7 @@ from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.run.guards import Guards
 from contactlab.run.kept_states import KeptStates
-from contactlab.run.recorders import check_disk_space, open_recordings, recorders_of
+from contactlab.run.recorders import at_work, check_disk_space, open_recordings, recorders_of
 from contactlab.run.restart import changed_versions, saved_run
 from contactlab.run.run import Run
 from contactlab.run.schedule import Schedule
@@ -58,17 +58,18 @@ def prepare_run(
     steps = run.schedule.estimated_steps()
     layout = replace(layout, frames=min(layout.frames, steps))
     check_frame_size(layout.frames, len(layout.nodes), scene.where("record.frames"))
+    working = at_work(recorders)
     wanted = {
-        "steps": frozenset(name for name, recorder in recorders.items() if recorder.every_step),
-        "contact_steps": frozenset(name for name, recorder in recorders.items() if recorder.every_contact),
-        "last_steps": frozenset(name for name, recorder in recorders.items() if recorder.every_field),
+        "steps": frozenset(name for name, recorder in working.items() if recorder.every_step),
+        "contact_steps": frozenset(name for name, recorder in working.items() if recorder.every_contact),
+        "last_steps": frozenset(name for name, recorder in working.items() if recorder.every_field),
     }
     if folder is None:
         run.journal = Journal(model, layout, {}, wanted)
         return run
     plan = _record_plan(scene, layout, steps) if wanted["contact_steps"] else None
     memory = sum(array.nbytes for array in run.saved().values())
-    check_disk_space(recorders, folder, layout, steps, memory, plan, scene.where("record.frames"))
+    check_disk_space(working, folder, layout, steps, memory, plan, scene.where("record.frames"))
     claimed = HistoryFile(folder)
     past = _take_up(run, layout, folder) if resume else None
     write_scene(folder, layout.scene)

@@ -38,6 +38,16 @@ def default_recorders(registry: Registry) -> list[str]:
     return [name for name in registry.names("recorder") if registry.part_class("recorder", name).by_default]
 
 
+def at_work(recorders: Mapping[str, Recorder]) -> dict[str, Recorder]:
+    """Those that record during a run. The others make their files of what is stored, when somebody looks."""
+    stored = any(recorder.stores_results for recorder in recorders.values())
+    return {
+        name: recorder
+        for name, recorder in recorders.items()
+        if not (stored and recorder.on_view and recorder.shown_file)
+    }
+
+
 def check_disk_space(
     recorders: Mapping[str, Recorder],
     folder: Path,
@@ -70,11 +80,17 @@ def open_recordings(
 ) -> dict[str, Recording]:
     """The recordings of a run in `folder`; of an interrupted run `past` they go on.
 
+    A recorder that works when somebody looks is only asked whether it can; what it made of the run before is removed.
     Raises RequestError where the folder cannot be written or a recorder cannot begin.
     """
     opened: dict[str, Recording] = {}
+    working = at_work(recorders)
     for name, recorder in recorders.items():
         try:
+            if name not in working:
+                recorder.check(layout)
+                (folder / recorder.shown_file).unlink(missing_ok=True)
+                continue
             opened[name] = recorder.open(folder, layout) if past is None else recorder.resume(folder, layout, past)
         except RequestError:
             raise

@@ -8,11 +8,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contactlab.api.recorder import Recorder
 from contactlab.errors import ContactlabError, ContactlabWarning, RequestError, did_you_mean, one_line
 from contactlab.results.load import load_results
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
-from contactlab.run.recorders import recorders_of
+from contactlab.run.recorders import at_work, recorders_of
 from contactlab.scene.toml_text import parse_toml
 
 if TYPE_CHECKING:
@@ -24,11 +25,20 @@ SHOWN = 12
 """Runs that stand side by side on one timeline: more of them are slivers, and take long to open."""
 
 
-def record_comparison(scene: Scene, registry: Registry, folder: Path, names: Iterable[str]) -> None:
-    """Let the recorders of `scene` gather the runs of these names in `folder`; what fails is a warning."""
+def record_comparison(
+    scene: Scene, registry: Registry, folder: Path, names: Iterable[str], for_good: bool = False
+) -> None:
+    """Let the recorders of `scene` gather the runs of these names in `folder`; what fails is a warning.
+
+    Those that work when somebody looks do it only `for_good`: where the runs will not stay.
+    """
     recorders = recorders_of(scene, registry)
-    runs = titled_runs(runs_of(folder, set(names)))
-    for name, recorder in recorders.items():
+    working = recorders if for_good else at_work(recorders)
+    for name in recorders.keys() - working.keys():  # what was made before these runs
+        (folder / recorders[name].shown_file).unlink(missing_ok=True)
+    gathering = {name: r for name, r in working.items() if type(r).compared is not Recorder.compared}
+    runs = titled_runs(runs_of(folder, set(names))) if gathering else {}
+    for name, recorder in gathering.items():
         try:
             recorder.compared(folder, runs)
         except Exception as error:

@@ -65,11 +65,13 @@ def run_study(
     repeat: int | None = None,
     reference: str | None = None,
     finest: MakeFinest = no_finest,
+    results_stay: bool = True,
 ) -> Table:
     """Run every combination, and write what was measured into `out`; see `contactlab.comparison.compare`.
 
     `bars` shows the progress; `time_limit` is the wall time that one run may take [s]; `keep` is given each row
-    as soon as its run is over, without the measures that need its partner. After Ctrl-C or SIGTERM the
+    as soon as its run is over, without the measures that need its partner. Unless `results_stay` in their folders, all
+    recordings are made that would otherwise be made of them at the first look. After Ctrl-C or SIGTERM the
     table holds what there is, and `interrupted` is True. Raises RequestError when the request itself is wrong.
     """
     plan = _repeated(_limited(_plan(scene_or_study, vary, registry, changes, effects), time_limit), repeat)
@@ -105,7 +107,7 @@ def run_study(
     )
     if folder is not None:
         with full_disk_told(folder, "the table of the comparison"):
-            _write(table, plan, outcomes, folder)
+            _write(table, plan, outcomes, folder, results_stay)
     return table
 
 
@@ -159,7 +161,7 @@ def _checked_jobs(jobs: int | None) -> int:
     return jobs or usable_cores()
 
 
-def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Path) -> None:
+def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Path, results_stay: bool) -> None:
     folder.mkdir(parents=True, exist_ok=True)  # long runs may outlive a folder that was tidied away
     (folder / "study.toml").write_text(write_toml(plan.study.as_data()), encoding="utf-8")
     for name, outcome in outcomes.items():
@@ -169,7 +171,7 @@ def _write(table: Table, plan: Plan, outcomes: Mapping[str, Outcome], folder: Pa
             (place / "error.txt").write_text(outcome.traceback, encoding="utf-8")
     write_table(table, folder)
     shown = side_by_side({job.name: job.algorithm for job in plan.jobs if not job.refines})
-    record_comparison(plan.scene, plan.scene.registry, folder, shown)
+    record_comparison(plan.scene, plan.scene.registry, folder, shown, for_good=not results_stay)
 
 
 # --- running ---------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ import numpy as np
 import rerun as rr
 
 from contactlab.api.arrays import Ints
+from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.api.drawing.colours import CLOSED, rgb
 from contactlab.api.drawing.colours import STATES as COLOURS
 from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow
@@ -86,12 +87,30 @@ def contact_changes(run: Gathered) -> Iterator[Event]:
     for contact in run.layout.contacts:
         surface = run.surfaces[contact.name]
         name = f"{contact.label}: " if len(run.layout.contacts) > 1 else ""
+        recorded = recorded_segments(run, contact)
         facing = [
             segments_faced(contact, surface, frame, instant.positions) for frame, instant in enumerate(run.instants)
         ]
         for frame, instant in enumerate(run.instants[1:], start=1):
-            if text := _changes(surface.state[frame - 1], surface.state[frame], facing[frame - 1], facing[frame]):
+            both = (frame - 1, frame)
+            faced = [recorded[k] for k in both] if all(k in recorded for k in both) else [facing[k] for k in both]
+            if text := _changes(surface.state[frame - 1], surface.state[frame], *faced):
                 yield Event(instant.step, instant.time, "info", f"{name}{text}")
+
+
+def recorded_segments(run: Gathered, contact: ContactLayout) -> dict[int, Ints]:
+    """The master segment (m,) that each closed slave node has in the contact record, by the frames that are in it."""
+    rows = run.records.get(contact.name)
+    if rows is None or not len(rows):
+        return {}
+    steps = [instant.step for instant in run.instants]
+    places = np.minimum(np.searchsorted(rows["step"], steps), len(rows) - 1)
+    there = [frame for frame, place in enumerate(places) if rows["step"][place] == steps[frame]]
+    states = run.surfaces[contact.name].state
+    return {
+        frame: np.where((segments != NO_SEGMENT) & (states[frame] != OPEN), segments.astype(int), -1)
+        for frame, segments in zip(there, rows["segment"][places[there]], strict=True)
+    }
 
 
 def _changes(old: Ints, new: Ints, old_facing: Ints, new_facing: Ints) -> str:
@@ -107,7 +126,10 @@ def _changes(old: Ints, new: Ints, old_facing: Ints, new_facing: Ints) -> str:
 
 
 def segments_faced(contact: ContactLayout, surface: Surface, frame: int, positions: np.ndarray) -> Ints:
-    """The master segment (m,) that each closed slave node is nearest to, -1 for open ones."""
+    """The master segment (m,) that each closed slave node is nearest to, -1 for open ones.
+
+    A node between two of them has one by chance: where there is a record of the contact, it tells.
+    """
     closed = np.flatnonzero(surface.state[frame])
     found = np.full(len(surface.s), -1)
     if len(closed):

@@ -19,6 +19,8 @@ STEP_BYTES = 11.0  # of a step, per scalar
 class Rerun(Recorder):
     """Writes `timeline.rrd`: scalars and contact record of every step; the deformed mesh at stored frames.
 
+    write      when: "view", at the first look (`contactlab view`), from `results.vtkhdf`, so that a run does no work
+               for it (one without a recorder that stores results writes it itself); "run", at the end of the run
     field      what colours the mesh: von_mises or (hydrostatic) pressure [MPa], an internal variable of the laws such
                as plastic_strain, or "none"
     every      1: every stored frame is drawn, 2: every other one, ... (the last one always); "auto": as many as fit
@@ -34,6 +36,7 @@ class Rerun(Recorder):
     every_field: ClassVar[bool] = True
     shown_file: ClassVar[str] = FILE
 
+    write: Literal["view", "run"] = "view"
     field: str = "von_mises"
     every: int | Literal["auto"] = "auto"
     wire: bool | Literal["auto"] = "auto"
@@ -41,10 +44,17 @@ class Rerun(Recorder):
     panel: str = ""
 
     def __post_init__(self) -> None:
+        if self.write not in ("view", "run"):
+            raise ValueError(f'write: got {self.write}, allowed: "view", "run"')
         if self.every != "auto" and self.every < 1:
             raise ValueError(f'every: got {self.every}, allowed: at least 1, or "auto"')
         if self.lanes < 0:
             raise ValueError(f"lanes: got {self.lanes}, allowed: at least 0")
+
+    @property
+    def on_view(self) -> bool:
+        """Whether there is no work during a run."""
+        return self.write == "view"
 
     @property
     def frames_apart(self) -> int:
@@ -56,12 +66,17 @@ class Rerun(Recorder):
         drawn = layout.frames / self.frames_apart
         return NODE_BYTES * len(layout.nodes) * drawn + STEP_BYTES * steps * len(layout.steps)
 
-    def open(self, folder: Path, layout: Layout) -> Recording:
-        """Begin to gather; the file is written when the run ends, with one colour scale for all of it."""
+    def check(self, layout: Layout) -> None:
+        """Raise ValueError for a field that no body has."""
         from contactlab_rerun.gathered import check_field
-        from contactlab_rerun.recording import record_run
 
         check_field(self.field, layout)
+
+    def open(self, folder: Path, layout: Layout) -> Recording:
+        """Begin to gather; the file is written when the run ends, with one colour scale for all of it."""
+        from contactlab_rerun.recording import record_run
+
+        self.check(layout)
         return record_run(self, folder, layout)
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:

@@ -14,7 +14,7 @@ from contactlab.reports.notebook.fields import moment_of
 from contactlab.reports.notebook.libraries import library
 from contactlab.results.cell_types import connectivity
 from contactlab.results.results import Results
-from contactlab.run.recorders import record_again
+from contactlab.studies.shown_file import recording_of, showing_recorder
 
 
 def grid(results: Results, frame: int) -> Any:
@@ -52,15 +52,10 @@ def show_timeline(results: Results) -> Any:
     A timeline that is not there is made from what is stored. Raises ContactlabError, saying what is missing, where
     neither is possible.
     """
-    registry = default_registry()
-    names = [name for name in registry.names("recorder") if registry.part_class("recorder", name).shown_file]
-    if not names:
+    recorder = showing_recorder(default_registry())
+    if recorder is None:
         raise ContactlabError("no installed recorder makes recordings that can be looked at")
-    recorder = registry.make("recorder", names[0])
-    folder = results.folder or Path(mkdtemp(prefix="contactlab-"))
-    file = folder / recorder.shown_file
-    if not file.is_file():
-        record_again(recorder, folder, results)
+    file = recording_of(results, results.folder or Path(mkdtemp(prefix="contactlab-")), recorder)
     inline = recorder.inline(file)
     if inline is not None:
         return inline
