@@ -193,8 +193,7 @@ def test_the_one_name_runs_a_scene(alone: Path, tmp_path: Path, contact: bool) -
         )
     else:
         scene = ("two-bars", "time.end=0.01", "contacts=[]")
-    both = 'record.recorders=["vtkhdf", { use = "rerun", write = "run" }]'
-    words = [word for text in (*scene[1:], "record.frames=1", both) for word in ("--set", text)]
+    words = [word for text in (*scene[1:], "record.frames=1") for word in ("--set", text)]
     variables = {"CONTACTLAB_CACHE": str(tmp_path / "cache"), "NUMBA_OPT": "0"}
     run(alone, tmp_path, "run", scene[0], *words, "--out", "out", **variables)
     left = {path.name for path in (tmp_path / "out").iterdir()}

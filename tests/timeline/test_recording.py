@@ -343,10 +343,13 @@ def flat(values: Any) -> list[Any]:
 
 
 def test_nothing_of_it_is_done_in_a_run_whose_results_are_stored(small_scene: MakeScene, tmp_path: Path) -> None:
-    """By default; where nothing else is stored, the run writes it. What the scene asks for is heeded at the look."""
+    """With `write = "view"`; where nothing else is stored, the run writes it all the same.
+
+    What the scene asks for is heeded at the look.
+    """
     from contactlab.commands.view import recording_in
 
-    asked = {"use": "rerun", "field": "pressure"}
+    asked = {"use": "rerun", "field": "pressure", "write": "view"}
     scene = small_scene({"record.recorders": ["vtkhdf", asked], "time.end": 2e-6})
     simulate(scene, tmp_path / "run")
     assert not (tmp_path / "run" / FILE).exists()

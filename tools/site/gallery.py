@@ -114,7 +114,7 @@ def _run(entry: Entry, folder: Path) -> tuple[Results, str]:
     """The run, and a link to its timeline where it is small enough to be loaded."""
     with tempfile.TemporaryDirectory() as place:
         out = Path(place) / "run"
-        scene = entry.scene.with_({"record.recorders": [{"use": "rerun", "write": "run"}]})
+        scene = entry.scene.with_({"record.recorders": ["rerun"]})
         results = contactlab.simulate(scene, out=out, work=MOST_STEPS, guards=entry.guards)
         timeline = out / "timeline.rrd"
         if not timeline.is_file() or timeline.stat().st_size > LARGEST_TIMELINE:

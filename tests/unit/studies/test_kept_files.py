@@ -44,7 +44,7 @@ def test_a_comparison_that_keeps_nothing_can_be_taken_up_again(tmp_path: Path) -
     """What was dropped is run again, and gives the same; the recording is made before its runs go."""
     pytest.importorskip("contactlab_rerun")
     scene = load_scene("disc-on-block").with_(
-        {"record.recorders": ["vtkhdf", "rerun"], "time.end": 2e-7, "supports.1.uy.to": -1e-3}
+        {"record.recorders": ["vtkhdf", {"use": "rerun", "write": "view"}], "time.end": 2e-7, "supports.1.uy.to": -1e-3}
     )
     vary = {"contacts.0.algorithm": ["mortar-p0"]}
     first = compare(scene, vary, out=tmp_path / "out", jobs=1, keep="none")

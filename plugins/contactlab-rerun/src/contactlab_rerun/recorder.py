@@ -19,8 +19,8 @@ STEP_BYTES = 11.0  # of a step, per scalar
 class Rerun(Recorder):
     """Writes `timeline.rrd`: scalars and contact record of every step; the deformed mesh at stored frames.
 
-    write      when: "view", at the first look (`contactlab view`), from `results.vtkhdf`, so that a run does no work
-               for it (one without a recorder that stores results writes it itself); "run", at the end of the run
+    write      when: "run", at the end of the run; "view", at the first look (`contactlab view`), from
+               `results.vtkhdf`, so that a run does no work for it (one that stores no results writes it itself)
     field      what colours the mesh: von_mises or (hydrostatic) pressure [MPa], an internal variable of the laws such
                as plastic_strain, or "none"
     every      1: every stored frame is drawn, 2: every other one, ... (the last one always); "auto": as many as fit
@@ -36,7 +36,7 @@ class Rerun(Recorder):
     every_field: ClassVar[bool] = True
     shown_file: ClassVar[str] = FILE
 
-    write: Literal["view", "run"] = "view"
+    write: Literal["run", "view"] = "run"
     field: str = "von_mises"
     every: int | Literal["auto"] = "auto"
     wire: bool | Literal["auto"] = "auto"
@@ -44,8 +44,8 @@ class Rerun(Recorder):
     panel: str = ""
 
     def __post_init__(self) -> None:
-        if self.write not in ("view", "run"):
-            raise ValueError(f'write: got {self.write}, allowed: "view", "run"')
+        if self.write not in ("run", "view"):
+            raise ValueError(f'write: got {self.write}, allowed: "run", "view"')
         if self.every != "auto" and self.every < 1:
             raise ValueError(f'every: got {self.every}, allowed: at least 1, or "auto"')
         if self.lanes < 0:
