@@ -28,6 +28,11 @@ SOFT_SPRINGS = (
     "only springs of a ten-millionth of the stiffness hold the bodies, and the first iteration moves them far away; "
     "with springs a thousand times as stiff the run finishes; the load on the springs was not found"
 )
+JOINTS = (
+    "the two nodes where both halves of the closed slave meet are held by two conditions each, whose statuses change "
+    "in every iteration while those of all others stay"
+)
+ENDS = "with mu = 100 the node at the plane of symmetry opens and sticks in turn; with 2 and 10 the run ends"
 NODE_BY_NODE = "contact opens node by node, one or two per iteration: more than the work limit allows on this mesh"
 
 CAUSES: dict[tuple[str, str, str], str] = {
@@ -55,17 +60,33 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("rigid-punch", NODES, "not-judged"): "statuses next to the singular edge keep changing",
     ("rough-plate", "mortar-p0", "not-judged"): ROUGH,
     ("rough-plate", "mortar-p1", "not-judged"): ROUGH,
+    ("bars-with-gap", NODES, "silent"): ONE_PASS,
+    ("stuck-rings", NODES, "silent"): f"{ONE_PASS}: on a curve first order (0.97 to 1.1) where the case allows second",
+    ("stuck-rings", NODES, "not-judged"): ENDS,
+    ("torsion-fit", "mortar-p0", "failed"): JOINTS,
+    ("torsion-fit", "mortar-p1", "failed"): JOINTS,
     ("spinning-pair", NODES, "silent"): BEYOND,
     ("vertex-to-vertex", NODES, "failed"): CORNERS,
 }
 """By case, algorithm and verdict: why there is no right answer, or no warning that it is wrong."""
 
-RIM = "pressures on partly covered segments at a rim are shown on whole segments"
+RIM = (
+    "pressures on partly covered segments at a rim are shown on whole segments; over what is covered the integral "
+    "agrees to 0.7 % or better"
+)
 EDGE = "the position of the edge of contact between two nodes decides; the tolerance falls with the cells"
 SAW = "the run warns of it: a pressure that alternates from node to node does little work on the cells"
 FACETS = "nodes of two polygons that do not meet: their facets are as deep as the interference"
 LATE_FORCE = "a step's force acts along the surfaces at its end; half the step gives half the change"
 CIRCLES = "the tip of the master lies within a quadratic segment of the slave: Newton's method cycles"
+BESIDE = (
+    "a node that lies half a cell beyond the tip is held by the last node of the master: the force acts 0.44 of 20 mm "
+    "beyond the tip (measured from its place)"
+)
+CORNER_NORMALS = (
+    "nodes lie on vertices of the master, where forces act along the normal of one of both segments: the resultant "
+    "turns by two thirds of half their angle, and by half as much on cells half as long"
+)
 FINE_SLAVE = "a slave of finer cells than the master carries the pressure of the master's facets"
 
 MISSED: dict[tuple[str, str], str] = {
@@ -76,6 +97,11 @@ MISSED: dict[tuple[str, str], str] = {
     ("tilted-punch", "resultant against integral of the pressure"): RIM,
     ("elastic-punch", "resultant against integral of the pressure"): RIM,
     ("leaf-spring", "resultant against integral of the pressure"): RIM,
+    ("disc-on-block", "resultant against integral of the pressure"): RIM,
+    ("ironing", "resultant against integral of the pressure"): RIM,
+    ("mesh-ratio", "resultant against integral of the pressure"): RIM,
+    ("shrink-fit", "resultant against integral of the pressure"): CORNER_NORMALS,
+    ("three-rings", "resultant against integral of the pressure"): CORNER_NORMALS,
     ("inclined-layers", "resultant against integral of the pressure"): "slips of 2e-5 uncover as much of a segment",
     ("hertz", "L2 of the pressure"): EDGE,
     ("hertz", "half-width in segments"): EDGE,
@@ -110,6 +136,22 @@ MISSED: dict[tuple[str, str], str] = {
     ("two-rings", "coarse: stopped"): VERTEX,
     ("disc-in-ring", "stopped"): VERTEX,
     ("leaf-spring", "stopped"): CIRCLES,
+    ("leaf-spring", "force between the leaves"): BESIDE,
+    ("leaf-spring", "torque of all contact forces in segments"): BESIDE,
+    ("incompressible", "oscillation"): "second differences at the edge of contact: 0.202, on cells half as long 0.097",
+    ("mindlin", "shear reversed against loaded"): "a node at the end of contact: 7e-4, on cells half as long 2e-5",
+    ("lifted-beam", "pull of a contact node over the largest push"):
+        "the iteration ends with a node just let go, which still carries its pull; the run warns of it",
+    ("bars-with-gap", "stopped"):
+        f"{VERTEX.partition(':')[0]}: with all statuses fixed the residual alternates at 1e-7, where 1e-8 is asked",
+    ("stuck-rings", "order of the carried pressure"):
+        "mortars: meshes too coarse for it (1.89 and 1.85 on cells half as long); nodes on segments: first order",
+    ("stuck-rings", "L2 of the carried pressure"): ONE_PASS,
+    ("torsion-fit", "L2 of the carried pressure"): ONE_PASS,
+    ("torsion-fit", "L2 of the carried shear"):
+        "a shear of 1/50 to 1/5 of the pressure, of which leaning normals add a part: with ten times the friction the "
+        "error is a fifth to a seventh",
+    ("torsion-fit", "stopped"): f"mortars: {JOINTS}; nodes on segments: statuses of half of the nodes keep changing",
 }  # fmt: skip
 """By case ("" for any) and the number that misses first: the cause, as far as it was examined."""
 

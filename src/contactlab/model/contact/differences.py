@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, Pieces, Surface
+from contactlab.api import ContactView, Floats, Ints, Pieces, Surface
+from contactlab.api.arrays import Flags
 from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
 from contactlab.kernels.contact import derivatives as kernels
@@ -25,6 +26,7 @@ class DerivativesOfPieces:
         self.high, self.low = self._spare(), self._spare()
         self.out = self._room(256, 256)
         self.follows_master: bool | None = None
+        self.shown: tuple[ContactView, ...] = ()
 
     def _spare(self) -> Pieces:
         pair = self.pair
@@ -52,6 +54,7 @@ class DerivativesOfPieces:
         pair = self.pair
         if len(self.high.slave) < len(pair.pieces.slave):
             self.high, self.low = self._spare(), self._spare()
+        self._look(memory)
         owners = self._owners(memory)
         # every piece depends on at most so many coordinates; unmatched pieces stand twice
         width = 2 * sum(_period(nodes[: pair.count]) for nodes in (pair.pieces.slave, pair.pieces.master))
@@ -78,8 +81,10 @@ class DerivativesOfPieces:
         """Whether normals change with the master's positions."""
         pair = self.pair
         shake = np.random.default_rng(1).uniform(-STEP, STEP, pair.at.master.shape) * pair.size
-        self._evaluate(pair.at.slave, pair.at.master + shake, memory, self.high)
-        self._evaluate(pair.at.slave, pair.at.master, memory, self.low)
+        self.shown[0].at.master[:] += shake
+        self._evaluate(0, memory)
+        self.shown[0].at.master[:] = pair.at.master
+        self._evaluate(1, memory)
         return not np.array_equal(self.high.normal, self.low.normal)
 
     def _side(self, side: int, owners: Ints, memory: Floats) -> None:
@@ -94,8 +99,8 @@ class DerivativesOfPieces:
         for colour in range(int(colours.max()) + 1):
             for direction in range(2):
                 move = kernels.Move(*self.links[side], colours, RING, shift, colour, direction, 0.5 / step)
-                high_count = self._moved(side, colours == colour, direction, step, memory, self.high)
-                low_count = self._moved(side, colours == colour, direction, -step, memory, self.low)
+                high_count = self._moved(0, side, colours == colour, direction, step, memory)
+                low_count = self._moved(1, side, colours == colour, direction, -step, memory)
                 out.count = kernels.differences(
                     high_count, _arrays(self.high), low_count, _arrays(self.low), 2 * side, move, out.count, entries
                 )
@@ -103,17 +108,29 @@ class DerivativesOfPieces:
                     self.high.normal, pair.pieces.normal, self.low.normal, owners, move, out.normal_count, normals
                 )
 
-    def _moved(self, side: int, chosen: Floats, direction: int, step: float, memory: Floats, out: Pieces) -> int:
-        at = [self.pair.at.slave, self.pair.at.master]
-        at[side] = at[side].copy()
-        at[side][chosen, direction] += step
-        return self._evaluate(at[0], at[1], memory, out)
+    def _look(self, memory: Floats) -> None:
+        """Two views with positions and memory of their own, one for each side of a difference.
 
-    def _evaluate(self, slave_at: Floats, master_at: Floats, memory: Floats, out: Pieces) -> int:
-        pair = self.pair
-        out.normal[:] = pair.pieces.normal
-        view = pair.seen(memory)._replace(at=SurfacePositions(slave_at, master_at), memory=memory.copy())
-        return pair.algorithm.pieces(view, out)
+        They stay the same objects for all differences of a call, so that an algorithm binds its arrays to them once.
+        """
+        seen = self.pair.seen(memory)
+        self.shown = tuple(
+            seen._replace(at=SurfacePositions(*(x.copy() for x in seen.at)), memory=memory.copy()) for _ in range(2)
+        )
+
+    def _moved(self, which: int, side: int, chosen: Flags, direction: int, step: float, memory: Floats) -> int:
+        """Pieces with some nodes moved, into `high` or `low`; the positions are as before then."""
+        at, kept = self.shown[which].at[side], self.pair.at[side]
+        at[chosen, direction] += step
+        count = self._evaluate(which, memory)
+        at[chosen, direction] = kept[chosen, direction]
+        return count
+
+    def _evaluate(self, which: int, memory: Floats) -> int:
+        view, out = self.shown[which], (self.high, self.low)[which]
+        out.normal[:] = self.pair.pieces.normal
+        view.memory[:] = memory
+        return self.pair.algorithm.pieces(view, out)
 
 
 def _arrays(pieces: Pieces) -> tuple[Ints, Ints, Ints, Floats, Floats, Floats]:
