@@ -16,7 +16,7 @@ from contactlab.results.damage import BROKEN, damage_told
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.stored_file import opened
 
-ROOM = 1 << 20  # bytes by which the room of a table grows, at least
+ROOM = 1 << 18  # bytes by which the room of a table grows, at least
 CHUNK = 1 << 15  # bytes of a chunk
 AT_ONCE = 1 << 24  # bytes that are read at once
 
@@ -51,7 +51,7 @@ class ContactTable:
         room = min(column.room for column in self.columns)
         if self.count + size > room:
             row = sum(column.row_bytes for column in self.columns)
-            self.growing.grow(self.columns, max(size, -(-ROOM // row), self.count // 8))
+            self.growing.grow(self.columns, max(size, -(-ROOM // row), self.count // 4))
         for name, rows in block.items():
             self.tables[name].write(self.count, rows, size)
             self.sums[name].write(self.count, sums_of(rows), size)

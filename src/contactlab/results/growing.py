@@ -171,9 +171,10 @@ class Number:
         return int(self._value)
 
     def write(self, value: int) -> None:
-        """Write another number in its place."""
-        self._value[...] = value
-        self.attribute.write(self._value)
+        """Write another number in its place; the same one is there already."""
+        if value != self._value:
+            self._value[...] = value
+            self.attribute.write(self._value)
 
 
 def fixed(group: h5py.Group, name: str, shape: tuple[int, ...], dtype: Any) -> h5py.Dataset:
