@@ -95,6 +95,11 @@ class Archive:
         found = self._file.execute(text, (key, machine, machine)).fetchone()
         return from_bytes(found[0]) if found else None
 
+    def scene(self, key: str, machine: str) -> str:
+        """The scene of a run as TOML; empty where there is no such run."""
+        found = self._file.execute("select scene from runs where key = ? and machine = ?", (key, machine)).fetchone()
+        return str(found[0]) if found else ""
+
     def add_run(self, run: StoredRun) -> None:
         """Keep a run."""
         end = (run.status, run.reason, run.work, run.cpu_s, run.record)

@@ -19,6 +19,10 @@ _TEXT = (
     "from it: their intervals overlap. \N{LESS-THAN OR EQUAL TO}: the coarsest mesh is already that good. "
     "\N{HORIZONTAL ELLIPSIS}: below three times what the reference is known to. Hover for intervals and reasons.</p>"
 )
+_FILTER = (
+    '<input class="filter" data-table="targets" type="search" placeholder="words that a contender must have" '
+    'aria-label="filter the contenders">'
+)
 
 
 def costs_section(found: Accuracy, costs: Sequence[Cost]) -> str:
@@ -37,7 +41,9 @@ def costs_section(found: Accuracy, costs: Sequence[Cost]) -> str:
     for number, target in enumerate(targets):
         parts.append(f'<div class="target t{number}">{_table(found, best, target)}</div>')
     style = f"<style>{' '.join(rules)}</style>"
-    return section("CPU seconds to an accuracy", f'{_TEXT}{style}<div class="targets">{"".join(parts)}</div>')
+    return section(
+        "CPU seconds to an accuracy", f'{_TEXT}{style}{_FILTER}<div class="targets" id="targets">{"".join(parts)}</div>'
+    )
 
 
 def _table(found: Accuracy, best: Mapping[tuple[str, str, float], Cost], target: float) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 
@@ -14,9 +14,11 @@ from contactlab.accuracy.lines import Line
 from contactlab.accuracy.orders import Order
 from contactlab.accuracy.run import Accuracy
 from contactlab.reports.accuracy_costs import costs_section
+from contactlab.reports.accuracy_explore import Place, explore_section
 from contactlab.reports.accuracy_plots import cost_figure, solved_figure
 from contactlab.reports.accuracy_points import points_section
 from contactlab.reports.accuracy_predictions import predictions_section
+from contactlab.reports.accuracy_runs import write_run_pages
 from contactlab.reports.figures import save
 from contactlab.reports.html import ASSETS, document, facts_list, figure_section, plain_table, section
 from contactlab.reports.numbers import percent, significant
@@ -44,11 +46,12 @@ def write_accuracy_page(evaluated: Evaluation, folder: Path) -> None:
     }
     for name, figure in figures.items():
         save(figure, folder, name)
-    (folder / "accuracy.html").write_text(page(evaluated, figures), encoding="utf-8")
+    pages = write_run_pages(found, folder)
+    (folder / "accuracy.html").write_text(page(evaluated, figures, pages), encoding="utf-8")
 
 
-def page(evaluated: Evaluation, figures: dict[str, Figure]) -> str:
-    """The page as one HTML text that needs no other file."""
+def page(evaluated: Evaluation, figures: dict[str, Figure], pages: Mapping[Place, str]) -> str:
+    """The page as one HTML text that needs no other file; `pages` are where points lead to."""
     found = evaluated.found
     style = (ASSETS / "accuracy.css").read_text(encoding="utf-8")
     script = (ASSETS / "accuracy.js").read_text(encoding="utf-8")
@@ -56,12 +59,13 @@ def page(evaluated: Evaluation, figures: dict[str, Figure]) -> str:
         f"<style>\n{style}</style>",
         _head(found),
         costs_section(found, evaluated.costs),
-        figure_section(figures, "error-against-cost", "Error against cost", _FRONT),
+        explore_section(found, evaluated.lines, pages),
+        figure_section(figures, "error-against-cost", "Error against cost, all cases", _FRONT),
         figure_section(figures, "solved", "How much is answered in a given time", _SOLVED, narrow=True),
         _orders(evaluated.orders),
         predictions_section(evaluated.predictions),
         _beside(found, evaluated.lines),
-        points_section(found),
+        points_section(found, pages),
         _references(found),
         section("Machine and versions", facts_list(dict(system_facts()))),
         f"<script>\n{script}</script>",

@@ -37,7 +37,7 @@ class Look:
 
 def looks(found: Accuracy) -> dict[str, Look]:
     """A look for each contender."""
-    parts = {name: _parts(name) for name in found.contenders}
+    parts = {name: parts_of(name) for name in found.contenders}
     colours = styles(algorithm for algorithm, _, _ in parts.values())
     elements = list(dict.fromkeys(element for _, element, _ in parts.values()))
     ways = list(dict.fromkeys(way for _, _, way in parts.values()))
@@ -51,7 +51,8 @@ def looks(found: Accuracy) -> dict[str, Look]:
     }
 
 
-def _parts(contender: str) -> tuple[str, str, str]:
+def parts_of(contender: str) -> tuple[str, str, str]:
+    """Algorithm, element and way of a contender."""
     algorithm, element, way = contender.split(" ", 2)
     return algorithm, element, way
 
