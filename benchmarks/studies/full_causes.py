@@ -97,6 +97,9 @@ MISSED: dict[tuple[str, str], str] = {
     ("tilted-punch", "resultant against integral of the pressure"): RIM,
     ("elastic-punch", "resultant against integral of the pressure"): RIM,
     ("leaf-spring", "resultant against integral of the pressure"): RIM,
+    ("sliding-punch", "resultant against integral of the pressure"): RIM,
+    ("rolling-disc", "momentum lost while it slides over mu times the impulse of the floor, less one"):
+        "normals averaged on the disc lean at the ends of contact; nodes on segments meet it",
     ("disc-on-block", "resultant against integral of the pressure"): RIM,
     ("ironing", "resultant against integral of the pressure"): RIM,
     ("mesh-ratio", "resultant against integral of the pressure"): RIM,

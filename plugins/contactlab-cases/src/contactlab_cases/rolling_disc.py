@@ -39,6 +39,11 @@ class RollingDisc(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1",)
     swaps: ClassVar[bool] = False
 
+    def applies(self, setup: Setup) -> str:
+        """Leave out a disc whose outside rests on the floor: it does not slide."""
+        turning = -self.spin * RADIUS
+        return super().applies(setup) or ("" if self.speed != turning else "the disc rolls from the start")
+
     @property
     def _rolls(self) -> tuple[float, float]:
         """Time [s] from which it rolls, and the speed [mm/s] with which."""
