@@ -29,12 +29,12 @@ from contactlab.run.recorders import record_again
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 
-NONE, BOTH = "none", "by default"
+NONE, BOTH, VIEW = "none", "by default", "at the first look"
 KINDS: dict[str, dict[str, Any]] = {
     NONE: {"record.recorders": []},
     BOTH: {},
-    "no contact record": {"record.budget": 0},
-    "recording in the run": {"record.recorders": ["vtkhdf", {"use": "rerun", "write": "run"}]},
+    "without a contact record": {"record.budget": 0},
+    VIEW: {"record.recorders": ["vtkhdf", {"use": "rerun", "write": "view"}]},
 }
 
 
@@ -99,7 +99,7 @@ def level_report(level: int, rounds: int) -> None:
     times = by_turns(scenes, rounds, in_this_process)
     show(f"level {level}, in one process, {times['steps'][0]:.0f} steps", times, per_step=True)
     print(f"  the first look           {first_look(scenes[BOTH], rounds):.3f} s")
-    some = {kind: scenes[kind] for kind in (NONE, BOTH)}
+    some = {kind: scenes[kind] for kind in (NONE, BOTH, VIEW)}
     show(f"level {level}, as a command", by_turns(some, rounds, as_a_command), per_step=False)
 
 

@@ -39,7 +39,7 @@ STEP_ROWS = 1024  # steps by which their room grows, at least
 CHUNK_STEPS = 256
 METADATA = 350_000.0  # bytes of a file beside its numbers, as measured: some 60 datasets and what is set aside for them
 FRAME_METADATA = 1200.0  # and of a frame: each dataset tells where its chunk is
-PACKED = 4 << 20  # bytes from which a file is compressed: of smaller ones it saves less than it takes of a short run
+PACKED = 3 << 20  # bytes from which a file is compressed: of smaller ones it saves less than it takes of a short run
 SUMMARY_METADATA = 8192  # bytes for the one dataset that is added at the end
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
 
 MOST_TRACKS = 12  # in the view of a comparison
-MESHES = 4e6  # bytes of all meshes of a recording, where it is not said which frames are drawn
+MESHES = 2.5e6  # bytes of all meshes of a recording, where it is not said which frames are drawn
 ROOM = 1 << 20  # bytes of disk that must be left: the library does not tell when there are none
 
 
