@@ -8,7 +8,7 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import pytest
 
@@ -59,6 +59,17 @@ def test_links_lead_somewhere(page: Path) -> None:
         elif anchor and target.suffix == ".md" and target.exists():
             broken += [link] if anchor not in anchors(target.read_text(encoding="utf-8")) else []
     assert not broken
+
+
+def test_pages_are_named_by_links() -> None:
+    """A page that names another leads to it."""
+    named = {
+        page.relative_to(ROOT).as_posix(): names
+        for page in DOCS.rglob("*.md")
+        if page.name != "CHANGELOG.md"
+        and (names := re.findall(r"`(docs/[\w/-]+\.md)`", re.sub(r"(?ms)^```.*?^```$", "", page.read_text())))
+    }
+    assert not named
 
 
 def test_every_page_is_in_the_site() -> None:
@@ -124,6 +135,14 @@ class TestSite:
             assert (tmp_path / "pictures" / f"{name}.png").exists()
         for words in ("A round-nosed billet", "contactlab matrix two-bars", "[bodies.disc]", "exchange their momentum"):
             assert words in text
+
+    def test_cost_is_that_of_compiled_kernels(self, tool: ModuleType) -> None:
+        """The first run of a scene on a machine compiles them, and no later one does."""
+        summary = {"cost": {"run_cpu_s": 18.5, "compile_s": 18.0}, "steps": 1}
+        results = SimpleNamespace(summary=summary, status="finished")
+        assert sys.modules["gallery"].cost(results) == "1 step; 0.5 s of one core"
+        results = SimpleNamespace(summary=summary | {"steps": 40_000}, status="timed-out")
+        assert sys.modules["gallery"].cost(results) == "40 000 steps, stopped there; 0.5 s of one core"
 
     def test_cases_of_the_gallery_lead_to_their_numbers(self, tool: ModuleType) -> None:
         registry = default_registry()

@@ -19,6 +19,7 @@ from contactlab.matrix.plan import Request, plan
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene, bundled_scenes, load_scene
+from contactlab.studies.measure_run import without_compilation
 
 MOST_STEPS = 40_000
 """Of a run for the gallery: longer ones are shown as far as they came, and say so."""
@@ -99,7 +100,9 @@ def _figure(entry: Entry, folder: Path, runs: bool) -> str:
         said = cost(results)
     rest = [entry.more, link, f"<code>{escape(entry.command)}</code>"]
     toml = f"<details><summary>TOML</summary><pre>{escape(entry.toml)}</pre></details>"
-    words = f"<p><b>{title}</b>: {escape(entry.words)}</p>" + (f"<p>{said}</p>" if said else "")
+    words = f"<p><b>{title}</b>: {escape(entry.words[:1].upper() + entry.words[1:])}</p>" + (
+        f"<p>{said}</p>" if said else ""
+    )
     return (
         f'<figure id="{entry.name}">{"".join(pictures)}<figcaption>{words}{toml}'
         f"<p>{'<br>'.join(text for text in rest if text)}</p></figcaption></figure>"
@@ -135,8 +138,8 @@ def _end_of(results: Results, file: Path) -> list[str]:
 
 
 def cost(results: Results) -> str:
-    """What the run took, and whether it is all of the scene's."""
-    seconds = float(results.summary["cost"]["run_cpu_s"])
-    steps = f"{results.summary['steps']:,} steps".replace(",", " ")
+    """What the run took with its timeline, once compiled, and whether it is all of the scene's."""
+    seconds, count = without_compilation(results.summary["cost"], "run_cpu_s"), int(results.summary["steps"])
+    steps = f"{count:,} step{'' if count == 1 else 's'}".replace(",", " ")
     stopped = {"finished": "", "timed-out": ", stopped there"}.get(results.status, f", {results.status}")
     return f"{steps}{stopped}; {seconds:.2g} s of one core"

@@ -17,7 +17,7 @@ from contactlab.accuracy.lines import Line, front
 from contactlab.accuracy.run import Accuracy, Asked
 from contactlab.accuracy.solved import BEST, Solved
 from contactlab.api.drawing.colours import REFERENCE, styles
-from contactlab.reports.figures import FAINT, INK, MUTED, house_style, note
+from contactlab.reports.figures import FAINT, INK, MUTED, house_style, note, span_at_least
 from contactlab.reports.numbers import percent, significant
 
 _DASHES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)), (0, (8, 2, 1, 2)), (0, (3, 1)))
@@ -130,12 +130,9 @@ def _worth(line: Line) -> float:
 
 
 def _scales(axes: Axes) -> None:
+    span_at_least(axes, _LEAST_RANGE)
     for axis, text in ((axes.xaxis, significant), (axes.yaxis, percent)):
         low, high = axes.get_xlim() if axis is axes.xaxis else axes.get_ylim()
-        if high < _LEAST_RANGE * low:
-            middle = math.sqrt(low * high)
-            low, high = middle / math.sqrt(_LEAST_RANGE), middle * math.sqrt(_LEAST_RANGE)
-            (axes.set_xlim if axis is axes.xaxis else axes.set_ylim)(low, high)
         subdivisions = (1.0,) if high / low > 60.0 else (1.0, 3.0) if high / low > 8.0 else (1.0, 2.0, 5.0)
         axis.set_major_locator(LogLocator(subs=subdivisions, numticks=9))
         axis.set_major_formatter(FuncFormatter(lambda value, _, text=text: text(value, 1)))

@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from contactlab.api.drawing.colours import REFERENCE, Style
-from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
+from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note, span_at_least
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.series import series_of, series_styles
 from contactlab.studies.table import Row, Table
@@ -22,6 +22,7 @@ _LINES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)))
 
 _NAMED = 6  # runs without a point that are named above a plot
 
+_LEAST_RANGE = 5.0  # of an axis, largest over least
 _FAR_BELOW = 0.4  # of the lowest error drawn: where the reference's own error needs no room in the plot
 
 
@@ -93,6 +94,7 @@ def _scales(axes: Axes, rows: Sequence[Row]) -> None:
         axis.set_major_formatter(FuncFormatter(lambda value, _, text=text: text(value, 1)))
         axis.set_minor_formatter(NullFormatter())
     axes.margins(0.09, 0.12)
+    span_at_least(axes, _LEAST_RANGE)
 
 
 def _subdivisions(values: Sequence[float]) -> tuple[float, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -78,6 +79,15 @@ def inline_svg(figure: Figure, name: str, description: str) -> str:
     svg = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", svg, count=1)
     svg = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", svg, count=1)
     return svg.replace("<svg", f'<svg role="img" aria-label="{description}"', 1)
+
+
+def span_at_least(axes: Axes, factor: float) -> None:
+    """Widen logarithmic axes to this ratio of their ends: close points look close, and ticks get unlike labels."""
+    for limits, widen in ((axes.get_xlim(), axes.set_xlim), (axes.get_ylim(), axes.set_ylim)):
+        low, high = limits
+        if high < factor * low:
+            middle = math.sqrt(low * high)
+            widen(middle / math.sqrt(factor), middle * math.sqrt(factor))
 
 
 def note(axes: Axes, text: str, *, y: float = 0.5, colour: str = MUTED) -> None:

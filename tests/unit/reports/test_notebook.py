@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import io
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -123,6 +124,9 @@ class TestResults:
         curve = results.contact["contacts.0"].last
         (axes,) = curve.plot("mm N s t").axes
         assert "MPa" in axes.get_ylabel()
+        written = io.BytesIO()
+        results.plot().savefig(written, dpi=110)
+        assert written.getvalue() == results.plot()._repr_png_()  # a file looks as the notebook does
         film = results.animate("displacement", stride=2)
         film._draw_was_started = True
         film._draw_frame(1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -88,6 +89,18 @@ class TestCost:
         assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
         assert "[s]" in axes.get_xlabel()
         assert "[%]" in axes.get_ylabel()
+
+    def test_ticks_differ_where_all_runs_cost_the_same(self, table: Table) -> None:
+        rows = [
+            replace(row, measures={**row.measures, "cpu_s": 0.708 + 0.004 * number, "pressure_error": 0.01})
+            for number, row in enumerate(table.rows[:3])
+        ]
+        figure = cost_figure(replace(table, rows=rows))
+        figure.draw_without_rendering()
+        (axes,) = figure.axes
+        for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+            shown = [tick.label1.get_text() for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+            assert len(shown) == len(set(shown)) >= 2
 
     def test_runs_that_did_not_finish_are_crossed_or_named(self, table: Table) -> None:
         axes = cost_figure(table).axes[0]

@@ -32,10 +32,14 @@ BODIES = ("#dfe6ee", "#efe5d8", "#e2ecdf", "#ece0ea", "#f0e9c9", "#d9ebec")
 class Plot(Figure):
     """A figure that shows itself in a notebook, whether or not pyplot is used there."""
 
+    def savefig(self, *arguments: Any, **settings: Any) -> None:
+        """Write the figure as it is shown: what is only made when it is drawn has fonts of the house, too."""
+        with house_style():
+            super().savefig(*arguments, **settings)
+
     def _repr_png_(self) -> bytes:
         buffer = io.BytesIO()
-        with house_style():
-            self.savefig(buffer, format="png", dpi=110)
+        self.savefig(buffer, format="png", dpi=110)
         return buffer.getvalue()
 
 
