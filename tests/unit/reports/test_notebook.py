@@ -10,6 +10,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 import contactlab
@@ -19,9 +20,11 @@ from contactlab.matrix.cell import CellResult
 from contactlab.matrix.plan import Request, plan
 from contactlab.matrix.run import Matrix
 from contactlab.parts.registry import default_registry
+from contactlab.reports.figures import house_style
 from contactlab.reports.notebook.bar import notebook_bar
 from contactlab.reports.notebook.fields import moment_of, names_of, values_of
 from contactlab.reports.notebook.libraries import library
+from contactlab.reports.notebook.pictures import _colour_bar, _frame_of, _label
 from contactlab.results.precision import SHOWN
 from contactlab.results.results import Results
 from contactlab.scene.scene import bundled_scenes, load_scene
@@ -119,14 +122,22 @@ class TestResults:
         with pytest.raises(RequestError, match="there is no such"):
             results.plot(field, frame)
 
+    def test_a_title_above_wide_axes_with_colours_is_not_cut_off(self) -> None:
+        with house_style():
+            figure, axes = _frame_of([np.array([[-0.924, -0.3], [0.924, 0.442]])])
+            drawn = axes.add_collection(PolyCollection([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]], array=np.zeros(1)))
+            drawn.set_clim(0.0, 3900.0)
+            _colour_bar(figure, axes, drawn, "von Mises stress [MPa]")
+            _label(axes, "mm N s t", "")
+            title = axes.set_title("disc-on-block")
+        figure.savefig(io.BytesIO(), dpi=100)
+        assert title.get_window_extent().y1 <= figure.bbox.y1 - 1.0
+
     def test_figures_and_films(self, results: Results) -> None:
         assert isinstance(results.plot("stress_yy", frame=0), Figure)
         curve = results.contact["contacts.0"].last
         (axes,) = curve.plot("mm N s t").axes
         assert "MPa" in axes.get_ylabel()
-        written = io.BytesIO()
-        results.plot().savefig(written, dpi=110)
-        assert written.getvalue() == results.plot()._repr_png_()  # a file looks as the notebook does
         film = results.animate("displacement", stride=2)
         film._draw_was_started = True
         film._draw_frame(1)

@@ -33,8 +33,9 @@ class Plot(Figure):
     """A figure that shows itself in a notebook, whether or not pyplot is used there."""
 
     def savefig(self, *arguments: Any, **settings: Any) -> None:
-        """Write the figure as it is shown: what is only made when it is drawn has fonts of the house, too."""
+        """Write the figure. Its layout takes two passes: after one alone, a title above wide axes may be cut off."""
         with house_style():
+            self.draw_without_rendering()
             super().savefig(*arguments, **settings)
 
     def _repr_png_(self) -> bytes:
