@@ -130,7 +130,8 @@ def seen_from(folder: Path, text: str, before: Path) -> str:
     for path in _texts(tomllib.loads(text)):
         if path and not Path(path).is_absolute() and _is_file(before / path):
             moved = Path(os.path.relpath(before / path, folder)).as_posix()
-            text = re.sub(rf"""(?<=["']){re.escape(path)}(?=["'])""", lambda _, moved=moved: moved, text)
+            for mark in ('"', "'"):
+                text = text.replace(f"{mark}{path}{mark}", f"{mark}{moved}{mark}")
     return text
 
 
