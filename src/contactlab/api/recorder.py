@@ -84,13 +84,13 @@ class Recorder(ABC):
 
     @property
     def on_view(self) -> bool:
-        """Whether the file is made when it is first looked at, in runs whose results another recorder stores."""
+        """Whether the file is made at the first view, in runs whose results another recorder stores."""
         return False
 
     def check(self, layout: Layout) -> None:  # noqa: B027 - nothing is a fine answer
-        """Raise ValueError where a run of this layout lacks what the fields ask for.
+        """Check that a run of this layout has what the fields ask for. Raises ValueError where it has not.
 
-        Called before the first step for recorders that work `on_view`; all others raise it from `open`.
+        Called before the first step for recorders that work `on_view`; of all others `open` does it.
         """
 
     @abstractmethod

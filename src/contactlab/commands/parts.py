@@ -97,15 +97,20 @@ def _print_parts(usable: list[Offer], broken: list[Broken], commands: Any) -> No
 
 
 def _parts_table(usable: list[Offer], width: int) -> Table:
-    """Each kind is named once; packages, and where a part was published, only show where there is room."""
+    """Each kind is named once; a narrow table names each package in a line above its parts."""
     roomy = width >= ROOM_TO_SPARE
     shown = table("kind", "name", *(("from",) if roomy else ()), "what it is", *(("published in",) if roomy else ()))
     for column in shown.columns[: 3 if roomy else 2]:
         column.no_wrap = True
-    kind = ""
+    kind = package = ""
     for offer in usable:
-        part = offer.part
-        package, published = ((str(offer.origin),), (part.reference,)) if roomy else ((), ())
-        add_row(shown, part.kind if part.kind != kind else "", part.name, *package, part.summary, *published)
-        kind = part.kind
+        part, origin = offer.part, str(offer.origin)
+        new = part.kind if part.kind != kind else ""
+        if roomy:
+            add_row(shown, new, part.name, origin, part.summary, part.reference)
+        else:
+            if new or origin != package:
+                add_row(shown, new, "", f"from {origin}:")
+            add_row(shown, "", part.name, part.summary)
+        kind, package = part.kind, origin
     return shown
