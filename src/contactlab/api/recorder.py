@@ -88,7 +88,7 @@ class Recorder(ABC):
         return False
 
     def check(self, layout: Layout) -> None:  # noqa: B027 - nothing is a fine answer
-        """Make sure that a run of this layout has what the fields ask for. Raises ValueError where it has not.
+        """A run of this layout must have what the fields ask for. Raises ValueError where it has not.
 
         Called before the first step for recorders that work `on_view`; of all others `open` does it.
         """
