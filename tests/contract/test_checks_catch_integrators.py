@@ -152,7 +152,7 @@ def test_every_check_has_a_wrong_part() -> None:
 
 
 def test_every_duty_of_the_base_class_has_a_check() -> None:
-    numbers = [int(number) for number in re.findall(r"^ +(\d+)\. ", Integrator.__doc__ or "", re.MULTILINE)]
+    numbers = [int(number) for number in re.findall(r"^ *(\d+)\. ", Integrator.__doc__ or "", re.MULTILINE)]
     assert numbers == list(range(1, len(numbers) + 1)) == list(integrator.DUTIES)
     assert all(integrator.DUTIES.values())
 

@@ -122,7 +122,8 @@ def _limits(axes: Axes, rows: Sequence[Row], reference: Reference | None) -> Non
         return
     margin = _MARGIN * (right - left)
     axes.set_xlim(left - margin, right + margin)
-    axes.set_ylim(-0.08 * top, top)
+    if top > 0.0:  # nothing was pressed yet: matplotlib's own limits
+        axes.set_ylim(-0.08 * top, top)
 
 
 def _mark_cut_peaks(
