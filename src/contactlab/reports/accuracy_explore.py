@@ -15,20 +15,19 @@ from bokeh.models import (
     HoverTool,
     TapTool,
 )  # fmt: skip
-from bokeh.plotting import figure
 from bokeh.resources import Resources
 
 from contactlab.accuracy.lines import CLEAR, Line, front
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy
 from contactlab.reports.accuracy_plots import Look, looks, parts_of
+from contactlab.reports.bokeh_figures import GREY, page_figure
 from contactlab.reports.templates import filled
 
 Place = tuple[str, str, str, int]
 """Case, contender, slave, level of a point."""
 Columns = dict[str, list[Any]]
 
-_GREY = "#7d8590"  # read on white and on black
 _MARKERS = {"o": "circle", "s": "square", "D": "diamond", "^": "triangle", "v": "inverted_triangle", "P": "cross"}
 _DASHES = ("solid", "dashed", "dotted", "dotdash", "dashdot", [8, 4])
 _TIPS = [
@@ -62,27 +61,24 @@ def library() -> str:
 
 
 def _plot(found: Accuracy, lines: Sequence[Line], pages: Mapping[Place, str], case: str) -> Any:
-    plot = figure(
-        x_axis_type="log", y_axis_type="log", height=460, sizing_mode="stretch_width", name="explore",
-        tools="pan,wheel_zoom,box_zoom,reset,save", active_drag="box_zoom", x_axis_label="CPU time [s]",
-        y_axis_label="relative error [%]", background_fill_alpha=0.0, border_fill_alpha=0.0, outline_line_alpha=0.3,
+    plot = page_figure(
+        x_axis_type="log", y_axis_type="log", height=460, name="explore", tools="pan,wheel_zoom,box_zoom,reset,save",
+        active_drag="box_zoom", x_axis_label="CPU time [s]", y_axis_label="relative error [%]", outline_line_alpha=0.3,
     )  # fmt: skip
     for axis in (plot.xaxis[0], plot.yaxis[0]):
-        axis.update(axis_label_text_color=_GREY, major_label_text_color=_GREY, axis_line_color=_GREY)
         axis.formatter = CustomJSTickFormatter(code=_TICK)
-    plot.grid.grid_line_alpha = 0.25
     chosen = looks(found)
     fronts, curves, points = _fronts(lines), _curves(lines, chosen), _points(lines, chosen, pages)
     shown = {name: _source(f"{name}-shown", _of_case(all_of, case)) for name, all_of in
              (("front", fronts), ("curves", curves), ("points", points))}  # fmt: skip
-    plot.multi_line("xs", "ys", source=shown["front"], color=_GREY, line_width=7, alpha=0.3)
+    plot.multi_line("xs", "ys", source=shown["front"], color=GREY, line_width=7, alpha=0.3)
     plot.multi_line("xs", "ys", source=shown["curves"], color="colour", line_dash="dash", line_width=1.4)
     dots = plot.scatter("x", "y", source=shown["points"], marker="marker", size=9, line_color="colour",
                         fill_color="colour", fill_alpha="fill")  # fmt: skip
     plot.add_tools(HoverTool(renderers=[dots], tooltips=_TIPS), TapTool(
         renderers=[dots], callback=CustomJS(args={"source": shown["points"]}, code=_TAP)))  # fmt: skip
     top = next(100.0 * CLEAR * asked.uncertainty for asked in found.asked if asked.label == case)
-    plot.add_layout(BoxAnnotation(top=top, fill_color=_GREY, fill_alpha=0.15, line_alpha=0.0, name="unclear"))
+    plot.add_layout(BoxAnnotation(top=top, fill_color=GREY, fill_alpha=0.15, line_alpha=0.0, name="unclear"))
     every = {name: _source(f"{name}-all", all_of) for name, all_of in
              (("front", fronts), ("curves", curves), ("points", points))}  # fmt: skip
     plot.tags = list(every.values())

@@ -11,7 +11,6 @@ from typing import Any
 import bokeh
 import numpy as np
 from bokeh.embed import components
-from bokeh.plotting import figure
 
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy
@@ -19,6 +18,7 @@ from contactlab.api import Record
 from contactlab.api.drawing.colours import STYLES
 from contactlab.archive.archive import FILE, Archive
 from contactlab.reports.accuracy_explore import Place
+from contactlab.reports.bokeh_figures import page_figure
 from contactlab.reports.html import ASSETS
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.templates import filled
@@ -27,7 +27,6 @@ from contactlab.studies.system import machine
 FOLDER = "runs"
 LIBRARY = "bokeh.min.js"
 _PREFIX = "energy."
-_GREY = "#7d8590"
 _COLOURS = tuple(style.colour for style in STYLES)
 
 
@@ -108,12 +107,6 @@ def _energy(record: Record) -> Any:
 
 
 def _plot(title: str, x: str, y: str) -> Any:
-    plot = figure(
-        title=title, x_axis_label=x, y_axis_label=y, height=340, sizing_mode="stretch_width",
-        tools="pan,wheel_zoom,box_zoom,reset,save,hover", background_fill_alpha=0.0, border_fill_alpha=0.0,
-    )  # fmt: skip
-    for axis in (plot.xaxis[0], plot.yaxis[0]):
-        axis.update(axis_label_text_color=_GREY, major_label_text_color=_GREY, axis_line_color=_GREY)
-    plot.title.text_color = _GREY
-    plot.grid.grid_line_alpha = 0.25
-    return plot
+    return page_figure(
+        title=title, x_axis_label=x, y_axis_label=y, height=340, tools="pan,wheel_zoom,box_zoom,reset,save,hover"
+    )
