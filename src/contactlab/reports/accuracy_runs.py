@@ -26,6 +26,8 @@ from contactlab.studies.system import machine
 
 FOLDER = "runs"
 LIBRARY = "bokeh.min.js"
+TAIL = 200
+"""Bytes at the end of a page that hold the key of its run."""
 _PREFIX = "energy."
 _COLOURS = tuple(style.colour for style in STYLES)
 
@@ -48,7 +50,7 @@ def _page(archive: Archive, point: Point, folder: Path) -> str:
     name = f"{point.case} {point.contender} {point.slave} {point.level}".replace(",", "").replace("/", "-")
     path = folder / FOLDER / f"{name.replace(' ', '_')}.html"
     where = f"{FOLDER}/{path.name}"
-    if path.exists() and key in path.read_text(encoding="utf-8")[-200:]:
+    if path.exists() and key in _tail(path):
         return where
     record, scene = archive.record(key, machine()), archive.scene(key, machine())
     if record is None:
@@ -66,6 +68,13 @@ def _page(archive: Archive, point: Point, folder: Path) -> str:
     )  # fmt: skip
     path.write_text(text, encoding="utf-8")
     return where
+
+
+def _tail(path: Path) -> str:
+    """The end of a page, where its key stands."""
+    with path.open("rb") as file:
+        file.seek(max(0, path.stat().st_size - TAIL))
+        return file.read().decode("utf-8", errors="replace")
 
 
 def _facts(point: Point, record: Record) -> dict[str, str]:
