@@ -54,20 +54,24 @@ def _inner(curve: ContactCurve) -> Ints:
 
 
 def largest_turn(curve: ContactCurve) -> float:
-    """Largest angle [rad] between the deformed segments at a pressed node."""
-    return float(_turns(curve)[0].max(initial=0.0))
+    """Largest angle [rad] between deformed segments at a pressed node or one beside it.
+
+    The pressure of a node lies on both segments beside it: one node that is pressed alone tells nothing of how much
+    these lean.
+    """
+    pressed = np.flatnonzero(curve.nodal_pressure > 0.0)
+    return float(_turns(curve, np.unique([pressed - 1, pressed, pressed + 1]))[0].max(initial=0.0))
 
 
 def pressed_depth(curve: ContactCurve) -> float:
     """Largest depth [mm] of the deformed facets beside pressed nodes: length times angle over 8. Corners are none."""
-    angle, length = _turns(curve)
+    angle, length = _turns(curve, np.flatnonzero(curve.nodal_pressure > 0.0))
     return float(np.where(angle < CORNER, angle * length / 8.0, 0.0).max(initial=0.0))
 
 
-def _turns(curve: ContactCurve) -> tuple[Floats, Floats]:
-    """Angles [rad] between the deformed segments at pressed nodes, and the longer one's length [mm]."""
-    pressed = np.flatnonzero(curve.nodal_pressure > 0.0)
-    inner = pressed[(pressed > 0) & (pressed < len(curve.x) - 1)]
+def _turns(curve: ContactCurve, at: Ints) -> tuple[Floats, Floats]:
+    """Angles [rad] between the deformed segments at some nodes (m,), and the longer one's length [mm]."""
+    inner = at[(at > 0) & (at < len(curve.x) - 1)]
     inner = inner[curve.chain[inner - 1] == curve.chain[inner + 1]]
     along = np.diff(curve.x), np.diff(curve.y)
     angle, length = np.arctan2(along[1], along[0]), np.hypot(*along)

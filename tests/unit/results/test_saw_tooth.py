@@ -70,3 +70,17 @@ def test_turns_and_depths_are_those_of_a_circle() -> None:
     step = angle[1] - angle[0]
     assert largest_turn(arc) == pytest.approx(step, rel=1e-6)
     assert pressed_depth(arc) == pytest.approx(radius * (1.0 - np.cos(0.5 * step)), rel=1e-3)
+
+
+def test_a_node_that_alone_is_pressed_turns_as_its_neighbours_do() -> None:
+    """Both segments beside it may lie in one line, flattened or by chance; their other ends turn."""
+    radius, angle = 5.0, np.linspace(-0.2, 0.2, NODES)
+    alone = np.zeros(NODES)
+    alone[20] = 1.0
+    arc = curve(alone, y=radius * np.cos(angle))
+    y = arc.y.copy()
+    y[20] = 0.5 * (y[19] + y[21])
+    flat = ContactCurve(**{**vars(arc), "x": radius * np.sin(angle), "y": y})
+    assert largest_turn(flat) == pytest.approx(1.5 * (angle[1] - angle[0]), rel=1e-3)
+    nothing = ContactCurve(**{**vars(flat), "nodal_pressure": np.zeros(NODES)})
+    assert largest_turn(nothing) == 0.0
