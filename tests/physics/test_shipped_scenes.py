@@ -14,7 +14,7 @@ MEANT = {
     "corner-slide": {"contact-energy"},
 }
 """Warnings that a scene deserves and is meant to have."""
-ELSEWHERE = {"three-body-forging"}  # test_forging.py runs it, half a minute long
+ELSEWHERE = {"three-body-forging"}  # case forging of the quick matrix runs it on cells twice as long
 
 
 @pytest.mark.parametrize("name", sorted({*bundled_scenes()} - ELSEWHERE))

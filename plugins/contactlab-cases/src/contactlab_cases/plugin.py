@@ -20,6 +20,7 @@ MEASURES = (
     ("pressure-centre", "measures:PressureCentre", "where the resultant of the pressure acts"),
     ("peak-error", "measures:PeakError", "largest pressure against that of the reference"),
 )
+REFERENCES = (("even-compression", "even_compression:EvenCompression", "two layers pressed evenly, exact"),)
 CASES = (
     ("patch", "patch:Patch", "patch test", "Taylor & Papadopoulos 1991"),
     ("hertz", "hertz:Hertz", "cylinder on a block, like materials", "Johnson 1985"),
@@ -66,6 +67,13 @@ CASES = (
     ("tresca-block", "tresca_block:TrescaBlock", "block with Tresca friction", "Baillet & Sassi 2005"),
     ("ironing", "ironing:Ironing", "shallow ironing", "Fischer & Wriggers 2006"),
     ("disc-on-block", "disc_on_block:DiscOnBlock", "disc pressed deep into a block", "Baillet & Sassi 2005"),
+    ("forging", "forging:Forging", "forging of three plastic bodies", "Baillet & Sassi 2005"),
+    (
+        "disc-with-friction",
+        "disc_with_friction:DiscWithFriction",
+        "disc on block loaded in time",
+        "Baillet & Sassi 2005",
+    ),
     ("taylor-bar", "taylor_bar:TaylorBar", "copper bar against a wall", "Taylor 1948"),
     ("wall-impact", "wall_impact:WallImpact", "bar against a wall, implicit", "Timoshenko & Goodier"),
     ("two-beams", "two_beams:TwoBeams", "two beams, one clamped", "Code_Aster SDNL111"),
@@ -85,9 +93,9 @@ CASES = (
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Offer the cases, one file each, the watches that they use, and measures of comparisons."""
+    """Offer the cases, one file each, the watches that they use, and measures and references of comparisons."""
     measures = [Part("measure", name, f"{PACKAGE}.{target}", says) for name, target, says in MEASURES]
     watches = [Part("watch", name, f"{PACKAGE}.{target}", says) for name, target, says in WATCHES]
-    return (
-        watches + measures + [Part("case", name, f"{PACKAGE}.{target}", says, ref) for name, target, says, ref in CASES]
-    )
+    references = [Part("reference", name, f"{PACKAGE}.{target}", says) for name, target, says in REFERENCES]
+    offered = watches + measures + references
+    return offered + [Part("case", name, f"{PACKAGE}.{target}", says, ref) for name, target, says, ref in CASES]
