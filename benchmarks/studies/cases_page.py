@@ -8,21 +8,19 @@ folder the page is written anew from there. A test compares page and rows.
 
 from __future__ import annotations
 
-import math
 import sys
 from pathlib import Path
 
+import case_rows
 import kept_rows
 from kept_rows import Row
 
-from contactlab.archive.archive import CHOICES, FILE, Archive
-from contactlab.matrix.plan import Request, plan
+from contactlab.archive.archive import CHOICES, FILE
+from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
 
 HERE = Path(__file__).parent
 STORED, PAGE = HERE / "cases.csv", HERE.parents[1] / "docs" / "cases.md"
-COLUMNS = (*CHOICES, "verdict", "measure", "role", "value", "least", "most", "unit", "cell", "reason")
-
 
 HEAD = """# Every case, with its numbers
 
@@ -34,32 +32,12 @@ allowed range are bold. {counts}
 
 def rows_of(archive: Path) -> list[Row]:
     """The newest cell of each configuration of the quick matrix, one row per measure; an archive may hold more."""
-    quick = {tuple(cell.choices.values()) for cell in plan(Request(), default_registry())}
-    seen: set[tuple[str, ...]] = set()
-    found: list[Row] = []
-    with Archive(archive, write=False) as kept:
-        for cell in kept.cells():
-            head = {name: str(cell[name]) for name in CHOICES}
-            key = tuple(head.values())
-            if key not in quick or key in seen or cell["verdict"] == "not-applicable":
-                continue
-            seen.add(key)
-            ends = {"cell": cell["verdict"], "reason": (cell["reason"] or "").splitlines()[0] if cell["reason"] else ""}
-            for m in cell["measures"]:
-                values = {name: short(m[name]) for name in ("value", "least", "most")}
-                own = {name: m[name] for name in ("verdict", "measure", "role", "unit")}
-                found.append({**head, **own, **values, **ends})
-    return found
-
-
-def short(value: float | None) -> str:
-    """A number as the page shows it; nothing for a bound that is none."""
-    return "" if value is None or math.isinf(value) else "nan" if math.isnan(value) else f"{value:.4g}"
+    return case_rows.rows_of(archive, case_rows.asked(Request()))
 
 
 def keep(rows: list[Row]) -> None:
-    """Put rows into cases.csv."""
-    kept_rows.write(STORED, COLUMNS, rows)
+    """Put rows into cases.csv, in place of those of the same cells."""
+    kept_rows.write(STORED, case_rows.COLUMNS, case_rows.merged(stored(), rows, case_rows.asked(Request())))
 
 
 def stored() -> list[Row]:

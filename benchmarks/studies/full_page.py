@@ -2,7 +2,8 @@
 
     contactlab matrix --full --out runs/full && make pages CASES=runs/full
 
-The newest cell of each configuration is kept in full_matrix.csv, one row each. Every kind of cell that is silent, that
+The newest cell of each configuration is kept in full_matrix.csv, one row each; a folder with some of the cases brings
+the rows of those. Every kind of cell that is silent, that
 failed or was not judged has its cause in full_causes.py, and so have numbers that are missed, where it is known.
 """
 
@@ -13,12 +14,13 @@ from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
 
+import case_rows
 import kept_rows
 from full_causes import CAUSES, UNKNOWN, why_missed
 from kept_rows import Row
 
 from contactlab.archive.archive import CHOICES, Archive
-from contactlab.matrix.plan import Request, plan
+from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
 
 HERE = Path(__file__).parent
@@ -45,11 +47,11 @@ not judged (n) cells.
 
 def rows_of(archive: Path) -> list[Row]:
     """The newest cell of each configuration of the full matrix; an archive may hold more."""
-    asked = {tuple(cell.choices.values()) for cell in plan(Request(full=True), default_registry())}
+    asked = case_rows.asked(Request(full=True))
     seen: dict[tuple[str, ...], Row] = {}
     with Archive(archive, write=False) as kept:
         for cell in kept.cells():
-            key = tuple(str(cell[name]) for name in CHOICES)
+            key = case_rows.key_of(cell)
             if key in asked and key not in seen and cell["verdict"] != "not-applicable":
                 reason = " ".join((cell["reason"] or "").split())[:90]
                 ends = {"verdict": str(cell["verdict"]), "cpu_s": f"{cell['cpu_s']:.1f}", "reason": reason}
@@ -58,8 +60,8 @@ def rows_of(archive: Path) -> list[Row]:
 
 
 def keep(rows: list[Row]) -> None:
-    """Put rows into full_matrix.csv; what is met needs no reason."""
-    kept_rows.write(STORED, COLUMNS, rows)
+    """Put rows into full_matrix.csv, in place of those of the same cells; what is no longer planned leaves."""
+    kept_rows.write(STORED, COLUMNS, case_rows.merged(stored(), rows, case_rows.asked(Request(full=True))))
 
 
 def stored() -> list[Row]:

@@ -5,8 +5,9 @@
     python benchmarks/studies/pages.py runs/demo    # first takes rows and pictures of the comparison there
     python benchmarks/studies/pages.py --check      # writes nothing; exit status 1 where a page is stale
 
-docs/cases.md and full-matrix.md come from the archive of `contactlab matrix`; docs/hard-cases.md, statics-cases.md,
-friction.md and paper.md from the rows that their studies keep; the front page has pictures and numbers of `make demo`.
+docs/cases.md, full-matrix.md, hard-cases.md, statics-cases.md and friction.md come from archives of `contactlab matrix`
+(what studies add on finer meshes is marked there); docs/paper.md from the numbers of its figures; the front page has
+pictures and numbers of `make demo`. A folder may hold some of the cases: the others stay as they are kept.
 Numbers in prose are marks in a page's source, filled like tables.
 """
 
@@ -22,6 +23,7 @@ DOCS = HERE.parents[1] / "docs"
 sys.path[:0] = [str(HERE), str(HERE / "paper")]
 
 import bundled_scenes  # noqa: E402
+import case_rows  # noqa: E402
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
 import effect_costs  # noqa: E402
@@ -93,10 +95,12 @@ def _keep(folder: Path) -> None:
     if (folder / "study.toml").exists():
         demo_page.keep(folder)
         return
-    rows = full_page.rows_of(folder / cases_page.FILE)
-    if any(row["slave"] == "exchanged" for row in rows):  # the quick matrix has none
+    archive = folder / cases_page.FILE
+    rows = full_page.rows_of(archive)
+    if any(row["slave"] == "exchanged" or row["variant"] for row in rows):  # the quick matrix has none
         full_page.keep(rows)
-    cases_page.keep(cases_page.rows_of(folder / cases_page.FILE))
+    cases_page.keep(cases_page.rows_of(archive))
+    case_rows.keep(archive)
 
 
 def main(words: list[str]) -> int:

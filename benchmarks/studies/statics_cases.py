@@ -1,9 +1,9 @@
-"""Static and implicit scenes with exact or published answers: what was measured, what must come out, the verdict.
+"""docs/statics-cases.md: rows of all cells of static and implicit cases (case_rows.py), and what a study adds to them.
 
-    python benchmarks/studies/statics_cases.py [CASE ...]
+    python benchmarks/studies/statics_cases.py [STUDY ...]
 
-Measured rows are kept in statics_cases.csv, those of the cases named are made anew (all without a name), and
-docs/statics-cases.md is written from them. With `page` in place of cases nothing is measured.
+measures a study on meshes finer than those of a matrix (all without a name), whose rows are kept in statics_cases.csv.
+With `page` in place of studies nothing is measured.
 """
 
 from __future__ import annotations
@@ -13,43 +13,25 @@ from collections.abc import Callable
 from pathlib import Path
 from time import process_time
 
+import case_rows
 import kept_rows
+from case_tables import counts, table
 from kept_rows import Row
-from statics.bars import case_bars, case_beams, case_bouncing, case_rest
 from statics.common import Figure, Rows
-from statics.hertz import case_cgs1, case_contrast, case_incompressible, case_mesh_ratio
+from statics.hertz import case_cgs1
 from statics.ironing import case_ironing, case_ironing_converged
 from statics.mindlin import case_mindlin
-from statics.patches import case_patch, case_patch_ratio
-from statics.plates import case_high_friction, case_plate, case_pulled_block, case_tresca
-from statics.punches import case_elastic_punch, case_rigid_punch
 
 HERE = Path(__file__).parent
 STORED, TEXT = HERE / "statics_cases.csv", HERE / "statics_cases.md"
 PAGE = HERE.parents[1] / "docs" / "statics-cases.md"
 COLUMNS = ("case", "variant", "measured", "value", "criterion", "verdict")
 
-CASES: dict[str, Callable[[], Rows]] = {
-    "patch": case_patch,
-    "patch-ratio": case_patch_ratio,
-    "tresca": case_tresca,
-    "hertz": case_cgs1,
-    "mindlin": case_mindlin,
-    "rigid-punch": case_rigid_punch,
-    "elastic-punch": case_elastic_punch,
-    "plate": case_plate,
-    "high-friction": case_high_friction,
-    "pulled-block": case_pulled_block,
-    "contrast": case_contrast,
-    "incompressible": case_incompressible,
-    "mesh-ratio": case_mesh_ratio,
-    "bar": case_bars,
-    "bouncing": case_bouncing,
-    "beams": case_beams,
-    "rest": case_rest,
-    "ironing": case_ironing,
-    "ironing-converged": case_ironing_converged,
-}
+STUDIES: dict[str, Callable[[], Rows]] = {
+    "hertz": case_cgs1, "mindlin": case_mindlin, "ironing": case_ironing, "ironing-converged": case_ironing_converged,
+}  # fmt: skip
+WORST_OVER = {"patch": ("variant",)}
+"""Choices of which a table shows the worst."""
 
 
 def row(case: str, variant: str, figure: Figure) -> Row:
@@ -70,21 +52,21 @@ def stored() -> list[Row]:
 def store(case: str, found: list[Row]) -> None:
     """Rows of a case in place of its former ones, whatever other processes wrote meanwhile."""
     rows = [kept for kept in stored() if kept["case"] != case] + found
-    rows.sort(key=lambda kept: list(CASES).index(kept["case"]))
+    rows.sort(key=lambda kept: list(STUDIES).index(kept["case"]))
     kept_rows.write(STORED, COLUMNS, rows)
 
 
 def measure(case: str) -> None:
     """Make the rows of a case anew; they are also printed as they come."""
     began, found = process_time(), []
-    for variant, figures in CASES[case]():
+    for variant, figures in STUDIES[case]():
         found += [row(case, variant, figure) for figure in figures]
         print(f"{case}: {variant} | " + " | ".join(map(str, figures)), flush=True)
     store(case, found)
     print(f"{case}: {process_time() - began:.0f} s of CPU", file=sys.stderr, flush=True)
 
 
-def table(rows: list[Row]) -> list[str]:
+def study_table(rows: list[Row]) -> list[str]:
     """One line per variant, one column per measured number; what misses its criterion is bold."""
     if not rows:
         return ["Not run yet."]
@@ -105,21 +87,23 @@ def table(rows: list[Row]) -> list[str]:
 
 
 def page(rows: list[Row]) -> str:
-    """docs/statics-cases.md."""
-    text = TEXT.read_text()
-    for case in CASES:
-        text = text.replace(f"<!-- {case} -->", "\n".join(table([kept for kept in rows if kept["case"] == case])))
-    judged = [kept for kept in rows if kept["verdict"]]
-    missed = sum(kept["verdict"].startswith("**") for kept in judged)
-    return text.replace("<!-- counts -->", f"Of {len(judged)} judged numbers {missed} miss their criterion (bold).")
+    """docs/statics-cases.md from the rows of the studies, and those of cells."""
+    text, cells = TEXT.read_text(), [row for row in case_rows.stored() if row["case"] in case_rows.STATICS]
+    for case in case_rows.STATICS:
+        own = [row for row in cells if row["case"] == case]
+        text = text.replace(f"<!-- {case} -->", "\n".join(table(own, WORST_OVER.get(case, ()))))
+    for study in STUDIES:
+        own = [kept for kept in rows if kept["case"] == study]
+        text = text.replace(f"<!-- study {study} -->", "\n".join(study_table(own)))
+    return text.replace("<!-- counts -->", f"Of {counts(cells)}")
 
 
 def main(cases: list[str]) -> None:
-    """Measure the named cases, keep the others, write the page."""
-    unknown = [case for case in cases if case not in (*CASES, "page")]
+    """Measure the named studies, keep the others, write the page."""
+    unknown = [case for case in cases if case not in (*STUDIES, "page")]
     if unknown:
-        sys.exit(f"no case {unknown[0]!r}; there are: {', '.join(CASES)}")
-    for case in [] if cases == ["page"] else cases or list(CASES):
+        sys.exit(f"no study {unknown[0]!r}; there are: {', '.join(STUDIES)}")
+    for case in [] if cases == ["page"] else cases or list(STUDIES):
         measure(case)
     PAGE.write_text(page(stored()))
 

@@ -21,9 +21,7 @@ from statics.common import (
     label,
     ordered,
     percent,
-    plane_strain,
     scene,
-    stopped,
     within,
 )
 
@@ -171,82 +169,3 @@ def case_cgs1() -> Rows:
                         percent("L2 of its values at these nodes", nodal),
                     ],
                 )
-
-
-def case_contrast() -> Rows:
-    """Moduli 1e4 apart, the disc stiff; a/h = 16 on the finer side or on both, the other side three times as coarse."""
-    modulus = 1.0 / (0.91 / 7e8 + 0.91 / 7e4)
-    # cells in a half-width of about 0.16: of the block, of the disc
-    for algorithm in MORTARS:
-        for swap in (False, True):
-            for block, disc in ((16, 16), (48, 16), (16, 48), (16, 16 / 3), (16 / 3, 16)):
-                h = 0.01575 / block
-                made = hertz(algorithm, swap, 10.0, (7e8, 7e4), h=h, ratio=block / disc, growth=1.02)
-                slave = "soft slave" if swap else "stiff slave"
-                variant = label(algorithm, slave, f"a/h soft {block:.3g}, stiff {disc:.3g}")
-                results = simulate(made)
-                yield variant, stopped(results) or hertz_figures(results, 10.0, modulus, (INF, INF, 0.04))
-
-
-def case_mesh_ratio() -> Rows:
-    """Cells ten times as long on the disc, or on the block; a/h = 8 on the finer or on the coarser side."""
-    modulus = plane_strain(70000.0, 0.3) / 2.0
-    for algorithm in MORTARS:
-        for swap in (False, True):
-            reference = force_of(simulate(hertz(algorithm, swap, h=0.01745 / 16, growth=1.02)))
-            for block, disc, element in (
-                (80, 8, "q1"), (8, 80, "q1"), (8, 0.8, "q1"), (0.8, 8, "q1"),
-                (80, 8, ("q2", "q1")), (8, 0.8, ("q2", "q1")),
-            ):  # fmt: skip
-                h = 0.01745 / block
-                results = simulate(hertz(algorithm, swap, h=h, ratio=block / disc, growth=1.02, element=element))
-                contact = results.summary["contacts"]["contacts.0"]
-                curved = "" if element == "q1" else ", q2 disc"
-                variant = label(algorithm, side(swap), f"a/h block {block:.3g}, disc {disc:.3g}{curved}")
-                fine_slave = (block > disc) == swap
-                a, _, _ = hertz_profile(force_of(results), 10.0, modulus)
-                depth = float(contact["max_penetration"]) / (a / max(block, disc))
-                yield (
-                    variant,
-                    [
-                        percent("force against like meshes", force_of(results) / reference - 1.0, 0.5),
-                        Figure("penetration / fine h", depth, most=0.02 if fine_slave else INF),
-                        *hertz_figures(results, 10.0, modulus, (INF, INF, INF))[:4],
-                    ],
-                )
-
-
-def soft_block(algorithm: str, element: str, h: float = 0.05) -> Scene:
-    """A rigid cylinder R = 8 on a block 40 x 20, E = 10, nu = 0.499."""
-    rows = graded_count(20.0, h, 1.15)
-    mesh = {
-        "use": "rectangle", "x": [-20.0, -1.5, 1.5, 20.0], "y": [-20.0, 0.0],
-        "cells": [[14, round(3.0 / h), 14], rows], "grading": [[0.02, 1.0, 50.0], 1.15 ** -(rows - 1)],
-    }  # fmt: skip
-    arc = {"centre": [0.0, 8.0], "radius": 8.0, "angles": [250.0, 290.0]}
-    return scene(
-        "soft",
-        1,
-        {"m": {"young": 10.0, "poisson": 0.499}},
-        {"slave": "block.top", "master": "cylinder", "algorithm": algorithm},
-        bodies={"block": {"element": element, "material": "m", "mesh": mesh}},
-        rigid={"cylinder": {"arc": arc, "segment": h, "uy": {"ramp": "linear", "to": -0.15}}},
-        supports=[{"on": "block.bottom", "ux": 0.0, "uy": 0.0}],
-    )
-
-
-def case_incompressible() -> Rows:
-    """Three elements; plain q1 is expected to lock."""
-    for algorithm in MORTARS:
-        for element in ("q1-fbar", "q2-lagrange", "q1"):
-            results = simulate(soft_block(algorithm, element))
-            judged = element == "q1-fbar"
-            aims = (0.04 if judged else INF, INF, INF)
-            curve = results.contact["contacts.0"].last
-            p = ordered(curve.x, curve.pressure)[1]
-            oscillation = float(np.abs(np.diff(p, 2)).sum() / np.abs(p).sum())
-            figures = hertz_figures(results, 8.0, plane_strain(10.0, 0.499), aims)[:4]
-            yield (
-                label(algorithm, element),
-                [*figures, Figure("oscillation", oscillation, most=0.1 if judged else INF)],
-            )

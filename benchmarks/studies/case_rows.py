@@ -1,0 +1,106 @@
+"""Rows of cells of `contactlab matrix` that pages show, taken from archives and kept in case_rows.csv.
+
+    contactlab matrix $(python benchmarks/studies/case_rows.py hard) --level 2 --out runs/hard
+    contactlab matrix --full $(python benchmarks/studies/case_rows.py statics friction) --out runs/statics
+    make pages CASES="runs/hard runs/statics"
+
+A row is one measure of a cell; invariants that are kept are left out. The newest cell of each configuration replaces an
+earlier one, and cells that are no longer planned leave.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import kept_rows
+from kept_rows import Row
+
+from contactlab.archive.archive import CHOICES, Archive
+from contactlab.matrix.plan import Request, plan
+from contactlab.parts.registry import default_registry
+
+STORED = Path(__file__).parent / "case_rows.csv"
+COLUMNS = (*CHOICES, "verdict", "measure", "role", "value", "least", "most", "unit", "cell", "reason")
+HARD = (
+    "bouncing-bar", "two-bars", "block-on-incline", "corner-slide", "vertex-to-vertex", "initial-overlap", "stack",
+    "dropped-block", "pressed-block", "spinning-pair",
+)  # fmt: skip
+STATICS = (
+    "patch", "tresca-block", "nafems-cgs1", "mindlin", "rigid-punch", "elastic-punch", "rough-plate", "pulled-block",
+    "stiffness-contrast", "incompressible", "mesh-ratio", "wall-impact", "two-beams", "resting-block", "ironing",
+)  # fmt: skip
+FRICTION = ("disc-with-friction",)
+GROUPS = {"hard": HARD, "statics": STATICS, "friction": FRICTION}
+
+Key = tuple[str, ...]
+
+
+def asked(*requests: Request) -> set[Key]:
+    """The configurations of all cells of some matrices."""
+    return {tuple(cell.choices.values()) for request in requests for cell in plan(request, default_registry())}
+
+
+def of_pages() -> set[Key]:
+    """The configurations that these pages show: hard cases on the finer meshes of level 2, the others in full."""
+    return asked(Request(HARD, levels=(2,)), Request((*STATICS, *FRICTION), full=True))
+
+
+def key_of(row: Mapping[str, Any]) -> Key:
+    """What tells the cell of a row from others."""
+    return tuple(str(row[name]) for name in CHOICES)
+
+
+def rows_of(archive: Path, wanted: set[Key], invariants: bool = True) -> list[Row]:
+    """The newest cell of each wanted configuration in an archive, one row per measure; kept invariants if asked for."""
+    seen: set[Key] = set()
+    found: list[Row] = []
+    with Archive(archive, write=False) as kept:
+        for cell in kept.cells():
+            key = key_of(cell)
+            if key in wanted and key not in seen and cell["verdict"] != "not-applicable":
+                seen.add(key)
+                found += _rows(cell, invariants)
+    return found
+
+
+def _rows(cell: Mapping[str, Any], invariants: bool) -> Iterable[Row]:
+    head = dict(zip(CHOICES, key_of(cell), strict=True))
+    told = cell["reason"] if cell["verdict"] != "met" or invariants else ""
+    ends = {"cell": str(cell["verdict"]), "reason": told.splitlines()[0] if told else ""}
+    shown = [m for m in cell["measures"] if invariants or m["role"] != "invariant" or m["verdict"] != "met"]
+    for m in shown:
+        values = {name: short(m[name]) for name in ("value", "least", "most")}
+        yield {**head, **{name: m[name] for name in ("verdict", "measure", "role", "unit")}, **values, **ends}
+    if not shown and not invariants:  # a cell that failed before it had a number
+        yield {**head, **ends}
+
+
+def short(value: float | None) -> str:
+    """A number as pages show it; nothing for a bound that is none."""
+    return "" if value is None or math.isinf(value) else "nan" if math.isnan(value) else f"{value:.4g}"
+
+
+def merged(kept: Sequence[Row], new: Sequence[Row], wanted: set[Key]) -> list[Row]:
+    """New rows in place of those of the same cells; only of configurations that are still planned, sorted by them."""
+    came = {key_of(row) for row in new}
+    rows = [row for row in kept if key_of(row) in wanted and key_of(row) not in came]
+    return sorted([*rows, *new], key=key_of)
+
+
+def keep(archive: Path) -> None:
+    """Take what the pages show from an archive."""
+    wanted = of_pages()
+    kept_rows.write(STORED, COLUMNS, merged(stored(), rows_of(archive, wanted, invariants=False), wanted))
+
+
+def stored() -> list[Row]:
+    """The rows that are kept."""
+    return kept_rows.read(STORED)
+
+
+if __name__ == "__main__":
+    print(*(case for group in sys.argv[1:] or GROUPS for case in GROUPS[group]))

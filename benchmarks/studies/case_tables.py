@@ -1,0 +1,103 @@
+"""Tables of cells for pages: a line per cell, or per group of variants with the worst of each number."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from itertools import groupby
+
+from case_rows import key_of
+from kept_rows import Row
+
+from contactlab.archive.archive import CHOICES
+
+Cell = Sequence[Row]
+HEADS = {"contact": "algorithm"}
+
+
+def cells_of(rows: Iterable[Row]) -> list[list[Row]]:
+    """The rows of each cell together."""
+    return [list(own) for _, own in groupby(sorted(rows, key=key_of), key_of)]
+
+
+def counts(rows: Iterable[Row]) -> str:
+    """How many cells have which verdict."""
+    verdicts = [cell[0]["cell"] for cell in cells_of(rows)]
+    order = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
+    told = ", ".join(f"{verdicts.count(v)} {v}" for v in order if v in verdicts or v == "silent")
+    return f"{len(verdicts)} cells: {told}."
+
+
+def table(rows: Sequence[Row], worst_over: Sequence[str] = ()) -> list[str]:
+    """One line per cell; cells that differ in `worst_over` alone share one, with their worst numbers.
+
+    Numbers that are not met are bold. What is the same in all cells is left out.
+    """
+    cells = cells_of(rows)
+    if not cells:
+        return ["Not run yet."]
+    told = [name for name in CHOICES[1:] if name not in worst_over and len({cell[0][name] for cell in cells}) > 1]
+    measures = list(dict.fromkeys(row["measure"] for row in rows if row["role"] not in ("invariant", "")))
+    heads = [*(HEADS.get(name, name) for name in told), *(head(rows, name) for name in measures), "verdict"]
+    lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
+    for chosen, group in groupby(sorted(cells, key=lambda c: _choice(c, told)), lambda c: _choice(c, told)):
+        own = list(group)
+        numbers = [_number([row for cell in own for row in cell if row["measure"] == name]) for name in measures]
+        choice = [text or "default" for text in chosen]
+        lines.append(f"| {' | '.join([*choice, *numbers, _verdict(own)])} |")
+    return lines
+
+
+def _choice(cell: Cell, told: Sequence[str]) -> tuple[str, ...]:
+    return tuple(cell[0][name] for name in told)
+
+
+def head(rows: Iterable[Row], measure: str) -> str:
+    """A measure with its unit and what is allowed: the strictest and the widest where cells differ."""
+    own = [row for row in rows if row["measure"] == measure]
+    unit = f" [{own[0]['unit']}]" if own[0]["unit"] else ""
+    if own[0]["role"] == "reported":
+        return measure + unit
+    bounds = sorted({(row["least"], row["most"]) for row in own}, key=_width)
+    texts = list(dict.fromkeys(_bound(*bound) for bound in (bounds[0], bounds[-1])))
+    return f"{measure}{unit} ({' or '.join(texts)})"
+
+
+def _width(bound: tuple[str, str]) -> float:
+    least, most = (float(text) if text else math.inf for text in bound)
+    return most if math.isinf(least) else most - least
+
+
+def _bound(least: str, most: str) -> str:
+    if not least:
+        return f"<= {most}"
+    if not most:
+        return f">= {least}"
+    return f"+-{most}" if least == f"-{most}" else f"{least} to {most}"
+
+
+def _number(rows: Sequence[Row]) -> str:
+    """The worst of some values: one that is not met before others, then the largest."""
+    values = [row for row in rows if row["value"] not in ("", "nan")]
+    if not values:
+        return ""
+    worst = max(values, key=lambda row: (_bad(row), abs(float(row["value"]))))
+    return f"**{worst['value']}**" if _bad(worst) else worst["value"]
+
+
+def _bad(row: Row) -> bool:
+    """Whether a number misses what is allowed, also where its cell has no verdict of its numbers."""
+    least, most = (float(row[name]) if row[name] else math.inf for name in ("least", "most"))
+    low = -math.inf if math.isinf(least) else least
+    return row["role"] != "reported" and not low <= float(row["value"]) <= most
+
+
+def _verdict(cells: Sequence[Cell]) -> str:
+    """Of one cell with the invariants that it breaks; of several how many have which."""
+    verdicts = [cell[0]["cell"] for cell in cells]
+    broken = {row["measure"]: row["value"] for cell in cells for row in cell if row["role"] == "invariant"}
+    told = f": {', '.join(f'{name} {value}' for name, value in broken.items())}" if broken else ""
+    if len(cells) == 1:
+        return f"{verdicts[0]}{told}" if verdicts[0] == "met" else f"**{verdicts[0]}**{told}"
+    each = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(sorted(verdicts)))
+    return each + (f"; {', '.join(broken)}" if broken else "")
