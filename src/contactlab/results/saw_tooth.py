@@ -60,12 +60,13 @@ def largest_turn(curve: ContactCurve) -> float:
     these lean.
     """
     pressed = np.flatnonzero(curve.nodal_pressure > 0.0)
-    return float(_turns(curve, np.unique([pressed - 1, pressed, pressed + 1]))[0].max(initial=0.0))
+    near = np.asarray(np.unique([pressed - 1, pressed, pressed + 1]), np.int32)
+    return float(_turns(curve, near)[0].max(initial=0.0))
 
 
 def pressed_depth(curve: ContactCurve) -> float:
     """Largest depth [mm] of the deformed facets beside pressed nodes: length times angle over 8. Corners are none."""
-    angle, length = _turns(curve, np.flatnonzero(curve.nodal_pressure > 0.0))
+    angle, length = _turns(curve, np.asarray(np.flatnonzero(curve.nodal_pressure > 0.0), np.int32))
     return float(np.where(angle < CORNER, angle * length / 8.0, 0.0).max(initial=0.0))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import itertools
 import math
 import sys
 from collections.abc import Iterator
@@ -90,6 +91,56 @@ def test_every_installed_case_has_its_numbers(study: ModuleType) -> None:
     shown = {row["case"] for row in study.stored()}
     own = [o.part.name for o in default_registry().parts() if o.origin.distribution == "contactlab-cases"]
     assert {name for name in own if name in default_registry().names("case")} <= shown
+
+
+def test_kept_rows_are_of_cells_and_bounds_of_today(pages: ModuleType) -> None:
+    """A case that changes its variants, measures or bounds makes its rows stale, until they are measured again."""
+    from contactlab.matrix.plan import Request, plan
+    from contactlab.parts.registry import default_registry
+
+    rows, registry = pages.case_rows, default_registry()
+    for kept, requests in (
+        (pages.cases_page.stored(), [Request()]),
+        (rows.stored(), [Request(rows.HARD, levels=(2,)), Request((*rows.STATICS, *rows.FRICTION), full=True)]),
+    ):
+        cells = {tuple(c.choices.values()): c for request in requests for c in plan(request, registry)}
+        for key, own in itertools.groupby(kept, rows.key_of):
+            measures = cells[key].case(registry).measures(cells[key].setup)
+            bounds = {m.name: (m.role, rows.short(m.least), rows.short(m.most)) for m in measures}
+            for row in own:
+                if row["role"] not in ("invariant", ""):
+                    assert (row["role"], row["least"], row["most"]) == bounds[row["measure"]], (key, row["measure"])
+
+
+def test_no_case_of_a_page_lacks_its_rows(pages: ModuleType) -> None:
+    for name, made in pages.PAGES.items():
+        text = made()
+        assert "Not run yet" not in text, name
+        assert name == "../README.md" or "<!-- " not in text, name  # its own marks stay
+
+
+def test_a_folder_with_some_of_the_cases_leaves_the_others(pages: ModuleType) -> None:
+    """New rows of a cell stand in place of all that it had; cells that are no longer planned leave."""
+    rows = pages.case_rows
+    old = [{**CHOICES, "measure": name, "value": "1"} for name in ("stress", "displacement")]
+    other, gone = ({**CHOICES, "case": name, "measure": "stress", "value": "1"} for name in ("hertz", "a-former-case"))
+    new = {**CHOICES, "measure": "stress", "value": "2"}
+    wanted = {rows.key_of(new), rows.key_of(other)}
+    assert rows.merged([*old, other, gone], [new], wanted) == [other, new]
+
+
+def test_tables_show_the_worst_of_variants_and_what_misses(pages: ModuleType) -> None:
+    from case_tables import table  # type: ignore[import-not-found]
+
+    bounds = {"role": "error", "least": "-0.1", "most": "0.1", "unit": "", "verdict": "met", "reason": ""}
+    values = {"": ("0.05", "met"), "upper=3": ("-0.2", "missed"), "upper=10": ("0.15", "missed")}
+    rows = [
+        {**CHOICES, **bounds, "variant": variant, "measure": "stress", "value": value, "cell": cell}
+        for variant, (value, cell) in values.items()
+    ]
+    assert table(rows)[0] == "| variant | stress (+-0.1) | verdict |"
+    assert "| default | 0.05 | met |" in table(rows)
+    assert table(rows, ("variant",))[2:] == ["| **-0.2** | 1 met, 2 missed |"]
 
 
 def test_rows_are_the_newest_of_the_archive(study: ModuleType, tmp_path: Path) -> None:
