@@ -1,15 +1,15 @@
 """A million explicit steps of a disc that bounces in a box, with no damping and no gravity.
 
-    python benchmarks/studies/million_steps.py [cells] [algorithm ...]
+    python benchmarks/studies/million_steps.py [--forces conjugate] [--cells 12x3] [algorithm ...]
 
 Energy must never rise above that of the start, momentum must be what the walls gave, and the disc must stay inside.
-`cells` is 8x2 or 12x3. Rows of one mesh and algorithm each are kept in million_steps.csv; hard_cases.py puts them into
-docs/hard-cases.md.
+`cells` is 8x2 or 12x3. Rows of one mesh, algorithm and kind of forces each are kept in million_steps.csv;
+hard_cases.py puts them into docs/hard-cases.md.
 """
 
 from __future__ import annotations
 
-import sys
+import argparse
 from pathlib import Path
 from time import process_time
 
@@ -20,16 +20,19 @@ from contactlab.scene.scene import load_scene
 from contactlab.testing.cases.watched import WatchedRun
 
 STORED = Path(__file__).with_name("million_steps.csv")
+KEYS = ("cells", "algorithm", "forces")
+ALGORITHMS = ("mortar-p0", "mortar-p1", "node-on-segment")
 STEPS = 1_000_000
 BOX = 2.0  # mm, half its side
 EVERY = 100  # steps between looks at the stored energy
 
 
-def bounce(algorithm: str, cells: str, steps: int) -> dict[str, float | str]:
+def bounce(algorithm: str, cells: str, forces: str, steps: int) -> dict[str, float | str]:
     """The run and what was seen of it."""
     scene = load_scene("disc-in-box").with_(
         {
             "contacts.0.algorithm": algorithm,
+            "contacts.0.enforcement": {"use": "forward-increment", "forces": forces},
             "bodies.disc.mesh.cells": [int(n) for n in cells.split("x")],
             "time.end": 1.0,
         }
@@ -62,6 +65,7 @@ def bounce(algorithm: str, cells: str, steps: int) -> dict[str, float | str]:
     return {
         "cells": cells,
         "algorithm": algorithm,
+        "forces": forces,
         "steps": steps,
         "time [s]": run.time,
         "impacts": impacts,
@@ -86,19 +90,23 @@ def _energy(run: WatchedRun, stored: float) -> float:
 
 
 def store(row: dict[str, str]) -> None:
-    """Put a row into the table, in the place of one of the same mesh and algorithm."""
-    rows = [old for old in kept_rows.read(STORED) if any(old[key] != row[key] for key in ("cells", "algorithm"))]
+    """Put a row into the table, in the place of one of the same mesh, algorithm and forces."""
+    rows = [old for old in kept_rows.read(STORED) if any(old[key] != row[key] for key in KEYS)]
     kept_rows.write(STORED, list(row), [*rows, row])
 
 
-def main(words: list[str]) -> None:
+def main() -> None:
     """Run and store one row after the other."""
-    cells = words[0] if words else "12x3"
-    for algorithm in words[1:] or ("mortar-p0", "mortar-p1", "node-on-segment"):
-        row = bounce(algorithm, cells, STEPS)
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("algorithm", nargs="*", default=ALGORITHMS)
+    arguments.add_argument("--cells", choices=("8x2", "12x3"), default="12x3")
+    arguments.add_argument("--forces", choices=("conjugate", "published"), default="published")
+    given = arguments.parse_args()
+    for algorithm in given.algorithm:
+        row = bounce(algorithm, given.cells, given.forces, STEPS)
         store({key: f"{v:.4g}" if isinstance(v, float) else str(v) for key, v in row.items()})
     print(STORED.read_text())
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:])
+    main()

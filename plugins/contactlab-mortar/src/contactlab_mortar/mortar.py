@@ -76,7 +76,11 @@ class _Mortar(ContactAlgorithm):
         return out.normal_count >= 0
 
     def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
-        """Ends of the overlaps."""
+        """Ends of the overlaps: those that `pieces` found, or where these are other pieces, found again."""
+        *_, feet, made = _BOUND.of(pieces, _bound, view).arrays
+        if made[0] == count:
+            out[:count] = feet[:count]
+            return not made[1]
         address = _FEET.of(pieces, _bound_feet, view).address
         return bool(late("contactlab_mortar.feet").mortar_feet(address, count, out))
 
@@ -105,7 +109,8 @@ class _Mortar(ContactAlgorithm):
 
 def _bound(out: Pieces, view: ContactView) -> BoundArrays:
     """The arrays that pieces are made from and written to."""
-    return BoundArrays(late("contactlab_mortar.tables").MortarTable, *_sides(view), *_arrays(out))
+    feet, made = np.zeros((len(out.slave), 4)), np.full(2, -1, np.int32)
+    return BoundArrays(late("contactlab_mortar.tables").MortarTable, *_sides(view), *_arrays(out), feet, made)
 
 
 def _bound_gradients(

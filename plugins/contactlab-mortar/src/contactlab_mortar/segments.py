@@ -89,7 +89,8 @@ def begin_piece(s, m, sides, vertices, p, out):
 @section
 def _put_piece(table, s, m, found, length, space, p):
     """Write piece p; space = (linear, vertices)."""
-    sides, pieces, (linear, vertices) = table.sides, table.pieces, space
+    sides, pieces, feet, (linear, vertices) = table.sides, table.pieces, table.feet, space
+    feet[p, 0], feet[p, 1], feet[p, 2], feet[p, 3] = found.low, found.eta_low, found.high, found.eta_high
     out = pieces.D, pieces.M, pieces.T
     if pieces.D.shape[1] == 2 and pieces.M.shape[1] == 2:
         for i in range(2):
@@ -155,7 +156,8 @@ def mortar_pieces(bound, reach, depth, linear, vertices):
         if sides.start[s] < sides.start[s + 1]:
             count = _pieces_of(table, s, reach, depth, (linear, vertices), count)
     arrays, chain = (pieces.multiplier, pieces.master, pieces.T), (slave.segments, slave.node_segments)
-    turn_at_vertices(count, arrays, chain, sides.slave_at, sides.master_at, pieces.normal)
+    turned = turn_at_vertices(count, arrays, chain, sides.slave_at, sides.master_at, pieces.normal)
+    table.made[0], table.made[1] = count, turned
     return count
 
 

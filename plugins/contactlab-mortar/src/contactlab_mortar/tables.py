@@ -23,10 +23,16 @@ class SidesTable(NamedTuple):
 
 
 class MortarTable(NamedTuple):
-    """All that pieces are made from and written to."""
+    """All that pieces are made from and written to.
+
+    feet  (p, 4) where each piece begins and ends, see `ContactAlgorithm.feet`
+    made  (2,) how many pieces those are, and how many normals of the slave are not the averaged ones
+    """
 
     sides: SidesTable
     pieces: PiecesTable
+    feet: Floats2
+    made: Ints1
 
 
 class FeetTable(NamedTuple):

@@ -15,7 +15,7 @@ import numpy as np
 from contactlab.api.compiled.bound_arrays import Floats2, Floats3, Ints1, Ints2
 from contactlab.api.compiled.contact_tables import FactoredGradientsTable
 from contactlab.api.compiled.gradient_products import conditions_moved
-from contactlab.api.compiled.kernel import kernel, section, table_kernel
+from contactlab.api.compiled.kernel import kernel, point, section, table_kernel
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.tables import PairTable
 
@@ -35,7 +35,6 @@ class EndsTable(NamedTuple):
     rate     (p, 2, 2) [1/mm] d(eta) of both ends by motions of the slave against the master
     lever    (p, 2, 2) [-] d(eta) by angles of the slave's nodes
     along    (p, 2) [mm] the master segment
-    changes  (6, 2) of one multiplier of one piece, by its nodes and angles
     """
 
     feet: Floats2
@@ -49,7 +48,6 @@ class EndsTable(NamedTuple):
     rate: Floats3
     lever: Floats3
     along: Floats2
-    changes: Floats2
 
 
 @section
@@ -109,7 +107,7 @@ def _measure_ends(p, at, pieces, ends):
 @section
 def _collect(pair, count, ends, rows):
     """Number the nodes of all pieces, and measure their ends."""
-    at, pieces, owner = pair.places, pair.pieces, pair.coupling.owner
+    at, pieces, owner, number = pair.places, pair.pieces, pair.coupling.owner, ends.number
     for k in range(owner.size):
         ends.first[k], ends.last[k] = count, -1
     for p in range(count):
@@ -117,8 +115,8 @@ def _collect(pair, count, ends, rows):
             k = owner[pieces.multiplier[p, j]]
             if k >= 0:
                 ends.first[k], ends.last[k] = min(ends.first[k], p), p
-            ends.local[p, j] = _local(at.slave[pieces.slave[p, j]], ends.number, rows)
-            ends.local[p, 2 + j] = _local(at.master[pieces.master[p, j]], ends.number, rows)
+            ends.local[p, j] = _local(at.slave[pieces.slave[p, j]], number, rows)
+            ends.local[p, 2 + j] = _local(at.master[pieces.master[p, j]], number, rows)
         ends.local[p, 4] = -1
         if ends.feet[p, 2] - ends.feet[p, 0] > SHORT:
             for j in range(2):
@@ -127,72 +125,137 @@ def _collect(pair, count, ends, rows):
 
 
 @section
-def _changes(p, j, T, ends):
-    """What multiplier j of piece p changes by along the master, by motions of four nodes and by two angles."""
-    low, out = ends.feet[p, 0], ends.changes
-    whole = T[p, 0, j] + T[p, 1, j]
-    ahead = (T[p, 1, j] - low * whole) / (ends.feet[p, 2] - low)
-    for v in range(6):
-        out[v, 0], out[v, 1] = 0.0, 0.0
-    for e in range(2):
-        beta = ahead if e == 1 else whole - ahead
-        x, y, xi, eta = (
-            beta * ends.rate[p, e, 0],
-            beta * ends.rate[p, e, 1],
-            ends.feet[p, 2 * e],
-            ends.feet[p, 2 * e + 1],
-        )
-        out[0, 0] += (1.0 - xi) * x
-        out[0, 1] += (1.0 - xi) * y
-        out[1, 0] += xi * x
-        out[1, 1] += xi * y
-        out[2, 0] -= (1.0 - eta) * x
-        out[2, 1] -= (1.0 - eta) * y
-        out[3, 0] -= eta * x
-        out[3, 1] -= eta * y
-        out[4, 0] += beta * ends.lever[p, e, 0]
-        out[5, 0] += beta * ends.lever[p, e, 1]
+def _add_block(n, block, ends, at, begin, rows):
+    """Add a block (xx, xy, yx, yy) of node n to the row that began at `begin`; returns the next free entry."""
+    z = ends.place[n]
+    if z >= begin:
+        rows.block[z, 0, 0] += block[0]
+        rows.block[z, 0, 1] += block[1]
+        rows.block[z, 1, 0] += block[2]
+        rows.block[z, 1, 1] += block[3]
+        return at
+    ends.place[n], rows.factors.node[at] = at, n
+    rows.block[at, 0, 0], rows.block[at, 0, 1], rows.block[at, 1, 0], rows.block[at, 1, 1] = block
+    return at + 1
 
 
 @section
-def _add_weights(p, j, pair, ends, at, begin, rows):
-    """Add weights of multiplier j of piece p to the row that began at `begin`; returns the next free entry."""
-    pieces, changing, single = pair.pieces, ends.local[p, 4] >= 0, pair.columns.single[0]
-    mx, my, change = ends.along[p, 0], ends.along[p, 1], ends.changes
-    for v in range(2 if single and not changing else 0, 4):
-        n = ends.local[p, v]
-        if v < 2:
-            weight = 0.0 if single else pieces.D[p, v, j]
-        else:
-            weight = -pieces.M[p, v - 2, j]
-        if ends.place[n] < begin:
-            ends.place[n], rows.factors.node[at] = at, n
-            rows.block[at, 0, 0], rows.block[at, 0, 1], rows.block[at, 1, 0], rows.block[at, 1, 1] = 0.0, 0.0, 0.0, 0.0
-            at += 1
-        z = ends.place[n]
-        rows.block[z, 0, 0] += weight
-        rows.block[z, 1, 1] += weight
+def _add_lever(a, x, y, ends, at, begin, rows):
+    """The same for an angle."""
+    z = ends.seen[a]
+    if z >= begin:
+        rows.lever[z, 0] += x
+        rows.lever[z, 1] += y
+        return at
+    ends.seen[a], rows.angle[at] = at, a
+    rows.lever[at, 0], rows.lever[at, 1] = x, y
+    return at + 1
+
+
+@point
+def _sum(one, other):
+    return one[0] + other[0], one[1] + other[1], one[2] + other[2], one[3] + other[3]
+
+
+@point
+def _less(block, x, y, u, v):
+    """A block less the product of the columns (x, y) and (u, v)."""
+    return block[0] - x * u, block[1] - x * v, block[2] - y * u, block[3] - y * v
+
+
+@section
+def _own_sums(p, k, pieces, owner):
+    """Sums over the multipliers of piece p that became k: D and M by node, T, and T by the second hat."""
+    first, second = 0.0, 0.0
+    if owner[pieces.multiplier[p, 0]] == k:
+        first = 1.0
+    if owner[pieces.multiplier[p, 1]] == k:
+        second = 1.0
+    D, M, T = pieces.D, pieces.M, pieces.T
+    ahead = first * T[p, 1, 0] + second * T[p, 1, 1]
+    return (
+        first * D[p, 0, 0] + second * D[p, 0, 1], first * D[p, 1, 0] + second * D[p, 1, 1],
+        first * M[p, 0, 0] + second * M[p, 0, 1], first * M[p, 1, 0] + second * M[p, 1, 1],
+        first * T[p, 0, 0] + second * T[p, 0, 1] + ahead, ahead,
+    )  # fmt: skip
+
+
+@section
+def _moves(p, whole, ahead, ends):
+    """Sums over both ends of piece p of what they move by, per motion of four nodes and per angle of two."""
+    low, eta_low, high, eta_high = ends.feet[p, 0], ends.feet[p, 1], ends.feet[p, 2], ends.feet[p, 3]
+    over = (ahead - low * whole) / (high - low)
+    under = whole - over
+    x0, y0 = under * ends.rate[p, 0, 0], under * ends.rate[p, 0, 1]
+    x1, y1 = over * ends.rate[p, 1, 0], over * ends.rate[p, 1, 1]
+    x, y, bx, by = x0 + x1, y0 + y1, low * x0 + high * x1, low * y0 + high * y1
+    dx, dy = eta_low * x0 + eta_high * x1, eta_low * y0 + eta_high * y1
+    first = under * ends.lever[p, 0, 0] + over * ends.lever[p, 1, 0]
+    second = under * ends.lever[p, 0, 1] + over * ends.lever[p, 1, 1]
+    return x - bx, y - by, bx, by, dx - x, dy - y, -dx, -dy, first, second
+
+
+@section
+def _add_slave(nodes, blocks, ends, at, begin, rows):
+    """Blocks of both nodes of a slave segment, nothing for a segment of -1; returns the next free entry."""
+    if nodes[0] >= 0:
+        at = _add_block(nodes[0], blocks[0], ends, at, begin, rows)
+        at = _add_block(nodes[1], blocks[1], ends, at, begin, rows)
+    return at
+
+
+@section
+def _add_angles(angles, levers, ends, at, begin, rows):
+    """The same for their angles."""
+    if angles[0] >= 0:
+        at = _add_lever(angles[0], levers[0], levers[1], ends, at, begin, rows)
+        at = _add_lever(angles[1], levers[2], levers[3], ends, at, begin, rows)
+    return at
+
+
+@section
+def _write_entries(k, pair, ends, at, angle_at, rows):
+    """Entries of condition k from these on, of nodes and of angles; returns the next free ones.
+
+    What belongs to a slave segment is summed over its pieces; a node of the master that ends one piece begins the next.
+    """
+    begin, angle_begin, local, zero = at, angle_at, ends.local, (0.0, 0.0, 0.0, 0.0)
+    single = pair.columns.single[0]
+    slave, slave_blocks, angles, levers, waiting, kept = (-1, -1), (zero, zero), (-1, -1), zero, -1, zero
+    for p in range(ends.first[k], ends.last[k] + 1):
+        d0, d1, m0, m1, whole, ahead = _own_sums(p, k, pair.pieces, pair.coupling.owner)
+        if whole == 0.0 and m0 == 0.0 and m1 == 0.0:
+            continue
+        c, d, changing = local[p, 2], local[p, 3], local[p, 4] >= 0
+        master_blocks = (-m0, 0.0, 0.0, -m0), (-m1, 0.0, 0.0, -m1)
+        if (changing or not single) and slave[0] != local[p, 0]:
+            at = _add_slave(slave, slave_blocks, ends, at, begin, rows)
+            slave, slave_blocks = (local[p, 0], local[p, 1]), (zero, zero)
+        if not single:
+            slave_blocks = _sum(slave_blocks[0], (d0, 0.0, 0.0, d0)), _sum(slave_blocks[1], (d1, 0.0, 0.0, d1))
         if changing:
-            rows.block[z, 0, 0] -= mx * change[v, 0]
-            rows.block[z, 0, 1] -= mx * change[v, 1]
-            rows.block[z, 1, 0] -= my * change[v, 0]
-            rows.block[z, 1, 1] -= my * change[v, 1]
-    return at
-
-
-@section
-def _add_levers(p, ends, at, begin, rows):
-    """The same for angles."""
-    for v in range(4, 6):
-        a = ends.local[p, v]
-        if ends.seen[a] < begin:
-            ends.seen[a], rows.angle[at] = at, a
-            rows.lever[at, 0], rows.lever[at, 1] = 0.0, 0.0
-            at += 1
-        z = ends.seen[a]
-        rows.lever[z, 0] -= ends.along[p, 0] * ends.changes[v, 0]
-        rows.lever[z, 1] -= ends.along[p, 1] * ends.changes[v, 0]
-    return at
+            if angles[0] != local[p, 4]:
+                angle_at = _add_angles(angles, levers, ends, angle_at, angle_begin, rows)
+                angles, levers = (local[p, 4], local[p, 5]), zero
+            x, y = ends.along[p, 0], ends.along[p, 1]
+            ax, ay, bx, by, cx, cy, dx, dy, first, second = _moves(p, whole, ahead, ends)
+            slave_blocks = _less(slave_blocks[0], x, y, ax, ay), _less(slave_blocks[1], x, y, bx, by)
+            master_blocks = _less(master_blocks[0], x, y, cx, cy), _less(master_blocks[1], x, y, dx, dy)
+            levers = _less(levers, first, second, x, y)
+        if waiting == c:
+            at = _add_block(c, _sum(master_blocks[0], kept), ends, at, begin, rows)
+            waiting, kept = d, master_blocks[1]
+        else:
+            if waiting == d:
+                master_blocks = master_blocks[0], _sum(master_blocks[1], kept)
+            elif waiting >= 0:
+                at = _add_block(waiting, kept, ends, at, begin, rows)
+            at = _add_block(d, master_blocks[1], ends, at, begin, rows)
+            waiting, kept = c, master_blocks[0]
+    at = _add_slave(slave, slave_blocks, ends, at, begin, rows)
+    if waiting >= 0:
+        at = _add_block(waiting, kept, ends, at, begin, rows)
+    return at, _add_angles(angles, levers, ends, angle_at, angle_begin, rows)
 
 
 @section
@@ -235,22 +298,16 @@ def write_gradients(bound, bound_ends, count, first_slot, row, bound_rows):
         unpack(bound_rows, FactoredGradientsTable),
         unpack(bound_ends, EndsTable),
     )
-    c, f, multiplier = pair.coupling, rows.factors, pair.pieces.multiplier
+    c, f = pair.coupling, rows.factors
     _begin(row, ends, rows)
     _collect(pair, count, ends, rows)
     at, angle_at = f.start[row], rows.angle_start[row]
     for i in range(c.kept[0]):
-        k, begin, angle_begin = c.order[i], at, angle_at
+        k = c.order[i]
         room = 4 * max(0, ends.last[k] + 1 - ends.first[k])
         if row >= f.gap.size or max(at, angle_at) + room > f.node.size:
             return -1
-        for p in range(ends.first[k], ends.last[k] + 1):
-            for j in range(2):
-                if c.owner[multiplier[p, j]] == k:
-                    if ends.local[p, 4] >= 0:
-                        _changes(p, j, pair.pieces.T, ends)
-                        angle_at = _add_levers(p, ends, angle_at, angle_begin, rows)
-                    at = _add_weights(p, j, pair, ends, at, begin, rows)
+        at, angle_at = _write_entries(k, pair, ends, at, angle_at, rows)
         _finish_row(row, k, first_slot, pair, ends, rows)
         row += 1
         f.start[row], rows.angle_start[row] = at, angle_at

@@ -34,7 +34,7 @@ class PairEnds:
         rate, lever = (np.zeros((pieces, 2, 2)) for _ in range(2))
         self.bound = BoundArrays(
             EndsTable, self.feet, self.number, angle, place, seen, first, last, np.zeros((pieces, 6), np.int32),
-            rate, lever, np.zeros((pieces, 2)), np.zeros((6, 2)),
+            rate, lever, np.zeros((pieces, 2)),
         )  # fmt: skip
 
     def found(self, memory: Floats) -> bool:
