@@ -1,6 +1,6 @@
 """What conjugate contact forces cost beside published ones (docs/theory/contact-energy.md).
 
-python benchmarks/studies/contact_cost.py [--level 1] [--algorithm mortar-p0] [--steps 1000]
+python benchmarks/studies/contact_cost.py [--level 1] [--algorithm mortar-p0] [--steps 1000] [--mu 0] [--element q1]
 
 CPU time of the contact solve of disc-on-block by turns of a tenth of the steps; ratios of each turn, and their median.
 """
@@ -57,8 +57,13 @@ def main() -> None:
     arguments.add_argument("--level", type=int, default=1)
     arguments.add_argument("--algorithm", default="mortar-p0")
     arguments.add_argument("--steps", type=int, default=1000)
+    arguments.add_argument("--mu", type=float, default=0.0)
+    arguments.add_argument("--element", default="q1")
     given = arguments.parse_args()
-    changes = {"level": given.level, "contacts.0.algorithm": given.algorithm}
+    changes: dict[str, Any] = {"level": given.level, "contacts.0.algorithm": given.algorithm}
+    changes |= {f"bodies.{body}.element": given.element for body in ("disc", "block")}
+    if given.mu:
+        changes["contacts.0.friction"] = {"use": "coulomb", "mu": given.mu}
     published, conjugate = Timed(changes, "published"), Timed(changes, "conjugate")
     count = given.steps // TURNS
     for run in (published, conjugate):

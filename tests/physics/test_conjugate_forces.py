@@ -15,7 +15,7 @@ from contactlab.model.build import build
 from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.gradients import PairGradients
 from contactlab.model.contact.operator_pair import OperatorPair
-from contactlab.testing.surfaces import Chains, curved, flat, pair_of
+from contactlab.testing.surfaces import Chains, chains, curved, flat, pair_of
 
 P0, P1, NODES = MortarP0(), MortarP1(), NodeOnSegment()
 CONJUGATE = {"use": "forward-increment", "forces": "conjugate"}
@@ -34,12 +34,14 @@ SURFACES = {
     "quadratic": rough(flat(order=2)),
     "quadratic, partly covered": rough(flat(full=False, order=2)),
 }
+VALLEY = chains(np.array([[0.6, 0.1], [1.0, -0.03], [1.4, 0.1]]), np.array([[-0.1, 0.05], [1.0004, 0.0], [2.0, 0.07]]))
+"""A node of the slave below a concave vertex, where it projects onto neither segment: the normal is between theirs."""
 EVERY = [
     pytest.param(algorithm, at, id=f"{name}, {kind}")
     for name, at in SURFACES.items()
     for kind, algorithm in (("P0", P0), ("P1", P1), ("nodes", NODES))
     if not (kind == "nodes" and "quadratic" in name)
-]
+] + [pytest.param(NODES, VALLEY, id="valley, nodes")]
 
 
 def derivatives(pair: OperatorPair, memory: Floats, nodes: int, own: bool = True) -> tuple[Floats, Floats]:

@@ -100,9 +100,15 @@ class ContactMethod(ABC):
 
 
 class ContactAlgorithm(ContactMethod):
-    """Gives local operators. Subclasses are frozen dataclasses; their fields are the TOML keys."""
+    """Gives local operators. Subclasses are frozen dataclasses; their fields are the TOML keys.
+
+    gradient_nodes  most nodes that the weights of a piece depend on; 0 without `gradients`
+    closest_points  True if every condition measures the distance between closest points wherever separations lie along
+                    the normals: normals that turn and weights that change do not change it then (to first order)
+    """
 
     gradient_nodes: ClassVar[int] = 0
+    closest_points: ClassVar[bool] = False
 
     def with_friction(self) -> ContactAlgorithm:
         """The algorithm to use where friction is declared. The default is the algorithm itself."""

@@ -186,6 +186,13 @@ class ExplicitEnforcement(Enforcement):
         """Whether its forces are to be conjugate to the gaps."""
         return False
 
+    def conjugate_where(self, finer: float) -> bool:
+        """The same for contacts whose masters, those that can move, have segments `finer` times shorter than slaves'.
+
+        `finer` is the largest such ratio of the scene's contacts. The default does not depend on it.
+        """
+        return self.conjugate
+
     def solve_factored(
         self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats
     ) -> Solve | None:
@@ -278,6 +285,11 @@ class ImplicitEnforcement(Enforcement):
     """
 
     augments: ClassVar[bool] = False
+
+    @property
+    def conjugate(self) -> bool:
+        """Whether normal forces act along the whole derivatives of the gaps, weights and normals included."""
+        return False
 
     @abstractmethod
     def respond(self, conditions: Conditions, out: Response) -> None:

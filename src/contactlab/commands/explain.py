@@ -66,6 +66,8 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
     of = f"{number(s.step)} s{stable}" if s.steps_follow == "time" else f"{number(s.step)}, parts of {s.steps_follow}"
     yield "steps", f"about {number(s.estimated_steps)} of {of}"
     yield "history", together(s.history)
+    if s.contact_forces:
+        yield "forces", s.contact_forces
     yield (
         "time",
         (

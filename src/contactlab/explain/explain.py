@@ -59,6 +59,7 @@ class Overview:
     steps_follow: str
     estimated_steps: int
     history: str
+    contact_forces: str
     seconds_to_first_step: float
     seconds_per_step: float
     wall_seconds_per_step: float
@@ -105,6 +106,7 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
         steps_follow=schedule.parameter,
         estimated_steps=steps,
         history=_history(model),
+        contact_forces=_contact_forces(model),
         seconds_to_first_step=seconds[0],
         seconds_per_step=seconds[1],
         wall_seconds_per_step=trial.wall_step_s if trial is not None else math.nan,
@@ -134,6 +136,17 @@ def _history(model: Model) -> str:
     if model.timing.follows:
         return str(model.history)
     return f"{model.history} (key time.history)"
+
+
+def _contact_forces(model: Model) -> str:
+    """Along which rows contact pushes in explicit runs, and the ratio of segments that "auto" decides by."""
+    contact = model.contact
+    if contact is None or not model.explicit:
+        return ""
+    rows = "conjugate" if contact.conjugate else "published"
+    if not contact.finer:
+        return f"{rows}; no master can move"
+    return f"{rows}; slave segments are {contact.finer:.2g} times the master's"
 
 
 def _seconds(trial: TrialRun | None, steps: int) -> tuple[float, float]:

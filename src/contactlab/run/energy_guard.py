@@ -115,8 +115,7 @@ class EnergyGuard:
 def _cure(model: Model, shorter: str) -> str:
     """What to try against energy that contact makes, in words."""
     others = f"try the other side as slave, another algorithm, or {shorter}"
-    conjugate = getattr(getattr(model.contact, "enforcement", None), "conjugate", True)
-    if conjugate or not model.explicit:
+    if getattr(model.contact, "conjugate", True) or not model.explicit:
         return others
     return f'{others}; contacts.0.enforcement = {{ use = "forward-increment", forces = "conjugate" }} makes none'
 

@@ -23,20 +23,20 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 class CentralDifference(ExplicitIntegrator):
     """Leapfrog with lumped mass; velocities live half a step before positions.
 
-    forces  of contacts that name no enforcement: "published", or "conjugate", which make no energy and cost 1.5 to
-            1.9 times as much (docs/theory/contact-energy.md)
+    forces  of contacts that name no enforcement: "published"; "conjugate", which make no energy and cost 1.3 to 1.9
+            times as much (docs/theory/contact-energy.md); "auto": see `forward-increment`
     """
 
     default_enforcement: ClassVar[str] = "forward-increment"
     order: ClassVar[int] = 2
     without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
 
-    forces: Literal["conjugate", "published"] = "published"
+    forces: Literal["auto", "conjugate", "published"] = "auto"
 
     def enforcement(self) -> Mapping[str, Any]:
         """Multipliers by forward increments, with the forces that are asked for."""
         own: dict[str, Any] = {"use": self.default_enforcement}
-        return own if self.forces == "published" else own | {"forces": self.forces}
+        return own if self.forces == "auto" else own | {"forces": self.forces}
 
     def bind(self, equations: ExplicitEquations, state: State) -> Callable[[float], Step]:
         """The step function; the first step starts from v_0 (half a step of acceleration)."""

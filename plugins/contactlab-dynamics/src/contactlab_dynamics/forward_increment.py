@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, Rows, Solve
 from contactlab.api.compiled.late import late
 
+FINER = 1.8  # from a ratio of 2 on, rows that are kept constant feed waves of the master (contact-energy.md)
 DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than the sweeps that it saves
 
 
@@ -16,14 +17,15 @@ class ForwardIncrement(ExplicitEnforcement):
     """Multipliers at t_n, gap conditions at t_{n+1}: y >= 0, g >= 0, y g = 0 (docs/theory/forward-increment.md).
 
     forces     "conjugate": derivatives of the gaps, which make no energy (docs/theory/contact-energy.md); "published":
-               weights and normals at the end of the step
+               weights and normals at the end of the step; "auto": conjugate where a master that can move has segments
+               more than 1.8 times shorter than its slave's, else published
     tolerance  natural residual in segment lengths at which the sweeps stop
     sweeps     most sweeps in a step; a residual left over is reported
     """
 
     factored: ClassVar[bool] = True
 
-    forces: Literal["conjugate", "published"] = "published"
+    forces: Literal["auto", "conjugate", "published"] = "auto"
     tolerance: float = 1e-10
     sweeps: int = 200
 
@@ -37,6 +39,10 @@ class ForwardIncrement(ExplicitEnforcement):
     def conjugate(self) -> bool:
         """Whether rows are to be the derivatives of the gaps."""
         return self.forces == "conjugate"
+
+    def conjugate_where(self, finer: float) -> bool:
+        """Told to be, or needed: a master has more nodes between those of its slave than conditions hold."""
+        return self.conjugate or (self.forces == "auto" and finer > FINER)
 
     def solve_factored(
         self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats

@@ -25,7 +25,7 @@ from contactlab.api.compiled.late import late
 
 DEPTH = 2.0  # longest segment lengths: deeper overlaps are the far side of a thin body, not contact
 
-_BOUND, _GRADIENTS, _DERIVATIVES, _FEET = BoundCache(), BoundCache(), BoundCache(), BoundCache()
+_BOUND, _KEEPING, _GRADIENTS, _DERIVATIVES, _FEET = (BoundCache() for _ in range(5))
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,8 @@ class _Mortar(ContactAlgorithm):
 
     def pieces(self, view: ContactView, out: Pieces) -> int:
         """Segment-wise D, M and T on the common abscissa; normals point from master to slave."""
-        address, vertices = _BOUND.of(out, _bound, view).address, self.multipliers == "vertices"
+        bound = _KEEPING.of(out, _bound_keeping, view) if out in _KEEPING else _BOUND.of(out, _bound, view)
+        address, vertices = bound.address, self.multipliers == "vertices"
         return int(late("contactlab_mortar.segments").mortar_pieces(address, view.reach, DEPTH, self.linear, vertices))
 
     def gradients(
@@ -76,8 +77,8 @@ class _Mortar(ContactAlgorithm):
         return out.normal_count >= 0
 
     def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
-        """Ends of the overlaps: those that `pieces` found, or where these are other pieces, found again."""
-        *_, feet, made = _BOUND.of(pieces, _bound, view).arrays
+        """Ends of the overlaps: found again the first time, from then on `pieces` keeps those that it finds."""
+        *_, feet, made = _KEEPING.of(pieces, _bound_keeping, view).arrays
         if made[0] == count:
             out[:count] = feet[:count]
             return not made[1]
@@ -109,8 +110,17 @@ class _Mortar(ContactAlgorithm):
 
 def _bound(out: Pieces, view: ContactView) -> BoundArrays:
     """The arrays that pieces are made from and written to."""
-    feet, made = np.zeros((len(out.slave), 4)), np.full(2, -1, np.int32)
-    return BoundArrays(late("contactlab_mortar.tables").MortarTable, *_sides(view), *_arrays(out), feet, made)
+    return _bound_with(out, view, 0)
+
+
+def _bound_keeping(out: Pieces, view: ContactView) -> BoundArrays:
+    """The same with room for the ends of pieces."""
+    return _bound_with(out, view, len(out.slave))
+
+
+def _bound_with(out: Pieces, view: ContactView, ends: int) -> BoundArrays:
+    table = late("contactlab_mortar.tables").MortarTable
+    return BoundArrays(table, *_sides(view), *_arrays(out), np.zeros((ends, 4)), np.full(2, -1, np.int32))
 
 
 def _bound_gradients(

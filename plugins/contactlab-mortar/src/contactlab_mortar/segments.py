@@ -90,7 +90,8 @@ def begin_piece(s, m, sides, vertices, p, out):
 def _put_piece(table, s, m, found, length, space, p):
     """Write piece p; space = (linear, vertices)."""
     sides, pieces, feet, (linear, vertices) = table.sides, table.pieces, table.feet, space
-    feet[p, 0], feet[p, 1], feet[p, 2], feet[p, 3] = found.low, found.eta_low, found.high, found.eta_high
+    if feet.shape[0] > 0:
+        feet[p, 0], feet[p, 1], feet[p, 2], feet[p, 3] = found.low, found.eta_low, found.high, found.eta_high
     out = pieces.D, pieces.M, pieces.T
     if pieces.D.shape[1] == 2 and pieces.M.shape[1] == 2:
         for i in range(2):

@@ -25,7 +25,7 @@ class SidesTable(NamedTuple):
 class MortarTable(NamedTuple):
     """All that pieces are made from and written to.
 
-    feet  (p, 4) where each piece begins and ends, see `ContactAlgorithm.feet`
+    feet  (p, 4) where each piece begins and ends, see `ContactAlgorithm.feet`; or nothing
     made  (2,) how many pieces those are, and how many normals of the slave are not the averaged ones
     """
 

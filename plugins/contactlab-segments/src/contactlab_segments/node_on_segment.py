@@ -42,6 +42,7 @@ class NodeOnSegment(ContactAlgorithm):
     rows_per_node: ClassVar[int] = 2
     memory_size: ClassVar[int] = 1
     gradient_nodes: ClassVar[int] = 1
+    closest_points: ClassVar[bool] = True
 
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
         """One slave node, one multiplier, one master edge."""
@@ -67,22 +68,21 @@ class NodeOnSegment(ContactAlgorithm):
         normal, apart = pieces.normal[multiplier], separation[multiplier]
         of_segment = np.abs((normal * along).sum(axis=1)) <= ROUND * length
         beside = np.abs(normal[:, 0] * apart[:, 1] - normal[:, 1] * apart[:, 0])
-        # a vertex holds along the line to the node, which changes no gap as it turns; between two segments' it may
-        if np.any(beside[~of_segment] > ROUND * length.max(initial=0.0)):
-            return False
         usable = np.flatnonzero(of_segment)
         tangent, share = along[usable] / length[usable, None], share[usable] / length[usable, None]
-        end = len(usable) * 2 * share.shape[1]
-        if end > len(out.normal_of):
-            return False
-        # n = (t_y, -t_x) turns along t, by t x d(edge)/|edge|
-        turn = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)[:, None, :] * share[:, :, None]
-        moved = 2 * (len(view.slave.nodes) + pieces.master[:count][usable])[:, :, None] + np.arange(2)
-        out.normal_of[:end] = np.repeat(multiplier[usable], end // max(len(usable), 1))
-        out.normal_moved[:end] = moved.ravel()
-        out.dnormal[:end] = (turn[..., None] * tangent[:, None, None, :]).reshape(-1, 2)
-        out.normal_count = end
-        return True
+        put = _put_turns(view, multiplier[usable], tangent, tangent, share, pieces.master[:count][usable], out)
+        # a vertex holds along the line to the node, which changes no gap as it turns; between two segments' it may
+        between = np.flatnonzero(~of_segment & (beside > ROUND * length.max(initial=0.0)))
+        vertex = pieces.master[between, 0]
+        for side in range(2) if len(between) else ():
+            ends = view.master.segments[view.master.node_segments[vertex, side]]
+            edge = view.at.master[ends[:, 1]] - view.at.master[ends[:, 0]]
+            size = np.hypot(edge[:, 0], edge[:, 1])[:, None]
+            # the normal between two turns by half of the sum of what they do
+            share = np.stack([-0.5 / size[:, 0], 0.5 / size[:, 0]], axis=1)
+            across = np.stack([-normal[between, 1], normal[between, 0]], axis=1)
+            put = put and _put_turns(view, multiplier[between], edge / size, across, share, ends, out)
+        return put
 
     def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         """Normals of the same master segments at `at`."""
@@ -104,6 +104,26 @@ def _bound(out: Pieces, view: ContactView) -> BoundArrays:
         view.memory, *own, *other, np.empty((nodes, 2)), np.empty(nodes),
         PiecesTable(out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal),
     )  # fmt: skip
+
+
+def _put_turns(
+    view: ContactView, multiplier: Ints, tangent: Floats, across: Floats, share: Floats, nodes: Ints, out: GapGradients
+) -> bool:
+    """Append derivatives of normals that turn along `across` as edges do, by t x d(edge)/|edge|; False without room.
+
+    multiplier (p,), the edges' unit tangents t (p, 2), `share` (p, r) [1/mm] of the master's nodes (p, r) in them.
+    """
+    first = out.normal_count
+    end = first + 2 * share.size
+    if end > len(out.normal_of):
+        return False
+    turn = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)[:, None, :] * share[:, :, None]
+    moved = 2 * (len(view.slave.nodes) + nodes)[:, :, None] + np.arange(2)
+    out.normal_of[first:end] = np.repeat(multiplier, 2 * share.shape[1])
+    out.normal_moved[first:end] = moved.ravel()
+    out.dnormal[first:end] = (turn[..., None] * across[:, None, None, :]).reshape(-1, 2)
+    out.normal_count = end
+    return True
 
 
 def _tangents(pieces: Pieces, count: int, at: SurfacePositions) -> tuple[Floats, Floats]:

@@ -24,10 +24,18 @@ class ActiveSet(ImplicitEnforcement):
     scale  factor on c [-]
     start  of friction where surfaces touch without a force yet: "slip" as under no friction, or "stick", for bodies
            that nothing but friction holds; it needs more iterations elsewhere
+    forces "conjugate": normal forces act along the derivatives of the gaps, as explicit ones of that name do
+           (docs/theory/contact-energy.md), with more iterations; "published": along normals, by weights
     """
 
     scale: float = 1.0
     start: Literal["slip", "stick"] = "slip"
+    forces: Literal["conjugate", "published"] = "published"
+
+    @property
+    def conjugate(self) -> bool:
+        """Whether normal forces act along the derivatives of the gaps."""
+        return self.forces == "conjugate"
 
     def __post_init__(self) -> None:
         if not 0.0 < self.scale < float("inf"):

@@ -132,6 +132,9 @@ class BoundCache:
     def __init__(self) -> None:
         self._kept: dict[int, tuple[tuple[Any, ...], BoundArrays, ref[Any]]] = {}
 
+    def __contains__(self, owner: Any) -> bool:
+        return id(owner) in self._kept
+
     def of(self, owner: Any, bind: Callable[..., BoundArrays], *sources: Any) -> BoundArrays:
         """The result of bind(owner, *sources), made again as soon as one of the sources is another object."""
         number = id(owner)

@@ -6,8 +6,13 @@ Whatever rows do to vectors, columns and two substitutions with T do in O(condit
 
 from __future__ import annotations
 
+import numpy as np
+
+from contactlab.api.compiled.contact_tables import FactoredTable
 from contactlab.api.compiled.kernel import kernel, section
+from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.coupling import solve_transposed
+from contactlab.kernels.contact.tables import PairTable
 
 FAR = 1e300  # gap of a multiplier that is not kept
 
@@ -51,6 +56,54 @@ def separations(c, columns, at, normals, separation, gaps):
         x, y = separation[k, 0], separation[k, 1]
         gaps[k, 0] = normals[k, 0] * x + normals[k, 1] * y
         gaps[k, 1] = normals[k, 1] * x - normals[k, 0] * y
+
+
+@kernel
+def largest_sideways(bound):
+    """Largest distance across the normal between what conditions join, over the length of the slave segments there.
+
+    `bound` is the address of a `PairTable`, with gaps where the conditions were made.
+    """
+    pair = unpack(bound, PairTable)
+    c, largest = pair.coupling, 0.0
+    for i in range(c.kept[0]):
+        k = c.order[i]
+        largest = max(largest, abs(pair.gaps.gaps[k, 1]) / c.full[k])
+    return largest
+
+
+@kernel
+def allow_constant_motion(count, bound_rows, current, predicted, velocity, last_dt, offset):
+    """As `allow_motion` of rows that are written out: from gaps at the start of the step to what is to be held.
+
+    `bound_rows` is the address of a `FactoredTable`, of which `count` rows are in use; offset (k,) [mm] becomes the gap
+    at the start plus the allowed motion.
+    """
+    rows = unpack(bound_rows, FactoredTable)
+    carried, (px, py, qx, qy) = np.empty((count, 4)), (0.0, 0.0, 0.0, 0.0)
+    for i in range(count):
+        x, y, s, t = 0.0, 0.0, 0.0, 0.0
+        for z in range(rows.start[i], rows.start[i + 1]):
+            n, w = rows.node[z], rows.weight[z]
+            x, y = x + w * (predicted[n, 0] - current[n, 0]), y + w * (predicted[n, 1] - current[n, 1])
+            s, t = s + w * velocity[n, 0], t + w * velocity[n, 1]
+        u, v = rows.inverse[i], -rows.above[i] * rows.inverse[i]
+        px, py, qx, qy = v * px + u * x, v * py + u * y, v * qx + u * s, v * qy + u * t
+        carried[i, 0], carried[i, 1], carried[i, 2], carried[i, 3] = px, py, qx, qy
+    px, py, qx, qy, factor = 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(count - 1, -1, -1):
+        v, n = -factor * rows.inverse[i], rows.own[i]
+        px, py, qx, qy = v * px + carried[i, 0], v * py + carried[i, 1], v * qx + carried[i, 2], v * qy + carried[i, 3]
+        x, y, s, t = px, py, qx, qy
+        if n >= 0:
+            x, y = x + (predicted[n, 0] - current[n, 0]), y + (predicted[n, 1] - current[n, 1])
+            s, t = s + velocity[n, 0], t + velocity[n, 1]
+        moved = rows.normal[i, 0] * x + rows.normal[i, 1] * y
+        came = last_dt * (rows.normal[i, 0] * s + rows.normal[i, 1] * t)
+        allowed = min(-rows.gap[i], -came, 0.0)
+        offset[i] = rows.gap[i] + allowed
+        rows.gap[i] = moved - allowed
+        factor = rows.below[i]
 
 
 @section

@@ -4,27 +4,38 @@ from __future__ import annotations
 
 from collections import Counter
 from time import perf_counter
+from typing import ClassVar
 
 import numpy as np
 
-from contactlab.api import ExplicitEnforcement, Floats, Rows, Solve, State
+from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
+from contactlab.kernels.contact.factored_rows import allow_constant_motion, largest_sideways
 from contactlab.kernels.contact.gap_gradients import allow_motion
 from contactlab.kernels.contact.warm_start import extrapolate
 from contactlab.model.contact.contact_pairs import conjugate_rows
 from contactlab.model.contact.explicit_system import ContactSystem
 from contactlab.model.contact.factored_gradients import ModelGradients, told_by_feet
+from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.model.contact.pair import ContactPair
+
+ROUND = 1e-9  # of a segment: what lies that far across a normal turns it by round-off
 
 
 class ConjugateContactSystem(ContactSystem):
     """As `ContactSystem`, with rows that are the derivatives of the gaps where the step starts."""
 
-    def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
-        super().__init__(pairs, enforcement, state)
+    conjugate: ClassVar[bool] = True
+
+    def __init__(
+        self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State, finer: float = 0.0
+    ) -> None:
+        super().__init__(pairs, enforcement, state, finer)
         told, self.told = told_by_feet(pairs), None
         if enforcement.factored and len(told) == len(pairs):
             self.told = ModelGradients(told, len(state["displacement"]))
-        self.factored = self.told.rows.factors if self.told is not None else None
+        constant = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap)) if _closest(self) else None
+        self.constant, self.offset = constant, np.zeros(len(self.rows.gap))
+        self.factored = self.told.rows.factors if self.told is not None else constant
         self.gradients = [conjugate_rows(pair) for pair in pairs]
         # an overlap of the start that is pushed out puts energy in on purpose
         self.strict = [not pair.pushes_overlaps_out for pair in pairs]
@@ -43,9 +54,8 @@ class ConjugateContactSystem(ContactSystem):
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             pair.update(current, memory)
             pair.evaluated = True
-        self.last = self._solve_told(predicted, current, compliance, force) or self._solve_full(
-            predicted, current, compliance, force
-        )
+        where = predicted, current, compliance, force
+        self.last = self._solve_told(*where) or self._solve_constant(*where) or self._solve_full(*where)
         self.seconds += perf_counter() - began
         return self.last
 
@@ -61,6 +71,26 @@ class ConjugateContactSystem(ContactSystem):
         self.solution_s += perf_counter() - asked
         if done is None:
             self.factored.count = 0  # these rows are not those that recorders are to see
+        return done
+
+    def _solve_constant(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
+        """By columns, where closest points are joined: their rows are derivatives as they are; None elsewhere."""
+        if self.constant is None:
+            return None
+        self.constant.count = 0
+        if any(largest_sideways(pair.arrays.address) > ROUND for pair in self.pairs):
+            return None
+        self.factored = self.constant
+        rows = self.constant = self._assemble_factored()
+        velocity, dt = self.velocity, self.state.last_dt
+        allow_constant_motion(rows.count, rows.packed.address, current, predicted, velocity, dt, self.offset)
+        asked = perf_counter()
+        done = self.enforcement.solve_factored(rows, compliance, self.multipliers, force)
+        self.solution_s += perf_counter() - asked
+        if done is None:
+            rows.count = 0
+        else:
+            rows.left[: rows.count] += self.offset[: rows.count]
         return done
 
     def _solve_full(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
@@ -95,3 +125,14 @@ class ConjugateContactSystem(ContactSystem):
         allow_motion(
             first, rows.count, rows.packed.address, current, predicted, self.velocity, self.state.last_dt, strict
         )
+
+
+def _closest(system: ContactSystem) -> bool:
+    """Whether all conditions join closest points, and can be given by columns."""
+    return system.enforcement.factored and all(
+        isinstance(pair, OperatorPair)
+        and pair.algorithm.closest_points
+        and pair.friction is None
+        and not pair.pushes_overlaps_out
+        for pair in system.pairs
+    )

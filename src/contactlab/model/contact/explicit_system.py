@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from time import perf_counter
+from typing import ClassVar
 
 import numpy as np
 
@@ -20,11 +21,16 @@ GROW = 1.5
 class ContactSystem:
     """The pairs and the enforcement they share. Implements `contactlab.api.ContactEquations`.
 
-    `seconds` counts the wall time of contact, `solution_s` that of the enforcement in it.
+    `seconds` counts the wall time of contact, `solution_s` that of the enforcement in it. `conjugate` is whether
+    forces are the derivatives of the gaps; `finer` how many times shorter the segments of masters are than slaves'.
     """
 
-    def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
-        self.pairs, self.enforcement, self.state = pairs, enforcement, state
+    conjugate: ClassVar[bool] = False
+
+    def __init__(
+        self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State, finer: float = 0.0
+    ) -> None:
+        self.pairs, self.enforcement, self.state, self.finer = pairs, enforcement, state, finer
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)
         self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]

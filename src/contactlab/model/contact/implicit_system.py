@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 from time import perf_counter
 from typing import Any
 
@@ -13,7 +14,7 @@ from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnfor
 from contactlab.model.contact.contact_pairs import linearised
 from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.held_together import held_together
-from contactlab.model.contact.linearisation import PairDerivatives
+from contactlab.model.contact.linearisation import PairDerivatives, PairLinearisation
 from contactlab.model.contact.pair import ContactPair
 from contactlab.model.examination import examine_pair
 
@@ -102,8 +103,22 @@ class ImplicitContactSystem:
         """Nodal forces of the trial multipliers; see `contactlab.api.ImplicitContact`."""
         normal[:] = 0.0
         tangential[:] = 0.0
-        for linear in self.linear:
-            linear.add_forces(self.conditions.force, normal, tangential)
+        for linear, memory in zip(self.linear, self.memories, strict=True):
+            if self.enforcement.conjugate and isinstance(linear, PairLinearisation):
+                self._add_conjugate(linear, memory, normal, tangential)
+            else:
+                linear.add_forces(self.conditions.force, normal, tangential)
+
+    def _add_conjugate(self, linear: PairLinearisation, memory: Floats, normal: Floats, tangential: Floats) -> None:
+        """Normal forces along the derivatives of the gaps; those of friction by weights."""
+        first, force = linear.pair.first_slot, self.conditions.force.copy()
+        own = force[0, first : first + linear.pair.slots]
+        chosen = np.flatnonzero(own).astype(np.int32)
+        if len(chosen):
+            pushed = linear.gap_derivatives(chosen, memory).T @ own[chosen]
+            normal += pushed.reshape(-1, 2)
+        own[:] = 0.0
+        linear.add_forces(force, normal, tangential)
 
     def scale(self, flexibility: Floats) -> None:
         """Nodal flexibilities from which contact stiffnesses follow."""
@@ -118,7 +133,10 @@ class ImplicitContactSystem:
             own = slice(pair.first_slot, pair.first_slot + pair.slots)
             slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - pair.first_slot
             y_t = force[1, own] if pair.friction is not None else None
-            parts.append(linear.linearise(slots.astype(np.int32), force[0, own], y_t, memory))
+            found = linear.linearise(slots.astype(np.int32), force[0, own], y_t, memory)
+            conjugate = self.enforcement.conjugate and isinstance(linear, PairLinearisation)
+            # how directions change is taken from rows by weights: their own change needs second derivatives
+            parts.append(replace(found, normal=found.gap) if conjugate else found)
         derivatives = self._joined(parts)
         self.seconds += perf_counter() - began
         return derivatives

@@ -91,6 +91,17 @@ class PairLinearisation:
             self._rows(chosen, normal) @ weights, self._rows(chosen, tangent) @ weights, gap, slip, force
         )
 
+    def gap_derivatives(self, chosen: Ints, memory: Floats) -> Any:
+        """Derivatives (c, 2N) of the gaps of the chosen multipliers alone."""
+        pair, pieces, wanted = self.pair, self.derivatives.of(memory), np.zeros(self.pair.slots, np.bool_)
+        inverse = self._inverse_transposed(chosen)
+        wanted[inverse[1]] = True
+        dnormal = self._turned_normals(pieces, pieces.dnormal[: pieces.normal_count])
+        dweight = self._gap_derivatives(pieces, wanted, pair.at.slave, pair.at.master, pair.separation)
+        weights = self._weights(np.flatnonzero(wanted).astype(np.int32))
+        gap = self._along(chosen, pair.pieces.normal, inverse, weights, dweight)
+        return gap + self._rows(chosen, pair.separation) @ dnormal
+
     def flexibilities(self, nodal: Floats) -> Floats:
         """Displacement (k,) [mm/N] of each condition per unit of its force, from those of single nodes (N, 2)."""
         out = np.zeros(self.pair.slots)

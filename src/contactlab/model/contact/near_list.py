@@ -38,9 +38,10 @@ class Near:
 
 def longest_segment(at: SurfacePositions, slave: Surface, master: Surface) -> float:
     """Length [mm] of the longest segment of either surface."""
-    return max(float(_lengths(at.slave, slave).max()), float(_lengths(at.master, master).max()))
+    return max(float(segment_lengths(at.slave, slave).max()), float(segment_lengths(at.master, master).max()))
 
 
-def _lengths(positions: Floats, surface: Surface) -> Floats:
+def segment_lengths(positions: Floats, surface: Surface) -> Floats:
+    """Lengths (s,) [mm] of the segments of a surface whose nodes are at `positions` (m, 2)."""
     edge = positions[surface.segments[:, 1]] - positions[surface.segments[:, 0]]
     return np.asarray(np.hypot(edge[:, 0], edge[:, 1]))

@@ -26,6 +26,7 @@ from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_facing, refuse_held_slave, refuse_joined_twice
 from contactlab.model.contact.contact_pairs import contact_pair
 from contactlab.model.contact.explicit_system import ContactSystem
+from contactlab.model.contact.fineness import shorter_masters
 from contactlab.model.contact.initial_gap import initial_gaps, ramped_overlap, refuse_overlap
 from contactlab.model.contact.pair import ContactPair
 from contactlab.model.contact.start_gaps import ZeroStart
@@ -195,19 +196,22 @@ def build_contact(
         pairs.append(pair)
         first += plan.slots
     if explicit:
-        return _explicit_system(tuple(pairs), enforcement, state)
+        return _explicit_system(tuple(pairs), enforcement, state, immobile)
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
 
     linearised: Any = tuple(pairs)  # the build refuses algorithms and enforcements that do not iterate with others
     return ImplicitContactSystem(linearised, enforcement, state, time)
 
 
-def _explicit_system(pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> ContactSystem:
-    if not enforcement.conjugate:
-        return ContactSystem(pairs, enforcement, state)
+def _explicit_system(
+    pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State, immobile: Flags
+) -> ContactSystem:
+    finer = shorter_masters(pairs, immobile)
+    if not enforcement.conjugate_where(finer):
+        return ContactSystem(pairs, enforcement, state, finer)
     from contactlab.model.contact.conjugate_system import ConjugateContactSystem
 
-    return ConjugateContactSystem(pairs, enforcement, state)
+    return ConjugateContactSystem(pairs, enforcement, state, finer)
 
 
 def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:

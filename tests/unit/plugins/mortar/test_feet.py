@@ -14,6 +14,11 @@ def test_mortar_feet_see_each_other_along_the_normals(name: str) -> None:
     pieces, count = pieces_of(algorithm, view)
     feet = np.full((count, 4), np.nan)
     assert algorithm.feet(view, pieces, count, feet)
+    # what is found again is what was found, also for pieces that are made once more
+    kept = np.full((count, 4), np.nan)
+    assert algorithm.pieces(view, pieces) == count
+    assert algorithm.feet(view, pieces, count, kept)
+    np.testing.assert_array_equal(kept, feet)
     x, y = view.at.slave[pieces.slave[:count]], view.at.master[pieces.master[:count]]
     n = pieces.normal[pieces.slave[:count]]
     for xi, eta in (feet[:, :2].T, feet[:, 2:].T):
