@@ -140,8 +140,10 @@ def _history(model: Model) -> str:
 
 def _contact_forces(model: Model) -> str:
     """Along which rows contact pushes in explicit runs, and the ratio of segments that "auto" decides by."""
+    from contactlab.model.contact.explicit_system import ContactSystem
+
     contact = model.contact
-    if contact is None or not model.explicit:
+    if not isinstance(contact, ContactSystem):
         return ""
     rows = "conjugate" if contact.conjugate else "published"
     if not contact.finer:

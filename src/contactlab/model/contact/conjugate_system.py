@@ -78,7 +78,8 @@ class ConjugateContactSystem(ContactSystem):
         if self.constant is None:
             return None
         self.constant.count = 0
-        if any(largest_sideways(pair.arrays.address) > ROUND for pair in self.pairs):
+        pairs = (pair for pair in self.pairs if isinstance(pair, OperatorPair))
+        if any(largest_sideways(pair.arrays.address) > ROUND for pair in pairs):
             return None
         self.factored = self.constant
         rows = self.constant = self._assemble_factored()

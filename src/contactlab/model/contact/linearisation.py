@@ -93,7 +93,8 @@ class PairLinearisation:
 
     def gap_derivatives(self, chosen: Ints, memory: Floats) -> Any:
         """Derivatives (c, 2N) of the gaps of the chosen multipliers alone."""
-        pair, pieces, wanted = self.pair, self.derivatives.of(memory), np.zeros(self.pair.slots, np.bool_)
+        pair, pieces = self.pair, self.derivatives.of(memory)
+        wanted: Any = np.zeros(pair.slots, np.bool_)
         inverse = self._inverse_transposed(chosen)
         wanted[inverse[1]] = True
         dnormal = self._turned_normals(pieces, pieces.dnormal[: pieces.normal_count])
