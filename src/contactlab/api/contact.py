@@ -103,7 +103,7 @@ class ContactAlgorithm(ContactMethod):
     """Gives local operators. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
     gradient_nodes  most nodes that the weights of a piece depend on; 0 without `gradients`
-    closest_points  True if every condition measures the distance between closest points wherever separations lie along
+    closest_points  True if every condition measures the distance between closest points where separations lie along
                     the normals: normals that turn and weights that change do not change it then (to first order)
     """
 

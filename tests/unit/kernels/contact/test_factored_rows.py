@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from contactlab_mortar.mortar import MortarP1
 from surfaces import columns_of, dense_rows
 
-from contactlab.kernels.contact.factored_rows import FAR, separations
+from contactlab.api import FactoredRows
+from contactlab.kernels.contact.factored_rows import FAR, allow_constant_motion, largest_sideways, separations
 from contactlab.kernels.contact.tables import CouplingColumns
+from contactlab.testing.surfaces import flat, pair_of, rows_of_pair
 
 ROUND_OFF = 1e-12  # of numbers near ten
 
@@ -42,3 +45,32 @@ def test_both_ways_of_weighing_agree() -> None:
     separations(found.table, columns, (np.zeros((12, 2)), y), normals, separation, gaps)
     rows = dense_rows(found.rows(master, master.allocate(12, 14)), 14)
     np.testing.assert_allclose(separation[found.order], -(rows @ y)[found.order], atol=ROUND_OFF)
+
+
+def test_allow_constant_motion_of_rows_that_are_not_written_out() -> None:
+    """Gaps less the motion that is allowed, against products with the rows themselves."""
+    at, draw, last_dt = flat().lifted((0.0, 1e-3)), np.random.default_rng(4), 0.3
+    pair, _ = pair_of(MortarP1(), at)
+    factored, N = FactoredRows.allocate(pair.slots, 20 * pair.slots), len(at.nodes)
+    assert pair.append_factored(factored)
+    rows, count = rows_of_pair(pair, at), factored.count
+    G = np.zeros((count, N, 2))
+    for i in range(count):
+        for z in range(rows.start[i], rows.start[i + 1]):
+            G[i, rows.node[z]] += rows.normal_weight[z]
+    gap, offset = factored.gap[:count].copy(), np.zeros(pair.slots)
+    predicted, velocity = at.nodes + 0.05 * draw.normal(size=(N, 2)), draw.normal(size=(N, 2))
+    allow_constant_motion(count, factored.packed.address, at.nodes, predicted, velocity, last_dt, offset)
+    moved, came = (np.tensordot(G, x, 2) for x in (predicted - at.nodes, last_dt * velocity))
+    allowed = np.minimum(np.minimum(-gap, -came), 0.0)
+    assert (allowed < 0.0).any()
+    np.testing.assert_allclose(factored.gap[:count], moved - allowed, atol=ROUND_OFF)
+    np.testing.assert_allclose(offset[:count], gap + allowed, atol=ROUND_OFF)
+
+
+def test_largest_sideways_distance_over_segments() -> None:
+    pair, _ = pair_of(MortarP1(), flat())
+    assert largest_sideways(pair.arrays.address) < ROUND_OFF
+    k = pair.coupling.order[2]
+    pair.gaps[k, 1] = -0.3
+    assert largest_sideways(pair.arrays.address) == pytest.approx(0.3 / pair.coupling.full[k])
