@@ -2,7 +2,7 @@
 
 Forces of the mortar methods act along normals averaged on the slave. Beside a node that has been let go they lean, so
 that they work on what slides there: energy may rise a little, by an amount of first order in the segment length.
-Node-on-segment takes the normal of the plane, and keeps the energy to round-off.
+Node-on-segment takes the normal of the plane, and keeps the energy to round-off. Conjugate forces never give any.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from contactlab.api import Case, Job, Measure, Record, Setup
 from contactlab.api.case import at_most, invariant, near, reported, within
-from contactlab_cases.dynamics import WORK
+from contactlab_cases.dynamics import WORK, pushed
 
 WEIGHT = 1e-9 * 10.0 * 10.0 * 9810.0  # N
 FALL = 0.5  # mm
@@ -28,11 +28,12 @@ class DroppedBlock(Case):
     """10 x 10, E = 0.05, dropped from 0.5 mm."""
 
     fall: float = FALL
+    forces: str = "auto"
 
     title: ClassVar[str] = "dropped block"
     source: ClassVar[str] = "energy and equilibrium"
     family: ClassVar[str] = "rest"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"fall": (0.25, 0.5, 1.0)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"fall": (0.25, 0.5, 1.0), "forces": ("auto", "conjugate")}
     demands: ClassVar[frozenset[str]] = frozenset({"explicit"})
     integrators: ClassVar[tuple[str, ...]] = ("central-difference",)
     elements: ClassVar[tuple[str, ...]] = ("q1", "q1-fbar")
@@ -43,7 +44,7 @@ class DroppedBlock(Case):
         """One job, whose last fifth is taken as rest."""
         changes = {
             **setup.changes("block"), "bodies.block.mesh.cells": [5 * setup.level, 4 * setup.level],
-            "bodies.block.shift": [0.0, self.fall],
+            "bodies.block.shift": [0.0, self.fall], "contacts.0.enforcement": pushed(self.forces),
         }  # fmt: skip
         return (Job("dropped", "dropped-block", changes, ("contact-changes",), work=WORK),)
 
@@ -75,11 +76,12 @@ class PressedBlock(Case):
     """The top goes down by 0.2 below touching and up by as much above it, slowly, `cycles` times."""
 
     cycles: int = 10
+    forces: str = "auto"
 
     title: ClassVar[str] = "pressed again and again"
     source: ClassVar[str] = "energy"
     family: ClassVar[str] = "rest"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"cycles": (10, 20)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"cycles": (10, 20), "forces": ("auto", "conjugate")}
     demands: ClassVar[frozenset[str]] = frozenset({"explicit"})
     integrators: ClassVar[tuple[str, ...]] = ("central-difference",)
     elements: ClassVar[tuple[str, ...]] = ("q1", "q1-fbar")
@@ -93,6 +95,7 @@ class PressedBlock(Case):
         changes = {
             **setup.changes("block"), "bodies.block.shift": [0.0, 0.0], "effects": [], "supports": [top],
             "bodies.block.mesh.cells": [5 * setup.level, 4 * setup.level],
+            "contacts.0.enforcement": pushed(self.forces),
             "time.end": points[-1][0], "time.damping": 1000.0, "time.step": 1e-4 / setup.level,
         }  # fmt: skip
         return (Job("pressed", "dropped-block", changes, ("contact-changes",), work=WORK),)

@@ -14,6 +14,11 @@ WORK = 60_000
 """Steps and iterations after which a dynamic case is given up: several times what any of them needs."""
 
 
+def pushed(forces: str) -> dict[str, str]:
+    """The enforcement of explicit runs with these forces."""
+    return {"use": "forward-increment", "forces": forces}
+
+
 def strip(x: tuple[float, float], y: tuple[float, float], cells: list[int], **more: Any) -> dict[str, Any]:
     """Data of a rectangular body of the material m, meshed evenly."""
     return {"material": "m", "mesh": {"use": "rectangle", "x": list(x), "y": list(y), "cells": cells}, **more}
