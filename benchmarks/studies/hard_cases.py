@@ -25,13 +25,13 @@ def million_table(rows: list[Row]) -> list[str]:
     if not rows:
         return ["Not run yet."]
     lines = [
-        "| | " + " | ".join(f"{row['cells']}, {row['algorithm']}" for row in rows) + " |",
+        "| | " + " | ".join(f"{row['cells']}, {row['algorithm']}, {row['forces']}" for row in rows) + " |",
         "|---" * (len(rows) + 1) + "|",
     ]
     return lines + [
         f"| {key} | " + " | ".join(row[key] for row in rows) + " |"
         for key in rows[0]
-        if key not in ("cells", "algorithm")
+        if key not in ("cells", "algorithm", "forces")
     ]
 
 

@@ -42,7 +42,7 @@ VARIED: Mapping[str, Mapping[str, Any]] = {
 class MeshLadder(Case):
     """`ratio` of the disc's segments to the block's; `varied` names what differs from a deep, frictionless run."""
 
-    ratio: float = 3.0
+    ratio: float = 1.0
     varied: str = "nothing"
 
     title: ClassVar[str] = "mesh ratios with conjugate forces"

@@ -16,7 +16,7 @@ from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.held_together import held_together
 from contactlab.model.contact.linearisation import PairDerivatives, PairLinearisation
 from contactlab.model.contact.pair import ContactPair
-from contactlab.model.contact.start_rows import StartRows
+from contactlab.model.contact.step_rows import StepRows
 from contactlab.model.examination import examine_pair
 
 
@@ -32,7 +32,7 @@ class ImplicitContactSystem:
         nodes = len(state["displacement"])
         self.linear = tuple(linearised(pair, nodes) for pair in pairs)
         # statics have no start of a step that anything would have to hold to
-        self.started = self._started() if enforcement.conjugate and "velocity" in state else ()
+        self.stepped = self._stepped() if enforcement.conjugate and "velocity" in state else ()
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.memories = [np.zeros_like(self._memory(pair)) for pair in pairs]
         self.start = np.zeros((nodes, 2))
@@ -42,10 +42,10 @@ class ImplicitContactSystem:
         self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
 
-    def _started(self) -> tuple[StartRows, ...]:
-        """Rows of the start of the step; none with friction, and where conditions come finished."""
+    def _stepped(self) -> tuple[StepRows, ...]:
+        """Rows of the step itself; none with friction, and where conditions come finished."""
         linear = [each for each in self.linear if isinstance(each, PairLinearisation)]
-        return () if self.friction or len(linear) < len(self.linear) else tuple(StartRows(each) for each in linear)
+        return () if self.friction or len(linear) < len(self.linear) else tuple(StepRows(each) for each in linear)
 
     def calls_per_step(self) -> Counter[str]:
         """How often an iteration calls the algorithms, by what they are asked for."""
@@ -62,8 +62,9 @@ class ImplicitContactSystem:
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             memory[:] = self._memory(pair)
             pair.evaluated = False
-        for rows, memory in zip(self.started, self.memories, strict=False):
-            rows.begin(position, memory)
+        for rows, memory in zip(self.stepped, self.memories, strict=False):
+            half = 0.5 * (time - self.state.time)
+            rows.begin(position, position + half * self.state["velocity"], memory)
         self.conditions.anchor[:] = self.conditions.force
 
     def accept(self) -> None:
@@ -92,8 +93,8 @@ class ImplicitContactSystem:
         began, c = perf_counter(), self.conditions
         c.present[:] = False
         for number, (linear, memory) in enumerate(zip(self.linear, self.memories, strict=True)):
-            pair, started = linear.pair, self.started[number] if self.started else None
-            if started is None:
+            pair, stepped = linear.pair, self.stepped[number] if self.stepped else None
+            if stepped is None:
                 linear.evaluate(position, self.start, memory)
             examine_pair(pair)
             own = slice(pair.first_slot, pair.first_slot + pair.slots)
@@ -101,7 +102,7 @@ class ImplicitContactSystem:
             # without flexibility both sides are held: there is nothing that a force could do
             c.present[own] = flexibility > 0.0
             c.stiffness[own] = np.divide(1.0, flexibility, out=np.full(pair.slots, np.inf), where=flexibility > 0.0)
-            c.gap[own] = pair.gaps[:, 0] if started is None else started.gaps(position)
+            c.gap[own] = pair.gaps[:, 0] if stepped is None else stepped.gaps(position)
             c.measure[own], c.size[own] = pair.cover, pair.full
             if self.friction:
                 c.slip[own] = linear.slip if len(linear.slip) else 0.0
@@ -115,10 +116,10 @@ class ImplicitContactSystem:
         """Nodal forces of the trial multipliers; see `contactlab.api.ImplicitContact`."""
         normal[:] = 0.0
         tangential[:] = 0.0
-        for started in self.started:
-            first = started.linear.pair.first_slot
-            normal += started.forces(self.conditions.force[0, first : first + started.linear.pair.slots])
-        if self.started:
+        for stepped in self.stepped:
+            first = stepped.linear.pair.first_slot
+            normal += stepped.forces(self.conditions.force[0, first : first + stepped.linear.pair.slots])
+        if self.stepped:
             return
         for linear, memory in zip(self.linear, self.memories, strict=True):
             if self.enforcement.conjugate and isinstance(linear, PairLinearisation):
@@ -149,8 +150,8 @@ class ImplicitContactSystem:
             pair = linear.pair
             own = slice(pair.first_slot, pair.first_slot + pair.slots)
             slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - pair.first_slot
-            if self.started:
-                parts.append(self.started[number].linearise(slots))
+            if self.stepped:
+                parts.append(self.stepped[number].linearise(slots))
                 continue
             y_t = force[1, own] if pair.friction is not None else None
             found = linear.linearise(slots.astype(np.int32), force[0, own], y_t, memory)

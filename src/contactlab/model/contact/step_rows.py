@@ -1,4 +1,4 @@
-"""Gaps of a step as linear functions of its motion, by their derivatives where the step starts."""
+"""Gaps of a step as linear functions of its motion, by their derivatives in its middle."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.model.contact.linearisation import PairDerivatives, PairLinearisation
 
 
-class StartRows:
-    """Rows G_n of one pair at the start x_n of a step; at its end x, max(g_n, 0) + G_n (x - x_n) >= 0 has to hold.
+class StepRows:
+    """Rows G of one pair in the middle of a step, as its velocities predict it; what has to hold at its end x.
 
-    The work of forces that hold this is -y max(g_n, 0), never positive, however surfaces turn, slide or come within
-    reach of each other (docs/theory/contact-energy.md).
+    That is max(g_n, 0) + G (x - x_n) >= 0, g_n being the gap at the start x_n. The work of forces that hold it is
+    -y max(g_n, 0), never positive, however surfaces turn, slide or come within reach of each other
+    (docs/theory/contact-energy.md). In the middle G has no moment about the mean positions, with which forces act.
 
     slots  (c,) multipliers that have a condition
     rows   (c, 2N) derivatives of their gaps
@@ -27,13 +28,15 @@ class StartRows:
         self.gap, self.start = np.zeros(0), np.zeros(0)
         self.rows: Any = csr_array((0, linear.size))
 
-    def begin(self, position: Floats, memory: Floats) -> None:
-        """A step starts at `position` (N, 2)."""
+    def begin(self, position: Floats, middle: Floats, memory: Floats) -> None:
+        """A step starts at `position` (N, 2) and leads by way of `middle`."""
         pair = self.linear.pair
         pair.update(position, memory)
-        self.slots = np.flatnonzero(pair.gaps[:, 0] < FAR).astype(np.int32)
+        gap = pair.gaps[:, 0].copy()
+        pair.update(middle, memory)
+        self.slots = np.flatnonzero((pair.gaps[:, 0] < FAR) & (gap < FAR)).astype(np.int32)
         self.rows = self.linear.gap_derivatives(self.slots, memory)
-        gap = pair.gaps[self.slots, 0]
+        gap = gap[self.slots]
         # overlaps of the start that are pushed out put energy in on purpose
         self.gap, self.start = gap if pair.pushes_overlaps_out else np.maximum(gap, 0.0), position.ravel().copy()
 
