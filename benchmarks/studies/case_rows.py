@@ -4,15 +4,15 @@
     contactlab matrix --full $(python benchmarks/studies/case_rows.py statics friction) --out runs/statics
     make pages CASES="runs/hard runs/statics"
 
-A row is one measure of a cell; invariants that are kept are left out. The newest cell of each configuration replaces an
-earlier one, and cells that are no longer planned leave.
+A row is one measure of a cell; invariants of runs that are kept, and for which no case asks, are left out. The newest
+cell of each configuration replaces an earlier one, and cells that are no longer planned leave.
 """
 
 from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ import kept_rows
 from kept_rows import Row
 
 from contactlab.archive.archive import CHOICES, Archive
-from contactlab.matrix.plan import Request, plan
+from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.parts.registry import default_registry
 
 STORED = Path(__file__).parent / "case_rows.csv"
@@ -37,15 +37,17 @@ FRICTION = ("disc-with-friction",)
 GROUPS = {"hard": HARD, "statics": STATICS, "friction": FRICTION}
 
 Key = tuple[str, ...]
+OF_THE_RUN = "of the run"
+"""Role of an invariant that a case does not ask for."""
 
 
-def asked(*requests: Request) -> set[Key]:
-    """The configurations of all cells of some matrices."""
-    return {tuple(cell.choices.values()) for request in requests for cell in plan(request, default_registry())}
+def asked(*requests: Request) -> dict[Key, Cell]:
+    """All cells of some matrices by their configurations."""
+    return {tuple(cell.choices.values()): cell for request in requests for cell in plan(request, default_registry())}
 
 
-def of_pages() -> set[Key]:
-    """The configurations that these pages show: hard cases on the finer meshes of level 2, the others in full."""
+def of_pages() -> dict[Key, Cell]:
+    """The cells that these pages show: hard cases on the finer meshes of level 2, the others in full."""
     return asked(Request(HARD, levels=(2,)), Request((*STATICS, *FRICTION), full=True))
 
 
@@ -54,8 +56,11 @@ def key_of(row: Mapping[str, Any]) -> Key:
     return tuple(str(row[name]) for name in CHOICES)
 
 
-def rows_of(archive: Path, wanted: set[Key], invariants: bool = True) -> list[Row]:
-    """The newest cell of each wanted configuration in an archive, one row per measure; kept invariants if asked for."""
+def rows_of(archive: Path, wanted: Mapping[Key, Cell], all_invariants: bool = True) -> list[Row]:
+    """The newest cell of each wanted configuration in an archive, one row per measure.
+
+    Without `all_invariants`, those of the run itself, which no case asks for, are there where they are broken.
+    """
     seen: set[Key] = set()
     found: list[Row] = []
     with Archive(archive, write=False) as kept:
@@ -63,20 +68,36 @@ def rows_of(archive: Path, wanted: set[Key], invariants: bool = True) -> list[Ro
             key = key_of(cell)
             if key in wanted and key not in seen and cell["verdict"] != "not-applicable":
                 seen.add(key)
-                found += _rows(cell, invariants)
+                found += _rows(cell) if all_invariants else _asked_rows(cell, wanted[key])
     return found
 
 
-def _rows(cell: Mapping[str, Any], invariants: bool) -> Iterable[Row]:
+def _asked_rows(found: Mapping[str, Any], cell: Cell) -> list[Row]:
+    """Rows of what a case asks for, and of what else is broken; one without a measure where there is neither."""
+    own = {measure.name for measure in cell.case(default_registry()).measures(cell.setup)}
+    rows = [row if row["measure"] in own else row | {"role": OF_THE_RUN} for row in _rows(found)]
+    shown = [row for row in rows if row["role"] != OF_THE_RUN or row["verdict"] != "met"]
+    ends = {"cell": str(found["verdict"]), "reason": _first_line(found["reason"])}
+    return shown or [dict(zip(CHOICES, key_of(found), strict=True)) | ends]
+
+
+def _rows(cell: Mapping[str, Any]) -> list[Row]:
     head = dict(zip(CHOICES, key_of(cell), strict=True))
-    told = cell["reason"] if cell["verdict"] != "met" or invariants else ""
-    ends = {"cell": str(cell["verdict"]), "reason": told.splitlines()[0] if told else ""}
-    shown = [m for m in cell["measures"] if invariants or m["role"] != "invariant" or m["verdict"] != "met"]
-    for m in shown:
-        values = {name: short(m[name]) for name in ("value", "least", "most")}
-        yield {**head, **{name: m[name] for name in ("verdict", "measure", "role", "unit")}, **values, **ends}
-    if not shown and not invariants:  # a cell that failed before it had a number
-        yield {**head, **ends}
+    ends = {"cell": str(cell["verdict"]), "reason": _first_line(cell["reason"])}
+    numbers = ("value", "least", "most")
+    return [
+        {
+            **head,
+            **{name: m[name] for name in ("verdict", "measure", "role", "unit")},
+            **{name: short(m[name]) for name in numbers},
+            **ends,
+        }
+        for m in cell["measures"]
+    ]
+
+
+def _first_line(reason: str | None) -> str:
+    return reason.splitlines()[0] if reason else ""
 
 
 def short(value: float | None) -> str:
@@ -84,7 +105,7 @@ def short(value: float | None) -> str:
     return "" if value is None or math.isinf(value) else "nan" if math.isnan(value) else f"{value:.4g}"
 
 
-def merged(kept: Sequence[Row], new: Sequence[Row], wanted: set[Key]) -> list[Row]:
+def merged(kept: Sequence[Row], new: Sequence[Row], wanted: Container[Key]) -> list[Row]:
     """New rows in place of those of the same cells; only of configurations that are still planned, sorted by them."""
     came = {key_of(row) for row in new}
     rows = [row for row in kept if key_of(row) in wanted and key_of(row) not in came]
@@ -94,7 +115,7 @@ def merged(kept: Sequence[Row], new: Sequence[Row], wanted: set[Key]) -> list[Ro
 def keep(archive: Path) -> None:
     """Take what the pages show from an archive."""
     wanted = of_pages()
-    kept_rows.write(STORED, COLUMNS, merged(stored(), rows_of(archive, wanted, invariants=False), wanted))
+    kept_rows.write(STORED, COLUMNS, merged(stored(), rows_of(archive, wanted, all_invariants=False), wanted))
 
 
 def stored() -> list[Row]:

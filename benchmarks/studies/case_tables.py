@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from itertools import groupby
 
-from case_rows import key_of
+from case_rows import OF_THE_RUN, key_of
 from kept_rows import Row
 
 from contactlab.archive.archive import CHOICES
@@ -37,7 +37,7 @@ def table(rows: Sequence[Row], worst_over: Sequence[str] = ()) -> list[str]:
     if not cells:
         return ["Not run yet."]
     told = [name for name in CHOICES[1:] if name not in worst_over and len({cell[0][name] for cell in cells}) > 1]
-    measures = list(dict.fromkeys(row["measure"] for row in rows if row["role"] not in ("invariant", "")))
+    measures = list(dict.fromkeys(row["measure"] for row in rows if row["role"] not in (OF_THE_RUN, "")))
     heads = [*(HEADS.get(name, name) for name in told), *(head(rows, name) for name in measures), "verdict"]
     lines = [f"| {' | '.join(heads)} |", "|---" * len(heads) + "|"]
     for chosen, group in groupby(sorted(cells, key=lambda c: _choice(c, told)), lambda c: _choice(c, told)):
@@ -95,7 +95,7 @@ def _bad(row: Row) -> bool:
 def _verdict(cells: Sequence[Cell]) -> str:
     """Of one cell with the invariants that it breaks; of several how many have which."""
     verdicts = [cell[0]["cell"] for cell in cells]
-    broken = {row["measure"]: row["value"] for cell in cells for row in cell if row["role"] == "invariant"}
+    broken = {row["measure"]: row["value"] for cell in cells for row in cell if row["role"] == OF_THE_RUN}
     told = f": {', '.join(f'{name} {value}' for name, value in broken.items())}" if broken else ""
     if len(cells) == 1:
         return f"{verdicts[0]}{told}" if verdicts[0] == "met" else f"**{verdicts[0]}**{told}"
