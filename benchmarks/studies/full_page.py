@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import case_rows
@@ -31,9 +32,9 @@ ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
 
 HEAD = """# The full matrix
 
-Written by `make pages` from the archive of `contactlab matrix --full`: {cells} cells (cases with all their variants,
-either slave, all their elements and integrators, three algorithms) in {minutes:.0f} CPU minutes.
-{counts}{missing}
+Written by `make pages` from the archive of `contactlab matrix --full`: {cells} of the {planned} cells that apply
+(cases with all their variants, either slave, all their elements and integrators, three algorithms) in {minutes:.0f}
+CPU minutes; the others have not been run yet. {counts}{missing}
 
 [Cases against algorithms](matrix.md) explains the verdicts. The numbers of the quick matrix are in
 [Every case](cases.md).
@@ -79,7 +80,10 @@ def page(rows: list[Row]) -> str:
     found = Counter(row["verdict"] for row in rows)
     counts = ", ".join(f"{found[v]} {v}" for v in ORDER if found[v] or v == "silent") + "."
     minutes = sum(float(row["cpu_s"]) for row in rows) / 60.0
-    text = [HEAD.format(cells=len(rows), minutes=minutes, counts=counts, missing=_missing(rows)), *_table(rows)]
+    text = [
+        HEAD.format(cells=len(rows), planned=_planned(), minutes=minutes, counts=counts, missing=_missing(rows)),
+        *_table(rows),
+    ]
     text += ["", "## Silent, failed and not judged, with the cause", "", "| case | algorithm | cells | cause |"]
     text += ["|---|---|---|---|"]
     for (case, contact, verdict), number in sorted(unanswered(rows).items()):
@@ -88,6 +92,14 @@ def page(rows: list[Row]) -> str:
     unknown = sum(int(line.split("|")[3]) for line in missed if line.split("|")[5].strip().startswith(UNKNOWN))
     text += ["", "## Missed, by the number that misses first", "", f"The cause is not known for {unknown} cells.", ""]
     return "\n".join([*text, *missed]) + "\n"
+
+
+@cache
+def _planned() -> int:
+    """How many cells the full matrix has, but for those that do not apply."""
+    registry = default_registry()
+    cells = case_rows.asked(Request(full=True)).values()
+    return sum(not cell.case(registry).applies(cell.setup) for cell in cells)
 
 
 def _missing(rows: list[Row]) -> str:
