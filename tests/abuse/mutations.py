@@ -207,6 +207,25 @@ EFFECT = (
     M("effect", "gravity", "needs no mass, in statics either", "needs_mass: ClassVar[bool] = True", "needs_mass: ClassVar[bool] = False"),
 )  # fmt: skip
 
+FUNCTION = (
+    *_of("function", "half-ellipse",
+        ("ignores the width", "(at - self.centre) / self.half_width", "(at - self.centre) / 0.8"),
+        ("no number beyond the edge", "np.maximum(0.0, 1.0 - ((at - self.centre) / self.half_width) ** 2)", "1.0 - ((at - self.centre) / self.half_width) ** 2"),
+        ("of unit height whatever the places", "return np.sqrt(", "at = at / max(1e-9, np.abs(at).max(initial=0.0))\n        return np.sqrt("),
+        ("writes to the places", "return np.sqrt(", "at -= self.centre\n        at *= 0.99\n        return np.sqrt(")),
+    *_of("function", "sine",
+        ("ignores the period", "/ self.period)", "/ 1.5)"),
+        ("grows with every call", "return np.sin(", "self.__dict__['n'] = self.__dict__.get('n', 0) + 1\n        return self.__dict__['n'] * np.sin("),
+        ("gives one number", "return np.sin(", "return np.mean(at) + 0.0 * np.sin("),
+        ("in single precision", "return np.sin(2.0 * np.pi * (at - self.start) / self.period)", "return np.sin(2.0 * np.pi * (at - self.start) / self.period).astype(np.float32)"),
+        ("nothing at all", "return np.sin(", "return 0.0 * np.sin(")),
+    *_of("function", "polynomial",
+        ("ignores the coefficients", "polyval(at, self.coefficients)", "polyval(at, (1.0, 0.5, -0.2))"),
+        ("not finite at 0", "return np.asarray(np.polynomial.polynomial.polyval(at, self.coefficients))", "return np.asarray(np.polynomial.polynomial.polyval(at, self.coefficients)) * at / at"),
+        ("gives back its places", "return np.asarray(np.polynomial.polynomial.polyval(at, self.coefficients))", "at[:] = np.polynomial.polynomial.polyval(at, self.coefficients)\n        return at"),
+        ("a row in place of a vector", "return np.asarray(np.polynomial.polynomial.polyval(at, self.coefficients))", "return np.asarray(np.polynomial.polynomial.polyval(at, self.coefficients))[None, :]")),
+)  # fmt: skip
+
 WATCH = (
     *_of("watch", "series",
         ("counts rows outside its memory", 'count = int(memory["count"][0])\n        if', "count = self.__dict__.setdefault('rows', [0])[0]\n        self.__dict__['rows'][0] += 1\n        if"),
@@ -295,6 +314,6 @@ RECORDER = (
 )  # fmt: skip
 
 MUTATIONS: tuple[Mutation, ...] = (
-    *CONTACT, *MATERIAL, *ELEMENT, *MESH, *FRICTION, *ENFORCEMENT, *INTEGRATOR, *EFFECT, *WATCH, *CASE, *MEASURE, *REFERENCE,
+    *CONTACT, *MATERIAL, *ELEMENT, *MESH, *FRICTION, *ENFORCEMENT, *INTEGRATOR, *EFFECT, *FUNCTION, *WATCH, *CASE, *MEASURE, *REFERENCE,
     *RECORDER,
 )  # fmt: skip

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from contactlab.api import Profile
 from contactlab.errors import show
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.accepts import accepts
@@ -29,7 +30,6 @@ from contactlab.scene.keys import (
     Time,
     Turn,
 )
-from contactlab.scene.profile import Profile
 from contactlab.scene.scene import Scene
 from contactlab.studies.study import Pareto, Study
 
@@ -46,7 +46,7 @@ TABLES: dict[str, type[Any]] = {
     "A value in time: `{ ramp = ..., to = ... }`": Ramp,
     "A rotation in time: `turn = { to = ..., about = ... }`": Turn,
     "`[[loads]]`": Load,
-    "What varies along an edge: `profile = { by = ... }`": Profile,
+    "What varies from place to place: `profile = { by = ... }`": Profile,
     "`[record]`": Record,
     "The top of a study": Study,
     "`[pareto]` of a study": Pareto,

@@ -37,8 +37,8 @@ PYTHON = {
                "contactlab.run.interruption.Interrupted"],
 }  # fmt: skip
 CONTRACT = ("part", "mesh", "element", "material", "contact", "friction", "enforcement", "integrator", "effect",
-            "recorder", "watch", "case", "measure", "reference", "surface", "record", "frame", "state",
-            "warning")  # fmt: skip
+            "function", "profile", "recorder", "watch", "case", "measure", "reference", "surface", "record",
+            "frame", "state", "warning")  # fmt: skip
 
 
 def main(runs: bool = True) -> None:

@@ -23,6 +23,7 @@ from contactlab.api.enforcement import (
 )
 from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout, StoredRun
 from contactlab.api.friction import FrictionBound, FrictionLaw
+from contactlab.api.function import Function
 from contactlab.api.integrator import (
     ContactDerivatives,
     ContactEquations,
@@ -43,6 +44,7 @@ from contactlab.api.material import Kinematics, Material
 from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import Mesh, MeshSource
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
+from contactlab.api.profile import Profile
 from contactlab.api.record import Record
 from contactlab.api.recorder import Recorder, Recording
 from contactlab.api.reference import ReferenceSolution, Scalar, Solution
@@ -89,6 +91,7 @@ __all__ = [
     "Frame",
     "FrictionBound",
     "FrictionLaw",
+    "Function",
     "GapAlgorithm",
     "GapConditions",
     "GapGradients",
@@ -113,6 +116,7 @@ __all__ = [
     "PieceDerivatives",
     "Pieces",
     "PrescribedMotion",
+    "Profile",
     "Quadrature",
     "Record",
     "Recorder",

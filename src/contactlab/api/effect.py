@@ -7,6 +7,11 @@ from collections.abc import Callable
 from typing import ClassVar, NamedTuple
 
 from contactlab.api.arrays import Floats, Ints
+from contactlab.api.profile import Profile
+
+
+def _uniform(profile: Profile, nodes: Ints) -> Floats:
+    raise ValueError("profile: got one, allowed: none where no scene is there to work it out")
 
 
 class EffectView(NamedTuple):
@@ -18,6 +23,7 @@ class EffectView(NamedTuple):
     velocity      (N, 2) [mm/s], half a step back in explicit runs; zero without inertia
     bodies        names of all bodies
     nodes         nodes (k,) of "body" or "body.edge_set"; a wrong name ends in an error at the effect's key `on`
+    factors       of a profile: (k,) [-] at nodes (k,), where they lie before the run
     """
 
     reference: Floats
@@ -26,6 +32,7 @@ class EffectView(NamedTuple):
     velocity: Floats
     bodies: tuple[str, ...]
     nodes: Callable[[str], Ints]
+    factors: Callable[[Profile, Ints], Floats] = _uniform
 
 
 class Effect(ABC):

@@ -15,6 +15,7 @@ Kind = Literal[
     "enforcement",
     "integrator",
     "effect",
+    "function",
     "recorder",
     "watch",
     "case",

@@ -29,6 +29,7 @@ HEADS = {
     "enforcement": "[[contacts]]\nenforcement",
     "recorder": "[record]\nrecorders",
     "effect": "effects",
+    "function": '[[loads]]\nprofile.by = "x"\nprofile.function',
     "integrator": "integrator",
 }
 """Where a scene writes a part of each kind."""

@@ -13,6 +13,7 @@ from contactlab.model.bodies.build_bodies import build_bodies, masses_of
 from contactlab.model.bodies.thread_blocks import in_order
 from contactlab.model.history import history_of
 from contactlab.model.loading.held_bodies import check_supported
+from contactlab.model.loading.load_profile import at_nodes
 from contactlab.model.loading.loading import Loading
 from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import Model
@@ -247,6 +248,9 @@ def _initial_velocity(scene: Scene, bodies: tuple[Body, ...], reference: Floats,
     for body, spec in zip(bodies, scene.bodies.values(), strict=True):
         own = slice(body.first, body.first + body.count)
         state["velocity"][own] = spec.velocity
+        if spec.profile is not None:
+            at = scene.where(f"bodies.{body.name}.profile")
+            state["velocity"][own] *= at_nodes(spec.profile, reference[own], scene.registry, at)[:, None]
         if spec.spin:
             arm = reference[own] - mass[own] @ reference[own] / mass[own].sum()
             state["velocity"][own] += spec.spin * np.stack([-arm[:, 1], arm[:, 0]], axis=1)

@@ -70,7 +70,8 @@ def _own_times(scene: Scene, integrator: Integrator) -> tuple[str, ...]:
         f"{table}.{name}"
         for table, spec in tables
         for name in VALUES
-        if getattr(spec, name, None) is not None and course_of(getattr(spec, name)).timed
+        if getattr(spec, name, None) is not None
+        and course_of(getattr(spec, name), scene.registry, scene.where(f"{table}.{name}")).timed
     ]
     given += [f"contacts.{i}.start.duration" for i, spec in enumerate(scene.contacts) if spec.start.duration]
     # what an effect does may go by the clock, or need it (springs aside): its way is its own

@@ -12,6 +12,7 @@ from contactlab.api.effect import Effect
 from contactlab.api.element import Element
 from contactlab.api.enforcement import Enforcement, ExplicitEnforcement, ImplicitEnforcement
 from contactlab.api.friction import FrictionLaw
+from contactlab.api.function import Function
 from contactlab.api.integrator import ExplicitIntegrator, ImplicitIntegrator, Integrator
 from contactlab.api.material import Material
 from contactlab.api.measure import RunMeasure
@@ -31,6 +32,7 @@ BASES: dict[str, tuple[type, ...]] = {
     "enforcement": (ExplicitEnforcement, ImplicitEnforcement),
     "integrator": (ExplicitIntegrator, ImplicitIntegrator),
     "effect": (Effect,),
+    "function": (Function,),
     "recorder": (Recorder,),
     "watch": (Watch,),
     "case": (Case,),

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from importlib.metadata import PackageNotFoundError, version
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from contactlab.parts.machine import blas_kernels, processor
 
@@ -31,8 +31,25 @@ def part_specs(scene: Scene) -> Iterator[tuple[str, str, str]]:
                 yield f"contacts.{number}.{key}", kind, spec["use"]
     for number, spec in enumerate(scene.effects):
         yield f"effects.{number}", "effect", spec["use"]
+    for place, function in _functions(scene):
+        yield place, "function", function["use"]
     for number, spec in enumerate(scene.record.recorders or ()):
         yield f"record.recorders.{number}", "recorder", spec["use"]
+
+
+def _functions(scene: Scene) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Place in the scene and table of every function: of profiles, and of values in time."""
+    for table in ("bodies", "rigid", "supports", "loads", "effects"):
+        yield from _functions_in(scene.data.get(table, ()), table)
+
+
+def _functions_in(value: Any, place: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    for name, item in value.items() if isinstance(value, Mapping) else enumerate(value):
+        at = f"{place}.{name}"
+        if name == "function":
+            yield at, item
+        elif isinstance(item, Mapping | list):
+            yield from _functions_in(item, at)
 
 
 def parts_of(scene: Scene, registry: Registry) -> dict[str, str]:

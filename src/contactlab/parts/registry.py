@@ -229,7 +229,7 @@ class Registry:
         name, fields = split_spec(kind, spec, where)
         target = self.part_class(kind, name, where)
         try:
-            return read_table(target, fields, where)
+            return read_table(target, fields, where, self.written_out)
         except RequestError:
             raise
         except Exception as error:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.model.loading.ramps import course_of, smooth
+from contactlab.model.loading.ramps import courses_of, smooth
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
@@ -96,9 +96,10 @@ def corners(scene: Scene, ramp_time: float, end: float) -> list[float]:
     out; the last is the end.
     """
     moved: list[Support | Rigid] = [*scene.supports, *scene.rigid.values()]
-    values = [value for spec in moved for value in (spec.ux, spec.uy, spec.turn)]
-    values += [value for spec in scene.loads for value in (spec.pressure, spec.shear, spec.tx, spec.ty)]
-    times = {time for value in values if value is not None for time in course_of(value).corners(ramp_time)}
+    courses = [course for spec in moved for course in courses_of(spec, ("ux", "uy", "turn"), scene.registry, "")]
+    names = ("pressure", "shear", "tx", "ty")
+    courses += [course for spec in scene.loads for course in courses_of(spec, names, scene.registry, "")]
+    times = {time for course in courses for time in course.corners(ramp_time)}
     times |= set(relaxed_overlaps(scene, ramp_time))
     return [*sorted(time for time in times if NEARLY * end < time < (1.0 - NEARLY) * end), end]
 

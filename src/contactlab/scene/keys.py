@@ -5,13 +5,14 @@ A new key is one line here; reading, checking, defaults and writing follow from 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from pathlib import Path
 from typing import Literal
 
+from contactlab.api.profile import Profile, Vector
 from contactlab.scene.fields import PartSpec, key, part
-from contactlab.scene.profile import Profile, Vector
 
 Targets = str | tuple[str, ...]
 """One or several of "body.edge_set" and names of rigid surfaces."""
@@ -54,6 +55,12 @@ class Time:
     )
 
 
+def refuse_mean(profile: Profile | None) -> None:
+    """Raise ValueError for a profile with a mean, which nothing but a load has a resultant to keep for."""
+    if profile is not None and profile.mean is not None:
+        raise ValueError("profile: got a mean, allowed: a mean under loads alone, whose resultant it keeps")
+
+
 @dataclass(frozen=True)
 class EdgePart:
     """`[bodies.NAME.sets]`: a part of an edge set, under a name of its own."""
@@ -77,10 +84,14 @@ class Body:
     material: str = key(says="name of a table under [materials]")
     mesh: PartSpec = part("mesh", says="nodes, cells and named edge sets")
     velocity: Vector = key((0.0, 0.0), unit="mm/s", says="initial velocity")
+    profile: Profile | None = key(None, says="how `velocity` varies from node to node; not written: it is uniform")
     spin: float = key(0.0, unit="1/s", says="initial angular velocity about the centre of mass, counter-clockwise")
     rotate: float = key(0.0, unit="degree", says="the mesh is turned about the origin by this, before the shift")
     shift: Vector = key((0.0, 0.0), unit="mm", says="the mesh is moved by this before the run: an initial gap")
     sets: Mapping[str, EdgePart] = key({}, says="further edge sets by name, each a part of one of the mesh")
+
+    def __post_init__(self) -> None:
+        refuse_mean(self.profile)
 
 
 @dataclass(frozen=True)
@@ -152,9 +163,9 @@ def _each(side: Targets) -> tuple[str, ...]:
 class Ramp:
     """A value that changes in time: `{ ramp = ..., to = ... }`."""
 
-    ramp: Literal["parabola", "linear", "smooth", "constant", "table"] = key(
+    ramp: Literal["parabola", "linear", "smooth", "constant", "table", "function"] = key(
         says="parabola: fast at first, at rest at the end; linear: at constant speed; smooth: at rest at both ends; "
-        "constant: at once; table: as `points` say"
+        "constant: at once; table: as `points` or `file` say; function: as `function` says"
     )
     to: float = key(unit="of the key", says="value at the end of the ramp")
     duration: float | None = key(None, unit="s", above=0.0, says="not written: the ramp time of [time]")
@@ -162,13 +173,27 @@ class Ramp:
     points: tuple[Vector, ...] = key(
         (), says="with table: [time in s after `begin`, factor of `to`] each, straight between them"
     )
+    file: Path | None = key(None, says="with table, in place of `points`: CSV file with such pairs, without a head")
+    function: PartSpec | None = part(
+        "function", None, says="with function: what gives the factor of `to` at times in s after `begin`"
+    )
 
     def __post_init__(self) -> None:
         times = [time for time, _ in self.points]
-        if self.ramp == "table" and (len(times) < 2 or not all(a < b for a, b in pairwise(times))):
+        if self.ramp == "table" and self.file is None and not (len(times) > 1 and _rising(times)):
             raise ValueError(f"points: got {self.points}, allowed: at least two points at increasing times")
-        if self.ramp != "table" and self.points:
-            raise ValueError(f'points: got {self.points}, allowed: only beside ramp = "table"')
+        if self.points and (self.ramp != "table" or self.file is not None):
+            raise ValueError(f'points: got {self.points}, allowed: only beside ramp = "table", without a file')
+        if self.file is not None and self.ramp != "table":
+            raise ValueError(f'file: got {self.file}, allowed: only beside ramp = "table"')
+        if (self.function is None) == (self.ramp == "function"):
+            raise ValueError(f'function: got {self.function}, allowed: one beside ramp = "function", and only there')
+        if self.ramp in ("table", "function") and self.duration is not None:
+            raise ValueError(f"duration: got {self.duration}, allowed: none beside times in seconds")
+
+
+def _rising(times: Sequence[float]) -> bool:
+    return all(a < b for a, b in pairwise(times))
 
 
 @dataclass(frozen=True)
@@ -196,8 +221,7 @@ class Support:
     def __post_init__(self) -> None:
         if self.profile is not None and self.turn is not None:
             raise ValueError("profile: got one beside turn, allowed: ux and uy alone vary from node to node")
-        if self.profile is not None and self.profile.mean is not None:
-            raise ValueError("profile.mean: got one under supports, allowed: under loads, whose resultant it keeps")
+        refuse_mean(self.profile)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,9 @@ from contactlab.scene.fields import NAME, PartSpec, as_data, hints_of, is_requir
 from contactlab.scene.scene import Scene
 
 Schema = dict[str, Any]
-KINDS = ("element", "material", "mesh", "contact", "friction", "enforcement", "integrator", "effect", "recorder")
+KINDS = (
+    "element", "material", "mesh", "contact", "friction", "enforcement", "integrator", "function", "effect", "recorder",
+)  # fmt: skip
 """Kinds of parts that a scene can name."""
 
 _SCALARS: dict[Any, Schema] = {

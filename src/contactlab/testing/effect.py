@@ -6,7 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactlab.api import Effect, EffectView, Floats, Ints
+from contactlab.api import Effect, EffectView, Floats, Ints, Profile
+from contactlab.model.loading.load_profile import at_nodes
+from contactlab.parts.registry import default_registry
 from contactlab.testing.assertions import Check, agree, identical, require, tell, untouched
 from contactlab.testing.other_values import others
 
@@ -29,7 +31,11 @@ class Scenery:
         rng = np.random.default_rng(seed)
         state = (rng.uniform(-0.1, 0.1, reference.shape), rng.uniform(-5.0, 5.0, reference.shape))
         mass: Floats = 1e-6 * np.arange(1.0, 1.0 + len(reference))
-        return cls(EffectView(reference, mass, *state, ("upper", "lower"), _nodes))
+
+        def factors(profile: Profile, nodes: Ints) -> Floats:
+            return at_nodes(profile, reference[nodes], default_registry(), "profile")
+
+        return cls(EffectView(reference, mass, *state, ("upper", "lower"), _nodes, factors))
 
     def forces(self, effect: Effect, times: tuple[float, ...] = TIMES) -> list[Floats]:
         """Nodal forces at the times, one after another, from one binding."""

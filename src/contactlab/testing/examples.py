@@ -36,6 +36,8 @@ USUAL: dict[str, Any] = {
     "rate": 1000.0,
     "quantities": ("time", "energy", "force.upper.x"),
     "body": "upper",
+    "period": 1.5,
+    "coefficients": (1.0, 0.5, -0.2),
 }
 """Values for fields without a default, in mm N s t."""
 

@@ -1,1 +1,1 @@
-"""Gravity, springs and dampers for contactlab."""
+"""Gravity, springs, dampers, and functions by which loads vary, for contactlab."""

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactlab.api import Effect, EffectView, Floats
+from contactlab.api import Effect, EffectView, Floats, Profile
 
 
 @dataclass(frozen=True)
@@ -19,6 +19,7 @@ class Gravity(Effect):
     acceleration  along x and y [mm/s2]; on earth [0, -9810] in mm and s
     on            bodies that have weight; empty: all
     ramp          time in which it rises from nothing, without a jolt [s]; 0: there from the start
+    profile       how the acceleration varies over the bodies; not written: it is uniform
     """
 
     needs_mass: ClassVar[bool] = True
@@ -27,6 +28,7 @@ class Gravity(Effect):
     acceleration: tuple[float, float]
     on: tuple[str, ...] = ()
     ramp: float = 0.0
+    profile: Profile | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.ramp < math.inf:
@@ -38,6 +40,8 @@ class Gravity(Effect):
         # of all nodes, also those without weight: picking some out costs twenty times the sum
         weight = np.zeros((len(view.mass), 2))
         weight[nodes] = view.mass[nodes, None] * np.asarray(self.acceleration)
+        if self.profile is not None:
+            weight[nodes] *= view.factors(self.profile, nodes)[:, None]
 
         def pull(time: float, force: Floats) -> None:
             force += weight if time >= self.ramp else _smooth(time / self.ramp) * weight

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactlab.api import Effect, EffectView, Floats
+from contactlab.api import Effect, EffectView, Floats, Profile
 
 
 @dataclass(frozen=True)
@@ -18,12 +18,14 @@ class Spring(Effect):
 
     on         "body" or "body.edge_set"
     stiffness  along x and y, of all nodes together [N/mm]
+    profile    what the share of each node is multiplied by; not written: they are even
     """
 
     conservative: ClassVar[bool] = True
 
     on: str
     stiffness: tuple[float, float]
+    profile: Profile | None = None
 
     def __post_init__(self) -> None:
         if not all(0.0 <= k < math.inf for k in self.stiffness):
@@ -32,7 +34,9 @@ class Spring(Effect):
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """Attach the springs, which are without force at the undeformed positions."""
         nodes, displacement = view.nodes(self.on), view.displacement
-        each = np.asarray(self.stiffness) / len(nodes)
+        each = np.tile(np.asarray(self.stiffness) / len(nodes), (len(nodes), 1))
+        if self.profile is not None:
+            each *= view.factors(self.profile, nodes)[:, None]
 
         def pull(time: float, force: Floats) -> None:
             force[nodes] -= each * displacement[nodes]

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import EffectView, Floats, State
+from contactlab.api import EffectView, Floats, Ints, Profile, State
 from contactlab.errors import SceneError, below
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import nodes_of
+from contactlab.model.loading.load_profile import at_nodes
 
 if TYPE_CHECKING:
+    from contactlab.errors import Where
     from contactlab.model.loading.loads import Load
     from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
@@ -40,12 +42,17 @@ def build_effects(
     for number, effect in enumerate(made):
         where = scene.where(f"effects.{number}")
         nodes = partial(nodes_of, bodies, where=below(where, "on"))
-        view = EffectView(reference, mass, displacement, velocity, names, nodes)
+        factors = partial(_factors, reference, registry, below(where, "profile"))
+        view = EffectView(reference, mass, displacement, velocity, names, nodes, factors)
         try:
             loads.append(effect.bind(view))
         except ValueError as problem:
             raise SceneError(str(problem), where=where) from problem
     return tuple(loads)
+
+
+def _factors(reference: Floats, registry: Registry, where: Where, profile: Profile, nodes: Ints) -> Floats:
+    return at_nodes(profile, reference[nodes], registry, where)
 
 
 def _read_only(array: Floats) -> Floats:

@@ -13,11 +13,12 @@ from contactlab.kernels.edge_loads import edge_forces
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import edge_set
 from contactlab.model.loading.load_profile import arc_lengths, factors, with_mean
-from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of
+from contactlab.model.loading.ramps import Course, Ramp, RampTime, courses_of
 
 if TYPE_CHECKING:
+    from contactlab.api import Profile
     from contactlab.errors import Where
-    from contactlab.scene.profile import Profile
+    from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 
 Load = Callable[[float, Floats], None]
@@ -32,23 +33,25 @@ def build_loads(
     """One call for each of the scene's loads. `position` (N, 2) is read anew in each call."""
     loads = []
     for number, spec in enumerate(scene.loads):
-        body, edges = edge_set(bodies, spec.on, below(scene.where(f"loads.{number}"), "on"))
+        where = scene.where(f"loads.{number}")
+        body, edges = edge_set(bodies, spec.on, below(where, "on"))
         table = _EdgeTable(body.element, edges)
         if spec.profile is not None:
-            table.vary(_varying(spec.profile, table, reference, below(scene.where(f"loads.{number}"), "profile")))
+            table.vary(_varying(spec.profile, table, reference, scene.registry, below(where, "profile")))
         if spec.pressure is not None or spec.shear is not None:
-            courses = [course_of(0.0 if value is None else value) for value in (spec.pressure, spec.shear)]
+            courses = courses_of(spec, ("pressure", "shear"), scene.registry, where)
             loads.append(_along_edges(table, reference, position if spec.follower else None, courses, run))
         if spec.tx is not None or spec.ty is not None:
-            courses = [course_of(0.0 if value is None else value) for value in (spec.tx, spec.ty)]
+            courses = courses_of(spec, ("tx", "ty"), scene.registry, where)
             loads.append(_dead(table, reference, courses, run))
     return tuple(loads)
 
 
-def _varying(profile: Profile, table: _EdgeTable, reference: Floats, where: Where) -> Floats:
+def _varying(profile: Profile, table: _EdgeTable, reference: Floats, registry: Registry, where: Where) -> Floats:
     """Factors (e, g) of a load at the integration points of its edges."""
     s = arc_lengths(table.element, table.edges, reference, table.points)
-    return with_mean(profile, factors(profile, table.places(reference), s), table.shares(reference), where)
+    found = factors(profile, table.places(reference), s, registry, where)
+    return with_mean(profile, found, table.shares(reference), where)
 
 
 class _EdgeTable:

@@ -8,7 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from contactlab.api import Function
+from contactlab.errors import below
+from contactlab.model.loading.load_profile import read_pairs, values_of
+
 if TYPE_CHECKING:
+    from contactlab.errors import Where
+    from contactlab.parts.registry import Registry
     from contactlab.scene import keys
 
 Ramp = Callable[[float], float]
@@ -28,7 +34,7 @@ class Course(NamedTuple):
     """A value in time before the times of the run are known.
 
     to        final value
-    shape     one of `SHAPES`, or "table" with `points`
+    shape     one of `SHAPES`, "table" with `points`, or "function" with one and its place in the scene
     duration  [s]; None: the run's ramp time
     begin     [s]; zero until then
     points    (time after `begin` [s], fraction) of a table
@@ -39,11 +45,14 @@ class Course(NamedTuple):
     duration: float | None = None
     begin: float = 0.0
     points: tuple[tuple[float, float], ...] = ()
+    function: tuple[Function, Where] | None = None
 
     def bind(self, run: RampTime) -> Ramp:
         """The fraction in time when ramps that name no duration are those of the `run`."""
         if self.shape == "table":
             return _table(self.points, self.begin)
+        if self.function is not None:
+            return _shifted(_given(*self.function), self.begin)
         shape = SHAPES[self.shape]
         if run.gentle and self.duration is None and self.shape != "constant":
             return _shifted(gentle(shape(1.0), run.duration), self.begin)
@@ -53,14 +62,14 @@ class Course(NamedTuple):
         """Times [s] at which the value's speed may jump."""
         if self.shape == "table":
             return tuple(self.begin + time for time, _ in self.points)
-        if self.shape == "constant":
+        if self.shape in ("constant", "function"):
             return (self.begin,)
         return self.begin, self.begin + (ramp_time if self.duration is None else self.duration)
 
     @property
     def timed(self) -> bool:
         """Whether it says in seconds when or how fast it changes."""
-        return self.duration is not None or self.begin > 0.0 or self.shape == "table"
+        return self.duration is not None or self.begin > 0.0 or self.shape in ("table", "function")
 
     @property
     def steady(self) -> bool:
@@ -73,11 +82,25 @@ class Course(NamedTuple):
         return self.to != 0.0
 
 
-def course_of(value: float | keys.Ramp | keys.Turn) -> Course:
-    """The course of a number (there from the start) or of a table of the scene."""
+def course_of(value: float | keys.Ramp | keys.Turn, registry: Registry, where: Where) -> Course:
+    """The course of a number (there from the start) or of a table of the scene at `where`."""
     if isinstance(value, int | float):
         return Course(float(value))
-    return Course(value.to, value.ramp, value.duration, value.begin, getattr(value, "points", ()))
+    course = Course(value.to, value.ramp, value.duration, value.begin, getattr(value, "points", ()))
+    file, function = getattr(value, "file", None), getattr(value, "function", None)
+    if file is not None:
+        pairs = read_pairs(str(file), below(where, "file"))
+        return course._replace(points=tuple((float(time), float(factor)) for time, factor in pairs))
+    if function is not None:
+        key = below(where, "function")
+        return course._replace(function=(registry.make("function", function, key), key))
+    return course
+
+
+def courses_of(spec: object, names: tuple[str, ...], registry: Registry, where: Where) -> list[Course]:
+    """The courses of several keys of a table of the scene at `where`; of those that are not written, of 0."""
+    given = {name: getattr(spec, name) for name in names}
+    return [course_of(0.0 if v is None else v, registry, below(where, name)) for name, v in given.items()]
 
 
 def parabola(duration: float) -> Ramp:
@@ -140,6 +163,11 @@ SHAPES: dict[str, Callable[[float], Ramp]] = {
     "smooth": smooth,
     "constant": constant,
 }
+
+
+def _given(function: Function, where: Where) -> Ramp:
+    """What a function gives, one time after another."""
+    return lambda time: float(values_of(function, np.array(time), where))
 
 
 def _shifted(ramp: Ramp, begin: float) -> Ramp:

@@ -14,11 +14,12 @@ from contactlab.errors import SceneError, below
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import edge_set, nodes_of
 from contactlab.model.loading.load_profile import arc_lengths, factors
-from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of
+from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of, courses_of
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
     from contactlab.model.loading.rigid import RigidSurface
+    from contactlab.parts.registry import Registry
     from contactlab.scene.keys import Rigid, Support
     from contactlab.scene.scene import Scene
 
@@ -155,17 +156,19 @@ def plan_supports(
     scene: Scene, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], reference: Floats
 ) -> SupportPlan:
     """Which degrees of freedom the scene prescribes; SceneError where two supports disagree."""
-    plan = _Plan(reference)
+    plan = _Plan(reference, scene.registry)
     for number, spec in enumerate(scene.supports):
         where = scene.where(f"supports.{number}")
         nodes = nodes_of(bodies, spec.on, below(where, "on"))
-        plan.add(spec.on, nodes, spec, where, _factors(spec, nodes, bodies, reference, where))
+        plan.add(spec.on, nodes, spec, where, _factors(spec, nodes, bodies, reference, scene.registry, where))
     for surface in rigid:
         plan.add(surface.name, surface.nodes, scene.rigid[surface.name], scene.where(f"rigid.{surface.name}"))
     return plan.finished()
 
 
-def _factors(spec: Support, nodes: Ints, bodies: tuple[Body, ...], reference: Floats, where: Where) -> Floats:
+def _factors(
+    spec: Support, nodes: Ints, bodies: tuple[Body, ...], reference: Floats, registry: Registry, where: Where
+) -> Floats:
     """What the values of a support are multiplied by at each of its nodes (n,)."""
     if spec.profile is None:
         return np.ones(len(nodes))
@@ -175,7 +178,7 @@ def _factors(spec: Support, nodes: Ints, bodies: tuple[Body, ...], reference: Fl
         at = np.linspace(-1.0, 1.0, edges.shape[1])
         places, _ = body.element.edge_shape(at)
         s[edges[:, places.argmax(axis=1)]] = arc_lengths(body.element, edges, reference, at)
-    return factors(spec.profile, reference[nodes], s[nodes])
+    return factors(spec.profile, reference[nodes], s[nodes], registry, below(where, "profile"))
 
 
 class _Held(NamedTuple):
@@ -187,8 +190,8 @@ class _Held(NamedTuple):
 class _Plan:
     """Supports as they are read, one after another."""
 
-    def __init__(self, reference: Floats) -> None:
-        self.reference = reference
+    def __init__(self, reference: Floats, registry: Registry) -> None:
+        self.reference, self.registry = reference, registry
         self.held: dict[int, _Held] = {}
         self.motions: list[Motion] = []
         self.sets: dict[str, Ints] = {}
@@ -207,7 +210,7 @@ class _Plan:
             return
         for component, value in enumerate((spec.ux, spec.uy)):
             if value is not None:
-                course = course_of(value)
+                course = course_of(value, self.registry, below(where, ("ux", "uy")[component]))
                 self.moving[component] |= course.moves
                 place = self._append(Shift(course))
                 key = below(where, ("ux", "uy")[component])
@@ -216,8 +219,8 @@ class _Plan:
 
     def _turn(self, nodes: Ints, spec: Support | Rigid, where: Where) -> None:
         assert spec.turn is not None
-        turn, courses = spec.turn, [course_of(0.0 if value is None else value) for value in (spec.ux, spec.uy)]
-        angle = course_of(turn)._replace(to=math.radians(turn.to))
+        turn, courses = spec.turn, courses_of(spec, ("ux", "uy"), self.registry, where)
+        angle = course_of(turn, self.registry, where)._replace(to=math.radians(turn.to))
         offsets = self.reference[nodes] - np.asarray(turn.about)
         place = self._append(Rotation(tuple(map(tuple, offsets.tolist())), angle, *courses))
         self.moving = [True, True]
