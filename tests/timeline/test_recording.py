@@ -212,7 +212,8 @@ def test_pictures_have_a_column_per_step_and_a_row_per_node(kind: str, run: Resu
     last = np.asarray(Image.open(io.BytesIO(bytes(pages.values[-1][0]))))
     nodes = record[kind].shape[1]
     high = last.shape[0] // nodes
-    shown = last[high // 2 :: high, 1::3].T[:, np.argsort(np.argsort(run.contact["contacts.0"].last.s))]
+    wide = last.shape[1] // 200
+    shown = last[high // 2 :: high, wide // 2 :: wide].T[:, np.argsort(np.argsort(run.contact["contacts.0"].last.s))]
     closed, expected = record["state"][-200:] > 0, record[kind][-200:]
     assert ((shown > 0) == closed).all()
     pairs = set(zip(expected[closed].tolist(), shown[closed].tolist(), strict=True))
@@ -444,7 +445,59 @@ def assert_one_iteration_after_the_other(run: Results, read: Reader) -> None:
     high, wide = shown.shape[0] // sets.shape[1], shown.shape[1] // count
     assert np.array_equal(shown[high // 2 :: high, wide // 2 :: wide].T > 0, sets > 0)
     last = {row.step: number for number, row in enumerate(run.iterations, start=1)}
-    assert numbers("/run/mesh") == [last.get(frame.step, 0) for frame in run.frames]
+    frames = [last.get(frame.step, 0) for frame in run.frames]
+    between = [one.number for one in run.iterates if one.number not in frames]
+    assert len(run.iterates) == count
+    assert numbers("/run/mesh") == frames + between
+    assert numbers("/run/outline") == frames + between
+    assert_bodies_move_from_iteration_to_iteration(run, read)
+
+
+def assert_bodies_move_from_iteration_to_iteration(run: Results, read: Reader) -> None:
+    """Meshes are those of the results file, slave nodes have the colours of their states, and gaps those of decades."""
+    import io
+
+    from contactlab_rerun.iterations import gap_levels
+    from PIL import Image
+
+    size = float(np.ptp(run.nodes, axis=0).max())
+    shown = {}
+    for batch in read.moving["/run/mesh"]:
+        if "iteration" in batch.schema.names and "step" not in batch.schema.names:
+            shown |= dict(
+                zip(batch["iteration"].to_pylist(), batch["Mesh3D:vertex_positions"].to_pylist(), strict=True)
+            )
+    assert shown
+    for number, points in shown.items():
+        expected = run.nodes + run.iterates[number - 1].displacement
+        assert np.abs(np.array(points)[:, :2] - expected).max() <= DRAWN * size
+    (nodes,) = read.moving["/run/nodes"]
+    (contact,) = run.layout.contacts
+    assert nodes["iteration"].to_pylist() == [one.number for one in run.iterates]
+    for row, points, colours in zip(
+        run.iterations, nodes["Points3D:positions"].to_pylist(), nodes["Points3D:colors"].to_pylist(), strict=True
+    ):
+        is_closed = [colour >> 8 == int(CLOSED[1:], 16) for colour in colours]
+        assert is_closed == (row.active_set > 0).tolist()
+        assert len(points) == len(contact.slave_nodes)
+    (page,) = read.rows("/run/newton/contacts.0/gap/picture", "EncodedImage:blob").values
+    picture = np.asarray(Image.open(io.BytesIO(bytes(page[0]))))
+    along = np.argsort(run.contact["contacts.0"].last.s)
+    ends = run.nodes[contact.slave_nodes][contact.slave_segments]
+    length = np.hypot(*(ends[:, 1] - ends[:, 0]).T).mean()
+    levels = gap_levels(np.array([one.gap for one in run.iterates])[:, along], float(length))
+    high, wide = picture.shape[0] // levels.shape[1], picture.shape[1] // len(levels)
+    assert np.array_equal(picture[high // 2 :: high, wide // 2 :: wide].T, levels)
+
+
+def test_gaps_have_a_shade_for_each_power_of_ten() -> None:
+    from contactlab_rerun.iterations import SHADES, gap_levels
+
+    gaps = np.array([np.nan, -3.0, -0.2, -0.02, -1e-30, 0.0, 1e-30, 0.02, 0.2, 3.0])
+    red, blue = 1, 1 + SHADES
+    assert gap_levels(gaps, 1.0).tolist() == [
+        0, red, red, red + 1, red + SHADES - 1, blue + SHADES - 1, blue + SHADES - 1, blue + 1, blue, blue,
+    ]  # fmt: skip
 
 
 def test_a_panel_alone(run: Results, tmp_path: Path) -> None:

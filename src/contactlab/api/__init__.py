@@ -21,7 +21,7 @@ from contactlab.api.enforcement import (
     Rows,
     Solve,
 )
-from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout, StoredRun
+from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout, StoredRun
 from contactlab.api.friction import FrictionBound, FrictionLaw
 from contactlab.api.function import Function
 from contactlab.api.integrator import (
@@ -101,6 +101,7 @@ __all__ = [
     "ImplicitIntegrator",
     "Integrator",
     "Ints",
+    "Iterate",
     "Iteration",
     "IterationRow",
     "Job",

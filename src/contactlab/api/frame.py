@@ -199,6 +199,19 @@ class IterationRow(NamedTuple):
         return np.frombuffer(self.statuses.encode(), np.uint8).astype(np.int32) - ord("0")
 
 
+class Iterate(NamedTuple):
+    """The state of bodies and contacts after one Newton iteration, in single precision.
+
+    number        of the iteration among all of the run, from 1: `iterations[number - 1]` has its residuals
+    displacement  (N, 2) [mm]
+    gap           (k,) [mm] of each contact condition, in the order of `IterationRow.active_set`; nan: no condition
+    """
+
+    number: int
+    displacement: np.ndarray
+    gap: np.ndarray
+
+
 class StoredRun(Protocol):
     """A run read back from its files, as far as it went."""
 
@@ -223,6 +236,11 @@ class StoredRun(Protocol):
     @property
     def iterations(self) -> Sequence[IterationRow]:
         """All Newton iterations of the run, those of rejected steps included."""
+        ...
+
+    @property
+    def iterates(self) -> Sequence[Iterate]:
+        """Bodies and contacts after those iterations that were kept, each read when it is accessed."""
         ...
 
     @property

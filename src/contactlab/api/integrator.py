@@ -221,6 +221,12 @@ class ImplicitEquations(Equations, Protocol):
     def folded(self) -> bool:
         """Whether a cell was folded over at the last `internal_force`."""
 
+    def iterated(self) -> None:
+        """An iteration has ended with displacements and contact conditions as they are; once for each in `Step.trace`.
+
+        Where the run records it, that state is kept; otherwise nothing happens. An integrator need not call it.
+        """
+
     def accept(self) -> None:
         """Make the trial the state: history, multipliers and memory of contacts."""
 

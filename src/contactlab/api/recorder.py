@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
+from contactlab.api.frame import Event, Frame, Iterate, IterationRow, Layout, StoredRun
 
 FAILURE, WARNING = "failure", "warning"
 """Why all fields of the last steps are stored: the run failed, or a guard warned for the first time."""
@@ -50,6 +50,12 @@ class Recording(ABC):
     def iterations(self, rows: Sequence[IterationRow]) -> None:  # noqa: B027
         """Take the Newton iterations of one attempted step; never called in explicit runs."""
 
+    def iterates(self, some: Sequence[Iterate]) -> None:  # noqa: B027
+        """Take bodies and contacts after iterations whose rows were given before; they may be kept.
+
+        Called for recorders with `every_iterate`, in implicit runs, for as many as `record.budget` has room for.
+        """
+
     def last_steps(self, end: str, frames: Sequence[Frame]) -> None:  # noqa: B027
         """Take frames of each of the last steps before `end`, which is FAILURE or WARNING; each is given once.
 
@@ -70,6 +76,7 @@ class Recorder(ABC):
     by_default  used where a scene names no recorders
     every_step  its recordings take `steps`
     every_contact  its recordings take `contact_steps`
+    every_iterate  its recordings take `iterates`
     every_field  its recordings take `last_steps`
     stores_results  results are read back from its recordings, and other recordings are made from them
     shown_file  name of the file that `show` opens; empty where there is nothing to show
@@ -78,6 +85,7 @@ class Recorder(ABC):
     by_default: ClassVar[bool] = False
     every_step: ClassVar[bool] = False
     every_contact: ClassVar[bool] = False
+    every_iterate: ClassVar[bool] = False
     every_field: ClassVar[bool] = False
     stores_results: ClassVar[bool] = False
     shown_file: ClassVar[str] = ""
@@ -107,17 +115,17 @@ class Recorder(ABC):
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
         """Continue an interrupted run: by default with a new recording of all that `run` has stored."""
         recording = self.open(folder, layout)
-        replay(run, recording, steps=self.every_step, contact=self.every_contact, fields=self.every_field)
+        replay(run, recording, self.every_step, self.every_contact, self.every_field, self.every_iterate)
         return recording
 
     def compared(self, folder: Path, runs: Mapping[str, StoredRun]) -> None:  # noqa: B027
         """Called once after a comparison, with its folder and its runs by the values in which they differ."""
 
-    def show(self, file: Path, png: Path | None, step: int | None) -> None:
-        """Show `file` on the screen, or write a picture of it to `png`: at `step`, or at its end.
+    def show(self, file: Path, png: Path | None, step: int | None, iteration: int | None = None) -> None:
+        """Show `file` on the screen, or write a picture of it to `png`: at `step`, at Newton's `iteration`, or its end.
 
         Raises RuntimeError, with what to install, where this machine cannot show it, and ValueError
-        where there is no such step.
+        where there is no such step or iteration.
         """
         raise NotImplementedError(f"{type(self).__name__} has nothing to show")
 
@@ -126,8 +134,15 @@ class Recorder(ABC):
         return None
 
 
-def replay(run: StoredRun, recording: Recording, steps: bool, contact: bool, fields: bool = False) -> None:
-    """Give `recording` everything that `run` has stored; `steps`, `contact` and `fields` where it takes those."""
+def replay(
+    run: StoredRun,
+    recording: Recording,
+    steps: bool,
+    contact: bool,
+    fields: bool = False,
+    iterates: bool = False,
+) -> None:
+    """Give `recording` everything that `run` has stored; steps, contact, fields and iterates where it takes those."""
     if steps:
         for block in run.step_blocks():
             recording.steps(block)
@@ -137,6 +152,8 @@ def replay(run: StoredRun, recording: Recording, steps: bool, contact: bool, fie
     for event in run.events:
         recording.event(event)
     recording.iterations(run.iterations)
+    if iterates:
+        recording.iterates(run.iterates)
     for end, last in run.last_steps.items() if fields else ():
         recording.last_steps(end, last)
     frames: Sequence[Frame] = run.frames

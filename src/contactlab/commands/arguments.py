@@ -140,6 +140,12 @@ def _describe_view(command: argparse.ArgumentParser) -> None:
         help="runs of a comparison to show (default: all up to 12, else the first of each algorithm)",
     )  # fmt: skip
     command.add_argument("--step", type=step, metavar="N", help="the step of the picture (default: the last one)")
+    command.add_argument(
+        "--iteration",
+        type=step,
+        metavar="N",
+        help="the Newton iteration of the picture, counted from 1",
+    )
 
 
 def _describe_explain(command: argparse.ArgumentParser) -> None:

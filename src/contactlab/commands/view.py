@@ -24,10 +24,7 @@ PANEL = "panel"
 
 def view(options: argparse.Namespace) -> int:
     """Open the viewer, or write a picture and say where."""
-    if options.step is not None and options.png is None:
-        raise RequestError(
-            "a step is for pictures", where="--step", hint="add --png FILE; in the viewer, move the cursor"
-        )
+    _check_place(options)
     recorder = _recorder(default_registry())
     path = Path(options.path)
     if options.runs and (path.is_file() or (path / FILE).is_file()):
@@ -40,7 +37,8 @@ def view(options: argparse.Namespace) -> int:
     if not path.is_file() and not options.runs and (more := left_out(path)):
         console().print(more, markup=False, highlight=False, soft_wrap=True)
     try:
-        recorder.show(file, png, options.step)
+        at = {} if options.iteration is None else {"iteration": options.iteration}
+        recorder.show(file, png, options.step, **at)
     except ValueError as error:
         raise RequestError(str(error), where=str(file)) from error
     except RuntimeError as error:
@@ -48,6 +46,19 @@ def view(options: argparse.Namespace) -> int:
     if png is not None:
         console().print(f"picture: {png}", markup=False, highlight=False, soft_wrap=True)
     return 0
+
+
+def _check_place(options: argparse.Namespace) -> None:
+    """Raise RequestError for a step or iteration of no picture, or for both."""
+    for name in ("step", "iteration"):
+        if getattr(options, name) is not None and options.png is None:
+            raise RequestError(
+                f"{'an' if name == 'iteration' else 'a'} {name} is for pictures",
+                where=f"--{name}",
+                hint="add --png FILE; in the viewer, move the cursor",
+            )
+    if options.step is not None and options.iteration is not None:
+        raise RequestError("a picture is of a step or an iteration", where="--iteration", hint="leave out one of them")
 
 
 def _one_panel(path: Path, recorder: Recorder, options: argparse.Namespace) -> Path:

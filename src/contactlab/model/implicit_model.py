@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -28,6 +28,7 @@ class ImplicitModel(Model):
     """Implements `contactlab.api.ImplicitEquations`.
 
     estimates    states that are expected at times to come, from a coarser mesh
+    listening    called after each iteration; None where nobody records it
     stiffness_s  what of `seconds` went into stiffness matrices
     """
 
@@ -42,6 +43,7 @@ class ImplicitModel(Model):
         self._start = None if self.increment is None else np.zeros_like(self.increment)
         self._tangent: Tangent | None = None
         self.stiffness_s = 0.0
+        self.listening: Callable[[], None] | None = None
         self._load_stiffness: LoadStiffness | None = None
         self._derivatives = [
             np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
@@ -114,6 +116,11 @@ class ImplicitModel(Model):
             for forces, derivatives in zip(self.forces, self._derivatives, strict=True)
             for block in forces.blocks
         )
+
+    def iterated(self) -> None:
+        """Let it be recorded where the iteration is; see `contactlab.api.ImplicitEquations`."""
+        if self.listening is not None:
+            self.listening()
 
     def accept(self) -> None:
         """History and contact memory of the trial become the state's."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.api.frame import Event, Frame, IterationRow, Layout, Level
+from contactlab.api.frame import Event, Frame, Iterate, IterationRow, Layout, Level
 from contactlab.api.recorder import Recording
 from contactlab.errors import ContactlabWarning, SimulationFailure, one_line
 from contactlab.model.model import Model
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 class Journal:
     """Samples of one run in memory; frames, steps and events go to its recordings, by the recorder's name.
 
-    `wanted` names the recordings that want every step's scalars ("steps"), the contact record ("contact_steps") and
-    all of the last steps ("last_steps"); `plan` says which steps the contact record has. With `past`, an interrupted
-    run is taken up where it was saved.
+    `wanted` names the recordings that want every step's scalars ("steps"), the contact record ("contact_steps"), states
+    after iterations ("iterates") and all of the last steps ("last_steps"); `plan` says which steps the contact record
+    has. With `past`, an interrupted run is taken up where it was saved.
     """
 
     def __init__(
@@ -120,6 +120,11 @@ class Journal:
         if self.iteration_file is not None:
             self._or_stop("iterations.csv", lambda file: file.add(rows), self.iteration_file)
         self._tell("iterations", lambda recording: recording.iterations(rows))
+
+    def iterates(self, some: list[Iterate]) -> None:
+        """Hand on states after iterations, whose rows are told already."""
+        for name in self.wanted["iterates"] & self.recordings.keys() if some else ():
+            self._one(name, "iterates", lambda recording: recording.iterates(some))
 
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:
         """Let the recordings keep what a restart needs."""

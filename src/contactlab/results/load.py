@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
 from contactlab.api.arrays import Floats
+from contactlab.api.frame import Iterate, IterationRow
 from contactlab.errors import RequestError, one_line
 from contactlab.results.checkpoint_slots import Checkpoint, Slots
 from contactlab.results.checksums import Damage
@@ -19,6 +20,7 @@ from contactlab.results.damage import BROKEN, TABLES, check_all, damage_told, wh
 from contactlab.results.event_table import read_events
 from contactlab.results.final_fields import FinalFields
 from contactlab.results.frame_sums import StoredSums
+from contactlab.results.iterate_table import StoredIterates, check_iterates
 from contactlab.results.iteration_table import read_iterations
 from contactlab.results.last_steps_file import stored_last_steps
 from contactlab.results.layout_file import read_layout
@@ -64,7 +66,9 @@ def load_checkpoint(folder: Path) -> tuple[Results, Checkpoint] | None:
         reader.limit(reader.checkpoint)
         check_all(file, reader.layout, reader.frames, reader.steps)
         check_record(reader.own, reader.layout, reader.recorded)
-        return reader.results(), reader.checkpoint
+        run = reader.results()
+        check_iterates(reader.own, len(run.iterations))
+        return run, reader.checkpoint
 
 
 class _Reader:
@@ -124,6 +128,9 @@ class _Reader:
         steps = StoredSteps(self.folder, self.steps, self.salvage)
         if self.salvage and self.steps and (missing := self.steps - sum(len(block) for block in steps)):
             self.lost.append(f"{missing} of {self.steps} steps")
+        iterations = self._or(
+            "the iterations", lambda: read_iterations(self.own, self.last_step, self.salvage), list[IterationRow]()
+        )
         return Results(
             summary=self._or("the summary", self._summary, self._unsaved_summary()),
             layout=self.layout,
@@ -134,7 +141,8 @@ class _Reader:
             stress=end.stress,
             internal_variables=end.internal_variables,
             events=self._or("the events", lambda: read_events(self.own, self.events, self.salvage), []),
-            iterations=self._or("the iterations", lambda: read_iterations(self.own, self.last_step, self.salvage), []),
+            iterations=iterations,
+            iterates=self._iterates(len(iterations)),
             frames=frames,
             last_steps=stored_last_steps(self.folder),
             folder=self.folder,
@@ -142,6 +150,12 @@ class _Reader:
             closed=self.closed,
             lost=tuple(self.lost),
         )
+
+    def _iterates(self, iterations: int) -> Sequence[Iterate]:
+        def read() -> Sequence[Iterate]:
+            return StoredIterates(self.folder, self.own, iterations, self.salvage)
+
+        return self._or("displacements of iterations", read, ())
 
     def _summary(self) -> dict[str, Any]:
         """That of the end, or of the last checkpoint when there was no end."""

@@ -1,6 +1,7 @@
 """Which steps the contact record has: a window, and fewer of them where it would be larger than its budget.
 
 What is kept is a function of the number of a step alone, so that a run that is taken up again keeps the same steps.
+The same holds for states after Newton's iterations, by their number in the run.
 """
 
 from __future__ import annotations
@@ -15,6 +16,11 @@ from contactlab.api.frame import Layout
 BUDGET = 64.0  # MB of one run, where the scene names none
 MEGABYTE = 1e6
 MEANT = 0.75  # of the budget is what a run takes that has as many steps as it was estimated to have
+
+
+def iterate_bytes(layout: Layout, conditions: int) -> int:
+    """What the state after one iteration takes: displacements and gaps in single precision, and where they belong."""
+    return 8 * len(layout.nodes) + 4 * conditions + 16
 
 
 @dataclass(frozen=True)
@@ -46,6 +52,12 @@ class RecordPlan:
         thinner = max(1, math.ceil(meant / sure))
         return cls(first, last, asked, asked * thinner, rows, sure)
 
+    @classmethod
+    def of_iterations(cls, record: Any, layout: Layout, conditions: int) -> RecordPlan | None:
+        """The plan of states after iterations, whose number nobody knows before; None where none is kept."""
+        rows = int((BUDGET if record.budget is None else record.budget) * MEGABYTE / iterate_bytes(layout, conditions))
+        return cls(1, math.inf, 1, 1, rows, int(MEANT * rows)) if rows >= 4 else None
+
     def disk_bytes(self, layout: Layout, steps: int) -> float:
         """What the record of so many steps takes on the disk."""
         kept = (min(steps, self.last) - self.first) // self.every + 1
@@ -59,6 +71,11 @@ class RecordPlan:
         due = begin if step < begin else begin + ((step - begin) // every + 1) * every
         due = min(due, end)  # the next stretch begins with a row of its own
         return due if due <= self.last else math.inf
+
+    @property
+    def whole(self) -> int:
+        """The last step of which none before it is left out."""
+        return self.first + (self.sure - 1) * self.every
 
     def told(self) -> str:
         """What a reader of the run is told where steps are left out; empty where none are."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
-from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout
+from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout
 from contactlab.api.warning import RunWarning
 from contactlab.results.contact_blocks import blocks_of
 from contactlab.views import view
@@ -65,6 +65,7 @@ class Results:
     internal_variables  of each body whose law has any, by name (n, q), at the end
     events        what was worth a line: steps shortened, warnings when they came
     iterations    every Newton iteration of implicit runs, those of steps taken back included
+    iterates      displacements and gaps after those iterations that were kept, read when asked for; empty without files
     frames        every stored frame with its fields, read from `results.vtkhdf` when asked for; empty without files
     last_steps    frames of every one of the last steps before a "failure" or the first "warning" of a guard, if any
     folder        where the files are, None if none were written
@@ -85,6 +86,7 @@ class Results:
     internal_variables: dict[str, dict[str, Floats]]
     events: Sequence[Event] = ()
     iterations: Sequence[IterationRow] = ()
+    iterates: Sequence[Iterate] = ()
     frames: Sequence[Frame] = ()
     last_steps: Mapping[str, Sequence[Frame]] = field(default_factory=dict)
     folder: Path | None = None
@@ -195,7 +197,7 @@ class Results:
 
 
 def _content(results: Results) -> dict[str, Any]:
-    skipped = ("layout", "frames", "last_steps", "folder", "step_source", "closed", "watched", "lost")
+    skipped = ("layout", "iterates", "frames", "last_steps", "folder", "step_source", "closed", "watched", "lost")
     own = {name: value for name, value in vars(results).items() if name not in skipped}
     return own | {"scene": results.layout.scene, "nodes": results.nodes, "cells": results.cells, "steps": results.steps}
 

@@ -17,7 +17,7 @@ import h5py
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.api.frame import ContactCurve, ContactLayout, Event, Frame, IterationRow, Layout, StoredRun
+from contactlab.api.frame import ContactCurve, ContactLayout, Event, Frame, Iterate, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recorder, Recording
 from contactlab.results.checkpoint_slots import TEXT, Slots
 from contactlab.results.checksums import GROUP as SUMS
@@ -27,6 +27,7 @@ from contactlab.results.event_table import EventTable
 from contactlab.results.frame_sums import FrameSums
 from contactlab.results.grid_file import GridFile, frame_bytes, write_grid
 from contactlab.results.growing import Column, GrowingFile, Number
+from contactlab.results.iterate_table import IterateTable
 from contactlab.results.iteration_table import GROUP, IterationTable
 from contactlab.results.last_steps_file import excerpt, last_steps_folder
 from contactlab.results.layout_file import FORMAT, write_layout
@@ -50,6 +51,7 @@ class VtkHdf(Recorder):
     by_default: ClassVar[bool] = True
     every_step: ClassVar[bool] = True
     every_contact: ClassVar[bool] = True
+    every_iterate: ClassVar[bool] = True
     every_field: ClassVar[bool] = True
     stores_results: ClassVar[bool] = True
 
@@ -102,6 +104,7 @@ class VtkHdfRecording(Recording):
         self.steps_written = self.step_count.value
         self.events = EventTable(growing, self.own)
         self.newton = IterationTable(growing, self.own) if GROUP in self.own else None
+        self.iterated = IterateTable.there(growing, self.own)
         self.contact = ContactTable(growing, self.own, layout) if is_recorded(self.own, layout) else None
         self.slots = Slots.of(self.own)
 
@@ -147,6 +150,13 @@ class VtkHdfRecording(Recording):
         if self.newton is None:
             self.newton = IterationTable(self.growing, self.own)
         self.newton.add(rows)
+
+    def iterates(self, some: Sequence[Iterate]) -> None:
+        """Append states after iterations."""
+        if some and self.iterated is None:
+            self.iterated = IterateTable(self.growing, self.own, len(self.layout.nodes), len(some[0].gap))
+        if self.iterated is not None:
+            self.iterated.add(some)
 
     def last_steps(self, end: str, frames: Sequence[Frame]) -> None:
         """Write the last steps into a file of their own, with the same fields."""
@@ -197,6 +207,8 @@ class VtkHdfRecording(Recording):
         self.events.cut(events)
         if self.newton is not None:
             self.newton.cut(iterations)
+        if self.iterated is not None:
+            self.iterated.cut(iterations)
         if self.contact is not None:
             self.contact.cut(contact_steps)
         self.growing.flush()
@@ -206,6 +218,8 @@ class VtkHdfRecording(Recording):
         self.step_count.write(self.steps_written)
         if self.newton is not None:
             self.newton.show()
+        if self.iterated is not None:
+            self.iterated.show()
         if self.contact is not None:
             self.contact.show()
 

@@ -62,6 +62,7 @@ def prepare_run(
     wanted = {
         "steps": frozenset(name for name, recorder in working.items() if recorder.every_step),
         "contact_steps": frozenset(name for name, recorder in working.items() if recorder.every_contact),
+        "iterates": frozenset(name for name, recorder in working.items() if recorder.every_iterate),
         "last_steps": frozenset(name for name, recorder in working.items() if recorder.every_field),
     }
     if folder is None:
@@ -69,13 +70,22 @@ def prepare_run(
         return run
     plan = _record_plan(scene, layout, steps) if wanted["contact_steps"] else None
     memory = sum(array.nbytes for array in run.saved().values())
-    check_disk_space(working, folder, layout, steps, memory, plan, scene.where("record.frames"))
+    record = plan.disk_bytes(layout, steps) if plan is not None else 0.0
+    iterates = None
+    if wanted["iterates"] and not model.explicit:
+        from contactlab.run.iterations import iterate_plan, iterates_on_disk, record_iterates
+
+        iterates = iterate_plan(model, scene.record, layout)
+        record += iterates_on_disk(model, iterates, layout, steps) if iterates is not None else 0.0
+    check_disk_space(working, folder, layout, steps, memory, record, scene.where("record.frames"))
     claimed = HistoryFile(folder)
     past = _take_up(run, layout, folder) if resume else None
     write_scene(folder, layout.scene)
     recordings = open_recordings(recorders, folder, layout, past)
     run.journal = Journal(model, layout, recordings, wanted, claimed, past, plan)
     run.plan = plan
+    if iterates is not None:
+        record_iterates(run, iterates, scene.record)
     if wanted["last_steps"] and scene.record.last != 0:
         _keep_last_steps(run, scene, registry, folder)
     return run

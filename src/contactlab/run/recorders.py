@@ -16,7 +16,6 @@ from contactlab.results.results import Results
 if TYPE_CHECKING:
     from contactlab.errors import Location
     from contactlab.parts.registry import Registry
-    from contactlab.results.record_plan import RecordPlan
     from contactlab.scene.scene import Scene
 
 
@@ -54,15 +53,15 @@ def check_disk_space(
     layout: Layout,
     steps: int,
     memory: float,
-    plan: RecordPlan | None,
+    record: float,
     where: Location,
 ) -> None:
     """Raise SceneError where the files of a run will not fit on the disk, beside what of them is there already.
 
-    memory  bytes that a restart needs; plan: of the contact record, None without one
+    memory, record  bytes that a restart needs, and of the contact record and of states after iterations
     """
     wanted = sum(recorder.disk_bytes(layout, steps, memory) for recorder in recorders.values())
-    wanted += plan.disk_bytes(layout, steps) if plan is not None else 0.0
+    wanted += record
     there = sum(path.stat().st_size for path in folder.iterdir() if path.is_file())
     free = shutil.disk_usage(folder).free
     if wanted - there > free:
@@ -109,5 +108,6 @@ def open_recordings(
 def record_again(recorder: Recorder, folder: Path, run: Results) -> None:
     """Make a recording of what a run has stored."""
     recording = recorder.open(folder, run.layout)
-    replay(run, recording, recorder.every_step, recorder.every_contact, recorder.every_field)
+    kinds = (recorder.every_step, recorder.every_contact, recorder.every_field, recorder.every_iterate)
+    replay(run, recording, *kinds)
     recording.close(run.summary)

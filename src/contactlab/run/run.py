@@ -29,6 +29,7 @@ from contactlab.run.watches import NoGuards, Watching, WorkLimit
 if TYPE_CHECKING:
     from contactlab.model.bound_integrator import BoundIntegrator
     from contactlab.results.checkpoint_slots import Checkpoint
+    from contactlab.results.iterate_sampler import IterateSampler
     from contactlab.results.record_plan import RecordPlan
     from contactlab.run.last_steps import LastSteps
     from contactlab.run.nested import NestedStart
@@ -63,6 +64,7 @@ class Run:
     journal: Journal = field(init=False)
     nested: NestedStart | None = None
     plan: RecordPlan | None = None
+    iterates: IterateSampler | None = None
 
     def store_start(self) -> None:
         """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
@@ -108,6 +110,10 @@ class Run:
         state, dt = self.model.state, self.schedule.dt
         begun = (state.step if done else state.step + 1, state.time - dt if done else state.time, dt, self.attempt)
         self.journal.iterated([IterationRow._make((*begun, i + 1, *row)) for i, row in enumerate(step.trace)])
+        if self.iterates is not None:
+            self.journal.iterates(self.iterates.take(len(self.journal.iterations)))
+            if text := self.iterates.thinned():
+                self.journal.tell("info", text)
         self.attempt = 1 if done else self.attempt + 1
 
     def taken_back(self, step: Step) -> None:

@@ -302,8 +302,8 @@ class Record:
         None,
         unit="MB",
         least=0.0,
-        says="size of the contact record, which has fewer steps where it would be larger; 0: no record; "
-        "not written: 64, of a run in a comparison 3",
+        says="size of the contact record, which has fewer steps where it would be larger, and of the displacements of "
+        "Newton's iterations; 0: neither; not written: 64, of a run in a comparison 3",
     )
     last: int | None = key(
         None,

@@ -152,6 +152,9 @@ class Oscillator:
         """Whether it is `broken`, as there are no cells that could fold."""
         return self.broken
 
+    def iterated(self) -> None:
+        """Do nothing: nobody records it."""
+
     def accept(self) -> None:
         """Do nothing: all that changes is the state."""
 

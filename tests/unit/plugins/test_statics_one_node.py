@@ -72,6 +72,9 @@ class OneNode:
     def estimate(self, time: float) -> None:
         """Nothing is known of where a step ends."""
 
+    def iterated(self) -> None:
+        """Nobody records it."""
+
     def folded(self) -> bool:
         return False
 

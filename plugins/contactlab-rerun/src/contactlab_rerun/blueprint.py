@@ -17,7 +17,7 @@ from contactlab_rerun.axes import BOX
 from contactlab_rerun.convergence import PATH as CONVERGENCE
 from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.iterations import CHANGES, RESIDUALS
-from contactlab_rerun.pages import BELOW, LEFT, Picture
+from contactlab_rerun.pages import Picture
 from contactlab_rerun.profiles import Profile
 from contactlab_rerun.projection import bounds
 from contactlab_rerun.series import Series
@@ -52,7 +52,7 @@ def arrange(
 ) -> Arrangement:
     """Meshes above; profiles, curves over time, states and events below. `converged`: Newton's iteration is drawn.
 
-    With `panel` only the first whose name has this in it. Raises ValueError where none has.
+    With `panel` only that whose name has this in it, nearest to its beginning. Raises ValueError where none has.
     """
     curves = [_profile_view(profile, shown) for profile in profiles]
     newton = _newton_views(shown) if converged else []
@@ -77,7 +77,9 @@ def _alone(layout: rrb.Container, panel: str) -> rrb.Container:
     wanted = [view for name, view in names.items() if panel.lower() in name.lower()]
     if not wanted:
         raise ValueError(f"no panel is named like {panel}; there are: {'; '.join(names)}")
-    return rrb.Horizontal(names.get(panel, wanted[0]))
+    # the title of a run may have the word in it, too: "node-on-segment"
+    first = min(wanted, key=lambda view: str(view.name).lower().index(panel.lower()))
+    return rrb.Horizontal(names.get(panel, first))
 
 
 def _views(layout: Any) -> Iterator[rrb.View]:
@@ -138,12 +140,12 @@ def _units(shown: Sequence[Shown]) -> Units:
 
 def _mesh_view(one: Shown) -> rrb.Spatial2DView:
     path = one.appearance.path
-    names = ("view", "mesh", "outline", "wire", "arrows", "bar")
+    names = ("view", "mesh", "outline", "wire", "arrows", "nodes", "bar")
     return rrb.Spatial2DView(
         origin=f"{path}/view",
         contents=[f"+ {path}/{name}/**" for name in names],
         name=one.appearance.title,
-        visual_bounds=bounds(*one.box),
+        visual_bounds=bounds(*one.box, margin=0.03),
         background=PAPER,
     )
 
@@ -251,7 +253,7 @@ def _picture_view(picture: Picture, name: str) -> rrb.Spatial2DView:
         contents=["+ $origin/**", f"+ {picture.beside}/**"],
         name=name,
         visual_bounds=rrb.VisualBounds2D(
-            x_range=[-LEFT, picture.width + 10.0], y_range=[-10.0, picture.height + BELOW]
+            x_range=[picture.low[0], picture.high[0]], y_range=[picture.low[1], picture.high[1]]
         ),
         background=PAPER,
     )

@@ -13,7 +13,7 @@ from contactlab.api.frame import IterationRow
 from contactlab_rerun.axes import Axes, dashed
 from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.projection import line_strips
-from contactlab_rerun.series import times
+from contactlab_rerun.timelines import TIMELINE, times
 
 PATH = "/axes/newton"
 DASHES = 3  # between two iterations
@@ -56,6 +56,9 @@ def _log_run(
 ) -> None:
     steps = [list(of_step) for _, of_step in groupby(rows, key=lambda row: row.step)]
     when = times([of_step[0].step for of_step in steps], [of_step[-1].time + of_step[-1].dt for of_step in steps])
+    # while one walks through the iterations of a step it is the plot of that step
+    begins = 1 + np.cumsum([0, *(len(of_step) for of_step in steps[:-1])])
+    when.append(rr.TimeColumn(TIMELINE, sequence=begins))
     for name in ("force", "contact"):
         points, lengths, counts = [], [], []
         for of_step in steps:

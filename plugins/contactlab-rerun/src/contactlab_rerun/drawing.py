@@ -5,16 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import rerun as rr
 
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.drawing.colours import CLOSED, FIELD, STATES, rgb
-from contactlab_rerun.gathered import Appearance, Gathered, Instant, Surface
-from contactlab_rerun.iterations import frame_times
+from contactlab.api.frame import Iterate
+from contactlab_rerun.gathered import Appearance, Gathered, Surface
+from contactlab_rerun.iterations import states_after
 from contactlab_rerun.mesh_shape import MeshShape
 from contactlab_rerun.projection import ON_MESH, camera, in_plane, line_strips
+from contactlab_rerun.timelines import frame_times, iterate_times, last_iterations
 
 POINT_BYTES = 16.0  # of a node in a frame: position and colour
 FEWEST = 20  # frames that are drawn in any case
@@ -23,6 +26,7 @@ AT_ONCE = 4_000_000  # bytes of positions that are sent together
 FEW_CELLS = 800  # up to here the sides of cells are drawn
 LONGEST_ARROW = 0.16  # of the model's size
 OUTLINE, WIRE = "#E2E5E9", (226, 229, 233, 46)
+OPEN_NODE = (104, 112, 122)
 _FLAT = np.array([1.0, 1.0, 0.0], np.float32)
 HAIR, LINE = -0.6, -1.4  # radii: negative ones are pixels of the screen
 
@@ -50,8 +54,15 @@ def model_box(gathered: Sequence[Gathered]) -> tuple[Floats, Floats]:
     return np.min([p.min(axis=0) for p in positions], axis=0), np.max([p.max(axis=0) for p in positions], axis=0)
 
 
+class Film(NamedTuple):
+    """Positions (N, 2) of nodes at instants one after another, and the times of some of them."""
+
+    positions: Sequence[np.ndarray]
+    when: Callable[[slice], list[rr.TimeColumn]]
+
+
 class Drawing:
-    """Draws the frames of one run."""
+    """Draws the frames of one run; on the timeline of iterations the states between them as well."""
 
     def __init__(
         self,
@@ -69,6 +80,8 @@ class Drawing:
         self.wire = wire
         self.frames = drawn_frames(run, room)
         self.instants = [run.instants[k] for k in self.frames]
+        self.iterates = drawn_iterates(run, self.frames, room)
+        self.films = [self._frames_film(), *([self._iterates_film()] if self.iterates else [])]
         self.place = 2.0 ** (np.ceil(np.log2(scale.size)) - PLACES)
 
     def draw(self) -> None:
@@ -79,23 +92,36 @@ class Drawing:
         if self.wire:
             self._wire()
         self._arrows()
+        self._node_states()
+
+    def _frames_film(self) -> Film:
+        steps, times = [i.step for i in self.instants], [i.time for i in self.instants]
+        return Film([i.positions for i in self.instants], lambda some: frame_times(self.run, steps[some], times[some]))
+
+    def _iterates_film(self) -> Film:
+        """States between frames: in the colours of the last frame before each."""
+        nodes, numbers = self.run.layout.nodes, [one.number for one in self.iterates]
+        moved = [(nodes + one.displacement).astype(np.float32) for one in self.iterates]
+        return Film(moved, lambda some: iterate_times(numbers[some]))
 
     def _mesh(self) -> None:
         path = f"{self.appearance.path}/mesh"
         self.recording.log(path, rr.Mesh3D.from_fields(triangle_indices=self.shape.triangles), static=True)
         nodes = self.shape.nodes
+        for film in self.films:
+            coloured = film is self.films[0]
 
-        def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
-            positions = self._in_plane(np.array([i.positions for i in instants]), 0.0)
-            colours = np.concatenate([self._colours(i) for i in instants])
-            made = rr.Mesh3D.columns(vertex_positions=positions, vertex_colors=colours)
-            return made.partition(np.full(len(instants), nodes))
+            def columns(some: slice, film: Film = film, coloured: bool = coloured) -> rr.ComponentColumnList:
+                positions = self._in_plane(np.array(film.positions[some]), 0.0)
+                colours = np.concatenate([self._colours(i.values) for i in self.instants[some]]) if coloured else None
+                made = rr.Mesh3D.columns(vertex_positions=positions, vertex_colors=colours)
+                return made.partition(np.full(len(film.positions[some]), nodes))
 
-        self._in_batches(path, 16 * nodes, columns)
+            self._in_batches(path, 16 * nodes, film, columns)
 
-    def _colours(self, instant: Instant) -> np.ndarray:
+    def _colours(self, field: np.ndarray) -> np.ndarray:
         scale = self.scale
-        values = (self.shape.nodal(instant.values) - scale.bottom) / (scale.top - scale.bottom)
+        values = (self.shape.nodal(field) - scale.bottom) / (scale.top - scale.bottom)
         return TABLE[np.clip(values * len(TABLE), 0, len(TABLE) - 1).astype(np.intp)]
 
     def _outlines(self) -> None:
@@ -130,20 +156,47 @@ class Drawing:
         path = f"{self.appearance.path}/arrows"
         when = frame_times(self.run, [i.step for i in self.instants], [i.time for i in self.instants])
         self.recording.send_columns(path, when, columns.partition(touching.sum(axis=1)))
+        if self.iterates:  # tractions are those of frames
+            none = np.zeros((0, 3), np.float32)
+            hidden = rr.Arrows3D.columns(origins=none, vectors=none, colors=np.zeros(0, np.uint32))
+            when = iterate_times([one.number for one in self.iterates])
+            self.recording.send_columns(path, when, hidden.partition(np.zeros(len(self.iterates), int)))
         self.recording.log(path, rr.Arrows3D.from_fields(radii=[-1.8]), static=True)
+
+    def _node_states(self) -> None:
+        """The slave nodes at every iteration, in the colours of the states that it found."""
+        states = states_after(self.run)
+        kept = [one for one in self.run.iterates if one.number - 1 < len(states)]
+        if not kept or not len(states):
+            return
+        contacts = self.run.layout.contacts
+        nodes = np.concatenate([contact.slave_nodes for contact in contacts])
+        frictional = np.repeat([bool(c.friction) for c in contacts], [len(c.slave_nodes) for c in contacts])
+        points = np.array([(self.run.layout.nodes + one.displacement)[nodes] for one in kept])
+        state = np.array([states[one.number - 1] for one in kept])
+        colours = np.where(frictional, COLOURS[state], CLOSED_COLOUR)
+        columns = rr.Points3D.columns(
+            positions=in_plane(points, 3.0 * ON_MESH, self.scale.distance).reshape(-1, 3),
+            colors=np.where(state > 0, colours, packed(np.array([OPEN_NODE], float))[0]).ravel(),
+        )
+        path = f"{self.appearance.path}/nodes"
+        when = iterate_times([one.number for one in kept])
+        self.recording.send_columns(path, when, columns.partition(np.full(len(kept), len(nodes))))
+        self.recording.log(path, rr.Points3D.from_fields(radii=[-3.0]), static=True)
 
     # --- sending ----------------------------------------------------------------------------------
 
     def _strips(self, name: str, nodes: Ints, lengths: Sequence[int]) -> None:
         """Lines through nodes, so many in each, in every frame."""
+        for film in self.films:
 
-        def columns(instants: Sequence[Instant]) -> rr.ComponentColumnList:
-            positions = np.array([i.positions for i in instants])[:, nodes]
-            points = self._in_plane(positions, ON_MESH)
-            made = rr.LineStrips3D.columns(strips=line_strips(points, np.tile(lengths, len(instants))))
-            return made.partition(np.full(len(instants), len(lengths)))
+            def columns(some: slice, film: Film = film) -> rr.ComponentColumnList:
+                positions = np.array(film.positions[some])
+                points = self._in_plane(positions[:, nodes], ON_MESH)
+                made = rr.LineStrips3D.columns(strips=line_strips(points, np.tile(lengths, len(positions))))
+                return made.partition(np.full(len(positions), len(lengths)))
 
-        self._in_batches(f"{self.appearance.path}/{name}", 12 * len(nodes), columns)
+            self._in_batches(f"{self.appearance.path}/{name}", 12 * len(nodes), film, columns)
 
     def _in_plane(self, positions: np.ndarray, lift: float) -> np.ndarray:
         """Positions (..., 2) as the viewer takes them (P, 3), to a fraction of a pixel: what is finer is noise."""
@@ -152,14 +205,12 @@ class Drawing:
         return points.reshape(-1, 3)
 
     def _in_batches(
-        self, path: str, frame_bytes: int, columns: Callable[[Sequence[Instant]], rr.ComponentColumnList]
+        self, path: str, frame_bytes: int, film: Film, columns: Callable[[slice], rr.ComponentColumnList]
     ) -> None:
-        instants = self.instants
         batch = max(1, AT_ONCE // max(1, frame_bytes))
-        for begin in range(0, len(instants), batch):
-            some = instants[begin : begin + batch]
-            when = frame_times(self.run, [i.step for i in some], [i.time for i in some])
-            self.recording.send_columns(path, when, columns(some))
+        for begin in range(0, len(film.positions), batch):
+            some = slice(begin, begin + batch)
+            self.recording.send_columns(path, film.when(some), columns(some))
 
     def _style(self, name: str, colour: tuple[int, ...], radius: float) -> None:
         style = rr.LineStrips3D.from_fields(colors=[colour], radii=[radius])
@@ -174,6 +225,15 @@ def drawn_frames(run: Gathered, room: float) -> list[int]:
     apart = max(1, min(math.ceil(size / room), len(others) // FEWEST))
     left_out = {k for place, k in enumerate(reversed(others)) if place % apart and k != others[0]}
     return [k for k in range(len(run.instants)) if k not in left_out]
+
+
+def drawn_iterates(run: Gathered, frames: Sequence[int], room: float) -> list[Iterate]:
+    """Which states after iterations are drawn beside these frames: evenly apart as far as `room` bytes go."""
+    last = last_iterations(run)
+    shown = {last.get(run.instants[frame].step) for frame in frames}
+    others = [one for one in run.iterates if one.number not in shown]
+    apart = max(1, math.ceil(POINT_BYTES * len(run.layout.nodes) * len(others) / room))
+    return others[::-1][::apart][::-1]
 
 
 def tractions(surface: Surface, segments: np.ndarray) -> Floats:

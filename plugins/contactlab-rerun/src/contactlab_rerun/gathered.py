@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import XX, YY, ZZ, Floats, Ints
-from contactlab.api.frame import ContactCurve, Event, Frame, IterationRow, Layout
+from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout
 from contactlab.api.recorder import FAILURE, WARNING
 
 VON_MISES, PRESSURE, NO_FIELD = "von_mises", "pressure", "none"
@@ -75,7 +75,7 @@ class Surface:
 
 @dataclass
 class Gathered:
-    """One run: its frames, events and Newton iterations. `finish` must come before anything is asked of it.
+    """One run: its frames, events, Newton iterations and states after those. `finish` must come first of all questions.
 
     last_steps         frames of every step before a failure or a warning; `instants` has them, too, once it is finished
     recorded, records  rows of the contact record by contact, in blocks and, once it is finished, in one
@@ -87,6 +87,7 @@ class Gathered:
     instants: list[Instant] = field(default_factory=list)
     events: list[Event] = field(default_factory=list)
     iterations: list[IterationRow] = field(default_factory=list)
+    iterates: list[Iterate] = field(default_factory=list)
     skipped: Instant | None = None
     last_steps: dict[str, list[Instant]] = field(default_factory=dict)
     surfaces: dict[str, Surface] = field(default_factory=dict)

@@ -1,51 +1,33 @@
 """Newton's iterations one by one, on a timeline of their own.
 
-`iteration` counts all of a run, those of attempts that were taken back included. Residuals and active sets are those
-after each iteration; meshes and curves are there from the last iteration of their step on.
+`iteration` counts all of a run, those of attempts that were taken back included. Residuals, active sets, gaps and the
+shape of the bodies are those after each iteration, as far as they were recorded; stresses, tractions and curves are
+there from the last iteration of their step on.
 """
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import numpy as np
 import rerun as rr
 
 from contactlab.api.drawing.colours import CLOSED, STATES, rgb
-from contactlab.api.frame import SLIP, IterationRow
+from contactlab.api.frame import SLIP, ContactLayout
 from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages
-from contactlab_rerun.series import LINES, times
+from contactlab_rerun.series import LINES
 from contactlab_rerun.step_pictures import EMPTY, node_labels
+from contactlab_rerun.timelines import iteration_times
 
-TIMELINE = "iteration"
 FLOOR = 1e-17  # residuals below it are drawn there
 RESIDUALS, CHANGES = "newton/residuals", "newton/changes"
 LINES_OF = {RESIDUALS: ("log10 force", "log10 contact"), CHANGES: ("conditions changed", "closed", "sticking")}
 
 
-def iteration_times(rows: Sequence[IterationRow], numbers: np.ndarray) -> list[rr.TimeColumn]:
-    """All three timelines at the iterations with these numbers from 0."""
-    some = [rows[k] for k in numbers]
-    column = rr.TimeColumn(TIMELINE, sequence=np.asarray(numbers, np.int64) + 1)
-    return [column, *times([row.step for row in some], [row.time + row.dt for row in some])]
-
-
-def last_iterations(run: Gathered) -> dict[int, int]:
-    """The number on the timeline of the last iteration of each step."""
-    return {row.step: number for number, row in enumerate(run.iterations, start=1)}
-
-
-def frame_times(run: Gathered, steps: Sequence[int], seconds: Sequence[float]) -> list[rr.TimeColumn]:
-    """Timelines of what is known at the end of steps, in implicit runs with the last iteration of each of them."""
-    when = times(steps, seconds)
-    if run.iterations:
-        known: dict[int, int] = last_iterations(run)
-        numbers: list[int] = []
-        for step in steps:
-            numbers.append(known.get(int(step), numbers[-1] if numbers else 0))
-        when.append(rr.TimeColumn(TIMELINE, sequence=np.array(numbers, np.int64)))
-    return when
+def states_after(run: Gathered) -> np.ndarray:
+    """States (n, m) of all slave nodes after each iteration; (0, 0) where conditions are no nodes, or unknown."""
+    sets = [row.active_set for row in run.iterations]
+    m = sum(len(contact.slave_nodes) for contact in run.layout.contacts)
+    return np.array(sets) if m and {len(each) for each in sets} == {m} else np.zeros((0, 0), np.int32)
 
 
 def log_newton(recording: rr.RecordingStream, run: Gathered, appearance: Appearance) -> list[Picture]:
@@ -67,21 +49,52 @@ def log_newton(recording: rr.RecordingStream, run: Gathered, appearance: Appeara
 
 
 def _active_sets(recording: rr.RecordingStream, run: Gathered, appearance: Appearance) -> list[Picture]:
-    """A picture per contact: a column per iteration, a row per slave node, in the colours of states."""
-    rows, contacts, found, begin = run.iterations, run.layout.contacts, [], 0
-    sets = [row.active_set for row in rows]
-    if len({len(each) for each in sets}) != 1 or len(sets[0]) != sum(len(c.slave_nodes) for c in contacts):
+    """Pictures per contact: a column per iteration, a row per slave node: in the colours of states, and gaps."""
+    rows, found, begin, states = run.iterations, [], 0, states_after(run)
+    if not len(states):
         return []
-    states = np.array(sets)
     columns = Columns("iterations", np.arange(1, len(rows) + 1, dtype=np.int32), lambda at: iteration_times(rows, at))
-    for contact in contacts:
+    kept = [one for one in run.iterates if one.number <= len(rows)]
+    numbers, gaps = np.array([one.number for one in kept], np.int32), np.array([one.gap for one in kept])
+    of_gaps = Columns("iterations", numbers, lambda at: iteration_times(rows, numbers[at] - 1))
+    for contact in run.layout.contacts:
         along = run.surfaces[contact.name].along
-        part, begin = states[:, begin : begin + len(along)][:, along], begin + len(along)
+        here, begin = slice(begin, begin + len(along)), begin + len(along)
+        part = states[:, here][:, along]
         colours = [EMPTY, *STATES[1:SLIP], STATES[SLIP] if contact.friction else CLOSED]
-        path, (high, *size) = f"{appearance.path}/newton/{contact.name}", columns.size(len(along))
-        log_pages(recording, f"{path}/active-set/picture", columns, part.astype(np.uint8), colours, high)
-        log_beside(recording, f"{path}/all", columns, size[1], high, node_labels(run, contact, along))
-        found.append(
-            Picture(f"{path}/active-set", f"{path}/all", f"active set of {contact.slave}, by iteration", *size)
-        )
+        path, grain = f"{appearance.path}/newton/{contact.name}", columns.size(len(along))
+        log_pages(recording, f"{path}/active-set/picture", columns, part.astype(np.uint8), colours, grain)
+        log_beside(recording, f"{path}/all", columns, grain, node_labels(run, contact, along))
+        name = f"active set of {contact.slave}, by iteration"
+        found.append(Picture.of(f"{path}/active-set", f"{path}/all", name, grain))
+        if len(kept):
+            level = gap_levels(gaps[:, here][:, along], _segment_length(run, contact))
+            grain = of_gaps.size(len(along))
+            log_pages(recording, f"{path}/gap/picture", of_gaps, level, [EMPTY, *OVERLAPS, *APART], grain)
+            log_beside(recording, f"{path}/gaps", of_gaps, grain, node_labels(run, contact, along))
+            name = f"gap of {contact.slave}, by iteration (red: overlap, blue: apart; a shade is a power of ten)"
+            found.append(Picture.of(f"{path}/gap", f"{path}/gaps", name, grain))
     return found
+
+
+def gap_levels(gaps: np.ndarray, length: float) -> np.ndarray:
+    """Colours (n, m) of gaps [mm] by their powers of ten over a segment's `length`: 0 where there is no condition."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        power = np.clip(np.floor(-np.log10(np.abs(gaps) / length)), 0, SHADES - 1)
+    first = np.where(gaps < 0.0, 1, 1 + SHADES)
+    return np.asarray(np.where(np.isnan(gaps), 0, first + np.nan_to_num(power)), np.uint8)
+
+
+def _segment_length(run: Gathered, contact: ContactLayout) -> float:
+    ends = run.layout.nodes[contact.slave_nodes][contact.slave_segments[:, [0, -1]]]
+    return float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).mean())
+
+
+def _shades(strong: tuple[int, ...]) -> list[str]:
+    """From a strong colour for large gaps to a dark one for those of a converged step."""
+    shares = np.linspace(1.0, 0.12, SHADES)
+    return ["#" + "".join(f"{round(share * part + (1.0 - share) * 44):02x}" for part in strong) for share in shares]
+
+
+SHADES = 10
+OVERLAPS, APART = _shades((255, 92, 60)), _shades((92, 176, 255))

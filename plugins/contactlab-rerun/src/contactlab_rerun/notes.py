@@ -13,9 +13,8 @@ from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.api.drawing.colours import CLOSED, rgb
 from contactlab.api.drawing.colours import STATES as COLOURS
 from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow
-from contactlab_rerun.gathered import Appearance, Gathered, Instant, Surface, short
-from contactlab_rerun.iterations import iteration_times
-from contactlab_rerun.series import times
+from contactlab_rerun.gathered import Appearance, Gathered, Surface, short
+from contactlab_rerun.timelines import frame_times, iteration_times
 
 LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
 
@@ -33,7 +32,7 @@ def log_state_tracks(recording: rr.RecordingStream, run: Gathered, appearance: A
         nodes = watched_nodes(surface, tracks)
         for node, track in zip(nodes, track_names(surface, nodes), strict=True):
             path = f"{appearance.path}/state/{contact.name}/{track}"
-            _log_track(recording, path, run.instants, surface.state[:, node].tolist(), bool(contact.friction))
+            _log_track(recording, path, run, surface.state[:, node].tolist(), bool(contact.friction))
 
 
 def track_names(surface: Surface, nodes: Sequence[int]) -> list[str]:
@@ -55,13 +54,13 @@ def watched_nodes(surface: Surface, tracks: int) -> list[int]:
 
 
 def _log_track(
-    recording: rr.RecordingStream, path: str, instants: Sequence[Instant], states: Sequence[int], frictional: bool
+    recording: rr.RecordingStream, path: str, run: Gathered, states: Sequence[int], frictional: bool
 ) -> None:
     names, colours = (STATES, COLOURS) if frictional else ((*STATES[:SLIP], "closed"), (*COLOURS[:SLIP], CLOSED))
     known = rr.StateConfiguration(values=STATES, labels=names, colors=[rgb(colour) for colour in colours])
     recording.log(path, known, static=True)
     changes = [k for k in range(len(states)) if k == 0 or states[k] != states[k - 1]]
-    when = times([instants[k].step for k in changes], [instants[k].time for k in changes])
+    when = frame_times(run, [run.instants[k].step for k in changes], [run.instants[k].time for k in changes])
     recording.send_columns(path, when, rr.StateChange.columns(state=[STATES[states[k]] for k in changes]))
 
 
@@ -78,7 +77,7 @@ def log_events(recording: rr.RecordingStream, run: Gathered, appearance: Appeara
         return
     name = f"{appearance.title}: " if several else ""
     texts, levels = [f"{name}{event.text}" for event in events], [LEVELS[event.level] for event in events]
-    when = times([event.step for event in events], [event.time for event in events])
+    when = frame_times(run, [event.step for event in events], [event.time for event in events])
     recording.send_columns(f"{appearance.path}/events", when, rr.TextLog.columns(text=texts, level=levels))
 
 

@@ -10,7 +10,7 @@ import struct
 import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import rerun as rr
@@ -19,18 +19,38 @@ from contactlab.api.arrays import Ints
 from contactlab.api.drawing.colours import rgb
 
 PAGE = 200  # columns at most
-WIDTH, HEIGHT = 600, 300  # pixels of a page, about
-LEFT, BELOW = 150, 40  # room for labels
+TIMES_AS_WIDE = 2.0  # as it is high: a page, about
+LEFT, BELOW, MARGIN = 0.25, 0.067, 0.017  # room for labels and around a page, as shares of its width
+NAME, ITS_HEIGHT = 0.127, 0.015  # of a row: where it is centred left of the page, and half of its height
 MOST_PAGES = 500  # pictures of a run; earlier pages are left out
 
 
 @dataclass(frozen=True)
 class Picture:
-    """One kind of picture: the root of its entities, that of what all kinds share, and the name of its view."""
+    """One kind of picture: the root of its entities, that of what all kinds share, and the name of its view.
+
+    low, high  corners (2,) of what the view shows, in pixels of a page downwards
+    """
 
     path: str
     beside: str
     name: str
+    low: tuple[float, float]
+    high: tuple[float, float]
+
+    @classmethod
+    def of(cls, path: str, beside: str, name: str, grain: Grain) -> Picture:
+        """The picture of pages of this size, with room for labels."""
+        width, height = grain.width, grain.height
+        corner = width * (1.0 + MARGIN), height + width * BELOW
+        return cls(path, beside, name, (-width * LEFT, -width * MARGIN), corner)
+
+
+class Grain(NamedTuple):
+    """Pixels of a column and of a row, and width and height of a page in pixels."""
+
+    wide: int
+    high: int
     width: float
     height: float
 
@@ -48,15 +68,11 @@ class Columns:
         """Columns of a page."""
         return min(PAGE, len(self.numbers))
 
-    @property
-    def wide(self) -> int:
-        """Pixels of a column."""
-        return WIDTH // self.page
-
-    def size(self, rows: int) -> tuple[int, float, float]:
-        """Pixels of a row where there are so many, and width and height of a page."""
-        high = max(1, round(HEIGHT / rows))
-        return high, float(self.wide * self.page), float(high * rows)
+    def size(self, rows: int) -> Grain:
+        """The smallest pictures of about the right shape: the viewer enlarges them without blurring."""
+        shape = TIMES_AS_WIDE * rows / self.page
+        wide, high = max(1, round(shape)), max(1, round(1.0 / shape))
+        return Grain(wide, high, float(wide * self.page), float(high * rows))
 
     def pages(self) -> list[tuple[int, int]]:
         """First and last column of each page, whole ones from the end."""
@@ -66,48 +82,47 @@ class Columns:
 
 
 def log_pages(
-    recording: rr.RecordingStream, path: str, columns: Columns, indices: np.ndarray, palette: Sequence[str], high: int
+    recording: rr.RecordingStream,
+    path: str,
+    columns: Columns,
+    indices: np.ndarray,
+    palette: Sequence[str],
+    grain: Grain,
 ) -> None:
-    """All pages of one kind: colours (n, m) of the columns from top to bottom, rows of `high` pixels."""
+    """All pages of one kind: colours (n, m) of the columns from top to bottom."""
     pictures, begins = [], [begin for begin, _ in columns.pages()]
     for begin, end in columns.pages():
         page = np.zeros((columns.page, indices.shape[1]), np.uint8)  # all of one size: the viewer takes them for a film
         page[columns.page - (end - begin) :] = indices[begin:end]
-        pictures.append(png_of(np.repeat(np.repeat(page.T, high, axis=0), columns.wide, axis=1), palette))
+        pictures.append(png_of(page.T.repeat(grain.high, axis=0).repeat(grain.wide, axis=1), palette))
     images = rr.EncodedImage.columns(blob=pictures, media_type=["image/png"] * len(pictures))
     recording.send_columns(path, columns.when(np.array(begins)), images)
 
 
 def log_beside(
-    recording: rr.RecordingStream, path: str, columns: Columns, height: float, high: int,
-    labels: Sequence[tuple[int, str]],
-) -> None:  # fmt: skip
+    recording: rr.RecordingStream, path: str, columns: Columns, grain: Grain, labels: Sequence[tuple[int, str]]
+) -> None:
     """What all kinds have in common: names of some rows, what columns the page has, and the cursor."""
+    wide, high, width, height = grain
     style: dict[str, Any] = {"radii": [0.0], "colors": [(205, 210, 216)], "show_labels": True}
-    at = [(-76.0, high * (k + 0.5) - 9.0) for k, _ in labels]  # a label is centred on its point
+    at = [(-NAME * width, high * (k + 0.5) - ITS_HEIGHT * width) for k, _ in labels]  # centred on their points
     recording.log(f"{path}/nodes", rr.Points2D(at, labels=[text for _, text in labels], **style), static=True)
     pages, numbers = columns.pages(), columns.numbers
     begins = [begin for begin, _ in pages]
     spans = [f"{columns.word} {numbers[begin]} to {numbers[end - 1]}" for begin, end in pages]
-    places = np.tile(np.array([[columns.wide * columns.page / 2.0, height + 8.0]], np.float32), (len(pages), 1))
+    places = np.tile(np.array([[width / 2.0, height + ITS_HEIGHT * width]], np.float32), (len(pages), 1))
     when = columns.when(np.array(begins))
     recording.send_columns(f"{path}/page", when, rr.Points2D.columns(positions=places, labels=spans))
     recording.log(f"{path}/page", rr.Points2D.from_fields(**style), static=True)
     place = np.concatenate([np.arange(columns.page - (end - begin), columns.page) for begin, end in pages])
     when = columns.when(np.arange(len(numbers) - len(place), len(numbers)))
-    _log_cursor(recording, path, when, place, columns.wide, height)
-
-
-def _log_cursor(
-    recording: rr.RecordingStream, path: str, when: list[rr.TimeColumn], place: np.ndarray, wide: int, height: float
-) -> None:
-    """A frame around the column at the cursor."""
     centres = np.stack([wide * (place + 0.5), np.full(len(place), height / 2.0)], axis=1).astype(np.float32)
-    recording.send_columns(f"{path}/cursor", when, rr.Boxes2D.columns(centers=centres))
-    style = rr.Boxes2D.from_fields(
-        half_sizes=[(wide / 2.0 + 1.0, height / 2.0 + 3.0)], colors=[(255, 255, 255)], radii=[-0.8]
-    )
-    recording.log(f"{path}/cursor", style, static=True)
+    # a little larger than a column
+    half = (wide / 2.0 + width / 600.0, height / 2.0 + width / 200.0)
+    boxes = rr.Boxes2D.columns(centers=centres, half_sizes=np.tile(np.array(half, np.float32), (len(place), 1)))
+    recording.send_columns(f"{path}/cursor", when, boxes)
+    frame = rr.Boxes2D.from_fields(colors=[(255, 255, 255)], radii=[-0.8])
+    recording.log(f"{path}/cursor", frame, static=True)
 
 
 def png_of(indices: np.ndarray, palette: Sequence[str]) -> bytes:

@@ -14,7 +14,7 @@ from contactlab.api.drawing.units import Units
 from contactlab.api.frame import ContactLayout
 from contactlab_rerun.axes import Axes, dashed, dashed_columns, log_legend, solid_columns, ticks
 from contactlab_rerun.gathered import Appearance, Gathered, nice
-from contactlab_rerun.iterations import frame_times
+from contactlab_rerun.timelines import frame_times
 
 MARGIN = 0.08  # of what is ever pressed, on either side
 MOST_POINTS = 100_000  # of the curves of all runs of a recording, beside their last steps

@@ -33,6 +33,7 @@ class Rerun(Recorder):
     by_default: ClassVar[bool] = True
     every_step: ClassVar[bool] = True
     every_contact: ClassVar[bool] = True
+    every_iterate: ClassVar[bool] = True
     every_field: ClassVar[bool] = True
     shown_file: ClassVar[str] = FILE
 
@@ -85,14 +86,14 @@ class Rerun(Recorder):
 
         write_comparison(self, folder / FILE, runs)
 
-    def show(self, file: Path, png: Path | None, step: int | None) -> None:
+    def show(self, file: Path, png: Path | None, step: int | None, iteration: int | None = None) -> None:
         """Open the viewer, bound to this machine alone; or write a picture without a display."""
         from contactlab_rerun import viewer
 
         if png is None:
             viewer.open_window(file)
         else:
-            viewer.write_picture(file, png, step)
+            viewer.write_picture(file, png, step, iteration)
 
     def inline(self, file: Path) -> Any:
         """The viewer in a notebook's cell; None without a notebook or without the package rerun-notebook."""

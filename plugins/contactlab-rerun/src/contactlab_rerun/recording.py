@@ -12,7 +12,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import STYLES, styles
-from contactlab.api.frame import Event, Frame, IterationRow, Layout, StoredRun
+from contactlab.api.frame import Event, Frame, Iterate, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recording, replay
 from contactlab_rerun.gathered import Appearance, Gathered, entity_name, tint
 
@@ -76,6 +76,10 @@ class RunRecording(Recording):
         """Keep Newton iterations for the end of the file."""
         self.run.iterations.extend(rows)
 
+    def iterates(self, some: Sequence[Iterate]) -> None:
+        """Keep states after iterations for the end of the file."""
+        self.run.iterates.extend(some)
+
     def close(self, summary: Summary) -> None:
         """Draw all frames and give the file its name, where this run is the whole of it."""
         self._series()
@@ -112,7 +116,7 @@ def write_comparison(options: Rerun, path: Path, runs: Mapping[str, StoredRun]) 
     for title, appearance in appearances(shown).items():
         run = shown[title]
         one = RunRecording(partial(file.open_run, appearance=appearance), options, run.layout, lambda summary: None)
-        replay(run, one, steps=True, contact=True, fields=True)
+        replay(run, one, steps=True, contact=True, fields=True, iterates=True)
         one.close(run.summary)
     file.finish([run.summary for run in shown.values()])
 

@@ -11,7 +11,8 @@ import rerun as rr
 from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import STYLES, rgb
 from contactlab.api.frame import Layout
-from contactlab_rerun.gathered import Appearance
+from contactlab_rerun.gathered import Appearance, Gathered
+from contactlab_rerun.timelines import frame_times
 
 COUNTS = ("solver", "nodes")
 LINES = (*(style.colour for style in STYLES), "#F0E442", "#9AA0A6", "#F4A582", "#B2DF8A")
@@ -67,8 +68,8 @@ def _series(layout: Layout, path: str, names: Sequence[str]) -> Series:
 class SeriesWriter:
     """Collects blocks of steps and sends them in larger ones."""
 
-    def __init__(self, recording: rr.RecordingStream, layout: Layout, appearance: Appearance) -> None:
-        self.recording, self.appearance = recording, appearance
+    def __init__(self, recording: rr.RecordingStream, run: Gathered, appearance: Appearance) -> None:
+        self.recording, self.run, self.appearance, layout = recording, run, appearance, run.layout
         self.series = all_series(layout)
         self.waiting = np.empty((ROWS, len(layout.steps)))
         self.rows = 0
@@ -90,7 +91,7 @@ class SeriesWriter:
             return
         values, self.rows = self.waiting[: self.rows], 0
         np.fmax(self.largest, np.fmax.reduce(np.abs(values), axis=0), out=self.largest)
-        when = times(values[:, 0], values[:, 1])
+        when = frame_times(self.run, values[:, 0], values[:, 1])
         for series in self.series:
             columns = rr.Scalars.columns(scalars=values[:, series.columns].ravel())
             if len(series.columns) > 1:
@@ -119,12 +120,3 @@ class SeriesWriter:
     def shown(self) -> list[tuple[Series, list[bool]]]:
         """The series, and which of their lines are not zero all the time."""
         return [(series, [bool(self.largest[column] > 0.0) for column in series.columns]) for series in self.series]
-
-
-def times(steps: Sequence[float] | Floats, seconds: Sequence[float] | Floats) -> list[rr.TimeColumn]:
-    """Both timelines: `step`, and `sim_time` to a nanosecond."""
-    nanoseconds = np.rint(1e9 * np.asarray(seconds, np.float64)).astype("timedelta64[ns]")
-    return [
-        rr.TimeColumn("step", sequence=np.asarray(steps, np.int64)),
-        rr.TimeColumn("sim_time", duration=nanoseconds),
-    ]

@@ -13,9 +13,10 @@ from contactlab.api.drawing.colours import CLOSED, FIELD, STATES
 from contactlab.api.frame import SLIP, ContactLayout
 from contactlab_rerun.gathered import Appearance, Gathered, short
 from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages
-from contactlab_rerun.series import times
+from contactlab_rerun.timelines import frame_times
 
-TICKS = 6  # nodes that are named
+TICKS = 6  # nodes that are named, and two more where some change a lot
+ROOM = 9  # labels that a page has room for beside each other
 SEGMENTS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#56B4E9")
 EMPTY = "#22262c"
 BESIDE = "all"  # entity of what the pictures of a contact share
@@ -40,18 +41,18 @@ def log_pictures(recording: rr.RecordingStream, run: Gathered, appearance: Appea
         # without friction all that is closed has one state: where it is says more
         order = ("state", "segment", "pressure") if contact.friction else ("segment", "state", "pressure")
         path = f"{appearance.path}/steps/{contact.name}"
-        columns = Columns("steps", rows["step"], partial(_when, rows))
-        high, *size = columns.size(len(along))
+        columns = Columns("steps", rows["step"], partial(_when, run, rows))
+        grain = columns.size(len(along))
         for kind in order:
             name, (indices, palette) = kinds[kind]
-            log_pages(recording, f"{path}/{kind}/picture", columns, indices, palette, high)
-            found.append(Picture(f"{path}/{kind}", f"{path}/{BESIDE}", name, *size))
-        log_beside(recording, f"{path}/{BESIDE}", columns, size[1], high, node_labels(run, contact, along))
+            log_pages(recording, f"{path}/{kind}/picture", columns, indices, palette, grain)
+            found.append(Picture.of(f"{path}/{kind}", f"{path}/{BESIDE}", name, grain))
+        log_beside(recording, f"{path}/{BESIDE}", columns, grain, node_labels(run, contact, along))
     return found
 
 
-def _when(rows: np.ndarray, at: np.ndarray) -> list[rr.TimeColumn]:
-    return times(rows["step"][at], rows["time"][at])
+def _when(run: Gathered, rows: np.ndarray, at: np.ndarray) -> list[rr.TimeColumn]:
+    return frame_times(run, rows["step"][at], rows["time"][at])
 
 
 def _states(rows: np.ndarray, along: Ints, frictional: bool) -> tuple[np.ndarray, list[str]]:
@@ -77,7 +78,21 @@ def _peak(rows: np.ndarray) -> float:
 
 
 def node_labels(run: Gathered, contact: ContactLayout, along: Ints) -> list[tuple[int, str]]:
-    """Rows that are named, by the number of the node and its arc length."""
+    """Rows that are named, by the number of the node and its arc length: those that change most, and some between."""
     s = run.surfaces[contact.name].s
-    chosen = np.unique(np.linspace(0, len(along) - 1, min(TICKS, len(along))).round().astype(int))
-    return [(int(k), f"node {contact.slave_nodes[along[k]]}, s {short(s[along[k]])}") for k in chosen]
+    even = np.linspace(0, len(along) - 1, min(TICKS, len(along))).round().astype(int).tolist()
+    apart, chosen = len(along) / ROOM, list[int]()
+    for row in (*_restless(run.records.get(contact.name), along), *even):
+        if len(chosen) < TICKS + 2 and all(abs(row - other) >= apart for other in chosen):
+            chosen.append(row)
+    return [(k, f"node {contact.slave_nodes[along[k]]}, s {short(s[along[k]])}") for k in sorted(chosen)]
+
+
+def _restless(rows: np.ndarray | None, along: Ints) -> list[int]:
+    """The rows of nodes that change their segment while they touch, the most restless first."""
+    if rows is None or len(rows) < 2:
+        return []
+    segment, closed = rows["segment"][:, along], rows["state"][:, along] > 0
+    changes = ((segment[1:] != segment[:-1]) & closed[1:] & closed[:-1]).sum(axis=0)
+    order = np.argsort(-changes, kind="stable")
+    return [int(row) for row in order if changes[row] > 0]

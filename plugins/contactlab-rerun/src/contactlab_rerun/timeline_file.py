@@ -47,7 +47,7 @@ class TimelineFile:
 
     def open_run(self, run: Gathered, appearance: Appearance) -> SeriesWriter:
         """One more run; its steps go to what is given back, its frames to `run`."""
-        writer = SeriesWriter(self.recording, run.layout, appearance)
+        writer = SeriesWriter(self.recording, run, appearance)
         self.runs.append((run, appearance, writer))
         return writer
 

@@ -27,6 +27,7 @@ MEMORY = "2GB"  # unlimited, the viewer takes three quarters of the machine
 MENU = 36  # pixels of the window's own bar, which says nothing about the recording
 PATIENCE = 60.0  # seconds until the viewer has loaded a recording; software renderers are slow
 TRIES = 3  # the library waits 15 s for a picture
+NUDGES = 20  # times that the viewer is told to draw while one waits
 SETTLE = 5.0  # seconds for views to follow the cursor, and for messages of the first moments to go
 
 NO_DRIVER = (
@@ -80,21 +81,24 @@ def _url(port: int) -> str:
     return f"rerun+http://{HOST}:{port}/proxy"
 
 
-def write_picture(file: Path, png: Path, step: int | None) -> None:
+def write_picture(file: Path, png: Path, step: int | None, iteration: int | None = None) -> None:
     """A picture of the recording at `step`, or where the recording opens: before a warning, else at its end.
 
-    Raises ValueError where `file` is no recording or has no such step, RuntimeError where this machine cannot draw.
+    With `iteration` it is that of Newton's iteration with this number among all of the run. Raises ValueError where
+    `file` is no recording or has no such step or iteration, RuntimeError where this machine cannot draw.
     """
     check_recording(file)
     with headless_viewer(file) as client:
         _wait_for(client)
-        first, last = _steps(client)
-        if step is not None and not first <= step <= last:
-            raise ValueError(f"step: got {step}, allowed: {first} to {last}, the steps of the recording")
+        timeline, at = ("step", step) if iteration is None else ("iteration", iteration)
+        first, last = _ends(client, timeline)
+        if at is not None and not first <= at <= last:
+            raise ValueError(f"{timeline}: got {at}, allowed: {first} to {last}, the {timeline}s of the recording")
         opens = step_to_open(file)
-        step = step if step is not None else last if opens is None else opens
-        client.set_time("step", sequence=step, play_state="paused")
-        sleep(SETTLE)
+        at = at if at is not None else last if opens is None else opens
+        for _ in range(NUDGES):  # each draws anew: on a busy machine the messages would else not go with time
+            client.set_time(timeline, sequence=at, play_state="paused")
+            sleep(SETTLE / NUDGES)
         with tempfile.TemporaryDirectory() as folder:
             shot = Path(folder) / "picture.png"
             _save(client, shot)
@@ -215,13 +219,13 @@ def _wait_for(client: Any) -> None:
     raise RuntimeError(f"the viewer did not load the recording within {PATIENCE:.0f} s")
 
 
-def _steps(client: Any) -> tuple[int, int]:
-    """First and last step of the recording."""
+def _ends(client: Any, name: str) -> tuple[int, int]:
+    """First and last step, or iteration, of the recording."""
     for recording in client.get_state().recordings:
         for timeline in recording.timelines:
-            if timeline.name == "step":
+            if timeline.name == name:
                 return int(timeline.start), int(timeline.end)
-    raise RuntimeError("the recording has no timeline of steps")
+    raise ValueError(f"the recording has no {name}s")
 
 
 def _publish(shot: Path, png: Path) -> None:

@@ -78,6 +78,7 @@ class NewtonIteration:
             outcome.residual = residual = self._residual()
             rest = float(np.abs(trial.still_to_move(target)).max(initial=0.0))
             outcome.trace.append(self._record(residual, changed, length, note))
+            trial.equations.iterated()
             if residual.largest <= self.tolerance and rest == 0.0:
                 if not self._augment(outcome):
                     return outcome

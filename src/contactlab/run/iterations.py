@@ -1,0 +1,40 @@
+"""States after Newton's iterations: whether a run records them, and how many."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from contactlab.model.implicit_model import ImplicitModel
+from contactlab.results.iterate_sampler import IterateSampler
+from contactlab.results.record_plan import RecordPlan, iterate_bytes
+
+if TYPE_CHECKING:
+    from contactlab.api import Layout
+    from contactlab.model.model import Model
+    from contactlab.run.run import Run
+    from contactlab.scene.keys import Record
+
+IN_A_STEP = 6  # iterations of a step, for an estimate of what their states take
+
+
+def iterate_plan(model: Model, record: Record, layout: Layout) -> RecordPlan | None:
+    """Which iterations are kept; None where there are none, or no room for any."""
+    return RecordPlan.of_iterations(record, layout, _conditions(model)) if isinstance(model, ImplicitModel) else None
+
+
+def iterates_on_disk(model: Model, plan: RecordPlan, layout: Layout, steps: int) -> float:
+    """About what the states of a run of so many steps take [bytes]."""
+    return min(plan.rows, IN_A_STEP * steps) * float(iterate_bytes(layout, _conditions(model)))
+
+
+def record_iterates(run: Run, plan: RecordPlan, record: Record) -> None:
+    """Copy states after iterations from here on."""
+    assert isinstance(run.model, ImplicitModel)
+    steps = record.from_ or 1, record.to or math.inf
+    run.iterates = IterateSampler(run.model, plan, *steps, done=len(run.journal.iterations))
+    run.model.listening = run.iterates.seen
+
+
+def _conditions(model: Model) -> int:
+    return len(model.contact.conditions.gap) if isinstance(model, ImplicitModel) and model.contact is not None else 0
