@@ -135,19 +135,31 @@ def _take(
         scene = changed(scene, task.contender)
         key = run_key(job, scene) + (f"-{number}" if number else "")
         keys.append(key)
-        record = known.record(key, machine()) if known is not None else None
-        # a record of a matrix has no calibration beside it: its time is of another load
-        if record is None or "calibration_s" not in record.summary:
-            _be_ready(task, problem, registry)
-            report(BEGUN)
-            record = _timed(job, scene)
-            made.append(_stored(key, f"{task.choice.label} {job.name}", scene, record))
-        return record
+        name = f"{task.choice.label} {job.name}"
+        return known_or_made(job, scene, (key, name), known, made, lambda: _be_ready(task, problem, registry), report)
 
     setup = problem.setup(task.contender, task.swap, task.level)
     _, done = run_case(problem.case, setup, registry, run)
     values = evaluated(problem.case, setup, done)
     return _point(task, problem.error(setup, values), done, tuple(keys))
+
+
+def known_or_made(
+    job: Job, scene: Scene, names: tuple[str, str], known: Archive | None, made: list[StoredRun],
+    ready: Callable[[], None], report: Callable[[Any], None],
+) -> Record:  # fmt: skip
+    """The record that the archive knows under the first of `names`, else of a run that is made now and goes to `made`.
+
+    ready  imports, compiles and loads what the run needs
+    """
+    record = known.record(names[0], machine()) if known is not None else None
+    # a record of a matrix has no calibration beside it: its time is of another load
+    if record is None or "calibration_s" not in record.summary:
+        ready()
+        report(BEGUN)
+        record = _timed(job, scene)
+        made.append(_stored(*names, scene, record))
+    return record
 
 
 def changed(scene: Scene, contender: Contender) -> Scene:

@@ -28,7 +28,7 @@ def choose_for(options: argparse.Namespace) -> int:
     with results_folder(options.out, f"choose-{scene.name}", options.resume) as folder:
         try:
             with sigterm_as_ctrl_c():
-                found = choose(scene, wish, registry, folder, options.jobs or usable_cores(), _tell)
+                found = choose(scene, wish, registry, folder, options.jobs or usable_cores(), _tell, _say)
         except KeyboardInterrupt:
             return interrupted(folder)
     line = command(options, found)
@@ -90,6 +90,10 @@ def _run(options: argparse.Namespace, found: Chosen, folder: Path) -> int:
             json=options.json,
         )
     )  # fmt: skip
+
+
+def _say(line: str) -> None:
+    print(f"reference: {line}", file=sys.stderr, flush=True)
 
 
 def _tell(point: Point, done: int, total: int) -> None:

@@ -67,7 +67,7 @@ def reference_files(
     """Write NAME.csv and NAME.json of a mean curve and its error; returns the path of the latter."""
     folder.mkdir(parents=True, exist_ok=True)
     curve, error = found
-    _write_curve(curve, folder / f"{name}.csv")
+    write_curve(curve, folder / f"{name}.csv")
     target = folder / f"{name}.json"
     description = _description(name, table, levels, error)
     description |= {"origin": origin} if origin else {}
@@ -118,7 +118,8 @@ def _grid(profiles: Sequence[Profile]) -> Floats:
     return np.linspace(left - margin, right + margin, count)
 
 
-def _write_curve(curve: Curve, path: Path) -> None:
+def write_curve(curve: Curve, path: Path) -> None:
+    """Write a mean pressure as CSV."""
     columns = (curve.x, curve.pressure, curve.spread, curve.refinement)
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)

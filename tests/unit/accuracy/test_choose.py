@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from contactlab.accuracy import choose as choosing
-from contactlab.accuracy.choose import _first, _level_between, expected_cost
+from contactlab.accuracy.choose import _level_between, expected_cost, first_meeting
 from contactlab.accuracy.lines import Line
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy, Asked
@@ -42,10 +42,10 @@ def test_a_level_between_serves_where_the_line_says_so() -> None:
 
 def test_the_coarsest_point_counts_from_which_on_the_error_is_met() -> None:
     points = line((1, 0.08, 1.0), (2, 0.004, 2.0), (4, 0.02, 8.0), (8, 0.005, 64.0))
-    found = _first(points, 0.01, 100.0)
+    found = first_meeting(points, 0.01, 100.0)
     assert found is not None
     assert found.level == 8  # level 2 was luck
-    assert _first(points, 0.01, 10.0) is None
+    assert first_meeting(points, 0.01, 10.0) is None
 
 
 @pytest.mark.parametrize("wish", [0.05, 0.02, 0.008])

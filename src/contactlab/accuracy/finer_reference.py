@@ -1,0 +1,241 @@
+"""A reference of a scene from its own runs on finer and finer meshes, kept where trials of the same scene find them."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
+from contextlib import suppress
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from contactlab.accuracy.point import changed, cost_of, known_or_made
+from contactlab.accuracy.scene_case import choices_of
+from contactlab.accuracy.study import Contender
+from contactlab.api import Job, Record, Setup
+from contactlab.archive.archive import FILE, Archive, StoredRun
+from contactlab.archive.keys import run_key
+from contactlab.cases.run_case import scene_of
+from contactlab.errors import ContactlabError
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
+from contactlab.studies.call import Call
+from contactlab.studies.make_reference import Curve, holds_for, write_curve
+from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
+from contactlab.studies.profile import FoldedSurfaceError, Profile, distance, norm
+from contactlab.studies.reference import Reference, load_reference
+from contactlab.studies.root_edges import with_root_edges
+from contactlab.studies.run_job import be_ready
+from contactlab.studies.scheduler import LOCAL, open_pool
+from contactlab.studies.study import FINEST
+
+LEVELS = (2, 4, 8, 16)
+KEPT = 2
+"""Algorithms that go on to the third level and beyond: those that change least from the first to the second."""
+SLOW = 4.0
+"""Wall time that a run may take, in CPU times: machines share their cores."""
+MOST_GROWTH = 3.0
+"""Power of the level that costs grow with at most, for what the next level will take."""
+RATIOS = (1.5, 3.0)
+"""Change over the change of the level after it that is believed: of orders from 0.6 to 1.6 with levels of ratio two."""
+
+NEAR = 1e-5
+"""Distance of nodes, over the span of a curve, that its file with seven digits keeps apart."""
+
+Told = Callable[[str], None]
+
+
+@dataclass
+class _Ladder:
+    """The runs of an algorithm by level, with their costs [s]."""
+
+    contender: Contender
+    curves: dict[int, Profile] = field(default_factory=dict)
+    costs: dict[int, float] = field(default_factory=dict)
+
+    def expected(self, level: int) -> float:
+        """CPU time [s] of a level from the two before; 0 where none is known."""
+        known = sorted(self.costs.items())[-2:]
+        if not known:
+            return 0.0
+        last, cost = known[-1]
+        power = MOST_GROWTH
+        if len(known) > 1:
+            power = math.log(cost / known[0][1]) / math.log(last / known[0][0])
+        return cost * (level / last) ** min(max(power, 1.0), MOST_GROWTH)
+
+
+@dataclass(frozen=True)
+class Finer:
+    """What came of it: no `reference` where no run came to its end, and `why`; `spent` is CPU time of new runs [s]."""
+
+    reference: Reference | None
+    file: str
+    why: str
+    spent: float
+
+
+def finer_reference(
+    scene: Scene, integrator: Any, enough: float, budget: float, folder: Path, registry: Registry, jobs: int,
+    told: Told, archive: Path | None = None,
+) -> Finer:  # fmt: skip
+    """Runs at levels 2, 4, 8 and 16, until the relative error of their mean pressure is below `enough`.
+
+    A level that would take the CPU time of all of them beyond `budget` [s] is not begun. The runs are kept in the
+    archive of `folder` (of the folder `archive`, where it is named) under the same keys as points of a study of cases.
+    """
+    ladders = [_Ladder(Contender("", "", integrator, name)) for name in registry.names("contact")]
+    runs = _Runs(scene, registry, archive or folder, jobs, told)
+    best: tuple[Curve, float, str] | None = None
+    done: list[int] = []
+    for level in LEVELS:
+        if runs.spent + sum(ladder.expected(level) for ladder in ladders) > budget and best is not None:
+            break
+        runs.make(ladders, level, budget)
+        ladders = [ladder for ladder in ladders if level in ladder.curves]
+        if not ladders:
+            break
+        done.append(level)
+        if len(done) > 1:
+            ladders = _steadiest(ladders, done)
+            best = _mean(ladders, done, scene)
+            if best[1] < enough:
+                break
+    if best is None:
+        return Finer(None, "", f"no run at level {LEVELS[len(done)]} came to its end ({runs.ends()})", runs.spent)
+    path = _written(scene, best, folder)
+    return Finer(load_reference(str(path)), str(path.resolve()), "", runs.spent)
+
+
+class _Runs:
+    """Runs of a scene, known to the archive or made now."""
+
+    def __init__(self, scene: Scene, registry: Registry, folder: Path, jobs: int, told: Told) -> None:
+        self.scene, self.registry, self.archive, self.jobs, self.told = scene, registry, folder / FILE, jobs, told
+        self.spent = 0.0
+        self.last: dict[str, str] = {}
+
+    def make(self, ladders: Sequence[_Ladder], level: int, budget: float) -> None:
+        """A level of all ladders; one that does not come to its end gets no curve."""
+        with Archive(self.archive) as archive, open_pool(LOCAL, self.jobs) as pool:
+            calls = [self._call(ladder, level, budget) for ladder in ladders]
+            for ladder, future in [(ladder, pool.submit(call)) for ladder, call in zip(ladders, calls, strict=True)]:
+                self._keep(ladder, level, future, archive)
+
+    def _call(self, ladder: _Ladder, level: int, budget: float) -> Call:
+        arguments = (dict(self.scene.data), ladder.contender, level, self.registry, self.archive)
+        return Call(run_scene, arguments, limit=SLOW * budget)
+
+    def _keep(
+        self, ladder: _Ladder, level: int, future: Future[tuple[Record, list[StoredRun]]], archive: Archive
+    ) -> None:
+        name = str(ladder.contender.algorithm)
+        try:
+            record, made = future.result()
+        except (TimedOutError, ProcessDiedError, RaisedError) as error:
+            self.last[name] = f"{name}: {error}"
+            return
+        for run in made:
+            archive.add_run(run)
+        cost = cost_of(record)
+        self.spent += cost if made else 0.0
+        self.last[name] = f"{name}: {record.status}"
+        self.told(f"{name}, level {level}: {record.status} in {cost:.3g} s")
+        if record.finished and (curve := _curve(record)) is not None:
+            ladder.curves[level], ladder.costs[level] = curve, cost
+
+    def ends(self) -> str:
+        """How the last run of each algorithm ended."""
+        return "; ".join(self.last.values())
+
+
+def run_scene(
+    data: Mapping[str, Any], contender: Contender, level: int, registry: Registry, archive: Path,
+    report: Callable[[Any], None],
+) -> tuple[Record, list[StoredRun]]:  # fmt: skip
+    """The record of a scene as a contender runs it at a level, and the run where it is new."""
+    job = Job("run", data, choices_of(data, Setup(contender.algorithm, False, "", contender.integrator, level)))
+    scene = changed(scene_of(job, registry), contender)
+    made: list[StoredRun] = []
+
+    def ready() -> None:
+        with suppress(ContactlabError):  # what is wrong is wrong in the run itself, and told there
+            be_ready(scene)
+
+    with Archive(archive, write=False) as known:
+        names = run_key(job, scene), f"{scene.name} {job.name}"
+        record = known_or_made(job, scene, names, known, made, ready, report)
+    return record, made
+
+
+def _curve(record: Record) -> Profile | None:
+    """The last pressure of the first contact, where it is a function of x and is not zero."""
+    try:
+        found = with_root_edges(Profile.of_curve(record.curve()))
+    except FoldedSurfaceError:
+        return None
+    return found if norm(found) > 0.0 else None
+
+
+def _steadiest(ladders: Sequence[_Ladder], levels: Sequence[int]) -> list[_Ladder]:
+    """Those whose pressure changes least between the last two levels for their cost: errors of order h cost h^-2."""
+
+    def change(ladder: _Ladder) -> float:
+        coarse, fine = (ladder.curves[level] for level in levels[-2:])
+        return distance(coarse, fine) / norm(fine) * math.sqrt(ladder.costs[levels[-1]])
+
+    return sorted(ladders, key=change)[:KEPT]
+
+
+def _mean(ladders: Sequence[_Ladder], levels: Sequence[int], scene: Scene) -> tuple[Curve, float, str]:
+    """The mean at the finest level with its relative error in L2, and where that comes from in words."""
+    mirrored = scene.data.get("symmetry") == "x"
+    by_level = [_both([ladder.curves[level] for ladder in ladders], mirrored) for level in levels]
+    means = [mean_profile(profiles) for profiles in by_level]
+    size = norm(means[-1])
+    changes = [distance(coarse, fine) / size for coarse, fine in pairwise(means)]
+    apart = max(distance(profile, means[-1]) for profile in by_level[-1]) / size
+    change = changes[-1]
+    left, said = change, f"the change of their mean from level {levels[-2]}"
+    if len(changes) > 1 and change > 0.0:
+        ratio = float(np.clip(changes[-2] / change, *RATIOS))
+        left, said = change / (ratio - 1.0), f"what is left by Richardson's rule from levels {levels[-3]} on"
+    names = ", ".join(str(ladder.contender.algorithm) for ladder in ladders)
+    words = f"{names} at level {levels[-1]}; error: the larger of their distance from the mean and {said}"
+    x, mean = means[-1].x, means[-1].value
+    spread = np.max([np.abs(profile(x) - mean) for profile in by_level[-1]], axis=0)
+    return Curve(x, mean, spread, np.abs(means[-2](x) - mean)), max(apart, left), words
+
+
+def _both(profiles: Sequence[Profile], mirrored: bool) -> list[Profile]:
+    """Mirror images of a symmetric scene count as runs, too."""
+    return [*profiles, *(profile.mirrored() for profile in profiles if mirrored)]
+
+
+def mean_profile(profiles: Sequence[Profile]) -> Profile:
+    """The mean of piecewise linear functions, on their nodes: of those nearer than NEAR of the span the first."""
+    x = np.unique(np.concatenate([profile.x for profile in profiles]))
+    x = x[np.r_[True, np.diff(x) > NEAR * (x[-1] - x[0])]]
+    return Profile(x, np.asarray(np.mean([profile(x) for profile in profiles], axis=0)))
+
+
+def _written(scene: Scene, best: tuple[Curve, float, str], folder: Path) -> Path:
+    """The reference as a JSON file beside its curve."""
+    curve, error, words = best
+    place = folder / FINEST
+    place.mkdir(parents=True, exist_ok=True)
+    write_curve(curve, place / f"{FINEST}.csv")
+    description = {
+        "format": 1, "name": FINEST, "title": f"{scene.name}, from finer meshes", "curve": f"{FINEST}.csv",
+        "columns": {"x": "x_deformed_mm", "pressure": "p_MPa", "spread": "p_spread_MPa"},
+        "error_estimate": {"pressure": float(f"{error:.2g}"), "meaning": "relative, in L2"},
+        "origin": f"Mean pressure of {words}.", "holds_for": holds_for(scene.data),
+    }  # fmt: skip
+    path = place / f"{FINEST}.json"
+    path.write_text(json.dumps(description, indent=2) + "\n", encoding="utf-8")
+    return path

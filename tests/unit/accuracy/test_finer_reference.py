@@ -1,0 +1,74 @@
+"""A reference from finer and finer meshes: when it is good enough, what it costs, and what it is known to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from contactlab.accuracy import finer_reference as finer
+from contactlab.accuracy.finer_reference import LEVELS, finer_reference
+from contactlab.parts.registry import default_registry
+from contactlab.scene.scene import load_scene
+from contactlab.studies.profile import Profile, distance, norm
+
+ANGLES = np.linspace(-np.pi / 2, np.pi / 2, 4001)
+EXACT = Profile(np.sin(ANGLES), np.cos(ANGLES) ** 3)
+"""Smooth enough for interpolants of second order."""
+
+
+@pytest.fixture
+def runs(monkeypatch: pytest.MonkeyPatch) -> dict[tuple[str, int], float]:
+    """Runs that give interpolants, node-on-segment ones of first order; costs of h^-2. Records what was run."""
+    made: dict[tuple[str, int], float] = {}
+
+    def make(self: finer._Runs, ladders: Sequence[finer._Ladder], level: int, budget: float) -> None:
+        for ladder in ladders:
+            name = str(ladder.contender.algorithm)
+            x = np.linspace(-1.0, 1.0, 8 * level + 1)
+            first = 0.1 / level if name == "node-on-segment" else 0.0
+            ladder.curves[level] = Profile(x, (1.0 + first) * EXACT(x))
+            ladder.costs[level] = made[name, level] = 0.1 * level**2
+            self.spent += ladder.costs[level]
+
+    monkeypatch.setattr(finer._Runs, "make", make)
+    return made
+
+
+def test_it_is_refined_until_it_is_known_well_enough(runs: dict[tuple[str, int], float], tmp_path: Path) -> None:
+    scene, registry = load_scene("disc-on-block"), default_registry()
+    for enough in (3e-2, 3e-3, 8e-4):
+        runs.clear()
+        found = finer_reference(scene, "newton", enough, 1e3, tmp_path, registry, 1, str)
+        assert found.reference is not None
+        known = found.reference.pressure_uncertainty
+        off = distance(found.reference.profile, EXACT) / norm(EXACT)
+        finest = max(level for _, level in runs)
+        assert known < enough or finest == LEVELS[-1]
+        assert off < known < 10.0 * max(off, 1e-4)  # an upper bound, and of use
+        # what changes most from level to level goes no further than the second one
+        assert max(level for name, level in runs if name == "node-on-segment") <= LEVELS[1]
+        assert found.spent == pytest.approx(sum(runs.values()))
+        assert found.reference.mismatch(scene.data) == ""
+
+
+def test_a_level_beyond_the_budget_is_not_begun(runs: dict[tuple[str, int], float], tmp_path: Path) -> None:
+    # level 8 of two algorithms costs 2 x 6.4 s after 3 x (0.4 + 1.6) s
+    scene, registry = load_scene("disc-on-block"), default_registry()
+    for budget, finest in ((18.0, 4), (19.5, 8)):
+        runs.clear()
+        found = finer_reference(scene, "newton", 1e-9, budget, tmp_path, registry, 1, str)
+        assert max(level for _, level in runs) == finest
+        assert found.spent <= budget
+
+
+def test_without_a_run_there_is_no_reference(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def make(self: finer._Runs, *rest: object) -> None:
+        self.last = {"mortar-p0": "mortar-p0: diverged"}
+
+    monkeypatch.setattr(finer._Runs, "make", make)
+    found = finer_reference(load_scene("disc-on-block"), "newton", 0.1, 9.0, tmp_path, default_registry(), 1, str)
+    assert found.reference is None
+    assert "no run at level 2 came to its end (mortar-p0: diverged)" in found.why
