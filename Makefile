@@ -15,9 +15,10 @@ export OPENBLAS_NUM_THREADS ?= 1
 .PHONY: demo test faults fuzz mutants check-parts paper pages packages site lint bench clean
 
 demo: $(INSTALLED)
-	@out=runs/demo; n=2; while [ -e $$out ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
-	$(BIN)/contactlab compare disc-on-block --set level=2 --out $$out && \
-	echo && echo "The report is $$out/report.html"
+	@out=runs/demo; n=2; while [ -e $$out ] || [ -e $$out-accuracy ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
+	$(BIN)/contactlab compare demo --out $$out-accuracy && echo && \
+	$(BIN)/contactlab compare disc-on-block --set level=2 --out $$out && echo && \
+	echo "What accuracy costs: $$out-accuracy/accuracy.html" && echo "The report is $$out/report.html"
 
 test: $(INSTALLED)
 	$(BIN)/python -m pytest -n auto --dist worksteal $(TESTS)

@@ -48,7 +48,8 @@ def _point(row: dict[str, Any]) -> Point:
     cost, kernels = _number(row["cpu_s"]), _number(row["kernels"])
     place = row["case"], row["contender"], row["slave"], row["level"], row["status"], row["reason"]
     counts = {name: row[name] for name in COUNTS if row[name] is not None}
-    return Point(*place, _number(row["error"]), (cost,) if cost == cost else (), cost / kernels, counts)
+    return Point(*place, _number(row["error"]), (cost,) if cost == cost else (), cost / kernels, counts,
+                 best=_number(row.get("best_error")))  # fmt: skip
 
 
 def _number(value: Any) -> float:

@@ -36,7 +36,7 @@ KEYS = ("scene", "what", "asked", "chosen", "level", "error", "known", "cost", "
         "trials", "search_s", "why")  # fmt: skip
 WISH = Wish(budget=30.0, search=60.0)
 LEVELS = (1, 2, 3, 4, 6, 8)
-LEAST_LIMIT = 1.0
+LEAST_LIMIT = 0.5
 """CPU time [s] that every run may take: on shared cores a limit of a tenth of a second is over too early."""
 JUDGED = 0.05
 """Uncertainty of the judging reference over the error, or the finest that there is."""

@@ -21,7 +21,8 @@ def point_row(point: Point, side_by_side: int) -> dict[str, Any]:
     """A point as a row; `kernels` is its cost in times of the calibration kernel."""
     return {
         "case": point.case, "contender": point.contender, "slave": point.slave, "level": point.level,
-        "status": point.status, "reason": point.reason, "error": point.error, "cpu_s": point.cost,
+        "status": point.status, "reason": point.reason, "error": point.error,
+        "best_error": point.best, "efficiency": point.efficiency, "cpu_s": point.cost,
         "cpu_low_s": min(point.cpu, default=math.nan), "cpu_high_s": max(point.cpu, default=math.nan),
         "kernels": point.cost / point.calibration if point.calibration > 0.0 else math.nan,
         **{name: point.counts.get(name, math.nan) for name in COUNTS},

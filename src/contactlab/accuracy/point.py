@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.accuracy.calibration import calibrate
+from contactlab.accuracy.efficiency import best_of
 from contactlab.accuracy.problem import Problem, problem_of
 from contactlab.accuracy.study import CaseChoice, Contender
 from contactlab.api import Job, Record
@@ -30,7 +31,7 @@ from contactlab.studies.run_job import be_ready
 from contactlab.studies.system import machine
 from contactlab.studies.worker import BEGUN
 
-NOT_RUN = ("over-limit", "over-budget", "not-applicable", "interrupted")
+NOT_RUN = ("over-limit", "over-budget", "not-applicable", "interrupted", "waiting")
 """Statuses of points that were never begun."""
 
 
@@ -69,6 +70,7 @@ class Point:
     memory_mib   largest memory; compile_s  CPU time of compiling or loading kernels in that process
     spent        CPU time that was used now, without compilation [s]; 0 where the archive knew it
     runs         keys of the runs in the archive
+    best         error of the best approximation of the exact pressure on the same nodes, nan where there is none
     """
 
     case: str
@@ -85,6 +87,12 @@ class Point:
     compile_s: float = math.nan
     spent: float = 0.0
     runs: tuple[str, ...] = ()
+    best: float = math.nan
+
+    @property
+    def efficiency(self) -> float:
+        """Error of the best approximation over its own: 1 is as near as its nodes allow; nan where there is none."""
+        return self.best / self.error if self.finished and self.error > 0.0 else math.nan
 
     @property
     def finished(self) -> bool:
@@ -141,7 +149,8 @@ def _take(
     setup = problem.setup(task.contender, task.swap, task.level)
     _, done = run_case(problem.case, setup, registry, run)
     values = evaluated(problem.case, setup, done)
-    return _point(task, problem.error(setup, values), done, tuple(keys))
+    point = _point(task, problem.error(setup, values), done, tuple(keys))
+    return replace(point, best=best_of(problem, setup, done))
 
 
 def known_or_made(

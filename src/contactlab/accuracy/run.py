@@ -25,6 +25,12 @@ from contactlab.studies.system import machine
 Told = Callable[[Point, int, int], None]
 """Called after each point with how many are done of how many."""
 
+SoFar = Callable[[Callable[[], "Accuracy"]], None]
+"""Called after each point with what gives the study as it stands."""
+
+WAITING = "waiting"
+OTHERS = {WAITING: "not run yet", "interrupted": "stopped before it was run"}
+"""Statuses of points that are not run, in words."""
 GROWTH = 3.0
 """Power of the level that costs grow with, while a line has one point only."""
 SLOW = 4.0
@@ -65,17 +71,25 @@ class Accuracy:
 
 @dataclass
 class _Line:
-    """What a line of convergence still has to run."""
+    """What a line of convergence still has to run; `rank` is its place among those that are run one after another."""
 
     tasks: list[Task]
+    rank: int = 0
     done: list[Point] = field(default_factory=list)
+
+    @property
+    def place(self) -> tuple[int, int]:
+        """Lines are run in this order: by rank, then by the level that comes next."""
+        return self.rank, self.tasks[len(self.done)].level
 
 
 def run_accuracy(
-    study: CaseStudy, registry: Registry, folder: Path, jobs: int, told: Told, scheduler: str = LOCAL
-) -> Accuracy:
+    study: CaseStudy, registry: Registry, folder: Path, jobs: int, told: Told, scheduler: str = LOCAL,
+    so_far: SoFar | None = None,
+) -> Accuracy:  # fmt: skip
     """Every point of a study. What the archive in `folder` holds of this machine is not run again.
 
+    so_far  is called after each point with what gives the study as it stands; points to come have status "waiting"
     Raises RequestError for a wrong request. Ctrl-C ends it with the points that are there.
     """
     asked, lines = plan(study, registry)
@@ -88,16 +102,26 @@ def run_accuracy(
             for point in runner.run(lines, jobs):
                 points.append(point)
                 told(point, len(points), total)
+                if so_far is not None:
+                    so_far(lambda: _with_others(study, registry, asked, lines, points, jobs, WAITING))
         except KeyboardInterrupt:
             interrupted = True
             pool.stop()
+    found = _with_others(study, registry, asked, lines, points, jobs, "interrupted")
+    return replace(found, interrupted=interrupted)
+
+
+def _with_others(
+    study: CaseStudy, registry: Registry, asked: Sequence[Asked], lines: Sequence[_Line], done: Sequence[Point],
+    jobs: int, status: str,
+) -> Accuracy:  # fmt: skip
+    """All points in order: those that are done, and all others with this status."""
     labels = [contender.label for contender in contenders(study, registry)]
     cases = [each.label for each in asked]
-    seen = {(p.case, p.contender, p.slave, p.level) for p in points}
-    points += [named(t, "interrupted", "stopped before it was run") for line in lines for t in line.tasks
-               if _place(t) not in seen]  # fmt: skip
-    points.sort(key=lambda p: (cases.index(p.case), labels.index(p.contender), p.slave, p.level))
-    return Accuracy(study, asked, labels, points, jobs, interrupted)
+    seen = {(p.case, p.contender, p.slave, p.level) for p in done}
+    others = [named(t, status, OTHERS[status]) for line in lines for t in line.tasks if _place(t) not in seen]
+    points = sorted([*done, *others], key=lambda p: (cases.index(p.case), labels.index(p.contender), p.slave, p.level))
+    return Accuracy(study, asked, labels, points, jobs)
 
 
 def _place(task: Task) -> tuple[str, str, str, int]:
@@ -119,18 +143,28 @@ def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[_Line]
         if not fitting:
             continue
         asked.append(_asked(problem, fitting[0][0]))
-        levels = choice.levels or study.levels
         asking = partial(Task, choice, limit=study.limit, repeat=study.repeat, folder=folder)
         groups.append(
             [
-                _Line([asking(contender=contender, swap=swap, level=level) for level in sorted(levels)])
+                _Line(
+                    [asking(contender=contender, swap=swap, level=level) for level in sorted(levels)],
+                    _rank(study, contender),
+                )
                 for contender, swap in fitting
+                if (levels := contender.levels or choice.levels or study.levels)
             ]
         )
     if not groups:
         raise RequestError("no contender can be put to any of the cases", where=str(study.path or study.name))
     # a line of each case in turn: what a budget leaves is spread over the cases
     return asked, [line for turn in zip_longest(*groups) for line in turn if line is not None]
+
+
+def _rank(study: CaseStudy, contender: Contender) -> int:
+    """Place of the entry that a contender comes from, where these are run one after another."""
+    if study.order == "levels":
+        return 0
+    return next(n for n, one in enumerate(study.contenders) if one == replace(contender, algorithm=one.algorithm))
 
 
 def _asked(problem: Problem, contender: Contender) -> Asked:
@@ -152,7 +186,7 @@ class _Runner:
 
     def run(self, lines: Sequence[_Line], jobs: int) -> Iterator[Point]:
         """Points as they are made: never more under way than processes, so that coarse levels come first."""
-        waiting = sorted(lines, key=lambda line: line.tasks[0].level)
+        waiting = sorted(lines, key=lambda line: line.place)
         running: dict[Future[tuple[Point, list[StoredRun]]], tuple[_Line, Task]] = {}
         while waiting or running:
             while waiting and len(running) < jobs:
@@ -174,9 +208,7 @@ class _Runner:
         line.done.append(point)
         self.spent += point.spent
         if len(line.done) < len(line.tasks):
-            level = line.tasks[len(line.done)].level
-            place = sum(other.tasks[len(other.done)].level <= level for other in waiting)
-            waiting.insert(place, line)
+            waiting.insert(sum(other.place <= line.place for other in waiting), line)
         return point
 
     def _without_running(self, line: _Line, task: Task) -> Point | None:
@@ -184,6 +216,8 @@ class _Runner:
         if self.archive.record(task.key(), machine()) is not None:
             return named(task, "timed-out", f"took longer than its limit of {task.limit:g} CPU s before")
         expected = expected_cost(line.done, task.level)
+        if math.isinf(expected):
+            return named(task, "over-limit", f"a coarser level already took more than {task.limit:g} CPU s")
         if expected > task.limit:
             return named(task, "over-limit", f"would take about {expected:.2g} CPU s, the limit is {task.limit:g}")
         budget = self.study.budget

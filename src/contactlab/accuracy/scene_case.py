@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from contactlab.api import Answer, Case, Job, Measure, Record, Setup
+from contactlab.api import Answer, Case, Job, Measure, Record, Setup, Solution
 from contactlab.api.case import error
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
@@ -72,6 +72,11 @@ class SceneCase(Case):
         kind: Any = self.against.error_estimate.get("kind", "two-discretisations")
         answer = Answer(1.0, kind, 0.0 if math.isnan(known) else known, self.against.title)
         return (error(PRESSURE, math.inf, "it is measured here, not judged", answer=answer),)
+
+    def exact_pressure(self, setup: Setup, done: Mapping[str, Record]) -> Solution | None:
+        """That of the reference, which it is compared with."""
+        profile = self.against.profile
+        return Solution(profile.x, profile.value, self.against.pressure_uncertainty, window=self.against.window)
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
         """Compare the pressure at the end with that of the reference."""

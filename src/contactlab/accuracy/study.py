@@ -57,6 +57,7 @@ class Contender:
     algorithm: Any = key("*", says='contact algorithm, or "*" for each that is installed')
     enforcement: Any = key(None, says="of the contact; not written: the integrator's own")
     changes: Any = key(None, says="further scene keys and values")
+    levels: tuple[int, ...] = key((), least=1, says="mesh levels; not written: those of the case or of the study")
 
     @property
     def label(self) -> str:
@@ -95,6 +96,10 @@ class CaseStudy:
     format: Literal[1] = key(1, says="version of the study format")
     name: str = key("", says="heading of the page")
     levels: tuple[int, ...] = key((1, 2, 4), least=1, says="mesh levels")
+    order: Literal["levels", "contenders"] = key(
+        "levels",
+        says="levels: coarse ones of all contenders first; contenders: one with all of its levels after another",
+    )
     join: bool = key(True, says="whether cases of other packages than the study's take part")
     limit: float = key(30.0, above=0.0, says="CPU time of one run [s]; what needs more is not run, or stopped")
     budget: float | None = key(None, above=0.0, says="CPU time of all runs [s]; what is left then is not run")

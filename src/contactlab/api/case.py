@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any, ClassVar, Literal
 
 from contactlab.api.record import Record
+from contactlab.api.reference import Solution
 
 Spec = str | Mapping[str, Any]
 """A part as a scene writes it: its name, or a table with `use` and fields."""
@@ -196,6 +197,13 @@ class Case(ABC):
     @abstractmethod
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
         """The numbers by the names of the measures."""
+
+    def exact_pressure(self, setup: Setup, done: Mapping[str, Record]) -> Solution | None:
+        """The pressure that "L2 of the pressure" is measured against, and over which window; None where it has none.
+
+        How well the slave's nodes can follow it is told beside the error.
+        """
+        return None
 
     def applies(self, setup: Setup) -> str:
         """Why the case cannot be run with this setup; empty when it can."""

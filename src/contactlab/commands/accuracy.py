@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from dataclasses import replace
-from time import monotonic
 
 from contactlab.accuracy.evaluation import evaluate
-from contactlab.accuracy.files import write
-from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import plan, run_accuracy
 from contactlab.accuracy.study import CaseStudy
+from contactlab.commands.accuracy_progress import Progress, write_all
 from contactlab.commands.common import console, print_json, registry_with
 from contactlab.commands.interruption import interrupted
 from contactlab.errors import RequestError
 from contactlab.parts.machine import usable_cores
-from contactlab.reports.accuracy_page import write_accuracy_page
 from contactlab.reports.accuracy_predictions import told
 from contactlab.reports.accuracy_table import print_costs
 from contactlab.run.folders import results_folder
@@ -35,11 +31,10 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
     plan(study, registry)  # a wrong name is told before a folder is made
     name = options.scene.removesuffix(".toml").rpartition("/")[2]
     with results_folder(options.out, name, options.resume) as folder:
-        with sigterm_as_ctrl_c():
-            found = run_accuracy(study, registry, folder, jobs, _Teller(), options.scheduler)
+        with sigterm_as_ctrl_c(), Progress(folder) as shown:
+            found = run_accuracy(study, registry, folder, jobs, shown.told, options.scheduler, shown.so_far)
         evaluated = evaluate(found)
-        write(evaluated, folder)
-        write_accuracy_page(evaluated, folder)
+        write_all(evaluated, folder)
     if options.json:
         print_json({"folder": str(folder), **json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))})
     else:
@@ -74,23 +69,3 @@ def _refuse_others(options: argparse.Namespace) -> None:
                 "a study of cases is not varied from the command line", where=name,
                 hint="copy the study into a file of your own and change its cases, contenders or levels",
             )  # fmt: skip
-
-
-class _Teller:
-    """One line per point; one that is written over where somebody watches."""
-
-    def __init__(self) -> None:
-        self.began = monotonic()
-
-    def __call__(self, point: Point, done: int, total: int) -> None:
-        line = f"{done}/{total} {point.case}, {point.contender}, {point.slave}, level {point.level}: {self._end(point)}"
-        if sys.stderr.isatty():
-            print(f"\r\033[K{line[:110]}", end="" if done < total else "\n", file=sys.stderr, flush=True)
-        else:
-            print(line, file=sys.stderr, flush=True)
-
-    @staticmethod
-    def _end(point: Point) -> str:
-        if point.finished:
-            return f"{100.0 * point.error:.3g} % in {point.cost:.3g} s"
-        return f"{point.status}: {point.reason.splitlines()[0] if point.reason else ''}"

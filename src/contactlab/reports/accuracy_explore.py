@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any
@@ -31,7 +32,8 @@ Columns = dict[str, list[Any]]
 _MARKERS = {"o": "circle", "s": "square", "D": "diamond", "^": "triangle", "v": "inverted_triangle", "P": "cross"}
 _DASHES = ("solid", "dashed", "dotted", "dotdash", "dashdot", [8, 4])
 _TIPS = [
-    ("", "@contender, @slave, level @level"), ("error", "@y{0.000} %"), ("CPU", "@x{0.000} s"), ("counts", "@counts"),
+    ("", "@contender, @slave, level @level"), ("error", "@y{0.000} %@best"), ("CPU", "@x{0.000} s"),
+    ("counts", "@counts"),
 ]  # fmt: skip
 _TAP = (
     "const i = source.selected.indices[0]; source.selected.indices = [];"
@@ -125,7 +127,7 @@ def _points(lines: Sequence[Line], chosen: Mapping[str, Look], pages: Mapping[Pl
         {
             **_labels(line), "level": p.level, "x": p.cost, "y": 100.0 * max(p.error, 1e-14),
             "colour": chosen[line.contender].colour, "marker": _MARKERS[chosen[line.contender].marker],
-            "fill": 0.9 if line.slave == "declared" else 0.0, "counts": _counts(p),
+            "fill": 0.9 if line.slave == "declared" else 0.0, "counts": _counts(p), "best": _best(p),
             "page": pages.get((line.case, line.contender, line.slave, p.level), ""),
         }
         for line in lines for p in line.finished
@@ -143,6 +145,11 @@ def _labels(line: Line) -> dict[str, Any]:
 
 def _counts(point: Point) -> str:
     return ", ".join(f"{value:.0f} {name}" for name, value in point.counts.items() if value)
+
+
+def _best(point: Point) -> str:
+    """What the nodes allow, where that is known."""
+    return "" if math.isnan(point.best) else f"; best on these nodes {100.0 * point.best:.3g} %"
 
 
 def _columns(rows: Sequence[Mapping[str, Any]]) -> Columns:

@@ -12,9 +12,10 @@ from matplotlib.figure import Figure
 from contactlab.accuracy.evaluation import Evaluation
 from contactlab.accuracy.lines import Line
 from contactlab.accuracy.orders import Order
-from contactlab.accuracy.run import Accuracy
+from contactlab.accuracy.run import WAITING, Accuracy
 from contactlab.reports.accuracy_costs import costs_section
 from contactlab.reports.accuracy_explore import Place, explore_section
+from contactlab.reports.accuracy_limits import limits_section
 from contactlab.reports.accuracy_plots import cost_figure, solved_figure
 from contactlab.reports.accuracy_points import points_section
 from contactlab.reports.accuracy_predictions import predictions_section
@@ -62,6 +63,7 @@ def page(evaluated: Evaluation, figures: dict[str, Figure], pages: Mapping[Place
         explore_section(found, evaluated.lines, pages),
         figure_section(figures, "error-against-cost", "Error against cost, all cases", _FRONT),
         figure_section(figures, "solved", "How much is answered in a given time", _SOLVED, narrow=True),
+        limits_section(found, evaluated.lines),
         _orders(evaluated.orders),
         predictions_section(evaluated.predictions),
         _beside(found, evaluated.lines),
@@ -75,9 +77,11 @@ def page(evaluated: Evaluation, figures: dict[str, Figure], pages: Mapping[Place
 
 def _head(found: Accuracy) -> str:
     finished = sum(point.finished for point in found.points)
+    waiting = sum(point.status == WAITING for point in found.points)
+    later = f" {waiting} points are still to come: load the page again, it is rewritten as they do." if waiting else ""
     rest: dict[str, int] = {}
     for point in found.points:
-        if not point.finished:
+        if not point.finished and point.status != WAITING:
             rest[point.status] = rest.get(point.status, 0) + 1
     told = ", ".join(f"{count} {status}" for status, count in rest.items())
     beside = (
@@ -87,7 +91,7 @@ def _head(found: Accuracy) -> str:
         f"<header>\n<h1>{escape(found.study.name)}</h1>\n"
         f'<p class="lead">{len(found.asked)} cases, {len(found.contenders)} contenders, {len(found.points)} points: '
         f"{finished} finished{f', {told}' if told else ''}.{beside}"
-        f"{' The study was interrupted.' if found.interrupted else ''}</p>\n</header>"
+        f"{later}{' The study was interrupted.' if found.interrupted else ''}</p>\n</header>"
     )
 
 

@@ -12,9 +12,9 @@ from contactlab.reports.accuracy_explore import Place
 from contactlab.reports.html import section
 from contactlab.reports.numbers import percent, significant
 
-_HEADS = ("case", "contender", "slave", "level", "status", "error, %", "CPU s", "kernels", *COUNTS, "MiB")
+_HEADS = ("case", "contender", "slave", "level", "status", "error, %", "efficiency", "CPU s", "kernels", *COUNTS, "MiB")
 _WORDS = ("case", "contender", "slave")
-_NUMBERS = ("cpu_s", "kernels", *COUNTS, "memory_mib")
+_NUMBERS = ("efficiency", "cpu_s", "kernels", *COUNTS, "memory_mib")
 
 
 def points_section(found: Accuracy, pages: Mapping[Place, str]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from rich import box
-from rich.console import Console
+from rich.console import Console, Group
 from rich.table import Table as RichTable
 from rich.text import Text
 
@@ -17,8 +17,19 @@ _STYLES = {"cheapest": "bold green", "tied": "green", "failed": "red", "grey": "
 _MARKS = {"cheapest": "*", "tied": "~"}
 
 
+_NOTES = (
+    "* cheapest   ~ cannot be told from the cheapest   \N{LESS-THAN OR EQUAL TO} the coarsest mesh is that good   "
+    "\N{HORIZONTAL ELLIPSIS} below what the reference can tell"
+)
+
+
 def print_costs(found: Accuracy, costs: Sequence[Cost], console: Console) -> None:
-    """CPU seconds to each target, and what the marks mean; cases with no answer at all are told below."""
+    """Print the table of costs."""
+    console.print(costs_table(found, costs), soft_wrap=True)
+
+
+def costs_table(found: Accuracy, costs: Sequence[Cost]) -> Group:
+    """CPU seconds to each target, and what the marks mean."""
     best = best_of(costs)
     targets = sorted(found.study.targets, reverse=True)
     title = Text(f"{found.study.name}: CPU seconds to an error of")
@@ -35,12 +46,7 @@ def print_costs(found: Accuracy, costs: Sequence[Cost], console: Console) -> Non
                 table.add_row(Text(label), Text(name), *map(_cell, cells))
                 label = ""
         table.add_section()
-    console.print(table)
-    notes = (
-        "* cheapest   ~ cannot be told from the cheapest   \N{LESS-THAN OR EQUAL TO} the coarsest mesh is that good   "
-        "\N{HORIZONTAL ELLIPSIS} below what the reference can tell"
-    )
-    console.print(notes, markup=False, highlight=False, soft_wrap=True)
+    return Group(table, Text(_NOTES))
 
 
 def _cell(cost: Cost | None) -> Text:

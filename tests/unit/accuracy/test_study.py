@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from contactlab.accuracy.point import named
 from contactlab.accuracy.problem import choices, contenders, problem_of
 from contactlab.accuracy.run import plan
 from contactlab.accuracy.study import CaseChoice, bundled_case_studies, find_case_study
@@ -33,6 +34,19 @@ def test_the_bundled_study_is_as_large_as_it_says() -> None:
     assert len(contenders(study, default_registry())) >= 10
     assert sum(len(line.tasks) for line in lines) >= 1000
     assert 0 < len(plan(study.quickened(), default_registry())[1]) < len(lines) / 3
+
+
+def test_the_demo_begins_with_statics() -> None:
+    study = find_case_study("demo")
+    assert study is not None
+    asked, lines = plan(study, default_registry())
+    assert len(asked) == 1
+    levels = {line.tasks[0].contender.label: [task.level for task in line.tasks] for line in lines}
+    assert len(levels) == 6
+    assert all(found == ([1, 2] if name.endswith("explicit") else [1, 2, 3, 4]) for name, found in levels.items())
+    for line in lines:
+        line.done.append(named(line.tasks[0], "failed", ""))  # level 2 of statics comes before level 1 of explicit runs
+        assert (line.place < (1, 1)) == (line.tasks[0].contender.way == "statics")
 
 
 def test_parts_of_a_file_join(tmp_path: Path) -> None:
@@ -108,7 +122,7 @@ def test_a_study_is_run_once_and_written(tmp_path: Path, capsys: pytest.CaptureF
 
 
 def test_bundled_names_are_files() -> None:
-    assert list(bundled_case_studies()) == ["accuracy"]
+    assert list(bundled_case_studies()) == ["accuracy", "demo"]
 
 
 def test_the_example_of_the_page_is_a_study(tmp_path: Path) -> None:

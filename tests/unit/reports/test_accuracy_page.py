@@ -8,6 +8,7 @@ import math
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,12 +16,12 @@ import pytest
 
 from contactlab.accuracy.evaluation import evaluate
 from contactlab.accuracy.point import Point
-from contactlab.accuracy.run import Accuracy, Asked
+from contactlab.accuracy.run import WAITING, Accuracy, Asked
 from contactlab.accuracy.study import CaseStudy
 from contactlab.api import ContactCurve, Record
 from contactlab.archive.archive import FILE, Archive, StoredRun
 from contactlab.cases.record import to_bytes
-from contactlab.reports.accuracy_page import write_accuracy_page
+from contactlab.reports.accuracy_page import page, write_accuracy_page
 from contactlab.studies.system import machine
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -89,6 +90,13 @@ def test_a_page_of_a_thousand_points_is_one_file_of_five_megabytes(folder: Path)
     assert "<script src" not in text
     assert text.count('<tbody class="run">') == len(study().points) >= 1000
     assert "&lt;it&gt; moved apart" in text
+
+
+def test_a_page_that_is_not_whole_says_what_is_to_come() -> None:
+    found = study()
+    points = [Point(p.case, p.contender, p.slave, p.level, WAITING, "not run yet") for p in found.points[1:]]
+    text = page(evaluate(replace(found, points=[found.points[0], *points])), {}, {})
+    assert "1080 points: 1 finished. 1079 points are still to come: load the page again" in text
 
 
 def test_a_point_leads_to_the_page_of_its_run(folder: Path) -> None:

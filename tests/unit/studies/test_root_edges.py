@@ -13,7 +13,7 @@ CIRCLE = Profile(FINE, np.sqrt(1.0 - FINE**2))
 
 
 def carried(x: np.ndarray) -> Profile:
-    """Exact at nodes `x`, but for the two next to the edges: these carry what is left of the force beyond the others."""
+    """Exact at nodes `x`, but for the two next to the edges: these carry what is left of the force beyond."""
     values = np.sqrt(np.maximum(0.0, 1.0 - x**2))
     pressed = np.flatnonzero(values)
     for edge, step in ((pressed[0], 1), (pressed[-1], -1)):

@@ -121,6 +121,13 @@ def hertz_values(record: Record, radius: float, modulus: float, support: str = "
     }
 
 
+def hertz_pressure(record: Record, radius: float, modulus: float, support: str = "block.bottom") -> Solution:
+    """The closed form that `hertz_values` measures against."""
+    a, _, exact = hertz(force_of(record, support), radius, modulus)
+    x = a * np.sin(np.linspace(-0.5 * np.pi, 0.5 * np.pi, 2001))  # denser to the edges, where its slope has no end
+    return Solution(x, exact(x), 0.0, "exact", window=(-2.0 * a, 2.0 * a))
+
+
 def only(done: Mapping[str, Record]) -> Record:
     """Return the record of a case that has one run."""
     (record,) = done.values()

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from contactlab.api import Case, Job, Measure, Record, Setup
-from contactlab_cases.circles import SOURCE, disc_on_block, hertz_measures, hertz_values, only
+from contactlab.api import Case, Job, Measure, Record, Setup, Solution
+from contactlab_cases.circles import SOURCE, disc_on_block, hertz_measures, hertz_pressure, hertz_values, only
 from contactlab_cases.statics import plane_strain
 
 RADIUS, YOUNG, DEPTH = 10.0, 70000.0, 8e-4
@@ -44,6 +44,10 @@ class Hertz(Case):
         size = 8.0 / self.segments / setup.level * max(1.0, self.ratio)
         why = "exact nodal values are off by 4 % at 8 segments: a root at the edge that no linear interpolant follows"
         return hertz_measures(0.03 * size, 1.0, 0.06 * size, why)
+
+    def exact_pressure(self, setup: Setup, done: Mapping[str, Record]) -> Solution | None:
+        """Hertz's at the measured force."""
+        return hertz_pressure(only(done), RADIUS, plane_strain(YOUNG) / 2.0)
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
         """Compare pressure and half-width with Hertz's at the measured force."""

@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Case, Floats, Job, Measure, Record, Setup
+from contactlab.api import Case, Floats, Job, Measure, Record, Setup, Solution
 from contactlab.api.case import at_most, error, reported
 from contactlab_cases.circles import only
 from contactlab_cases.statics import force_of, iterations, l2_error, ordered, static_job
@@ -64,7 +64,7 @@ class RigidPunch(Case):
         x, p = ordered(curve.x, curve.pressure)
 
         def exact(at: Floats) -> Floats:
-            return np.asarray(force / (np.pi * np.sqrt(np.maximum(1e-9, 1.0 - at**2))))
+            return self._pressure(at, force)
 
         return {
             "L2 of the pressure over 0.9 a": l2_error(x, p, exact, 0.9),
@@ -72,3 +72,13 @@ class RigidPunch(Case):
             "undershoot over the largest pressure": max(0.0, float(-p.min() / p.max())),
             "iterations": iterations(record),
         }
+
+    def exact_pressure(self, setup: Setup, done: Mapping[str, Record]) -> Solution | None:
+        """The same, over 0.9 a."""
+        x = np.linspace(-0.9, 0.9, 4001)
+        return Solution(x, self._pressure(x, force_of(only(done))), 0.0, "exact", window=(-0.9, 0.9))
+
+    @staticmethod
+    def _pressure(at: Floats, force: float) -> Floats:
+        """p = P/(pi (a^2 - x^2)^(1/2)) with a = 1 [MPa]."""
+        return np.asarray(force / (np.pi * np.sqrt(np.maximum(1e-9, 1.0 - at**2))))

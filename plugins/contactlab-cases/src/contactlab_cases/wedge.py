@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Case, Floats, Job, Measure, Record, Setup
+from contactlab.api import Case, Floats, Job, Measure, Record, Setup, Solution
 from contactlab.api.case import at_most, error, reported
 from contactlab_cases.circles import block_mesh, only
 from contactlab_cases.measures import ContactLength
@@ -78,14 +78,12 @@ class BluntWedge(Case):
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
         """Against p = E* slope/pi acosh(a/|x|) with the a of the measured force P = E* slope a."""
         record, h = only(done), self._cell(setup.level)
-        modulus = plane_strain(YOUNG)
-        a = float(record.reaction("block.bottom")[1]) / (modulus * self.slope)
+        a = self._half_width(record)
         curve = record.curve()
         x, pressure = ordered(curve.x - self.offset * h, curve.pressure)
 
         def exact(at: Floats) -> Floats:
-            inside = np.clip(np.abs(at) / a, 1e-6, 1.0)
-            return np.asarray(modulus * self.slope / np.pi * np.arccosh(1.0 / inside))
+            return self._pressure(at, a)
 
         right, left = pressure[x > 1.5 * h], pressure[x < -1.5 * h][::-1]
         rise = max(float(np.diff(side).max(initial=0.0)) for side in (right, left))
@@ -100,3 +98,20 @@ class BluntWedge(Case):
             "half-width": 0.5 * ContactLength().evaluate(record, "contacts.0", None) / a - 1.0,
             "rise of the pressure away from the apex": rise / float(pressure.max()),
         }
+
+    def exact_pressure(self, setup: Setup, done: Mapping[str, Record]) -> Solution | None:
+        """The same, denser to its apex and to its edges."""
+        a, h = self._half_width(only(done)), self._cell(setup.level)
+        half = np.sin(0.5 * np.pi * np.linspace(0.0, 1.0, 2001) ** 2)
+        x = a * np.concatenate([-half[:0:-1], half])
+        cells = int(np.ceil(2.0 * a / h))
+        return Solution(x + self.offset * h, self._pressure(x, a), 0.0, "exact", window=(-cells * h, cells * h))
+
+    def _half_width(self, record: Record) -> float:
+        """a [mm] of the measured force P = E* slope a."""
+        return float(record.reaction("block.bottom")[1]) / (plane_strain(YOUNG) * self.slope)
+
+    def _pressure(self, at: Floats, a: float) -> Floats:
+        """p = E* slope/pi acosh(a/|x|) [MPa], x from the apex."""
+        inside = np.clip(np.abs(at) / a, 1e-6, 1.0)
+        return np.asarray(plane_strain(YOUNG) * self.slope / np.pi * np.arccosh(1.0 / inside))

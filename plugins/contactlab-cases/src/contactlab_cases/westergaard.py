@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Case, Floats, Job, Measure, Record, Setup
+from contactlab.api import Case, Floats, Job, Measure, Record, Setup, Solution
 from contactlab.api.case import error, reported
 from contactlab_cases.circles import only, peak_error
 from contactlab_cases.statics import ordered, plane_strain, static_job
@@ -92,6 +92,13 @@ class Westergaard(Case):
             "L2 of the pressure": float(np.sqrt(np.mean((found - exact) ** 2) / np.mean(exact**2))),
             "mean pressure over that of full contact": mean / full,
         }
+
+    def exact_pressure(self, setup: Setup, done: Mapping[str, Record]) -> Solution | None:
+        """The closed form at the mean pressure that was measured."""
+        half = 0.5 * LENGTH
+        mean = float(only(done).reaction("layer.bottom")[1]) / half
+        x = half * np.linspace(0.0, 1.0, 8001)
+        return Solution(x, self.pressure(x, mean, self._full(plane_strain(YOUNG))), 0.0, "exact", window=(0.0, half))
 
     @staticmethod
     def pressure(x: Floats, mean: float, full: float) -> Floats:
