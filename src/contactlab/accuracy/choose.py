@@ -83,7 +83,7 @@ class Chosen:
 
 
 def choose(
-    scene: Scene, wish: Wish, registry: Registry, folder: Path, jobs: int, told: Told, said: Said = str.strip
+    scene: Scene, wish: Wish, registry: Registry, folder: Path, jobs: int, told: Told, said: Said = lambda line: None
 ) -> Chosen:
     """Try contenders on coarse meshes, follow the promising ones, and take the cheapest that meets the error.
 

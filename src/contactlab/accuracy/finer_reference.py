@@ -67,7 +67,7 @@ class _Ladder:
         power = MOST_GROWTH
         if len(known) > 1:
             power = math.log(cost / known[0][1]) / math.log(last / known[0][0])
-        return cost * (level / last) ** min(max(power, 1.0), MOST_GROWTH)
+        return float(cost * (level / last) ** min(max(power, 1.0), MOST_GROWTH))
 
 
 @dataclass(frozen=True)

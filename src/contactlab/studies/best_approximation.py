@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import solveh_banded
 
-from contactlab.api.arrays import Floats
+from contactlab.api.arrays import Floats, Ints
 from contactlab.studies.profile import Profile, Window
 
 _GAUSS = 0.5 / np.sqrt(3.0)
@@ -44,7 +44,7 @@ def _points(x: Floats, exact: Profile, low: float, high: float) -> tuple[Floats,
     return np.concatenate([middles - _GAUSS * lengths, middles + _GAUSS * lengths]), np.tile(0.5 * lengths, 2)
 
 
-def _solved(segment: Floats, shapes: tuple[Floats, Floats], weights: Floats, wanted: Floats, count: int) -> Floats:
+def _solved(segment: Ints, shapes: tuple[Floats, Floats], weights: Floats, wanted: Floats, count: int) -> Floats:
     """Nodal values (m,) of the projection: the mass matrix is tridiagonal."""
     left, right = shapes
     mass = np.zeros((2, count))
