@@ -4,9 +4,9 @@
     python benchmarks/studies/choices.py page                                 # the section of docs/accuracy.md
 
 For each scene of choice_scenes.py the search is run as the command does it. Then every algorithm, slave, element and
-integrator that it could have taken is run at LEVELS, as far as a run costs less than ten times the chosen one, and all are
-measured against a reference that is refined further than the search's own. The best is the cheapest run that meets the
-error, and whose finer runs do.
+integrator that it could have taken is run at LEVELS, up to ten times the cost of the chosen one, and all are
+measured against a reference that is refined further than the search's own. The best is the cheapest run that meets
+the error, and whose finer runs do.
 """
 
 from __future__ import annotations
