@@ -51,6 +51,9 @@ class Columns:
     def estimate(self, time: float) -> None:
         """Nothing is known of where a step ends."""
 
+    def iterated(self) -> None:
+        """Nobody records."""
+
     def folded(self) -> bool:
         return False
 

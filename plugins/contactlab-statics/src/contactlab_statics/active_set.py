@@ -21,11 +21,11 @@ class ActiveSet(ImplicitEnforcement):
     The stiffness c that decides which condition is closed follows from the stiffness of the nodes; results do
     not depend on it.
 
-    scale  factor on c [-]
-    start  of friction where surfaces touch without a force yet: "slip" as under no friction, or "stick", for bodies
-           that nothing but friction holds; it needs more iterations elsewhere
-    forces "conjugate": normal forces act along the derivatives of the gaps, as explicit ones of that name do
-           (docs/theory/contact-energy.md), with more iterations; "published": along normals, by weights
+    scale   factor on c [-]
+    start   of friction where surfaces touch without a force yet: "slip" as under no friction, or "stick", for bodies
+            that nothing but friction holds; it needs more iterations elsewhere
+    forces  "conjugate": normal forces act along the derivatives of the gaps, as explicit ones of that name do
+            (docs/theory/contact-energy.md), with more iterations; "published": along normals, by weights
     """
 
     scale: float = 1.0
