@@ -94,7 +94,8 @@ class Column:
         if name not in group:
             chunk = (max(1, height * together), *(max(1, n) for n in shape))
             plist = early()
-            group.create_dataset(name, (0, *shape), maxshape=(None, *shape), dtype=dtype, chunks=chunk, dcpl=plist)
+            limits = (None, *(n or None for n in shape))  # chunks have to fit into them, those of empty rows as well
+            group.create_dataset(name, (0, *shape), maxshape=limits, dtype=dtype, chunks=chunk, dcpl=plist)
         self.dataset = h5py.Dataset(h5py.h5d.open(group.id, name.encode(), _uncached()))
         self.dtype = self.dataset.dtype  # of a file that was begun with another one, that one
         self.sum = 0
