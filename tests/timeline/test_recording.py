@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -97,11 +98,11 @@ def test_entities(run: Results, reader: Reader) -> None:
     expected = {f"/run/{name}" for name in (
         "view", "mesh", "outline", "wire", "arrows", "bar", "bar/labels", "bar/stick", "bar/slip", "energy", "solver",
         "reaction", "time-per-step", "nodes/contacts.0", "violation/contacts.0", "profile/contacts.0/pressure",
-        "profile/contacts.0/shear", "events", "scene",
-    )} | {f"/axes/0/{name}" for name in ("view", "axes", "grid", "labels")}  # fmt: skip
+        "profile/contacts.0/shear", "gap-along/contacts.0/gap", "events", "scene",
+    )} | {f"/axes/{plot}/{name}" for plot in ("0", "0-gap") for name in ("view", "axes", "grid", "labels")}  # fmt: skip
     tracks = {path for path in reader.paths if path.startswith("/run/state/contacts.0/s-")}
     assert 2 <= len(tracks) <= 8
-    pictures = {f"/run/steps/contacts.0/{kind}/picture" for kind in ("state", "segment", "pressure")}
+    pictures = {f"/run/steps/contacts.0/{kind}/picture" for kind in ("state", "segment", "pressure", "gap", "slip")}
     pictures |= {f"/run/steps/contacts.0/all/{part}" for part in ("nodes", "page", "cursor")}
     assert reader.paths - tracks == expected | pictures
 
@@ -198,6 +199,58 @@ def test_profiles_are_the_contact_curves(run: Results, reader: Reader) -> None:
     assert max(ticks) <= 1.05 * max(expected)
 
 
+def test_gaps_are_those_of_the_contact_curves(run: Results, reader: Reader) -> None:
+    """A line has a point for each covered node of the plot, as high as its power of ten; overlap is below zero."""
+    from contactlab_rerun.axes import WIDTH
+
+    strips = reader.rows("/run/gap-along/contacts.0/gap", "LineStrips3D:strips")
+    frames = {frame.step: frame.curves["contacts.0"] for frame in run.frames}
+    assert set(frames) <= set(strips.steps.tolist())
+    assert len(strips.steps) >= 200  # the last steps have theirs, beside frames
+    labels = reader.constant("/axes/0-gap/labels", "Points3D:labels")
+    assert {"0", "gap [mm]", "s along disc.arc [mm]"} <= set(labels)
+    gaps: list[float] = []
+    heights: list[float] = []
+    for step, strip in zip(strips.steps.tolist(), strips.values, strict=True):
+        if step not in frames:
+            continue
+        curve = frames[step]
+        order = np.argsort(curve.s)
+        gap = curve.gap[order]
+        drawn = np.array(strip[0]).reshape(-1, 3)
+        covered = np.isfinite(gap)
+        assert len(drawn) <= covered.sum()
+        assert (drawn[:, 0] >= -SINGLE).all()
+        assert (drawn[:, 0] <= WIDTH + SINGLE).all()
+        if len(drawn) == covered.sum():
+            gaps += list(gap[covered])
+            heights += list(drawn[:, 1])
+    apart, overlap = np.array(gaps) > 1e-4, np.array(gaps) < -1e-6
+    assert apart.sum() > 20
+    assert np.corrcoef(np.log10(np.array(gaps)[apart]), np.array(heights)[apart])[0, 1] > 1.0 - 1e-6
+    assert overlap.any()
+    assert np.array(heights)[overlap].max() < np.array(heights)[apart].min()
+
+
+@pytest.mark.parametrize("kind", ["gap", "slip"])
+def test_pictures_of_lengths_have_a_shade_for_each_power_of_ten(kind: str, run: Results, reader: Reader) -> None:
+    import io
+
+    from contactlab_rerun.decades import SHADES
+    from PIL import Image
+
+    record = run.contact["contacts.0"].steps
+    pages = reader.rows(f"/run/steps/contacts.0/{kind}/picture", "EncodedImage:blob")
+    last = np.asarray(Image.open(io.BytesIO(bytes(pages.values[-1][0]))))
+    high, wide = last.shape[0] // record[kind].shape[1], last.shape[1] // 200
+    shown = last[high // 2 :: high, wide // 2 :: wide].T[:, np.argsort(np.argsort(run.contact["contacts.0"].last.s))]
+    values = record[kind][-200:]
+    none = np.isnan(values) if kind == "gap" else record["state"][-200:] == 0
+    assert ((shown == 0) == none).all()
+    assert ((shown[~none] <= SHADES) == (values[~none] < 0.0)).all()
+    assert len(set(shown[~none].tolist())) > 3
+
+
 @pytest.mark.parametrize("kind", ["state", "segment"])
 def test_pictures_have_a_column_per_step_and_a_row_per_node(kind: str, run: Results, reader: Reader) -> None:
     """Pixels of a page are told apart as the record's numbers are; the last page ends with the last step."""
@@ -240,11 +293,15 @@ def test_lanes_change_with_the_states(run: Results, reader: Reader) -> None:
 def test_events_count_what_the_curves_show(run: Results, reader: Reader) -> None:
     rows = reader.rows("/run/events", "TextLog:text")
     told: dict[str, int] = {}
+    slaves = set(run.layout.contacts[0].slave_nodes.tolist())
     for (text,) in rows.values:
         for part in text.split(", "):
-            number, _, what = part.partition(" ")
+            number, _, what = part.partition(" (node")[0].partition(" ")
             if number.isdigit():
                 told[what] = told.get(what, 0) + int(number)
+                named = re.findall(r"\d+", part.partition(" (node")[2])
+                assert len(named) == (int(number) if int(number) <= 2 else 0)
+                assert set(map(int, named)) <= slaves
     states = np.array([frame.curves["contacts.0"].state for frame in run.frames])
     old, new = states[:-1], states[1:]
     assert told["closed"] == ((old == 0) & (new > 0)).sum() > 0
@@ -457,7 +514,7 @@ def assert_bodies_move_from_iteration_to_iteration(run: Results, read: Reader) -
     """Meshes are those of the results file, slave nodes have the colours of their states, and gaps those of decades."""
     import io
 
-    from contactlab_rerun.iterations import gap_levels
+    from contactlab_rerun.decades import shade_levels
     from PIL import Image
 
     size = float(np.ptp(run.nodes, axis=0).max())
@@ -485,17 +542,17 @@ def assert_bodies_move_from_iteration_to_iteration(run: Results, read: Reader) -
     along = np.argsort(run.contact["contacts.0"].last.s)
     ends = run.nodes[contact.slave_nodes][contact.slave_segments]
     length = np.hypot(*(ends[:, 1] - ends[:, 0]).T).mean()
-    levels = gap_levels(np.array([one.gap for one in run.iterates])[:, along], float(length))
+    levels = shade_levels(np.array([one.gap for one in run.iterates])[:, along], float(length))
     high, wide = picture.shape[0] // levels.shape[1], picture.shape[1] // len(levels)
     assert np.array_equal(picture[high // 2 :: high, wide // 2 :: wide].T, levels)
 
 
 def test_gaps_have_a_shade_for_each_power_of_ten() -> None:
-    from contactlab_rerun.iterations import SHADES, gap_levels
+    from contactlab_rerun.decades import SHADES, shade_levels
 
     gaps = np.array([np.nan, -3.0, -0.2, -0.02, -1e-30, 0.0, 1e-30, 0.02, 0.2, 3.0])
     red, blue = 1, 1 + SHADES
-    assert gap_levels(gaps, 1.0).tolist() == [
+    assert shade_levels(gaps, 1.0).tolist() == [
         0, red, red, red + 1, red + SHADES - 1, blue + SHADES - 1, blue + SHADES - 1, blue + 1, blue, blue,
     ]  # fmt: skip
 

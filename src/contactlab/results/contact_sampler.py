@@ -56,7 +56,7 @@ class ContactSampler:
             block[name] = rows
         self.take(block)
 
-    def _sample_of(self, model: Model, recorders: list[Callable[[int, float], None]]) -> Callable[[Step, float], None]:
+    def _sample_of(self, model: Model, recorders: list[Callable[[int], None]]) -> Callable[[Step, float], None]:
         clock, following, (numbers, times) = model.state["clock"], self.plan.following, self.when
         due, every = following(model.state.step), self.plan.every
         # rows up to there are followed by one `every` steps on
@@ -69,7 +69,7 @@ class ContactSampler:
                 return
             row = self.count
             for record in recorders:
-                record(row, dt)
+                record(row)
             times[row], numbers[row] = clock[0], number
             due = number + every if number <= even else following(int(number))
             self.count = row + 1
@@ -85,28 +85,30 @@ def _columns(kind: np.dtype[Any]) -> dict[str, np.ndarray]:
     return {name: np.zeros((BLOCK, *kind[name].shape), kind[name].base) for name in kind.names[2:]}
 
 
-def _recorder_of(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int, float], None]:
-    """What fills a row of one contact from the model after a step of length dt."""
+def _recorder_of(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int], None]:
+    """What fills a row of one contact from the model after a step."""
     if isinstance(pair, OperatorPair):
         return _compiled(model, pair, columns)
     return _by_numpy(model, pair, columns)
 
 
-def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) -> Callable[[int, float], None]:
+def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) -> Callable[[int], None]:
     contact: Any = model.contact
-    slid = np.zeros(pair.slots)
-    bound = _bound(model, pair, columns, slid)
+    slid, compliance = np.zeros(pair.slots), np.zeros_like(model.reference)
+    bound = _bound(model, pair, columns, slid, compliance)
     address, arrays, uncounted = bound.address, pair.arrays, _uncounted(pair)
     own = slice(pair.first_slot, pair.first_slot + pair.slots)
 
-    def record(row: int, dt: float) -> None:
+    def record(row: int) -> None:
         rows = contact.rows
-        record_pair(row, arrays.address, address, rows.packed.address, rows.count, dt, uncounted())
+        if pair.friction is not None:
+            np.copyto(compliance, contact.compliance)
+        record_pair(row, arrays.address, address, rows.packed.address, rows.count, uncounted())
 
-    def record_implicit(row: int, dt: float) -> None:
+    def record_implicit(row: int) -> None:
         if pair.friction is not None:
             slid[:] = contact.conditions.slip[own]
-        record_pair(row, arrays.address, address, 0, -1, dt, uncounted())
+        record_pair(row, arrays.address, address, 0, -1, uncounted())
 
     chosen = record_implicit if hasattr(contact, "conditions") else record
     chosen.bound = bound  # type: ignore[attr-defined]  # keeps the addresses good
@@ -118,7 +120,9 @@ def _uncounted(pair: ContactPair) -> Callable[[], float]:
     return (lambda: 0.0) if pair.start_gaps is None else pair.start_gaps.uncounted
 
 
-def _bound(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray], slid: Floats) -> BoundArrays:
+def _bound(
+    model: Model, pair: OperatorPair, columns: dict[str, np.ndarray], slid: Floats, compliance: Floats
+) -> BoundArrays:
     contact: Any = model.contact
     k, m, law, start = pair.slots, len(pair.slave.nodes), np.zeros(5), pair.start_gaps
     if pair.friction is not None:
@@ -132,28 +136,19 @@ def _bound(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray], sli
     force = model.state["contact_force"] if "contact_force" in model.state else np.zeros((0, 2))
     sides = np.zeros((m, 2)), np.zeros((len(pair.master.nodes), 2))
     return BoundArrays(
-        RecordTable, model.position, force, contact.multipliers, _inverse_masses(model), law,
+        RecordTable, model.position, force, contact.multipliers, compliance, law,
         np.array([pair.first_slot], np.int32), pair.master.node_segments, *pair.between, distance,
         RecordScratch(*sides, np.zeros((k, 2)), np.zeros((k, 2)), np.zeros((2, k)), slid),
         RecordColumns(*(columns.get(name, none) for name in RecordColumns._fields)),
     )  # fmt: skip
 
 
-def _inverse_masses(model: Model) -> Floats:
-    """Inverse masses (N, 2), 0 where motion is prescribed; none where a model has no masses."""
-    if not len(model.mass):
-        return np.zeros((0, 2))
-    out = np.repeat(np.divide(1.0, model.mass, out=np.zeros_like(model.mass), where=model.mass > 0.0), 2)
-    out[model.prescribed.dof] = 0.0
-    return np.ascontiguousarray(out.reshape(-1, 2))
-
-
-def _by_numpy(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int, float], None]:
+def _by_numpy(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int], None]:
     """For pairs whose conditions come finished: they are made in Python, too."""
     contact: Any = model.contact
     own = slice(pair.first_slot, pair.first_slot + pair.slots)
 
-    def record(row: int, dt: float) -> None:
+    def record(row: int) -> None:
         seen = pair.snapshot(model.state, model.position)
         for name, values in node_values(pair, seen).items():
             if name in columns:
@@ -161,7 +156,7 @@ def _by_numpy(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -
         columns["segment"][row] = facing_segments(pair)
         if "slip" in columns:
             implicit = hasattr(contact, "conditions")
-            slips = contact.conditions.slip[own] if implicit else slips_of(model, dt)[own]
+            slips = contact.conditions.slip[own] if implicit else slips_of(model)[own]
             slips = np.where(seen.gaps < FAR, slips, 0.0)
             columns["slip"][row] = slips.reshape(pair.rows_per_node, -1).mean(axis=0)
 

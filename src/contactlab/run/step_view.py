@@ -65,7 +65,7 @@ class ModelView:
 
     def slips(self, contact: int = 0) -> Floats:
         """Tangential motion in this step: what the rows predicted, and what the forces changed of it."""
-        return slips_of(self._model, self.dt)[self._slots(contact)]
+        return slips_of(self._model)[self._slots(contact)]
 
     def external_force(self) -> Floats:
         """Nodal forces (N, 2) [N] of loads and effects."""

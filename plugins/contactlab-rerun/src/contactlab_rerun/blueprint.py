@@ -152,7 +152,7 @@ def _mesh_view(one: Shown) -> rrb.Spatial2DView:
 
 def _profile_view(profile: Profile, shown: Sequence[Shown]) -> rrb.Spatial2DView:
     curves = [
-        f"+ {one.appearance.path}/profile/{contact.name}/**"
+        f"+ {one.appearance.path}/{profile.folder}/{contact.name}/**"
         for one in shown
         for contact in one.run.layout.contacts
         if contact.slave == profile.slave

@@ -11,7 +11,8 @@ import numpy as np
 import rerun as rr
 
 from contactlab.api.drawing.colours import CLOSED, STATES, rgb
-from contactlab.api.frame import SLIP, ContactLayout
+from contactlab.api.frame import SLIP
+from contactlab_rerun.decades import NEGATIVE, POSITIVE, segment_length, shade_levels
 from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages
 from contactlab_rerun.series import LINES
@@ -68,33 +69,10 @@ def _active_sets(recording: rr.RecordingStream, run: Gathered, appearance: Appea
         name = f"active set of {contact.slave}, by iteration"
         found.append(Picture.of(f"{path}/active-set", f"{path}/all", name, grain))
         if len(kept):
-            level = gap_levels(gaps[:, here][:, along], _segment_length(run, contact))
+            level = shade_levels(gaps[:, here][:, along], segment_length(run, contact))
             grain = of_gaps.size(len(along))
-            log_pages(recording, f"{path}/gap/picture", of_gaps, level, [EMPTY, *OVERLAPS, *APART], grain)
+            log_pages(recording, f"{path}/gap/picture", of_gaps, level, [EMPTY, *NEGATIVE, *POSITIVE], grain)
             log_beside(recording, f"{path}/gaps", of_gaps, grain, node_labels(run, contact, along))
             name = f"gap of {contact.slave}, by iteration (red: overlap, blue: apart; a shade is a power of ten)"
             found.append(Picture.of(f"{path}/gap", f"{path}/gaps", name, grain))
     return found
-
-
-def gap_levels(gaps: np.ndarray, length: float) -> np.ndarray:
-    """Colours (n, m) of gaps [mm] by their powers of ten over a segment's `length`: 0 where there is no condition."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        power = np.clip(np.floor(-np.log10(np.abs(gaps) / length)), 0, SHADES - 1)
-    first = np.where(gaps < 0.0, 1, 1 + SHADES)
-    return np.asarray(np.where(np.isnan(gaps), 0, first + np.nan_to_num(power)), np.uint8)
-
-
-def _segment_length(run: Gathered, contact: ContactLayout) -> float:
-    ends = run.layout.nodes[contact.slave_nodes][contact.slave_segments[:, [0, -1]]]
-    return float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).mean())
-
-
-def _shades(strong: tuple[int, ...]) -> list[str]:
-    """From a strong colour for large gaps to a dark one for those of a converged step."""
-    shares = np.linspace(1.0, 0.12, SHADES)
-    return ["#" + "".join(f"{round(share * part + (1.0 - share) * 44):02x}" for part in strong) for share in shares]
-
-
-SHADES = 10
-OVERLAPS, APART = _shades((255, 92, 60)), _shades((92, 176, 255))

@@ -82,7 +82,7 @@ def log_events(recording: rr.RecordingStream, run: Gathered, appearance: Appeara
 
 
 def contact_changes(run: Gathered) -> Iterator[Event]:
-    """Slave nodes that closed, opened, began to stick or slip, or came to face another segment, in numbers."""
+    """Slave nodes that closed, opened, began to stick or slip, or came to face another segment; few are named."""
     for contact in run.layout.contacts:
         surface = run.surfaces[contact.name]
         name = f"{contact.label}: " if len(run.layout.contacts) > 1 else ""
@@ -93,7 +93,7 @@ def contact_changes(run: Gathered) -> Iterator[Event]:
         for frame, instant in enumerate(run.instants[1:], start=1):
             both = (frame - 1, frame)
             faced = [recorded[k] for k in both] if all(k in recorded for k in both) else [facing[k] for k in both]
-            if text := _changes(surface.state[frame - 1], surface.state[frame], *faced):
+            if text := _changes(contact, surface.state[frame - 1], surface.state[frame], *faced):
                 yield Event(instant.step, instant.time, "info", f"{name}{text}")
 
 
@@ -112,16 +112,23 @@ def recorded_segments(run: Gathered, contact: ContactLayout) -> dict[int, Ints]:
     }
 
 
-def _changes(old: Ints, new: Ints, old_facing: Ints, new_facing: Ints) -> str:
-    counts = {
+def _changes(contact: ContactLayout, old: Ints, new: Ints, old_facing: Ints, new_facing: Ints) -> str:
+    changed = {
         "closed": (old == OPEN) & (new != OPEN),
         "opened": (old != OPEN) & (new == OPEN),
         "began to slip": (old == STICK) & (new == SLIP),
         "began to stick": (old == SLIP) & (new == STICK),
         "changed segment": (old_facing != new_facing) & (old_facing >= 0) & (new_facing >= 0),
     }
-    numbers = {what: int(np.count_nonzero(mask)) for what, mask in counts.items()}
-    return ", ".join(f"{number} {what}" for what, number in numbers.items() if number)
+    nodes = {what: contact.slave_nodes[mask].tolist() for what, mask in changed.items()}
+    return ", ".join(f"{len(which)} {what}{_names(which)}" for what, which in nodes.items() if which)
+
+
+def _names(nodes: Sequence[int]) -> str:
+    """One node or two are named, as in the pictures of all steps; more would fill the line."""
+    if len(nodes) > 2:
+        return ""
+    return f" (node{'s' if len(nodes) > 1 else ''} {' and '.join(map(str, nodes))})"
 
 
 def segments_faced(contact: ContactLayout, surface: Surface, frame: int, positions: np.ndarray) -> Ints:

@@ -1,4 +1,4 @@
-"""Pressure and shear over the arc length of a slave surface, at every frame."""
+"""Pressure and shear over the arc length of a slave surface, at every frame and at recorded steps."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from contactlab.api.drawing.colours import rgb
 from contactlab.api.drawing.units import Units
 from contactlab.api.frame import ContactLayout
 from contactlab_rerun.axes import Axes, dashed, dashed_columns, log_legend, solid_columns, ticks
-from contactlab_rerun.gathered import Appearance, Gathered, nice
+from contactlab_rerun.gathered import Appearance, Gathered, Surface, nice
 from contactlab_rerun.timelines import frame_times
 
 MARGIN = 0.08  # of what is ever pressed, on either side
@@ -24,12 +24,13 @@ LAST = 200  # steps before the end whose curves are always there
 
 @dataclass(frozen=True)
 class Profile:
-    """A plot that several runs share: the slave surface and what is shown along it."""
+    """A plot that several runs share: the slave surface, what is shown along it, and the folder of a run's curves."""
 
     axes: Axes
     slave: str
     what: str
     units: Units
+    folder: str = "profile"
 
 
 def profile_of(contact: ContactLayout, runs: Sequence[tuple[str, Gathered]], path: str, hang: float) -> Profile:
@@ -54,26 +55,43 @@ def log_profile(
     recording: rr.RecordingStream, profile: Profile, runs: Sequence[tuple[str, Gathered, Appearance]]
 ) -> None:
     """Axes, curves of all runs, and the names of several."""
-    axes, units = profile.axes, profile.units
-    titles = f"s along {profile.slave}{_in(units.length)}", f"p{_in(units.pressure)}"
-    axes.log(recording, titles, ticks(axes.x0, axes.x1), ticks(axes.low, axes.high))
+    axes = profile.axes
+    log_axes(recording, profile, f"p{in_brackets(profile.units.pressure)}", ticks(axes.low, axes.high), runs)
+    for name, run, appearance in runs:
+        most = max(LEAST_POINTS, MOST_POINTS // len(runs))
+        _log_curves(recording, axes, run, appearance, name, most)
+
+
+def log_axes(
+    recording: rr.RecordingStream,
+    profile: Profile,
+    upwards: str,
+    up: Sequence[tuple[float, str]],
+    runs: Sequence[tuple[str, Gathered, Appearance]],
+) -> None:
+    """Axes with the title and the ticks of the upward one, and the names of several runs."""
+    axes = profile.axes
+    titles = f"s along {profile.slave}{in_brackets(profile.units.length)}", upwards
+    axes.log(recording, titles, ticks(axes.x0, axes.x1), up)
     if len(runs) > 1:
         body = profile.slave.partition(".")[0]
         names = [
             (appearance.title.removesuffix(f", slave {body}"), rgb(appearance.colour)) for _, _, appearance in runs
         ]
         log_legend(recording, axes.path, names, axes.hang)
-    for name, run, appearance in runs:
-        most = max(LEAST_POINTS, MOST_POINTS // len(runs))
-        _log_curves(recording, axes, run, appearance, name, most)
+
+
+def along_surface(axes: Axes, surface: Surface) -> np.ndarray:
+    """The nodes (k,) that are within the axes, along the surface."""
+    order = surface.along
+    return order[(surface.s[order] >= axes.x0 - 1e-12) & (surface.s[order] <= axes.x1 + 1e-12)]
 
 
 def _log_curves(
     recording: rr.RecordingStream, axes: Axes, run: Gathered, appearance: Appearance, contact: str, most: int
 ) -> None:
     surface = run.surfaces[contact]
-    order = surface.along
-    order = order[(surface.s[order] >= axes.x0 - 1e-12) & (surface.s[order] <= axes.x1 + 1e-12)]
+    order = along_surface(axes, surface)
     shown = curves_of(run, contact, len(order), most)
     when, path = frame_times(run, shown.step.tolist(), shown.time.tolist()), f"{appearance.path}/profile/{contact}"
     pressure = axes.points(np.broadcast_to(surface.s[order], (len(shown.step), len(order))), shown.pressure[:, order])
@@ -97,12 +115,13 @@ def _dashed_shear(axes: Axes, along: Floats, shears: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Curves:
-    """Pressure and shear (n, m) of the slave nodes at n instants."""
+    """Pressure, shear and gap (n, m) of the slave nodes at n instants."""
 
     step: np.ndarray
     time: np.ndarray
     pressure: np.ndarray
     shear: np.ndarray
+    gap: np.ndarray
 
 
 def curves_of(run: Gathered, contact: str, nodes: int, most: int) -> Curves:
@@ -110,7 +129,7 @@ def curves_of(run: Gathered, contact: str, nodes: int, most: int) -> Curves:
     surface, rows = run.surfaces[contact], run.records.get(contact, np.zeros(0))
     step, time = np.array([i.step for i in run.instants]), np.array([i.time for i in run.instants])
     if not len(rows):
-        return Curves(step, time, surface.pressure, surface.shear)
+        return Curves(step, time, surface.pressure, surface.shear, surface.gap)
     sparse = -(-len(rows) * nodes // most)
     kept = np.union1d(np.arange(0, len(rows), sparse), np.arange(max(0, len(rows) - LAST), len(rows)))
     rows = rows[kept]
@@ -118,10 +137,12 @@ def curves_of(run: Gathered, contact: str, nodes: int, most: int) -> Curves:
     order = np.argsort(np.concatenate([step, rows["step"]]), kind="stable")
     shear = rows["shear"] if "shear" in (rows.dtype.names or ()) else np.zeros_like(rows["pressure"])
     both = (
-        (step, rows["step"]), (time, rows["time"]), (surface.pressure, rows["pressure"]), (surface.shear, shear)
+        (step, rows["step"]), (time, rows["time"]), (surface.pressure, rows["pressure"]), (surface.shear, shear),
+        (surface.gap, rows["gap"]),
     )  # fmt: skip
     return Curves(*(np.concatenate(parts)[order] for parts in both))
 
 
-def _in(unit: str) -> str:
+def in_brackets(unit: str) -> str:
+    """The unit as a title has it; nothing where there is none."""
     return f" [{unit}]" if unit else ""

@@ -11,6 +11,7 @@ from contactlab.api.arrays import Ints
 from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.api.drawing.colours import CLOSED, FIELD, STATES
 from contactlab.api.frame import SLIP, ContactLayout
+from contactlab_rerun.decades import NEGATIVE, POSITIVE, segment_length, shade_levels
 from contactlab_rerun.gathered import Appearance, Gathered, short
 from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages
 from contactlab_rerun.timelines import frame_times
@@ -23,7 +24,7 @@ BESIDE = "all"  # entity of what the pictures of a contact share
 
 
 def log_pictures(recording: rr.RecordingStream, run: Gathered, appearance: Appearance, unit: str) -> list[Picture]:
-    """Pictures of states, segments and pressures of each recorded contact."""
+    """Pictures of states, segments, pressures, gaps and slips of each recorded contact."""
     found = []
     for contact in run.layout.contacts:
         rows = run.records.get(contact.name)
@@ -37,9 +38,20 @@ def log_pictures(recording: rr.RecordingStream, run: Gathered, appearance: Appea
                 f"pressure on {contact.slave} up to {_peak(rows):.3g} {unit}".rstrip(),
                 _pressures(rows, along),
             ),
+            "gap": (
+                f"gaps on {contact.slave} (red: overlap, blue: apart; a shade is a power of ten)",
+                _lengths(rows["gap"][:, along], segment_length(run, contact)),
+            ),
         }
         # without friction all that is closed has one state: where it is says more
-        order = ("state", "segment", "pressure") if contact.friction else ("segment", "state", "pressure")
+        order = ["segment", "state", "pressure", "gap"]
+        if contact.friction:
+            slips = np.where(rows["state"][:, along] > 0, rows["slip"][:, along], np.nan)
+            kinds["slip"] = (
+                f"slips on {contact.slave} in a step (blue: along s, red: against it; a shade is a power of ten)",
+                _lengths(slips, float(np.nanmax(np.abs(slips), initial=1e-300))),
+            )
+            order = ["state", "segment", "pressure", "slip", "gap"]
         path = f"{appearance.path}/steps/{contact.name}"
         columns = Columns("steps", rows["step"], partial(_when, run, rows))
         grain = columns.size(len(along))
@@ -71,6 +83,10 @@ def _pressures(rows: np.ndarray, along: Ints) -> tuple[np.ndarray, list[str]]:
     share = np.clip(rows["pressure"][:, along] / max(_peak(rows), 1e-30), 0.0, 1.0)
     level = np.ceil(share * (len(FIELD) - 1)).astype(np.uint8)
     return np.where(rows["state"][:, along] > 0, 1 + level, 0).astype(np.uint8), [EMPTY, *FIELD]
+
+
+def _lengths(lengths: np.ndarray, largest: float) -> tuple[np.ndarray, list[str]]:
+    return shade_levels(lengths, largest), [EMPTY, *NEGATIVE, *POSITIVE]
 
 
 def _peak(rows: np.ndarray) -> float:

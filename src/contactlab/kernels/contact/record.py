@@ -43,7 +43,7 @@ class RecordTable(NamedTuple):
     """What a record reads and fills, for m slave nodes and k multipliers of a pair, b rows.
 
     position, force, multipliers  of the model; `force` are the contact forces
-    compliance       (N, 2) inverse masses, 0 where motion is prescribed
+    compliance       (N, 2) displacement per contact force in the last step [mm/N]; 0 where motion is prescribed
     law              (5,) coefficient, adhesion, cap of the friction law; whether there is one, and a finite cap
     slots            (1,) where the pair's multipliers begin
     next_master      (l, 2) segments that end and begin at each master node
@@ -67,7 +67,7 @@ class RecordTable(NamedTuple):
 
 
 @kernel
-def record_pair(row, bound_pair, bound, bound_rows, count, dt, uncounted):
+def record_pair(row, bound_pair, bound, bound_rows, count, uncounted):
     """Fill a row of the record of a pair from what the accepted step has left.
 
     bound_pair, bound, bound_rows  addresses of a `PairTable`, a `RecordTable` and the model's `RowsTable`, of which
@@ -86,7 +86,7 @@ def record_pair(row, bound_pair, bound, bound_rows, count, dt, uncounted):
             r.scratch.apart[k, 0] -= uncounted * r.distance[k]
     _tractions(c, r, friction)
     if friction and count >= 0:
-        _slips(unpack(bound_rows, RowsTable), count, dt * dt, r)
+        _slips(unpack(bound_rows, RowsTable), count, r)
     nodes = r.out.gap.shape[1]
     for i in range(nodes):
         _node(row, i, nodes, c.cover, r, friction)
@@ -113,7 +113,7 @@ def _tractions(c, r, friction):
 
 
 @section
-def _slips(rows, count, squared, r):
+def _slips(rows, count, r):
     """What the rows predicted of the sliding in the step, and what the forces changed of it."""
     first, slots = r.slots[0], r.scratch.slid.size
     for k in range(slots):
@@ -125,8 +125,8 @@ def _slips(rows, count, squared, r):
         total = rows.slip[i]
         for z in range(rows.start[i], rows.start[i + 1]):
             n = rows.node[z]
-            total += squared * rows.tangent_weight[z, 0] * r.compliance[n, 0] * r.force[n, 0]
-            total += squared * rows.tangent_weight[z, 1] * r.compliance[n, 1] * r.force[n, 1]
+            total += rows.tangent_weight[z, 0] * r.compliance[n, 0] * r.force[n, 0]
+            total += rows.tangent_weight[z, 1] * r.compliance[n, 1] * r.force[n, 1]
         r.scratch.slid[k] = total
 
 

@@ -49,7 +49,7 @@ class ConjugateContactSystem(ContactSystem):
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         """Rows at `current`, gaps at its end, forces from the enforcement; see `contactlab.api.ContactEquations`."""
-        began = perf_counter()
+        began, self.compliance = perf_counter(), compliance
         extrapolate(self.multipliers[0], self.before)
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             pair.update(current, memory)

@@ -23,6 +23,7 @@ class ContactSystem:
 
     `seconds` counts the wall time of contact, `solution_s` that of the enforcement in it. `conjugate` is whether
     forces are the derivatives of the gaps; `finer` how many times shorter the segments of masters are than slaves'.
+    `compliance` is that of the last solve: displacement (N, 2) [mm/N] per contact force within its step.
     """
 
     conjugate: ClassVar[bool] = False
@@ -39,7 +40,7 @@ class ContactSystem:
         self.factored: FactoredRows | None = None
         if enforcement.factored and not self.friction and all(pair.factored for pair in pairs):
             self.factored = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap))
-        self.last = Solve(0, 0.0, 0, 0.0)
+        self.last, self.compliance = Solve(0, 0.0, 0, 0.0), np.zeros_like(state["displacement"])
         self.seconds = self.solution_s = 0.0
 
     def calls_per_step(self) -> Counter[str]:
@@ -48,7 +49,7 @@ class ContactSystem:
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         """Rows at `predicted`, forces from the enforcement; see `contactlab.api.ContactEquations`."""
-        began = perf_counter()
+        began, self.compliance = perf_counter(), compliance
         # normals and weights belong to where the nodes will be: predicted, pushed by the last forces.
         # `predicted` alone is off by dt^2 f/m, some per cent of a segment in pressed zones.
         for pair, memory in zip(self.pairs, self.memories, strict=True):

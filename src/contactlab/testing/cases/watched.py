@@ -94,10 +94,3 @@ class WatchedRun:
         before, now = (x[own] - self.mean(x, body) for x in (self.model.reference, self.model.position))
         covariance = (mass * now).T @ before
         return float(np.arctan2(covariance[1, 0] - covariance[0, 1], covariance[0, 0] + covariance[1, 1]))
-
-    def contact_compliance(self) -> Floats:
-        """Displacement (N, 2) [mm/N] per contact force within a step of the present length; 0 where held."""
-        mass = self.model.mass
-        out = np.repeat(np.divide(self.dt**2, mass, out=np.zeros_like(mass), where=mass > 0.0), 2)
-        out[self.model.prescribed.dof] = 0.0
-        return out.reshape(-1, 2)
