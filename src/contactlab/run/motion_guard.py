@@ -11,7 +11,7 @@ from contactlab.errors import NotFiniteError
 from contactlab.kernels.checks import smallest_jacobian
 from contactlab.model.bodies.body import BodyForces
 from contactlab.model.model import Model
-from contactlab.run.stopping import node_name, stop
+from contactlab.run.stopping import node_name, stop, sudden_motion
 
 
 class MotionGuard:
@@ -42,7 +42,7 @@ class MotionGuard:
                     "diverged",
                     f"step {state.step}: {node_name(self.model, int(bad[0]))} has the {name.replace('_', ' ')} "
                     f"({values[bad[0], 0]:g}, {values[bad[0], 1]:g}), the first of {len(bad)} nodes where it is not "
-                    f"finite; try {self.shorter}, and look at the material there",
+                    f"finite; {sudden_motion(self.model) or f'try {self.shorter}, and look at the material there'}",
                 )
 
     def check_speed(self) -> None:

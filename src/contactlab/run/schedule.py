@@ -12,6 +12,7 @@ from contactlab.api import Floats, RunWarning, Step
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.model import Model
 from contactlab.results.reaction_balance import reaction_mismatch
+from contactlab.run.stopping import stop
 
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
@@ -71,10 +72,11 @@ class Schedule:
             return
         safe = self.fraction_of_limit * stable
         if safe < SHORTEST * self.first:
-            raise SimulationFailure(
-                "diverged",
-                f"step {self.state.step}: the stable step fell to {safe:.3g} s, {safe / self.first:.1e} of the first "
-                f"one, by {self._smallest()}; cells are collapsing: try a finer mesh where strain is large",
+            stop(
+                self.model,
+                f"the stable step fell to {safe:.3g} s, {safe / self.first:.1e} of the first one, by "
+                f"{self._smallest()}",
+                "cells are collapsing: try a finer mesh where strain is large",
             )
         if safe < self.dt:
             self.dt = self._even(safe)

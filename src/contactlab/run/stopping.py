@@ -4,13 +4,37 @@ from __future__ import annotations
 
 from typing import NoReturn
 
+import numpy as np
+
 from contactlab.errors import SimulationFailure
 from contactlab.model.model import Model
+
+SHOCK = 0.1  # of the speed of sound: strains of that size in one step
 
 
 def stop(model: Model, what: str, hint: str, status: str = "diverged") -> NoReturn:
     """Raise SimulationFailure(status) with the step, `what` was found, and a `hint` what to try."""
-    raise SimulationFailure(status, f"step {model.state.step}: {what}; {hint}")
+    raise SimulationFailure(status, f"step {model.state.step}: {what}; {sudden_motion(model) or hint}")
+
+
+def sudden_motion(model: Model) -> str:
+    """What to do about a displacement that is there from the first explicit step on; "" where there is none."""
+    if not model.explicit or not len(model.prescribed.dof):
+        return ""
+    prescribed = model.prescribed
+    jump = prescribed.scale * prescribed.values(0.0)[prescribed.ramp]
+    worst = int(np.argmax(np.abs(jump)))
+    sound = max(body.material.wave_speeds()[0] for body in model.bodies)
+    travelled = sound * float(model.state["clock"][2])  # by a wave in a step
+    if abs(jump[worst]) <= SHOCK * travelled:
+        return ""
+    node, component = divmod(int(prescribed.dof[worst]), 2)
+    on = next(support.on for support in model.loading.supports if node in support.nodes)
+    key = ("ux", "uy")[component]
+    return (
+        f"{on} is displaced by {jump[worst]:.4g} in the first step, in which a wave gets {travelled:.2g} far: try a "
+        f'ramp, {key} = {{ ramp = "parabola", to = {jump[worst]:.4g} }}'
+    )
 
 
 def node_name(model: Model, node: int) -> str:

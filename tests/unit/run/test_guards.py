@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -164,6 +165,22 @@ def test_a_cell_that_folds() -> None:
     height = 1.0 - 1.2 * (1.0 - (1.0 - share) ** 2)
     assert float(found[2]) == pytest.approx(height, abs=1e-3)  # given to three figures
     assert "finer mesh" in reason
+
+
+@pytest.mark.parametrize(("depth", "seen"), [(0.1581, "has the velocity"), (0.06, "moves at")])
+def test_a_support_that_moves_at_once_is_named(depth: float, seen: str) -> None:
+    """Shorter steps would make it worse: the advice is a ramp, with which the run finishes."""
+    base = load_scene("disc-on-block").with_({"bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2]})
+    run = simulate(base.with_({"supports.1.uy": -depth}))
+    reason = run.reason
+    assert run.status == "diverged"
+    assert seen in reason
+    assert "time.fraction" not in reason
+    found = re.search(r"disc.top is displaced by (\S+) in the first step, .* try a ramp, uy = (\{.*\})$", reason)
+    assert found is not None, reason
+    assert float(found[1]) == -depth
+    ramp = tomllib.loads(f"uy = {found[2]}")["uy"]
+    assert simulate(base.with_({"supports.1.uy": ramp})).status == "finished"
 
 
 def test_a_body_that_runs_away() -> None:
