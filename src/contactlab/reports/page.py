@@ -23,7 +23,7 @@ from contactlab.reports.html import (
 )
 from contactlab.reports.numbers import percent, uncertain
 from contactlab.reports.page_table import runs_table
-from contactlab.reports.pressure_plot import pressure_figure
+from contactlab.reports.pressure_plot import is_map, pressure_figure
 from contactlab.reports.times_table import times_section
 from contactlab.studies.agreement import Agreement, agreements
 from contactlab.studies.reference import Reference
@@ -58,7 +58,7 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
     sections = [
         _head(table),
         _cards(table, chosen),
-        figure_section(figures, "pressure", "Contact pressure", _PRESSURE),
+        figure_section(figures, "pressure", "Contact pressure", _MAP if is_map(table) else _PRESSURE),
         section("All runs", runs_table(table, chosen) + _notes(table)),
         figure_section(figures, "error-against-cost", "What accuracy costs", _COST, narrow=True),
         times_section(table),
@@ -76,6 +76,10 @@ _PRESSURE = (
     "Grey: the reference. Markers are the nodal values of the multiplier, joined by their linear interpolant, over the "
     "deformed position. A dashed line belongs to a run that did not finish; its last frame is shown. "
     "The errors are relative L2 distances from the reference."
+)
+_MAP = (
+    "A line per run, pressure as colour over the deformed position; a reference is the last line. A run that did not "
+    "finish says how it ended; its last frame is shown."
 )
 _COST = (
     "Further left is cheaper, further down more accurate. Each line is one algorithm with one choice of slave; "

@@ -19,6 +19,7 @@ from contactlab.studies.table import Row, Table
 PANELS = 12
 """Plots that are drawn beside each other; more runs than that become a map."""
 _POINTS = 400
+FAR_ABOVE = 4.0  # times the median: peaks of chatter, which would leave all else dark
 
 
 def pressure_map(table: Table) -> Figure:
@@ -48,7 +49,8 @@ def pressure_map(table: Table) -> Figure:
             if row is not None and (profile is None or not row.finished):
                 axes.text(right, number, f" {row.status}", va="center", ha="left", fontsize=7.0, color=ALARM)
         axes.set_xlabel(f"deformed position x{_in(units.length)}")
-        bar = figure.colorbar(drawn, ax=axes, pad=0.09, extend="max")
+        above = any(profile.value.max() > top for profile in profiles)
+        bar = figure.colorbar(drawn, ax=axes, pad=0.09, extend="max" if above else "neither")
         bar.set_label(f"pressure{_in(units.pressure)}", color=MUTED)
     return figure
 
@@ -60,14 +62,15 @@ def _label(row: Row, rows: Sequence[Row]) -> str:
 
 
 def _range(profiles: Sequence[Profile]) -> tuple[float, float, float]:
-    """Where anything presses, and a pressure that most runs stay below."""
+    """Where anything presses, and the largest pressure, or one that most runs stay below where peaks are far above."""
     pressed = [p.x[p.value > 0.01 * p.value.max()] for p in profiles if np.any(p.value > 0.0)]
     if not pressed:
         return float(profiles[0].x[0]), float(profiles[0].x[-1]), 1.0
     left, right = min(x[0] for x in pressed), max(x[-1] for x in pressed)
     tops: Any = [p.value.max() for p in profiles]
     margin = 0.1 * (right - left)
-    return float(left - margin), float(right + margin), float(1.15 * np.median(tops))
+    usual, largest = float(np.median(tops)), float(max(tops))
+    return float(left - margin), float(right + margin), largest if largest <= FAR_ABOVE * usual else 1.15 * usual
 
 
 def _in(unit: str) -> str:

@@ -16,9 +16,9 @@ from contactlab.api.drawing.units import Units
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.pressure_map import PANELS, pressure_map
-from contactlab.reports.series import varied_text
 from contactlab.studies.reference import Reference
 from contactlab.studies.table import Row, Table
+from contactlab.studies.varied_text import varied_text
 
 _MARGIN = 0.2  # of the pressed length, shown on either side
 _DASHES = (0, (4, 1.5))
@@ -26,13 +26,22 @@ _PRESSED = 0.01  # of the largest pressure: what is below it is no contact worth
 _HEADROOM = 1.3  # of the largest reference pressure; higher peaks are cut and their value is written
 
 
+def is_map(table: Table) -> bool:
+    """Whether there are too many panels for plots beside each other."""
+    algorithms, cases = _columns_and_rows(table.main)
+    return len(algorithms) * len(cases) > PANELS
+
+
+def _columns_and_rows(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
+    return list(dict.fromkeys(row.algorithm for row in rows)), list(dict.fromkeys(_case(row, rows) for row in rows))
+
+
 def pressure_figure(table: Table) -> Figure:
     """A row of panels per slave (and per further choice), a column per algorithm, the same axes in all; else a map."""
-    rows = table.main
-    algorithms = list(dict.fromkeys(row.algorithm for row in rows))
-    cases = list(dict.fromkeys(_case(row, rows) for row in rows))
-    if len(algorithms) * len(cases) > PANELS:
+    if is_map(table):
         return pressure_map(table)
+    rows = table.main
+    algorithms, cases = _columns_and_rows(rows)
     found = {(_case(row, rows), row.algorithm): row for row in rows}
     units, chosen = Units.of_label(table.scene.get("units")), styles(row.algorithm for row in table.rows)
     with house_style():
@@ -67,7 +76,7 @@ def _in(unit: str) -> str:
 
 def _case(row: Row, rows: Sequence[Row]) -> str:
     """What tells the rows of panels apart."""
-    choices = [varied_text(row)] if row.choices else []
+    choices = [varied_text(row.choices)] if row.choices else []
     if len({r.level for r in rows}) > 1:
         choices.append(f"level {row.level}")
     return ", ".join([f"slave: {row.slave}", *choices])

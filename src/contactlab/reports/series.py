@@ -6,34 +6,14 @@ from collections.abc import Sequence
 
 from contactlab.api.drawing.colours import STYLES, Style, styles
 from contactlab.studies.table import Row
+from contactlab.studies.varied_text import varied_text
 
 MARKERS = ("o", "s", "D", "^", "v", "P", "X", "*", "<", ">", "p", "h")
 
 
-def varied_text(row: Row) -> str:
-    """What tells a row from others beside algorithm, slave and level: "mu 0.2, use newton"; empty if nothing does."""
-    return ", ".join(f"{_short(key, row)} {_value(value)}" for key, value in row.choices.items())
-
-
-def _short(key: str, row: Row) -> str:
-    """The end of a key, as much of it as no other varied key has."""
-    parts = key.split(".")
-    for count in range(1, len(parts)):
-        end = ".".join(parts[-count:])
-        if sum(other == end or other.endswith(f".{end}") for other in row.choices) == 1:
-            return end
-    return key
-
-
-def _value(value: object) -> str:
-    if isinstance(value, dict):
-        return " ".join([str(value.get("use", "")), *(f"{k}={v}" for k, v in value.items() if k != "use")]).strip()
-    return f"{value:g}" if isinstance(value, float) else str(value)
-
-
 def series_of(row: Row, rows: Sequence[Row]) -> str:
     """Name of the line that a row belongs to among these rows."""
-    text = varied_text(row)
+    text = varied_text(row.choices)
     several = len({each.algorithm for each in rows}) > 1
     return ", ".join(filter(None, [row.algorithm if several or not text else "", text]))
 
@@ -42,12 +22,12 @@ def series_styles(rows: Sequence[Row]) -> dict[str, Style]:
     """A style for each line: colours are algorithms, markers what else varies; of one algorithm both are the latter."""
     names = {series_of(row, rows): row for row in rows}
     own = styles(row.algorithm for row in rows)
-    texts = list(dict.fromkeys(varied_text(row) for row in rows))
+    texts = list(dict.fromkeys(varied_text(row.choices) for row in rows))
     if texts == [""]:
         return {name: own[row.algorithm] for name, row in names.items()}
     found = {}
     for name, row in names.items():
-        k = texts.index(varied_text(row))
+        k = texts.index(varied_text(row.choices))
         colour = own[row.algorithm].colour if len(own) > 1 else STYLES[k % len(STYLES)].colour
         # past the last colour or marker the other one has moved on, so that pairs differ for 72 lines
         marker = MARKERS[k % len(MARKERS)] if len(own) > 1 else MARKERS[(k + k // len(STYLES)) % len(MARKERS)]

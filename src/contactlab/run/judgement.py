@@ -117,10 +117,17 @@ def _judge_facets(model: Model, pair: ContactPair) -> None:
             f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, and the surfaces "
             f"came together by {approach:.3g} there ({FACETS:.0%} of that is fine enough): the pressure of a "
             f"fit is about {0.45 * depth / approach:.0%} too low in the mean, and swings from node to node; try "
-            f"cells that are {np.sqrt(depth / max(FACETS * approach, 1e-300)):.2g} times finer along the "
+            f"cells that are {_finer(depth / max(FACETS * approach, 1e-300))} times finer along the "
             "surfaces (level)",
         )
     )  # fmt: skip
+
+
+def _finer(ratio: float) -> str:
+    """By what to divide lengths where a depth must fall by `ratio`, rounded upwards to two figures."""
+    factor = float(np.sqrt(ratio))
+    unit = 10.0 ** (np.floor(np.log10(factor)) - 1.0)
+    return f"{unit * np.ceil(factor / unit - 1e-9):.2g}"
 
 
 def _facets_fit(pair: ContactPair, position: Floats, pressed: Ints, nearest: Ints) -> bool:

@@ -16,10 +16,12 @@ from contactlab.scene.toml_text import location, read_toml
 from contactlab.studies.installed_measures import known_measures
 from contactlab.studies.measure_run import body_of, sides
 from contactlab.studies.study import Pareto, Study, bundled_studies, checked_vary, is_study, read_study, study_from
+from contactlab.studies.varied_text import varied_text
 from contactlab.studies.vary import without_star
 
 Vary = Mapping[str, Sequence[Any]]
 
+LONGEST = 60  # characters of a run's name for what varies beside algorithm, slave and level
 RECORD = 3.0  # MB of the contact record of a run: there are many of them, and some hundred steps show a difference
 
 
@@ -157,7 +159,9 @@ def _job(base: Scene, varied: Mapping[str, Any], contact: int, refines: bool) ->
     rest = {key: value for key, value in varied.items() if key not in swaps}
     choices = {key: value for key, value in rest.items() if key != "level" and not key.startswith(algorithms)}
     partner = json.dumps({**rest, "level": scene.level}, sort_keys=True, default=str)
-    return Job(_slug(algorithm, slave, scene.level), scene, varied, choices, algorithm, slave, partner, refines)
+    return Job(
+        _slug(algorithm, slave, scene.level, choices), scene, varied, choices, algorithm, slave, partner, refines
+    )
 
 
 def _algorithm_label(base: Scene, varied: Mapping[str, Any], contact: int, compared: Mapping[str, Any]) -> str:
@@ -178,8 +182,10 @@ def _names_of(scene: Scene, contact: int, field: str) -> list[str]:
     return [f"contacts.{label}.{field}" for label in (contact, name, "*") if label is not None]
 
 
-def _slug(algorithm: str, slave: str, level: int) -> str:
-    return re.sub(r"[^A-Za-z0-9.=-]+", "-", f"{algorithm}-{slave}-level-{level}").strip("-")
+def _slug(algorithm: str, slave: str, level: int, choices: Mapping[str, Any]) -> str:
+    """A name for folders: what is always there, and as much as has room of what else varies."""
+    varied = re.sub(r"[^A-Za-z0-9.=-]+", "-", varied_text(choices))[:LONGEST]
+    return re.sub(r"[^A-Za-z0-9.=-]+", "-", f"{algorithm}-{slave}-level-{level}-{varied}").strip("-")
 
 
 def _named(jobs: list[Job]) -> list[Job]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -116,7 +117,7 @@ def _flat(table: Any, where: Where) -> dict[str, tuple[Any, Where]]:
     return found
 
 
-_VARY = "scene keys and lists of values, such as level = [1, 2]"
+_VARY = "scene keys and lists of values, such as level = [1, 2], or ranges: { linspace = [0.0, 1.0, 5] }"
 
 
 def checked_vary(vary: Mapping[str, tuple[Any, Where]]) -> dict[str, tuple[Any, ...]]:
@@ -127,9 +128,15 @@ def checked_vary(vary: Mapping[str, tuple[Any, Where]]) -> dict[str, tuple[Any, 
     return found
 
 
+def _as_list(values: Any) -> str:
+    """What was meant: a range that is written like a call, or a list of one value."""
+    call = re.fullmatch(r"\s*(linspace|logspace)\s*\((.*)\)\s*", str(values))
+    return f"{{ {call[1]} = [{call[2]}] }}" if call else f"[{values}]"
+
+
 def _checked_values(values: Any, where: Where) -> tuple[Any, ...]:
     if not isinstance(values, list | tuple):
-        raise RequestError("a list is needed here", where=where, got=values, allowed=_VARY, hint=f"[{values}]")
+        raise RequestError("a list is needed here", where=where, got=values, allowed=_VARY, hint=_as_list(values))
     if not values:
         raise RequestError("the list is empty", where=where, got=values, allowed=_VARY)
     repeated = [value for k, value in enumerate(values) if value in values[:k]]

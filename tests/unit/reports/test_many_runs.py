@@ -61,6 +61,24 @@ def test_more_than_twelve_pressures_are_a_map(table: Table) -> None:
     (image,) = figure.axes[0].images
     assert image.get_array().shape[0] == len(many.main) + 1  # and the reference
     assert figure.get_size_inches()[1] < 10.0  # inches: a page, where 28 panels were seven of them
+    assert "pressure as colour" in page(many, draw(many))
+    assert "Markers are" not in page(many, draw(many))
+
+
+def test_a_map_reaches_the_largest_pressure_unless_it_is_far_above_the_others(table: Table) -> None:
+    many = over(table, "mu", [0.05 * k for k in range(1, 15)])
+
+    def times(row: Row, factor: float) -> Row:
+        assert row.curve is not None
+        return replace(row, curve=replace(row.curve, pressure=factor * row.curve.pressure))
+
+    rows = [times(row, 1.0 + k / 14) for k, row in enumerate(many.rows)]
+    raised = replace(many, rows=rows)
+    largest = max(row.profile.value.max() for row in raised.main if row.profile is not None)
+    (image,) = pressure_figure(raised).axes[0].images
+    assert image.norm.vmax == pytest.approx(largest)
+    (image,) = pressure_figure(replace(many, rows=[times(rows[0], 50.0), *rows[1:]])).axes[0].images
+    assert image.norm.vmax < 2.0 * largest
 
 
 def test_the_page_says_what_agreeing_runs_share(table: Table) -> None:

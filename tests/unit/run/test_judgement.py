@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -146,6 +147,9 @@ def test_facets_deeper_than_the_interference_are_told(cells: int, told: bool) ->
     for warning in found:
         assert warning.value == pytest.approx(5.02 * (1.0 - math.cos(math.pi / 4.0 / cells)), rel=0.02)
         assert warning.limit == pytest.approx(0.05 * 0.02, rel=0.5)
+        factor = re.search(r"cells that are ([\d.]+) times finer", warning.text)
+        assert factor is not None
+        assert 1.0 < float(factor[1]) >= math.sqrt(warning.value / warning.limit) * (1.0 - 1e-9)
 
 
 def test_facets_of_like_meshes_fit_however_deep_they_are() -> None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
 import pytest
 
 from contactlab.errors import RequestError
+from contactlab.scene.scene import load_scene
 from contactlab.studies.plan import make_plan
 from contactlab.studies.study import parse_vary
 from contactlab.studies.vary import combinations
@@ -62,6 +64,27 @@ def test_a_star_stands_for_all_bodies() -> None:
 def test_wrong_ranges_are_told(text: str, named: str) -> None:
     with pytest.raises(RequestError, match=named):
         parse_vary([text])
+
+
+def test_a_range_that_is_written_like_a_call_is_put_right() -> None:
+    with pytest.raises(RequestError) as caught:
+        parse_vary(["a=linspace(0.0, 1.0, 5)"])
+    assert caught.value.hint == "{ linspace = [0.0, 1.0, 5] }"
+    assert varied(f"a={caught.value.hint}") == varied("a={linspace=[0.0, 1.0, 5]}")
+
+
+def test_names_of_runs_say_what_varies() -> None:
+    scene = load_scene("disc-on-block").with_({"contacts.0.friction": {"use": "coulomb", "mu": 0.1}})
+    plan = make_plan(scene, {"contacts.0.friction.mu": (0.1, 0.2), "integrator": ("newton", "central-difference")})
+    assert [job.name for job in plan.jobs] == [
+        f"{number}-mortar-p0-disc-level-1-mu-{mu}-integrator-{integrator}"
+        for number, (mu, integrator) in enumerate(itertools.product((0.1, 0.2), ("newton", "central-difference")), 1)
+    ]
+    many = make_plan(scene, {f"bodies.{body}.mesh.cells": ([[24, 6]]) for body in ("disc", "block")} | {
+        "time.fraction": tuple(0.1 + 0.001 * k for k in range(3)), "materials.steel.young": (70000.0,),
+    })  # fmt: skip
+    assert all(len(job.name) < 120 for job in many.jobs)
+    assert len({job.name for job in many.jobs}) == 3
 
 
 def test_a_star_over_nothing_is_told() -> None:
