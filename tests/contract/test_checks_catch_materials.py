@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from contactlab.api import Floats, Kinematics, Material
-from contactlab.testing import NotApplicable, material, material_states
+from contactlab.testing import NotApplicable, material, material_flow, material_states
 from contactlab.testing.assertions import Check
+from contactlab.testing.points import DT
 
 LAME, SHEAR = 1.5, 1.0
 RHO = 2.0
@@ -207,10 +208,34 @@ def test_right_laws_pass(part: Material, check: Check) -> None:
         check(part)
     except NotApplicable as reason:
         declined = {material.stiffening_bounds_the_waves, material.history_in_place}
+        declined |= {material_flow.flow_is_of_second_order}
         if part.kinematics == "rate":
             declined |= {material.energy_is_positive, material.energy_belongs_to_the_stress}
             declined |= {material_states.work_is_stored_or_dissipated}
         assert check in declined, reason
+
+
+@dataclass(frozen=True)
+class Creeping(Small):
+    """Hooke's law whose shear relaxes: v' = (gamma - v)/(3 DT), by implicit Euler steps."""
+
+    history_size: ClassVar[int] = 1
+    history_names: ClassVar[tuple[str, ...]] = ("v",)
+    rate_dependent: ClassVar[bool] = True
+    implicit_euler: ClassVar[bool] = True
+
+    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        super().stress(gradient, history, dt, stress, new_history)
+        ratio, gamma = dt / (3.0 * DT), gradient[1] + gradient[2]
+        if self.flaw == "flows at the rate of the start":
+            new_history[0] = history[0] + ratio * (gamma - history[0])
+        else:
+            new_history[0] = (history[0] + ratio * gamma) / (1.0 + ratio)
+        stress[3] -= SHEAR * new_history[0]
+
+
+def test_implicit_euler_steps_are_integrated_to_second_order() -> None:
+    material_flow.flow_is_of_second_order(Creeping())
 
 
 def test_unloading_waves_are_bounded_where_loading_softens() -> None:
@@ -256,6 +281,7 @@ WRONG: list[tuple[Check, Material]] = [
     (material_states.plane_strain, Small("nothing across the plane")),
     (material_states.work_is_stored_or_dissipated, Small("dissipates what it stores")),
     (material_states.arrays_change_in_place, Small("knows its array again")),
+    (material_flow.flow_is_of_second_order, Creeping("flows at the rate of the start")),
     (material_states.threads_do_not_disturb_each_other, Small("one room for all threads")),
 ]
 

@@ -1,4 +1,5 @@
-"""Statics and slow explicit runs are the same problem: reactions within 0.3 %, pressures within 2 % in L2."""
+"""Statics and slow explicit runs are the same problem: reactions within 0.3 %, pressures within 2 % in L2;
+with plastic flow within 0.1 and 0.6 %."""
 
 from __future__ import annotations
 
@@ -31,8 +32,8 @@ def pressure_difference(a: ContactCurve, b: ContactCurve) -> float:
     [
         pytest.param(FRICTION, "mortar-p0", False, 20, id="elastic-friction"),
         pytest.param(FRICTION, "mortar-p1", True, 20, id="elastic-friction-swapped"),
-        # plastic flow that turns within a load step is first order in it: 1.6 % in 20 steps, 0.2 % in 80
-        pytest.param(PLASTIC, "mortar-p0", False, 80, id="power-law"),
+        # flow that turns is of second order in the load step: of first order it would need 80 for as much
+        pytest.param(PLASTIC, "mortar-p0", False, 30, id="power-law"),
     ],
 )
 def test_explicit_and_static_runs_agree(changes: dict[str, Any], algorithm: str, swap: bool, steps: int) -> None:
@@ -41,6 +42,6 @@ def test_explicit_and_static_runs_agree(changes: dict[str, Any], algorithm: str,
     slow, still = simulate(scene), simulate(scene.with_({"integrator": {"use": "newton", "steps": steps}}))
     assert slow.status == still.status == "finished"
     reactions = [results.summary["reactions"]["block.bottom"][1] for results in (slow, still)]
-    assert reactions[1] == pytest.approx(reactions[0], rel=4e-3 if changes is PLASTIC else 3e-3)
+    assert reactions[1] == pytest.approx(reactions[0], rel=1e-3 if changes is PLASTIC else 3e-3)
     curves = [results.contact["contacts.0"].last for results in (slow, still)]
-    assert pressure_difference(*curves) < 0.02
+    assert pressure_difference(*curves) < (0.006 if changes is PLASTIC else 0.02)

@@ -26,6 +26,9 @@ class Material(ABC):
                    "equivalent_plastic_strain"
     rate_dependent True for a law whose stress depends on `dt`, the time that a change of strain takes (creep,
                    relaxation, viscosity): static load steps then advance time as well as load
+    implicit_euler  True for a "small" or "finite" law whose history advances by an implicit Euler step, from `history`
+                   to the state at `gradient`, and is that of the undeformed body (it does not turn with it): implicit
+                   integrators then integrate flow to second order in the step, by asking `stress` along the way
     isotropic      False for a law with directions of its own
     without        effects of this law ("finite strain", "plasticity"), each with the law that leaves it out
     beyond         effects that this law leaves out, each with the law that has it
@@ -36,6 +39,7 @@ class Material(ABC):
     history_size: ClassVar[int] = 0
     history_names: ClassVar[tuple[str, ...]] = ()
     rate_dependent: ClassVar[bool] = False
+    implicit_euler: ClassVar[bool] = False
     isotropic: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {}
     beyond: ClassVar[Mapping[str, str]] = {}
@@ -76,6 +80,12 @@ class Material(ABC):
         from contactlab.api.differences import tangent_by_differences
 
         tangent_by_differences(self, gradient, history, dt, tangent)
+
+    def complete_history(self, history: Floats) -> None:  # noqa: B027
+        """Set rows of `history` (h, P) that follow from others, after all were extrapolated linearly.
+
+        Only called on laws that declare `implicit_euler`.
+        """
 
     def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
         """Fill the stored energy per current volume (P,) [mJ/mm3].

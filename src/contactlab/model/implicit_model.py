@@ -67,6 +67,8 @@ class ImplicitModel(Model):
         np.add(self.reference, self.state["displacement"], out=self.position)
         if self._start is not None:
             self._start[:] = self.state["displacement"]
+        for forces in self.forces:
+            forces.begin_step()
         if self.contact is not None:
             self.contact.begin_step(self.position, self.state.time + dt)
 
@@ -125,6 +127,6 @@ class ImplicitModel(Model):
     def accept(self) -> None:
         """History and contact memory of the trial become the state's."""
         for forces in self.forces:
-            forces.history[:] = forces.trial_history
+            forces.accept()
         if self.contact is not None:
             self.contact.accept()

@@ -53,7 +53,7 @@ def _update(forces: BodyForces) -> tuple[float, float]:
             if material.kinematics == "rate":
                 midpoint(g)
             asked = perf_counter()
-            material.stress(g, history, forces.dt, sigma, new_history)
+            block.law.stress(g, history, forces.dt, sigma, new_history)
             told = perf_counter()
             force_of(forces.geometry, conn, sigma, nodal, scratch)
             if stabilise is not None and forces.shape is not None:

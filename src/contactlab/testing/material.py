@@ -6,7 +6,7 @@ import numpy as np
 
 from contactlab.api import Floats, Material
 from contactlab.api.differences import tangent_by_differences
-from contactlab.testing import material_states
+from contactlab.testing import material_flow, material_states
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.material_waves import stiffening_bounds_the_waves
 from contactlab.testing.other_values import others, switched_on
@@ -258,4 +258,5 @@ CHECKS: tuple[Check, ...] = (
     same_answer_twice,
     other_values_are_right,
     *material_states.CHECKS,
+    *material_flow.CHECKS,
 )

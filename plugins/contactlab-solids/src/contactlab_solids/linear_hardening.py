@@ -35,6 +35,7 @@ class LinearHardening(Material):
     history_size: ClassVar[int] = 4
     history_names: ClassVar[tuple[str, ...]] = j2.HISTORY
     has_energy: ClassVar[bool] = True
+    implicit_euler: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {"plasticity": "neo-hookean"}
 
     def __post_init__(self) -> None:

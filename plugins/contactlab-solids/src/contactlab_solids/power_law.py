@@ -41,6 +41,7 @@ class PowerLaw(Material):
     history_size: ClassVar[int] = 5
     history_names: ClassVar[tuple[str, ...]] = (*j2.HISTORY, "yield_stress_rise")
     has_energy: ClassVar[bool] = True
+    implicit_euler: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {"plasticity": "neo-hookean"}
 
     def __post_init__(self) -> None:
@@ -74,6 +75,10 @@ class PowerLaw(Material):
             arguments = (gradient, new_history, stress, *constants, start, self.exponent, self.prestrain)
             if j2_kernels.power_return(*arguments):
                 j2_kernels.far_power_return(*arguments, self.strength)
+
+    def complete_history(self, history: Floats) -> None:
+        """The rise of the yield stress follows from the plastic strain."""
+        history[RISE] = self.flow_stress(history[j2.PLASTIC]) - self.strength * self.prestrain**self.exponent
 
     def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
         """d(stress row)/d(row of F^-1), (4, 4, P)."""

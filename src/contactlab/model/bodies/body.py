@@ -11,6 +11,7 @@ import numpy as np
 from contactlab.api import BLOCK_CELLS, Element, Floats, Ints, Material, Mesh
 from contactlab.kernels.cells import element_kernels, midpoint
 from contactlab.kernels.size import jacobian_determinants
+from contactlab.model.bodies.straight_path import StraightPath
 from contactlab.model.bodies.thread_blocks import colours, threads_of_blocks
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ class Block:
 
     Blocks may share these two: read them through `BodyForces.current`.
     `history` is that of the last accepted step; `new_history` that of the last update, the same array
-    where every update is an accepted step.
+    where every update is an accepted step. `law` gives stresses: the body's, or that along the path of a step.
     """
 
     connectivity: Ints
@@ -73,6 +74,7 @@ class Block:
     stress: Floats
     history: Floats
     new_history: Floats
+    law: Material | StraightPath
 
 
 class BodyForces:
@@ -101,7 +103,8 @@ class BodyForces:
         self.shape = shape
         self.geometry, self.field, self.force, self.history = geometry, field, force, history
         self.trial_history = history if trial_history is None else trial_history
-        self.blocks = _blocks(body, history, self.trial_history)
+        self.follows_paths = trial_history is not None and _integrates_flow(body.material)
+        self.blocks = _blocks(body, history, self.trial_history, self.follows_paths)
         self.shares_gradient = trial_history is None and len(self.blocks) > 1
         self.shares_stress = self.shares_gradient and not body.material.history_size
         self.colours = colours([block.connectivity for block in self.blocks], len(force))
@@ -115,7 +118,7 @@ class BodyForces:
 
     def _bind(self, block: Block, scratch: Floats) -> Callable[[float], None]:
         gradient, force, _ = self.kernels
-        stress_of, rate = self.body.material.stress, self.body.material.kinematics == "rate"
+        stress_of, rate = block.law.stress, self.body.material.kinematics == "rate"
         geometry, field, nodal = self.geometry, self.field, self.force
         conn, g, sigma = block.connectivity, block.gradient, block.stress
         history, new_history = block.history, block.new_history
@@ -141,6 +144,21 @@ class BodyForces:
             stabilise(reference, displacement, conn, shear, nodal, scratch)
 
         return stabilised
+
+    def begin_step(self) -> None:
+        """Where bodies are is the start of a step, from which laws that flow follow the path of the deformation."""
+        for block, scratch in zip(self.blocks, self.scratch, strict=True):
+            if isinstance(block.law, StraightPath):
+                if block.law.start is None:
+                    block.law.start = np.empty_like(block.gradient)
+                self.kernels.gradient(self.geometry, self.field, block.connectivity, block.law.start, scratch)
+
+    def accept(self) -> None:
+        """The history of the last update is that of the accepted state."""
+        self.history[:] = self.trial_history
+        for block in self.blocks:
+            if isinstance(block.law, StraightPath):
+                block.law.start = None
 
     def current(self) -> Iterator[Block]:
         """The blocks with gradient and stress of the last update, each until the next one is asked for."""
@@ -251,7 +269,12 @@ def block_size(cells: int) -> int:
     return 8 * (-(-size // 8) | 1)
 
 
-def _blocks(body: Body, history: Floats, trial_history: Floats) -> list[Block]:
+def _integrates_flow(law: Material) -> bool:
+    """Whether implicit steps integrate the law along the path of the deformation."""
+    return law.implicit_euler and law.history_size > 0 and law.kinematics != "rate"
+
+
+def _blocks(body: Body, history: Floats, trial_history: Floats, follows_paths: bool) -> list[Block]:
     """Cells cut into blocks of about BLOCK_CELLS, equal but for the last."""
     cells, q, h = body.cells, body.points, body.material.history_size
     size = block_size(len(cells))
@@ -261,5 +284,6 @@ def _blocks(body: Body, history: Floats, trial_history: Floats) -> list[Block]:
         points = q * connectivity.shape[1]
         old, new = (values[at : at + h * points].reshape(h, points) for values in (history, trial_history))
         at += h * points
-        blocks.append(Block(connectivity, np.zeros((4, points)), np.zeros((4, points)), old, new))
+        law = StraightPath(body.material) if follows_paths else body.material
+        blocks.append(Block(connectivity, np.zeros((4, points)), np.zeros((4, points)), old, new, law))
     return blocks

@@ -38,7 +38,7 @@ class StiffnessByDifferences:
         x = geometry.reshape(nodes, cells, 2)
         step = STEP * np.ptp(x, axis=0).max(axis=1)
         tangent = np.zeros((4, 4, block.stress.shape[1]))
-        self.law.tangent(block.gradient, block.history, dt, tangent)
+        block.law.tangent(block.gradient, block.history, dt, tangent)
         matrices = np.empty((cells, 2 * nodes, 2 * nodes))
         for b in range(nodes):
             for k in range(2):

@@ -80,7 +80,7 @@ class BodyTangent:
 
     def __init__(self, forces: BodyForces) -> None:
         self.forces, body = forces, forces.body
-        self.law, self.kind = body.material, KIND[body.material.kinematics]
+        self.kind = KIND[body.material.kinematics]
         rule = body.element.quadrature()
         self.derivatives = np.ascontiguousarray(body.element.shape(rule.points).gradient)
         self.weights = np.ascontiguousarray(rule.weights)
@@ -94,7 +94,7 @@ class BodyTangent:
         whole = points == self.tangent.shape[2]
         tangent = self.tangent if whole else np.zeros((4, 4, points))
         modulus = self.modulus if whole else np.zeros((4, 4, points))
-        self.law.tangent(block.gradient, block.history, dt, tangent)
+        block.law.tangent(block.gradient, block.history, dt, tangent)
         kernels.two_point_modulus(self.kind, block.gradient, block.stress, tangent, modulus)
         kernels.add_cells(
             self.forces.geometry, block.connectivity, self.derivatives, self.weights, modulus, pairs, pattern.place,
