@@ -49,10 +49,10 @@ def _gradient(law: Material, time: float) -> Floats:
     """Random deformations that begin along one direction, and turn into another; 0 <= time <= 1."""
     random = np.random.default_rng(3)
     first, second = (random.uniform(-STRAIN, STRAIN, (4, POINTS)) for _ in range(2))
-    moved = np.sin(2.0 * time) * first + (1.0 - np.cos(2.0 * time)) * second
+    moved: Floats = np.sin(2.0 * time) * first + (1.0 - np.cos(2.0 * time)) * second
     if law.kinematics == "small":
         return moved
-    return points.rows_of(np.linalg.inv(np.eye(2) + points.matrices(moved)))
+    return points.rows_of(np.asarray(np.linalg.inv(np.eye(2) + points.matrices(moved)), np.float64))
 
 
 CHECKS: tuple[Check, ...] = (flow_is_of_second_order,)
