@@ -22,6 +22,7 @@ from contactlab.studies.varied_text import varied_text
 
 _MARGIN = 0.2  # of the pressed length, shown on either side
 _DASHES = (0, (4, 1.5))
+BESIDE = 3  # panels in a row
 _PRESSED = 0.01  # of the largest pressure: what is below it is no contact worth a wider plot
 _HEADROOM = 1.3  # of the largest reference pressure; higher peaks are cut and their value is written
 
@@ -37,24 +38,37 @@ def _columns_and_rows(rows: Sequence[Row]) -> tuple[list[str], list[str]]:
 
 
 def pressure_figure(table: Table) -> Figure:
-    """A row of panels per slave (and per further choice), a column per algorithm, the same axes in all; else a map."""
+    """A row of panels per slave (and per further choice), a column per algorithm, the same axes in all; else a map.
+
+    Panels of one algorithm alone follow each other in rows of `BESIDE`.
+    """
     if is_map(table):
         return pressure_map(table)
     rows = table.main
     algorithms, cases = _columns_and_rows(rows)
     found = {(_case(row, rows), row.algorithm): row for row in rows}
     units, chosen = Units.of_label(table.scene.get("units")), styles(row.algorithm for row in table.rows)
+    alone = len(algorithms) == 1 and len(cases) > BESIDE
+    high, wide = (-(-len(cases) // BESIDE), BESIDE) if alone else (len(cases), len(algorithms))
     with house_style():
-        figure = Figure(figsize=(max(7.0, 3.7 * len(algorithms)), 0.75 + 2.45 * len(cases)), layout="constrained")
-        grid = figure.subplots(len(cases), len(algorithms), sharex=True, sharey=True, squeeze=False)
+        figure = Figure(figsize=(max(7.0, 3.7 * wide), 0.75 + 2.45 * high), layout="constrained")
+        grid = figure.subplots(high, wide, sharex=True, sharey=True, squeeze=False)
+        places = grid.ravel()[: len(cases)].reshape(-1, 1) if alone else grid
+        for axes in grid.ravel()[len(cases) :] if alone else ():
+            axes.set_visible(False)
         for i, case in enumerate(cases):
             for j, algorithm in enumerate(algorithms):
-                _panel(grid[i, j], found.get((case, algorithm)), table.reference, chosen[algorithm], units)
-                if i == 0:
-                    grid[i, j].set_title(algorithm, pad=8)
-            grid[i, 0].set_ylabel(f"{case}\npressure{_in(units.pressure)}")
+                _panel(places[i, j], found.get((case, algorithm)), table.reference, chosen[algorithm], units)
+                if i == 0 and not alone:
+                    places[i, j].set_title(algorithm, pad=8)
+            if alone:
+                places[i, 0].set_title(textwrap.fill(case, 42), pad=6, fontsize=8.5)
+            else:
+                places[i, 0].set_ylabel(f"{textwrap.fill(case, 32)}\npressure{_in(units.pressure)}")
+        if alone:
+            figure.supylabel(f"pressure{_in(units.pressure)}, {algorithms[0]}", color=MUTED, fontsize=9.5)
         _limits(grid[0, 0], rows, table.reference)
-        _mark_cut_peaks(grid, found, cases, algorithms, units)
+        _mark_cut_peaks(places, found, cases, algorithms, units)
         figure.supxlabel(f"deformed position x{_in(units.length)}", color=MUTED, fontsize=9.5)
         _legend(figure, table)
     return figure

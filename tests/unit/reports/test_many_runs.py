@@ -54,6 +54,19 @@ def test_keys_that_end_alike_are_written_longer(table: Table) -> None:
     assert series_of(both, [both]) == "disc.element q1, block.element q2"
 
 
+def test_panels_of_one_algorithm_follow_each_other_in_rows(table: Table) -> None:
+    """Names of panels lie over them: beside a column of them they ran into each other."""
+    many = over(table, "bodies.disc.element", ["q1", "q1-fbar", "q1-reduced", "q2"])
+    panels = [axes for axes in pressure_figure(many).axes if axes.get_visible()]
+    assert len(panels) == len({(row.slave, str(row.choices)) for row in many.main}) > 3
+    places = [axes.get_subplotspec() for axes in panels]
+    assert {place.colspan.start for place in places if place is not None} == {0, 1, 2}
+    titles = [axes.get_title(loc="left").replace("\n", " ") for axes in panels]
+    assert len(set(titles)) == len(titles)
+    assert all("element" in title for title in titles)
+    assert not any(axes.get_ylabel() for axes in panels)
+
+
 def test_more_than_twelve_pressures_are_a_map(table: Table) -> None:
     assert len(pressure_figure(over(table, "mu", [0.1, 0.2, 0.3])).axes) == 6
     many = over(table, "mu", [0.05 * k for k in range(1, 15)])
