@@ -70,7 +70,7 @@ def make_plan(
     """What to run for a scene, a study, the name of either, or a file of either.
 
     With `vary` the study's own lists and levels are replaced; `changes` sets keys of the common scene
-    and stops the study from varying them. Where nothing is varied, a scene is run with every
+    and stops a study from varying them. Where nothing is varied, a scene is run with every
     installed contact algorithm and both choices of slave. Raises RequestError.
     """
     registry = registry or default_registry()
@@ -79,6 +79,12 @@ def make_plan(
         given = checked_vary({name: (values, f"vary {name}") for name, values in vary.items()})
         study = replace(study, vary=given, pareto=Pareto())
     changes = changes or {}
+    for key in changes if vary else ():
+        if key in study.vary:
+            raise RequestError(
+                "this key is set and varied at once", where=key, got=changes[key],
+                hint=f"leave out --set {key}, or write its values as {key} = [...] in --vary alone",
+            )  # fmt: skip
     scene = scene.with_(changes)
     contact = _contact_number(scene, study.contact)
     if not study.vary:

@@ -129,7 +129,10 @@ def checked_vary(vary: Mapping[str, tuple[Any, Where]]) -> dict[str, tuple[Any, 
 
 
 def _as_list(values: Any) -> str:
-    """What was meant: a range that is written like a call, or a list of one value."""
+    """What was meant: a range that is written like a call or under another name, or a list of one value."""
+    if isinstance(values, Mapping) and "use" not in values:
+        three = next((list(v) for v in values.values() if isinstance(v, list | tuple) and len(v) == 3), [0.0, 1.0, 5])
+        return f"{{ linspace = {three} }}"
     call = re.fullmatch(r"\s*(linspace|logspace)\s*\((.*)\)\s*", str(values))
     return f"{{ {call[1]} = [{call[2]}] }}" if call else f"[{values}]"
 

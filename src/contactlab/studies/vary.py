@@ -45,7 +45,7 @@ def expanded(vary: Mapping[str, tuple[Any, Where]]) -> dict[str, tuple[Any, Wher
     return found
 
 
-def _range(value: Mapping[str, Any], where: Where) -> list[float]:
+def _range(value: Mapping[str, Any], where: Where) -> list[float] | list[int]:
     (kind, numbers), *rest = value.items()
     if rest or kind not in RANGES or not _numbers(numbers, 3) or numbers[2] != int(numbers[2]):
         raise RequestError("this is no range", where=where, got=dict(value), allowed=_ALLOWED)
@@ -58,7 +58,10 @@ def _range(value: Mapping[str, Any], where: Where) -> list[float]:
             hint="logspace takes the ends themselves, not their powers: [0.01, 1.0, 5]",
         )  # fmt: skip
     made = np.linspace(first, last, count) if kind == "linspace" else np.geomspace(first, last, count)
-    return [_short(v) for v in made]
+    found = [_short(v) for v in made]
+    if all(isinstance(end, int) for end in numbers[:2]) and all(v.is_integer() for v in found):
+        return [int(v) for v in found]  # keys such as level take no others
+    return found
 
 
 def _samples(sampled: Mapping[str, tuple[Mapping[str, Any], Where]]) -> list[list[float]]:

@@ -24,6 +24,29 @@ def test_ranges_have_their_ends() -> None:
     assert [c["a"] for c in varied("a={logspace=[0.01, 100.0, 5]}")] == [0.01, 0.1, 1.0, 10.0, 100.0]
 
 
+def test_ranges_between_whole_numbers_are_whole() -> None:
+    assert [type(c["a"]) for c in varied("a={linspace=[1, 3, 3]}")] == [int] * 3
+    assert [c["a"] for c in varied("a={logspace=[1, 8, 4]}")] == [1, 2, 4, 8]
+    assert [c["a"] for c in varied("a={linspace=[1, 2, 3]}")] == [1.0, 1.5, 2.0]
+    assert len(make_plan("disc-on-block", {"level": varied_values("level={linspace=[1, 3, 3]}")}).jobs) == 3
+
+
+def varied_values(text: str) -> tuple[Any, ...]:
+    return next(iter(parse_vary([text]).values()))
+
+
+def test_a_key_is_not_set_and_varied_at_once() -> None:
+    """It was not varied then, in silence."""
+    with pytest.raises(RequestError, match="set and varied at once"):
+        make_plan("disc-on-block", {"level": (1, 2)}, changes={"level": 1})
+
+
+def test_a_range_under_another_name_is_put_right() -> None:
+    with pytest.raises(RequestError) as caught:
+        parse_vary(["a={range=[0.0, 1.0, 5]}"])
+    assert caught.value.hint == "{ linspace = [0.0, 1.0, 5] }"
+
+
 def test_keys_that_go_together_are_one_axis() -> None:
     assert varied("a & b=[[1, 10], [2, 20]]", "c=[0, 1]") == [
         {"a": 1, "b": 10, "c": 0}, {"a": 1, "b": 10, "c": 1}, {"a": 2, "b": 20, "c": 0}, {"a": 2, "b": 20, "c": 1},
