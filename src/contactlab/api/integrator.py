@@ -24,7 +24,8 @@ class Iteration(NamedTuple):
     """One iteration of an implicit step, as it is recorded.
 
     force     largest unbalanced nodal force over the largest force of the model
-    contact   largest violation of a contact condition, in segment lengths
+    contact   largest violation of a contact condition, as the integrator measures it: in segment lengths, or over the
+              largest force
     active    closed conditions; sticking: those that stick; changed: conditions whose status changed
     length    fraction of the computed correction that was taken
     note      any departure from a plain iteration, and why

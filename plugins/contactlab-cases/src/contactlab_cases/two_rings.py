@@ -20,7 +20,6 @@ from contactlab_cases.statics import ordered, projected, static_job
 
 RADII = (0.2, 0.6, 1.0)  # mm
 STEEL = (70000.0, 0.3)
-MEAN = 1.0  # MPa: strains of 1e-5, so that geometry adds as little
 CELLS = 6  # of the coarser ring on a quarter, at level 1
 SIZES = {"coarse": 4, "fine": 8}
 
@@ -32,11 +31,13 @@ class RingsPressed(Case):
     ratio  cells along the outer ring's inner edge over those of the inner ring's outer one
     wave   amplitude of cos 2t in the outer pressure, over its mean
     stiff  modulus of the inner ring over that of the outer one
+    mean   outer pressure [MPa]: strains of 1e-5, so that geometry adds as little
     """
 
     ratio: float = 2.0
     wave: float = 0.1
     stiff: float = 1.0
+    mean: float = 1.0
 
     title: ClassVar[str] = "two rings pressed together"
     source: ClassVar[str] = SOURCE
@@ -49,16 +50,16 @@ class RingsPressed(Case):
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """Two meshes, one twice as fine."""
-        return [self._job(name, setup, size) for name, size in SIZES.items() if name not in done]
+        return [self.job(name, setup, CELLS * size * setup.level) for name, size in SIZES.items() if name not in done]
 
-    def _cells(self, size: int, level: int) -> tuple[int, int]:
-        """Along the quarter: of the inner and of the outer ring."""
-        n = CELLS * size * level
+    def _cells(self, n: int) -> tuple[int, int]:
+        """Along the quarter: of the inner and of the outer ring, `n` of the coarser one."""
         return (n, round(n * self.ratio)) if self.ratio >= 1.0 else (round(n / self.ratio), n)
 
-    def _job(self, name: str, setup: Setup, size: int) -> Job:
+    def job(self, name: str, setup: Setup, cells: int) -> Job:
+        """A run with so many cells on the quarter of the coarser ring."""
         a, b, c = RADII
-        along = self._cells(size, setup.level)
+        along = self._cells(cells)
         meshes = [
             {"use": "ring", "radii": radii, "angles": [0.0, 90.0], "cells": [count, max(2, count // 3)]}
             for radii, count in zip(([a, b], [b, c]), along, strict=True)
@@ -75,7 +76,7 @@ class RingsPressed(Case):
             ],
             loads=[
                 {
-                    "on": "outer.outer", "pressure": {"ramp": "linear", "to": MEAN},
+                    "on": "outer.outer", "pressure": {"ramp": "linear", "to": self.mean},
                     "profile": {"by": "angle", "cosine": [1.0, self.wave, 180.0]},
                 }
             ],
@@ -100,7 +101,7 @@ class RingsPressed(Case):
         """Against the closed form, over the quarter."""
         carried, told, means = {}, {}, {}
         for name, record in done.items():
-            carried[name], told[name], means[name] = self._errors(record, min(self._cells(SIZES[name], setup.level)))
+            carried[name], told[name], means[name] = self.errors(record, CELLS * SIZES[name] * setup.level)
         return {
             "L2 of the carried pressure": carried["fine"],
             "order of the carried pressure": float(np.log2(carried["coarse"] / carried["fine"])),
@@ -109,13 +110,13 @@ class RingsPressed(Case):
             "order of the reported pressure": float(np.log2(told["coarse"] / told["fine"])),
         }
 
-    def _errors(self, record: Record, coarser: int) -> tuple[float, float, float]:
-        """Relative errors in L2 of the carried and of the reported pressure, and of the mean."""
+    def errors(self, record: Record, coarser: int) -> tuple[float, float, float]:
+        """Relative errors in L2 of the carried and of the reported pressure, and of the mean; `coarser`: its cells."""
         curve = record.curve()
         angle, pressure = ordered(np.arctan2(curve.y, curve.x), curve.pressure)
         (young, poisson) = STEEL
         rings = TwoRings(*RADII, (young * self.stiff, poisson), STEEL)
-        mean, wave = rings.pressure(MEAN, MEAN * self.wave)
+        mean, wave = rings.pressure(self.mean, self.mean * self.wave)
         # points lie evenly in the cells of both sides: sums then see nothing of what alternates from node to node
         in_one = 48 * max(1, round(max(self.ratio, 1.0 / self.ratio)))
         at = np.linspace(0.0, 0.5 * np.pi, in_one * coarser + 1)

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from contactlab.api import Floats, ImplicitEquations, Iteration, State
-from contactlab_statics.convergence import Residual, contact_residual
+from contactlab_statics.convergence import Residual
 from contactlab_statics.factor import SingularSystem
 from contactlab_statics.line_search import SHORTEST, LineSearch
 from contactlab_statics.saddle import SaddleSystem
@@ -172,8 +172,9 @@ class NewtonIteration:
     def _residual(self) -> Residual:
         trial = self.trial
         unbalanced = self.scales.residual(trial.force, trial.parts, self.tolerance)
-        contact = contact_residual(trial.contact.conditions, trial.response) if trial.contact is not None else 0.0
-        return Residual(unbalanced, contact)
+        if trial.contact is None:
+            return Residual(unbalanced, 0.0)
+        return Residual(unbalanced, self.scales.violation(trial.contact.conditions, trial.response, trial.parts))
 
     def _record(self, residual: Residual, changed: int, length: float, note: str) -> Iteration:
         status = self.trial.response.status

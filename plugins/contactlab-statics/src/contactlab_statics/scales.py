@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import Floats, Ints
-from contactlab_statics.convergence import force_scale
+from contactlab.api import Conditions, Floats, Ints, Response
+from contactlab_statics.convergence import contact_residual, force_scale
 
 AWAY = 100.0  # times the size of the model: a correction that large means that nothing holds a body
 FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet
@@ -16,6 +16,7 @@ class Scales:
     """Lengths and forces of one model that an iteration compares with.
 
     size         [mm] of the undeformed model
+    exact        [mm] round-off of positions
     floor        [N] forces below it are none; 0 until the first `update` of a step
     round_off    (N, 2) [N] of the stresses, by node and direction
     flexibility  (N, 2) [mm/N] of single nodes, 0 where they are held
@@ -26,7 +27,7 @@ class Scales:
         self.farthest = float(np.abs(reference).max())
         self.free = np.ones_like(reference)
         self.free.reshape(-1)[held] = 0.0
-        self.floor = 0.0
+        self.floor = self.exact = 0.0
         self.round_off: Floats = np.zeros_like(reference)
         self.flexibility: Floats = np.zeros_like(reference)
 
@@ -37,16 +38,21 @@ class Scales:
         """
         self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
         self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
+        # also of bodies that are carried far before anything loads them; what flies away is not in balance
+        moved = min(float(np.abs(u).max()), AWAY * self.size)
+        self.exact = ROUND_OFF * (self.farthest + moved)
         if not dynamic:
-            # also of bodies that are carried far before anything loads them; what flies away is not in balance
-            moved = min(float(np.abs(u).max()), AWAY * self.size)
-            np.multiply(ROUND_OFF * (self.farthest + moved), diagonal, out=self.round_off)
+            np.multiply(self.exact, diagonal, out=self.round_off)
 
     def residual(self, force: Floats, parts: tuple[Floats, ...], tolerance: float) -> float:
         """Largest unbalanced `force` (N, 2) of a free degree of freedom over the largest of the forces `parts`."""
         # against forces so small that round-off is all there is, it is what they are measured by
         scale = np.maximum(force_scale(list(parts), self.floor), self.round_off / tolerance)
         return float((np.abs(force) * self.free / scale).max())
+
+    def violation(self, conditions: Conditions, response: Response, parts: tuple[Floats, ...]) -> float:
+        """Largest violation of a contact condition beside the largest of the forces `parts` and segment lengths."""
+        return contact_residual(conditions, response, force_scale(list(parts), self.floor), self.exact)
 
     def left_to_do(self, force: Floats) -> float:
         """Sum of squares [mm^2] of unbalanced forces over the stiffness of their nodes."""
