@@ -1,13 +1,14 @@
-"""What makes a run the same run: its scene, the sources that it goes through, and the machine."""
+"""What makes a run the same run: its scene, the files that it names, the sources it goes through, and the machine."""
 
 from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from contactlab.api import Job
 from contactlab.parts.provenance import part_specs
@@ -18,14 +19,29 @@ CORE = Path(__file__).parents[1]
 
 
 def row_key(scene: Scene, choices: str) -> str:
-    """Hash of a row of a comparison: its scene with all defaults, and the sources it goes through."""
-    return _hash([scene.toml(), choices, *sources(_packages(scene.registry, part_specs(scene)))])
+    """Hash of a row of a comparison: its scene with all defaults, the files it names, the sources it goes through."""
+    return _hash([scene.toml(), *_files(scene.data), choices, *sources(_packages(scene.registry, part_specs(scene)))])
 
 
 def run_key(job: Job, scene: Scene) -> str:
-    """Hash of a job, of its scene with all defaults, and of the sources of the core and of the parts it uses."""
-    asked = [list(job.watch), job.work, job.guards, job.fields]
-    return _hash([scene.toml(), json.dumps(asked, sort_keys=True, default=str), *sources(used(job, scene))])
+    """Hash of a job, its scene with all defaults, the files it names, the sources of the core and of the parts used."""
+    asked = json.dumps([list(job.watch), job.work, job.guards, job.fields], sort_keys=True, default=str)
+    return _hash([scene.toml(), *_files(scene.data), asked, *sources(used(job, scene))])
+
+
+def _files(data: Any) -> Iterator[str]:
+    """Hashes of the files that values of a scene name: tables and meshes; a checked scene has absolute paths."""
+    if isinstance(data, Mapping):
+        data = data.values()
+    elif isinstance(data, str):
+        path = Path(data)
+        if path.is_absolute() and path.is_file():
+            with path.open("rb") as file:
+                yield hashlib.file_digest(file, "sha256").hexdigest()
+        return
+    if isinstance(data, Iterable):
+        for value in data:
+            yield from _files(value)
 
 
 def used(job: Job, scene: Scene) -> set[str]:
