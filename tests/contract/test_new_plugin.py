@@ -14,6 +14,7 @@ from contactlab.api.part import KINDS
 from contactlab.cli import main
 from contactlab.commands.new_plugin import plugin_files
 from contactlab.errors import RequestError
+from contactlab.testing.examples import USUAL
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -43,6 +44,22 @@ def test_a_part_is_short_and_plain(kind: str) -> None:
     foreign = {name for name in imports if name.split(".")[0] not in {*sys.stdlib_module_names, "numpy"}}
     assert foreign <= {"contactlab.api", "contactlab.api.case", "contactlab.api.meshing"}
     assert 15 <= len([line for line in source.splitlines() if line.strip()]) <= 80
+
+
+@pytest.mark.parametrize("kind", sorted(set(KINDS) - {"effect"}))
+def test_a_part_can_be_checked_as_it_is_written(kind: str) -> None:
+    """`contactlab check` finds a value for every field of it, or it would say that nothing applies.
+
+    The effect is left out: it turns about a fixed place, so that a scene moved elsewhere has other forces.
+    """
+    tree = ast.parse(plugin_files(kind, f"own-{kind}")[f"src/own_{kind}/{kind}.py"])
+    fields = [node for own in ast.walk(tree) if isinstance(own, ast.ClassDef) for node in own.body]
+    required = {
+        field.target.id
+        for field in fields
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and field.value is None
+    }
+    assert required <= USUAL.keys()
 
 
 @pytest.mark.parametrize(

@@ -38,6 +38,9 @@ USUAL: dict[str, Any] = {
     "body": "upper",
     "period": 1.5,
     "coefficients": (1.0, 0.5, -0.2),
+    "width": 1.2,
+    "left": 0.6,
+    "right": 0.9,
 }
 """Values for fields without a default, in mm N s t."""
 
