@@ -27,6 +27,15 @@ HEAD = """# Every case, with its numbers
 Written by `make pages` from the archive of `contactlab matrix`. [Cases against algorithms](matrix.md) explains the
 verdicts, and each case is described in its file in `plugins/contactlab-cases`. Numbers outside their
 allowed range are bold. {counts}
+
+What the benchmarks of Di Stasio et al. 2019 for explicit dynamics with impacts ask of a scheme is asked by cases of
+other scenes, with answers of their own:
+
+| asked | cases |
+|---|---|
+| energy at impact | `bouncing-bar`, `bar-between-walls`, `two-bars`, `dropped-block`, `chatter` |
+| angular momentum | `spinning-pair`, `oblique-discs`, `rolling-disc` |
+| what is not linear | `vertex-to-vertex` (large turns), `taylor-bar` (plastic flow), `spring-friction` |
 """
 
 

@@ -189,6 +189,8 @@ MISSED: dict[tuple[str, str], str] = {
     ("mindlin", "shear reversed against loaded"): "a node at the end of contact: 7e-4, on cells half as long 2e-5",
     ("lifted-beam", "pull of a contact node over the largest push"):
         "the iteration ends with a node just let go, which still carries its pull; the run warns of it",
+    ("westergaard", "pull of a contact node over the largest push"):
+        "gaps of 1e-9 of a segment count as touching: under the smallest load their pull shows; the run warns of it",
     ("bars-with-gap", "stopped"):
         f"{VERTEX.partition(':')[0]}: with all statuses fixed the residual alternates at 1e-7, where 1e-8 is asked",
     ("stuck-rings", "order of the carried pressure"):

@@ -22,22 +22,24 @@ class ElasticPunch(Case):
     """Half width 1, height 4, on a block 20 x 20.
 
     contrast  of the moduli, punch over block
+    ratio     cells of the block under the punch over those of the punch
     smallest  cells, at the corners of the punch
     """
 
     contrast: float = 1.0
+    ratio: float = 1.5
     smallest: float = 0.001
 
     title: ClassVar[str] = "elastic square punch, exponent at its corners"
     source: ClassVar[str] = "Dundurs & Lee 1972; Bogy 1971"
     family: ClassVar[str] = "complete contact"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"contrast": tuple(EXPONENTS)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"contrast": tuple(EXPONENTS), "ratio": (0.7, 1.5)}
     integrators: ClassVar[tuple[str, ...]] = ("newton",)
     elements: ClassVar[tuple[str, ...]] = ("q1",)
     proves: ClassVar[frozenset[str]] = frozenset({"singular pressure", "stiffness contrast"})
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """One run; a half more cells on the block, so that nodes do not match."""
+        """One run; half as many cells more on the block, so that nodes do not match."""
         growth, smallest = 1.0 + 0.2 / (1.0 + setup.level), self.smallest / setup.level
         inside, beside = (graded_count(length, smallest, growth) for length in (1.0, 9.0))
         down, up = (graded_count(length, smallest, growth) for length in (20.0, 4.0))
@@ -46,7 +48,7 @@ class ElasticPunch(Case):
             "use": "rectangle", "x": [-1.0, 0.0, 1.0], "y": [0.0, 4.0],
             "cells": [[inside, inside], up], "grading": [[big[0], 1.0 / big[0]], big[3]],
         }  # fmt: skip
-        more = inside + inside // 2
+        more = int(self.ratio * inside)
         block = {
             "use": "rectangle", "x": [-10.0, -1.0, 0.0, 1.0, 10.0], "y": [-20.0, 0.0],
             "cells": [[beside, more, more, beside], down],

@@ -14,7 +14,6 @@ from contactlab_cases.circles import only, peak_error
 from contactlab_cases.statics import ordered, plane_strain, static_job
 
 LENGTH = 1.0  # mm, of the wave
-AMPLITUDE = 2e-5  # mm: strains of 1e-4
 YOUNG = 70000.0
 CELLS = 40  # along half a wave, at level 1
 DEPTH = 2.0  # wave lengths: a pressure of this period has died away by exp(-4 pi)
@@ -25,15 +24,20 @@ POINTS = 400  # of the rigid line on half a wave: its facets are 2e-6 of the amp
 class Westergaard(Case):
     """Pressure under a rigid wave.
 
-    load  mean pressure over that of full contact, about: it is reached through a displacement, and measured
+    load       mean pressure over that of full contact, about: it is reached through a displacement, and measured
+    amplitude  of the wave [mm]: strains of 1e-4, or of 1e-6, under which gaps are small against segments
     """
 
     load: float = 0.5
+    amplitude: float = 2e-5
 
     title: ClassVar[str] = "a rigid wave on a half plane"
     source: ClassVar[str] = "Westergaard 1939; Johnson 1985, Contact Mechanics, 13.2"
     family: ClassVar[str] = "edges"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"load": (0.25, 0.5, 0.75, 1.5)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {
+        "load": (0.25, 0.5, 0.75, 1.5),
+        "amplitude": (2e-7, 2e-5),
+    }
     demands: ClassVar[frozenset[str]] = frozenset({"implicit"})
     proves: ClassVar[frozenset[str]] = frozenset({"pressure"})
     integrators: ClassVar[tuple[str, ...]] = ("newton",)
@@ -44,10 +48,10 @@ class Westergaard(Case):
         """One run: the wave comes down, or the half plane's foot comes up, by what the mean pressure needs."""
         half, n = 0.5 * LENGTH, CELLS * setup.level
         x = np.linspace(-0.1 * half, 1.1 * half, POINTS + 1)
-        line = [[float(v), float(AMPLITUDE * (1.0 - np.cos(2.0 * np.pi * v / LENGTH)))] for v in x]
+        line = [[float(v), float(self.amplitude * (1.0 - np.cos(2.0 * np.pi * v / LENGTH)))] for v in x]
         modulus = plane_strain(YOUNG)
         stiff = YOUNG * 0.7 / (1.3 * 0.4)  # of a layer that cannot widen [MPa]
-        down = self.load * self._full(modulus) * DEPTH * LENGTH / stiff + AMPLITUDE * min(1.0, self.load)
+        down = self.load * self._full(modulus) * DEPTH * LENGTH / stiff + self.amplitude * min(1.0, self.load)
         body = {
             "material": "soft",
             "mesh": {
@@ -65,10 +69,9 @@ class Westergaard(Case):
             ],
         )]  # fmt: skip
 
-    @staticmethod
-    def _full(modulus: float) -> float:
+    def _full(self, modulus: float) -> float:
         """p* [MPa], the mean pressure from which on contact is everywhere."""
-        return np.pi * modulus * AMPLITUDE / LENGTH
+        return np.pi * modulus * self.amplitude / LENGTH
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Errors of the pressure."""
