@@ -1,7 +1,7 @@
 """Rows of cells of `contactlab matrix` that pages show, taken from archives and kept in case_rows.csv.
 
     contactlab matrix $(python benchmarks/studies/case_rows.py hard) --level 2 --out runs/hard
-    contactlab matrix --full $(python benchmarks/studies/case_rows.py statics friction) --out runs/statics
+    contactlab matrix --full $(python benchmarks/studies/case_rows.py statics friction long) --out runs/statics
     make pages CASES="runs/hard runs/statics"
 
 A row is one measure of a cell; invariants of runs that are kept, and for which no case asks, are left out. The newest
@@ -34,7 +34,8 @@ STATICS = (
     "stiffness-contrast", "incompressible", "mesh-ratio", "wall-impact", "two-beams", "resting-block", "ironing",
 )  # fmt: skip
 FRICTION = ("disc-with-friction",)
-GROUPS = {"hard": HARD, "statics": STATICS, "friction": FRICTION}
+LONG = ("long-run",)
+GROUPS = {"hard": HARD, "statics": STATICS, "friction": FRICTION, "long": LONG}
 
 Key = tuple[str, ...]
 OF_THE_RUN = "of the run"
@@ -48,7 +49,7 @@ def asked(*requests: Request) -> dict[Key, Cell]:
 
 def of_pages() -> dict[Key, Cell]:
     """The cells that these pages show: hard cases on the finer meshes of level 2, the others in full."""
-    return asked(Request(HARD, levels=(2,)), Request((*STATICS, *FRICTION), full=True))
+    return asked(Request(HARD, levels=(2,)), Request((*STATICS, *FRICTION, *LONG), full=True))
 
 
 def key_of(row: Mapping[str, Any]) -> Key:

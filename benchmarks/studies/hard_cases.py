@@ -1,4 +1,7 @@
-"""docs/hard-cases.md from rows of cells at level 2 (case_rows.py) and from those of million_steps.py: `make pages`."""
+"""docs/hard-cases.md from rows of cells (case_rows.py) and from those of million_steps.py: `make pages`.
+
+Cells of hard cases are those of level 2, of `long-run` those of a million steps.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,12 @@ from pathlib import Path
 import case_rows
 import cases_page
 import kept_rows
-from case_tables import counts
+from case_tables import counts, table
 from kept_rows import Row
 
 HERE = Path(__file__).parent
 MILLION = HERE / "million_steps.csv"
-LEVEL = "level=2"
+LEVEL, STEPS = "level=2", "steps=1000000"
 
 
 def stored() -> list[Row]:
@@ -42,4 +45,6 @@ def page(rows: list[Row]) -> str:
         own = [row for row in rows if row["case"] == case]
         text = text.replace(f"<!-- {case} -->", "\n".join(cases_page.table(own) if own else ["Not run yet."]))
     text = text.replace("<!-- counts -->", f"Of {counts(rows)}")
+    long = [row for row in case_rows.stored() if row["case"] in case_rows.LONG and STEPS in row["variant"]]
+    text = text.replace("<!-- long-run -->", "\n".join(table(long)))
     return text.replace("<!-- million steps -->", "\n".join(million_table(kept_rows.read(MILLION))))
