@@ -2,11 +2,14 @@
 
     python benchmarks/bench.py                  # `make bench`: some twenty minutes
     python benchmarks/bench.py --quick          # `make bench QUICK=1`: three minutes, no large meshes
-    python benchmarks/bench.py --update         # make these ratios the baseline
+    python benchmarks/bench.py --update         # keep these ratios as the newest of this kind of machine
+    python benchmarks/bench.py --versions       # measure nothing: docs/performance-over-versions.md from what is kept
 
 Ratios are between things measured in turns in one process (peers: in processes of their own, in turns), CPU time,
-medians. The baseline is `benchmarks/baseline.json`; a ratio that lost more than a fifth is marked, and the exit status
-is 1. Peers are installed into `.venv-peers` by pip, and left out with the reason where that does not work.
+medians. They belong to the machine all the same, as the share of memory in them differs (ours over Akantu was 25 on
+one machine, 12 on another), and are compared with the newest in `benchmarks/baselines.json` of the same kind of
+machine: a ratio that lost more than a fifth is marked, and the exit status is 1. Without such a baseline nothing is
+judged. Peers are installed into `.venv-peers` by pip, and left out with the reason where that does not work.
 """
 
 from __future__ import annotations
@@ -26,15 +29,17 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 sys.path.extend(str(Path(__file__).parent / folder) for folder in ("kernels", "studies"))
 
+import baselines
 import compile_times
 import elements
 import numpy as np
 import numpy_law
 import steps
 from bench_page import write_page
+from machine import kind, machine
 
 HERE = Path(__file__).resolve().parent
-BASELINE = HERE / "baseline.json"
+VERSIONS = HERE.parent / "docs" / "performance-over-versions.md"
 LOSS = 0.2  # share of a ratio that may be lost before it is called a loss
 PEERS = ("akantu", "kratos")
 LESS_IS_BETTER = ("contact over elements", "numpy law", "exponent", "bytes", "python calls")
@@ -107,13 +112,18 @@ def _beside(python: Path, name: str, cells: int) -> dict[str, Any]:
         version = found["version"]
     ratio = median(a / b for a, b in zip(theirs, ours, strict=True))
     print(f"  {name} {version}: {cells} cells, {cells / median(theirs) / 1e6:.2f} M/s; ours {ratio:.0f} times as many")
-    return {"peer": name, "version": version, "cells": cells, "ns": 1e9 * median(theirs) / cells, "ratio": ratio}
+    ns = 1e9 / cells * np.array([median(theirs), min(theirs), max(theirs)])
+    return {
+        "peer": name, "version": version, "cells": cells, "ns": float(ns[0]), "spread": ns[1:].tolist(), "ratio": ratio
+    }  # fmt: skip
 
 
 def measure(quick: bool, rounds: int) -> dict[str, Any]:
     """Everything, printed as it comes."""
+    found: dict[str, Any] = {"machine": machine(4_000_000 if quick else 20_000_000, rounds)}
+    print(kind(found["machine"]))
     print("updates per second of explicit steps")
-    found: dict[str, Any] = {"elements": element_rows(quick, rounds)}
+    found["elements"] = element_rows(quick, rounds)
     print("a step of two pressed blocks by phase")
     found["phases"] = steps.phases(steps.CELLS[:4] if quick else steps.CELLS, rounds)
     print("contact alone")
@@ -133,7 +143,7 @@ def measure(quick: bool, rounds: int) -> dict[str, Any]:
 
 
 def ratios_of(found: Mapping[str, Any]) -> dict[str, float]:
-    """Every number that another machine should find again."""
+    """Every number that another machine of this kind should find again."""
     ratios: dict[str, float] = {}
     for row in found["elements"]:
         name = f"{row['element']} {row['law']} {_round(row['cells'])}"
@@ -187,23 +197,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="small sizes and few rounds")
     parser.add_argument("--rounds", type=int, default=7)
-    parser.add_argument("--update", action="store_true", help="write the baseline")
+    parser.add_argument("--update", action="store_true", help="keep the ratios, with machine and version")
+    parser.add_argument("--versions", action="store_true", help="only write the page of the ratios that are kept")
     parser.add_argument(
         "--out", type=Path, default=Path("runs/bench"), help="folder of the page, its plots and numbers"
     )
     chosen = parser.parse_args(arguments)
+    if chosen.versions:
+        VERSIONS.write_text(baselines.page(baselines.load()), encoding="utf-8")
+        return 0
     found = measure(chosen.quick, min(chosen.rounds, 5) if chosen.quick else chosen.rounds)
     ratios = ratios_of(found)
-    baseline = json.loads(BASELINE.read_text()) if BASELINE.exists() else {}
+    kept = baselines.load()
+    before = baselines.like(kept, found["machine"])
+    baseline = {} if before is None else before["ratios"]
     lost = losses(ratios, baseline)
     show(ratios, baseline, lost)
+    against = f"version {before['version']} of {before['date']}" if before else ""
+    print(f"\nCompared with {against}" if against else f"\nNothing to compare with: {baselines.no_like(kept)}")
     if chosen.update:
-        BASELINE.write_text(
-            json.dumps({name: float(f"{value:.4g}") for name, value in ratios.items()}, indent=1) + "\n"
+        told = subprocess.run(
+            ["git", "log", "-1", "--format=%cs %h"], cwd=HERE, capture_output=True, text=True, check=True
         )
+        date, commit = told.stdout.split()
+        entry = {"machine": found["machine"], "date": date, "version": found["machine"]["software"]["contactlab"]}
+        baselines.keep(kept, {**entry, "commit": commit, "ratios": ratios})
     chosen.out.mkdir(parents=True, exist_ok=True)
     (chosen.out / "benchmarks.json").write_text(json.dumps(found, indent=1))
-    write_page(found, ratios, lost, chosen.out)
+    write_page(found, lost, against or baselines.no_like(kept), chosen.out)
     print(f"\nThe page is {chosen.out}/benchmarks.md")
     return 1 if lost and not chosen.update else 0
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import platform
 from collections.abc import Iterable, Mapping, Sequence
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from machine import described
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -19,14 +18,14 @@ Rows = Sequence[Mapping[str, Any]]
 PHASES = {"elements": "#0072B2", "contact": "#D55E00", "rest": "#999999"}
 
 
-def write_page(found: Mapping[str, Any], ratios: Mapping[str, float], lost: Mapping[str, float], folder: Path) -> None:
-    """`benchmarks.md` and its plots in the folder."""
+def write_page(found: Mapping[str, Any], lost: Mapping[str, float], against: str, folder: Path) -> None:
+    """`benchmarks.md` and its plots in the folder. `against`: what `lost` is relative to, or why nothing is."""
     for name, draw in (("updates", _updates), ("phases", _phases), ("contact", _contact)):
         with house_style():
             figure = Figure(figsize=(7.2, 4.2), layout="constrained")
             draw(figure.subplots(), found)
             figure.savefig(folder / f"benchmarks-{name}.png", dpi=110)
-    (folder / "benchmarks.md").write_text("\n".join(_text(found, ratios, lost)) + "\n", encoding="utf-8")
+    (folder / "benchmarks.md").write_text("\n".join(_text(found, lost, against)) + "\n", encoding="utf-8")
 
 
 # --- plots -------------------------------------------------------------------------------------------
@@ -74,22 +73,24 @@ def _contact(axes: Axes, found: Mapping[str, Any]) -> None:
 # --- text --------------------------------------------------------------------------------------------
 
 
-def _text(found: Mapping[str, Any], ratios: Mapping[str, float], lost: Mapping[str, float]) -> Iterable[str]:
+def _text(found: Mapping[str, Any], lost: Mapping[str, float], against: str) -> Iterable[str]:
     yield "# Benchmarks"
     yield ""
     yield (
-        "Written by `make bench`. Seconds depend on the machine and its load; ratios are between measurements "
-        "that take turns in one process. CPU time of one thread, medians."
+        "Written by `make bench`. CPU time of one thread, medians of rounds, in brackets the best and the worst. "
+        "Seconds depend on the machine and its load. Ratios are between measurements that take turns in one process; "
+        "they belong to the machine as well, as the share of memory in them differs."
     )
     yield ""
-    libraries = ", ".join(f"{name} {version(name)}" for name in ("numpy", "numba"))
-    yield f"{platform.machine()}, Python {platform.python_version()}, {libraries}."
+    yield described(found["machine"])
     yield from _element_section(found["elements"])
     yield from _peer_section(found["peers"])
     yield from _step_section(found)
     yield from _start_section(found)
-    yield from ["", "## Against the baseline", ""]
-    yield from [f"- {name}: {share:.0%} lost" for name, share in lost.items()] or ["Nothing lost a fifth or more."]
+    yield from ["", "## Against the baseline", "", against[:1].upper() + against[1:] + "."]
+    if "no baseline" not in against:
+        yield ""
+        yield from [f"- {name}: {share:.0%} lost" for name, share in lost.items()] or ["Nothing lost a fifth or more."]
 
 
 def _element_section(rows: Rows) -> Iterable[str]:
@@ -102,7 +103,7 @@ def _element_section(rows: Rows) -> Iterable[str]:
     yield ""
     head = ("element", "law", "cells", "ns", "M/s", "times fused", "share of the bound")
     cells = (
-        (r["element"], r["law"], r["cells"], f"{r['ns']:.1f}", f"{r['millions_per_s']:.1f}",
+        (r["element"], r["law"], r["cells"], f"{r['ns']:.1f} {_spread(r['spread'])}", f"{r['millions_per_s']:.1f}",
          "-" if r["over_fused"] is None else f"{r['over_fused']:.1f}", f"{r['share_of_bound']:.0%}")
         for r in rows
     )  # fmt: skip
@@ -115,7 +116,10 @@ def _peer_section(rows: Rows) -> Iterable[str]:
     yield ""
     known = [r for r in rows if "ratio" in r]
     head = ("code", "cells", "ns", "our updates in the same CPU time")
-    body = ((f"{r['peer']} {r['version']}", r["cells"], f"{r['ns']:.0f}", f"{r['ratio']:.0f} times") for r in known)
+    body = (
+        (f"{r['peer']} {r['version']}", r["cells"], f"{r['ns']:.0f} {_spread(r['spread'])}", f"{r['ratio']:.0f} times")
+        for r in known
+    )
     yield from _table(head, body)
     yield from ("\nLeft out: " + f"{r['peer']}: {r['skipped']}" for r in rows if "skipped" in r)
 
@@ -132,7 +136,8 @@ def _step_section(found: Mapping[str, Any]) -> Iterable[str]:
     yield ""
     head = ("cells", "step, µs", "elements", "contact", "rest", "contact over elements", "sweeps")
     body = (
-        (f"{r['cells']:.0f}", *(f"{r[k]:.1f}" for k in ("whole", "elements", "contact", "rest")),
+        (f"{r['cells']:.0f}", f"{r['whole']:.1f} {_spread((r['least'], r['largest']))}",
+         *(f"{r[k]:.1f}" for k in ("elements", "contact", "rest")),
          f"{r['contact'] / r['elements']:.2f}", f"{r['sweeps']:.1f}")
         for r in found["phases"]
     )  # fmt: skip
@@ -163,6 +168,11 @@ def _start_section(found: Mapping[str, Any]) -> Iterable[str]:
         ("NumPy law by stacked matrices over the compiled law: whole step", f"{law['by matrices']:.1f}"),
     ]
     yield from _table(("what", "CPU"), rows)
+
+
+def _spread(ends: Sequence[float]) -> str:
+    """Best and worst round."""
+    return f"({ends[0]:.1f} to {ends[1]:.1f})"
 
 
 def _table(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Iterable[str]:

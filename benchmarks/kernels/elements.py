@@ -3,7 +3,8 @@
 Each row is timed beside two yardsticks in the same process, in turns: a fused scalar loop written by hand
 for that law (`fused_loops.py`) or element (`fused_elements.py`, neo-Hookean), which must give the same
 forces, and the time that the memory of this machine needs for the bytes that no scheme can avoid, from a
-triad. Ratios carry over to other machines, seconds do not. Times are of the thread (CPU), medians of rounds.
+triad. Both seconds and ratios belong to the machine, as the share of memory in them differs. Times are of the
+thread (CPU), medians of rounds.
 
     python benchmarks/kernels/elements.py                              # bilinear, all laws, 1k to 1M cells
     python benchmarks/kernels/elements.py --elements q2 --sizes 10000 --laws neo-hookean
@@ -67,13 +68,14 @@ mesh = {{ use = "rectangle", x = [0.0, {columns}.0], y = [0.0, {rows}.0], cells 
 
 @dataclass
 class Row:
-    """One measurement: CPU nanoseconds per cell and step, and what they compare with."""
+    """One measurement: CPU nanoseconds per cell and step (`spread`: of the best and the worst round), and ratios."""
 
     element: str
     law: str
     cells: int
     ns: float
     millions_per_s: float
+    spread: tuple[float, float]
     over_fused: float | None
     over_rate_loop: float | None
     share_of_bound: float
@@ -236,7 +238,8 @@ def measure(element: str, law: str, cells: int, rounds: int, arrays: tuple[Any, 
         return median(pairs) if pairs else None
 
     bound = median(times["triad"]) * unavoidable_bytes(element, law, model) * 1e9
-    return Row(element, law, count, ns, 1e3 / ns, ratio("fused"), ratio("rate"), bound / ns)
+    spread = (1e9 * min(times["step"]) / count, 1e9 * max(times["step"]) / count)
+    return Row(element, law, count, ns, 1e3 / ns, spread, ratio("fused"), ratio("rate"), bound / ns)
 
 
 def text(value: float | None, form: str) -> str:

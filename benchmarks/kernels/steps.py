@@ -90,7 +90,7 @@ class Clock:
 
 
 def measure(scene: Scene, rounds: int, warm: int = 100) -> dict[str, float]:
-    """CPU microseconds of a step by phase, medians of rounds; sweeps per step and active nodes."""
+    """CPU microseconds of a step by phase, medians of rounds, with the best and the worst; sweeps, active nodes."""
     model = build(scene, scene.registry)
     dt = 0.9 * model.stable_step()
     clock = Clock(model)
@@ -110,7 +110,8 @@ def measure(scene: Scene, rounds: int, warm: int = 100) -> dict[str, float]:
         found.append({name: 1e6 * seconds / number for name, seconds in row.items()} | {"sweeps": sweeps / number})
     middle = {name: median(row[name] for row in found) for name in found[0]}
     active = int(np.count_nonzero(model.state["multipliers"][0])) if model.contact is not None else 0
-    return middle | {"cells": sum(len(body.cells) for body in model.bodies), "active": active}
+    spread = {"least": min(row["whole"] for row in found), "largest": max(row["whole"] for row in found)}
+    return middle | spread | {"cells": sum(len(body.cells) for body in model.bodies), "active": active}
 
 
 def phases(sizes: Sequence[int], rounds: int) -> list[dict[str, float]]:

@@ -74,6 +74,8 @@ def with_law(law: Material | None, cells: int) -> tuple[Any, Any]:
         body = model.bodies[0]
         object.__setattr__(body, "material", law)
         forces = model.forces[0]
+        for block in forces.blocks:
+            block.law = law
         pairs = zip(forces.blocks, forces.scratch, strict=True)
         model.updates = tuple(forces._bind(block, scratch) for block, scratch in pairs)
     return model, stepper(model)
