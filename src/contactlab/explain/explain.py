@@ -105,7 +105,7 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
         step=schedule.dt,
         steps_follow=schedule.parameter,
         estimated_steps=steps,
-        history=_history(model),
+        history=_history(model, steps if schedule.skips else 0),
         contact_forces=_contact_forces(model),
         seconds_to_first_step=seconds[0],
         seconds_per_step=seconds[1],
@@ -131,8 +131,14 @@ def _schedule(model: Model, scene: Scene) -> Any:
     return schedule_of(model, scene)
 
 
-def _history(model: Model) -> str:
-    """By which keys the end depends on the loading path, and what a run that settles makes of the path."""
+def _history(model: Model, at_once: int) -> str:
+    """By which keys the end depends on the loading path, and what the run makes of the path.
+
+    at_once  load steps that go to the end, or from turn to turn of the loading, at once; 0: the way is followed
+    """
+    if at_once:
+        steps = "one load step" if at_once == 1 else f"{at_once} load steps, from turn to turn"
+        return f"{model.history}, so {steps}"
     if model.timing.follows:
         return str(model.history)
     return f"{model.history} (key time.history)"

@@ -33,6 +33,31 @@ def test_implicit_runs_take_the_steps_that_are_announced(changes: dict[str, Any]
     assert explain(scene, scene.registry).scene.estimated_steps == results.summary["steps"]
 
 
+FRICTION = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
+THERE_AND_BACK = {
+    "time.end": 2.0,
+    "supports.1.uy": {"ramp": "table", "to": -0.03, "points": [[0.0, 0.0], [1.0, 1.0], [2.0, 0.0]]},
+}
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, "none: the end does not depend on the loading path, so one load step"),
+        (THERE_AND_BACK, "none: the end does not depend on the loading path, so 2 load steps, from turn to turn"),
+        ({"integrator": {"use": "newton", "steps": 3}}, "none: the end does not depend on the loading path"),
+        (FRICTION, "contacts.0.friction"),
+    ],
+    ids=["straight", "there and back", "load steps asked for", "friction"],
+)
+def test_explain_says_what_a_scene_without_history_saves(changes: dict[str, Any], told: str) -> None:
+    shallow = {**SHALLOW, "integrator": "newton"}
+    if "supports.1.uy" in changes:
+        shallow.pop("supports.1.uy.to")
+    scene = contactlab.load_scene("disc-on-block").with_({**shallow, **changes})
+    assert explain(scene, scene.registry).scene.history == told
+
+
 def test_a_step_left_over_from_an_explicit_run_is_refused() -> None:
     """A hundred million load steps of 1e-8 are nobody's wish."""
     scene = contactlab.load_scene("disc-on-block").with_(SHALLOW | {"integrator": "newton", "time.step": 1e-8})
