@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, overload
+from typing import Any
 
 import h5py
 import numpy as np
@@ -15,6 +15,7 @@ from contactlab.results.checksums import GROUP, Damage, of_rows
 from contactlab.results.damage import BROKEN, damage_told
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.stored_file import opened
+from contactlab.results.stored_sequence import StoredSequence
 
 ROOM = 1 << 18  # bytes by which the room of a table grows, at least
 CHUNK = 1 << 15  # bytes of a chunk
@@ -95,7 +96,7 @@ def rows_up_to(own: Any, layout: Layout, rows: int, step: float) -> int:
     return int(np.searchsorted(numbers, step, side="right"))
 
 
-class StoredContactSteps(Sequence[np.ndarray]):
+class StoredContactSteps(StoredSequence[np.ndarray]):
     """The record of one contact in blocks of rows, read when they are asked for; `salvage`: those that are whole."""
 
     def __init__(self, folder: Path, contact: ContactLayout, count: int, salvage: bool = False) -> None:
@@ -106,16 +107,8 @@ class StoredContactSteps(Sequence[np.ndarray]):
     def __len__(self) -> int:
         return -(-self.total // self.at_once)
 
-    @overload
-    def __getitem__(self, number: int) -> np.ndarray: ...
-    @overload
-    def __getitem__(self, number: slice) -> list[np.ndarray]: ...
-    def __getitem__(self, number: int | slice) -> np.ndarray | list[np.ndarray]:
+    def read(self, number: int) -> np.ndarray:
         """Block `number`. Raises RequestError where it is damaged."""
-        if isinstance(number, slice):
-            return [self[k] for k in range(*number.indices(len(self)))]
-        if not 0 <= number < len(self):
-            raise IndexError(f"block {number} of {len(self)}")
         begin = number * self.at_once
         end = min(begin + self.at_once, self.total)
         with opened(self.folder) as file:

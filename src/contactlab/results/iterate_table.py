@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, overload
+from typing import Any
 
 import h5py
 import numpy as np
@@ -14,6 +14,7 @@ from contactlab.results.checksums import Damage, of_rows
 from contactlab.results.damage import BROKEN, damage_told
 from contactlab.results.growing import Column, GrowingFile, Number
 from contactlab.results.stored_file import opened
+from contactlab.results.stored_sequence import StoredSequence
 
 GROUP = "iterates"
 ROOM = 1 << 18  # bytes by which room grows, at least
@@ -71,7 +72,7 @@ class IterateTable:
         self.show()
 
 
-class StoredIterates(Sequence[Iterate]):
+class StoredIterates(StoredSequence[Iterate]):
     """Those of the first `iterations` iterations, each read when it is asked for; `salvage`: those that are whole."""
 
     def __init__(self, folder: Path, own: Any, iterations: int, salvage: bool = False) -> None:
@@ -88,17 +89,10 @@ class StoredIterates(Sequence[Iterate]):
     def __len__(self) -> int:
         return len(self.rows)
 
-    @overload
-    def __getitem__(self, number: int) -> Iterate: ...
-    @overload
-    def __getitem__(self, number: slice) -> list[Iterate]: ...
-    def __getitem__(self, number: int | slice) -> Iterate | list[Iterate]:
-        """One of them, negative ones from the end. Raises RequestError where it is damaged."""
-        if isinstance(number, slice):
-            return [self[k] for k in range(*number.indices(len(self)))]
-        row = self.rows[number]
+    def read(self, number: int) -> Iterate:
+        """State `number`. Raises RequestError where it is damaged."""
         with opened(self.folder) as file, damage_told(self.folder):
-            return checked_iterate(file["contactlab"], row)
+            return checked_iterate(file["contactlab"], self.rows[number])
 
     def __iter__(self) -> Iterator[Iterate]:
         with opened(self.folder) as file:

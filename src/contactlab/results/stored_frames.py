@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 
@@ -14,6 +14,7 @@ from contactlab.api.frame import ContactCurve, Frame, Layout
 from contactlab.results.damage import damage_told
 from contactlab.results.frame_sums import StoredSums
 from contactlab.results.stored_file import opened
+from contactlab.results.stored_sequence import StoredSequence
 from contactlab.results.stored_text import read_columns
 
 
@@ -35,7 +36,7 @@ class _Datasets:
         return read_columns(self.file["contactlab"], "history")
 
 
-class StoredFrames(Sequence[Frame]):
+class StoredFrames(StoredSequence[Frame]):
     """The stored frames of a run with these numbers, each read from the file when it is asked for."""
 
     def __init__(self, folder: Path, layout: Layout, numbers: Sequence[int]) -> None:
@@ -45,16 +46,8 @@ class StoredFrames(Sequence[Frame]):
     def __len__(self) -> int:
         return self.total
 
-    @overload
-    def __getitem__(self, number: int) -> Frame: ...
-    @overload
-    def __getitem__(self, number: slice) -> list[Frame]: ...
-    def __getitem__(self, number: int | slice) -> Frame | list[Frame]:
-        """Frame `number`, negative ones from the end. Raises RequestError where it is damaged."""
-        if isinstance(number, slice):
-            return [self[k] for k in range(*number.indices(self.total))]
-        if not -self.total <= number < self.total:
-            raise IndexError(f"frame {number} of {self.total}")
+    def read(self, number: int) -> Frame:
+        """Frame `number`. Raises RequestError where it is damaged."""
         with opened(self.folder) as file, damage_told(self.folder):
             return self._read(_Datasets(file), StoredSums(file["contactlab"]), self.numbers[number])
 

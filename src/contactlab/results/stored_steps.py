@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 
@@ -12,11 +11,12 @@ from contactlab.api.arrays import Floats
 from contactlab.results.checksums import Damage
 from contactlab.results.damage import BROKEN, damage_told, whole_steps
 from contactlab.results.stored_file import opened
+from contactlab.results.stored_sequence import StoredSequence
 
 STEPS_AT_ONCE = 65536
 
 
-class StoredSteps(Sequence[Floats]):
+class StoredSteps(StoredSequence[Floats]):
     """Scalars of every step in blocks (b, columns), read when they are asked for; `salvage`: those that are whole."""
 
     def __init__(self, folder: Path, count: int, salvage: bool = False) -> None:
@@ -25,16 +25,8 @@ class StoredSteps(Sequence[Floats]):
     def __len__(self) -> int:
         return -(-self.total // STEPS_AT_ONCE)
 
-    @overload
-    def __getitem__(self, number: int) -> Floats: ...
-    @overload
-    def __getitem__(self, number: slice) -> list[Floats]: ...
-    def __getitem__(self, number: int | slice) -> Floats | list[Floats]:
+    def read(self, number: int) -> Floats:
         """Block `number`. Raises RequestError where it is damaged."""
-        if isinstance(number, slice):
-            return [self[k] for k in range(*number.indices(len(self)))]
-        if not 0 <= number < len(self):
-            raise IndexError(f"block {number} of {len(self)}")
         begin = number * STEPS_AT_ONCE
         end = min(begin + STEPS_AT_ONCE, self.total)
         with opened(self.folder) as file:

@@ -22,8 +22,7 @@ class HalfEllipse(Function):
     centre: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.half_width < math.inf:
-            raise ValueError(f"half_width: got {self.half_width}, allowed: a number > 0")
+        _check_positive("half_width", self.half_width)
 
     def values(self, at: Floats) -> Floats:
         """1 in the middle, 0 from the edges on."""
@@ -42,8 +41,7 @@ class Sine(Function):
     start: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.period < math.inf:
-            raise ValueError(f"period: got {self.period}, allowed: a number > 0")
+        _check_positive("period", self.period)
 
     def values(self, at: Floats) -> Floats:
         """Between -1 and 1."""
@@ -66,3 +64,8 @@ class Polynomial(Function):
     def values(self, at: Floats) -> Floats:
         """By Horner's scheme."""
         return np.asarray(np.polynomial.polynomial.polyval(at, self.coefficients))
+
+
+def _check_positive(name: str, value: float) -> None:
+    if not 0.0 < value < math.inf:
+        raise ValueError(f"{name}: got {value}, allowed: a number > 0")
