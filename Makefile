@@ -39,7 +39,7 @@ paper: $(INSTALLED)
 	$(BIN)/python benchmarks/studies/paper/make.py
 
 # all pages that hold measured numbers, from what is kept; CASES=FOLDER takes the rows of a matrix in it
-# first, DEMO=FOLDER those of the front page and its pictures
+# first, or draws the figures of `make paper`; DEMO=FOLDER those of the front page and its pictures
 pages: $(INSTALLED)
 	$(BIN)/python benchmarks/studies/pages.py $(CASES) $(DEMO)
 

@@ -24,7 +24,7 @@ from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.parts.registry import default_registry
 
 STORED = Path(__file__).parent / "case_rows.csv"
-COLUMNS = (*CHOICES, "verdict", "measure", "role", "value", "least", "most", "unit", "cell", "reason")
+COLUMNS = (*CHOICES, "verdict", "measure", "role", "value", "least", "most", "unit", "cell", "reason", "cpu_s")
 HARD = (
     "bouncing-bar", "two-bars", "block-on-incline", "corner-slide", "vertex-to-vertex", "initial-overlap", "stack",
     "dropped-block", "pressed-block", "spinning-pair",
@@ -78,13 +78,13 @@ def _asked_rows(found: Mapping[str, Any], cell: Cell) -> list[Row]:
     own = {measure.name for measure in cell.case(default_registry()).measures(cell.setup)}
     rows = [row if row["measure"] in own else row | {"role": OF_THE_RUN} for row in _rows(found)]
     shown = [row for row in rows if row["role"] != OF_THE_RUN or row["verdict"] != "met"]
-    ends = {"cell": str(found["verdict"]), "reason": _first_line(found["reason"])}
+    ends = _ends(found)
     return shown or [dict(zip(CHOICES, key_of(found), strict=True)) | ends]
 
 
 def _rows(cell: Mapping[str, Any]) -> list[Row]:
     head = dict(zip(CHOICES, key_of(cell), strict=True))
-    ends = {"cell": str(cell["verdict"]), "reason": _first_line(cell["reason"])}
+    ends = _ends(cell)
     numbers = ("value", "least", "most")
     return [
         {
@@ -95,6 +95,12 @@ def _rows(cell: Mapping[str, Any]) -> list[Row]:
         }
         for m in cell["measures"]
     ]
+
+
+def _ends(cell: Mapping[str, Any]) -> Row:
+    """What a row says of its whole cell."""
+    seconds = "" if cell["cpu_s"] is None else f"{cell['cpu_s']:.2f}"
+    return {"cell": str(cell["verdict"]), "reason": _first_line(cell["reason"]), "cpu_s": seconds}
 
 
 def _first_line(reason: str | None) -> str:

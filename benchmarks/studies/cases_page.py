@@ -20,6 +20,7 @@ from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
 
 HERE = Path(__file__).parent
+ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
 STORED, PAGE = HERE / "cases.csv", HERE.parents[1] / "docs" / "cases.md"
 
 HEAD = """# Every case, with its numbers
@@ -57,8 +58,7 @@ def stored() -> list[Row]:
 def page(rows: list[Row]) -> str:
     """docs/cases.md."""
     cells = {tuple(row[name] for name in CHOICES): row["cell"] for row in rows}
-    order = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
-    counts = ", ".join(f"{list(cells.values()).count(v)} {v}" for v in order if v in cells.values() or v == "silent")
+    counts = ", ".join(f"{list(cells.values()).count(v)} {v}" for v in ORDER if v in cells.values() or v == "silent")
     text = [HEAD.format(counts=f"Of {len(cells)} cells: {counts}.")]
     registry = default_registry()
     for name in dict.fromkeys(row["case"] for row in rows):

@@ -2,8 +2,9 @@
 
     make demo && make pages DEMO=runs/demo
 
-takes the report's pictures and the rows that the README quotes; rows are kept in demo.csv. Each picture carries the
-hash of the rows that it was drawn with, so that a test finds one of another run.
+takes the rows that the README quotes from the archive of the comparison, and the report's pictures; rows are kept in
+demo.csv. Each picture carries the hash of the rows and of the reference that it was drawn with: a test finds one
+of another run, or with another reference.
 """
 
 from __future__ import annotations
@@ -17,20 +18,35 @@ from kept_rows import Row
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from contactlab.archive.archive import FILE, Archive
+from contactlab.studies.reference import bundled
+
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 STORED, README, PICTURES = HERE / "demo.csv", ROOT / "README.md", ROOT / "docs" / "pictures"
 DRAWN = {"pressure.png": "comparison.png", "error-against-cost.png": "error-against-cost.png"}
 """Pictures of the report, and what they are called here."""
 COLUMNS = ("algorithm", "slave", "level", "status", "pressure_error", "cpu_s", "steps")
+REFERENCE = [bundled()["disc-on-block-deep"].with_suffix(suffix) for suffix in (".json", ".csv")]
+"""What errors are measured against."""
 BEGIN, END = "<!-- numbers of make demo -->\n", "<!-- end of numbers -->"
 MARK = "rows"
 
 
+def rows_of(archive: Path) -> list[Row]:
+    """The newest row of each algorithm, slave and level in the archive of a comparison."""
+    found: dict[tuple[str, ...], Row] = {}
+    with Archive(archive, write=False) as kept:
+        for row in kept.rows():
+            values = {**row["values"], **{name: row[name] for name in ("algorithm", "slave", "level", "status")}}
+            own = {name: "" if values.get(name) is None else str(values[name]) for name in COLUMNS}
+            found.setdefault((own["algorithm"], own["slave"], own["level"]), own)
+    return list(found.values())
+
+
 def keep(folder: Path) -> None:
     """Take rows and pictures of a comparison."""
-    rows = [{name: row[name] for name in COLUMNS} for row in kept_rows.read(folder / "table.csv")]
-    kept_rows.write(STORED, COLUMNS, rows)
+    kept_rows.write(STORED, COLUMNS, rows_of(folder / FILE))
     for name, own in DRAWN.items():
         told = PngInfo()
         told.add_text(MARK, hash_of_rows())
@@ -40,8 +56,9 @@ def keep(folder: Path) -> None:
 
 
 def hash_of_rows() -> str:
-    """Of what is kept."""
-    return hashlib.sha256(STORED.read_text(encoding="utf-8").encode()).hexdigest()
+    """Of what is kept, and of the reference that pictures show with its uncertainty."""
+    shown = [STORED.read_text(encoding="utf-8"), *(path.read_text(encoding="utf-8") for path in REFERENCE)]
+    return hashlib.sha256("".join(shown).encode()).hexdigest()
 
 
 def drawn_with(picture: Path) -> str:

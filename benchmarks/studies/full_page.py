@@ -12,13 +12,13 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterator
-from functools import cache
 from pathlib import Path
 
 import case_rows
 import kept_rows
 from full_causes import CAUSES, UNKNOWN, why_missed
 from kept_rows import Row
+from matrix_page import applying
 
 from contactlab.archive.archive import CHOICES, Archive
 from contactlab.matrix.plan import Request
@@ -80,8 +80,9 @@ def page(rows: list[Row]) -> str:
     found = Counter(row["verdict"] for row in rows)
     counts = ", ".join(f"{found[v]} {v}" for v in ORDER if found[v] or v == "silent") + "."
     minutes = sum(float(row["cpu_s"]) for row in rows) / 60.0
+    planned = applying(full=True)[1]
     text = [
-        HEAD.format(cells=len(rows), planned=_planned(), minutes=minutes, counts=counts, missing=_missing(rows)),
+        HEAD.format(cells=len(rows), planned=planned, minutes=minutes, counts=counts, missing=_missing(rows)),
         *_table(rows),
     ]
     text += ["", "## Silent, failed and not judged, with the cause", "", "| case | algorithm | cells | cause |"]
@@ -92,14 +93,6 @@ def page(rows: list[Row]) -> str:
     unknown = sum(int(line.split("|")[3]) for line in missed if line.split("|")[5].strip().startswith(UNKNOWN))
     text += ["", "## Missed, by the number that misses first", "", f"The cause is not known for {unknown} cells.", ""]
     return "\n".join([*text, *missed]) + "\n"
-
-
-@cache
-def _planned() -> int:
-    """How many cells the full matrix has, but for those that do not apply."""
-    registry = default_registry()
-    cells = case_rows.asked(Request(full=True)).values()
-    return sum(not cell.case(registry).applies(cell.setup) for cell in cells)
 
 
 def _missing(rows: list[Row]) -> str:

@@ -2,12 +2,14 @@
 
     python benchmarks/studies/pages.py              # from the rows that are kept beside this file
     python benchmarks/studies/pages.py runs/full    # first takes rows of cases from the archive of a matrix there
+    python benchmarks/studies/pages.py runs/paper   # first draws the paper's figures from the archive of `make paper`
     python benchmarks/studies/pages.py runs/demo    # first takes rows and pictures of the comparison there
     python benchmarks/studies/pages.py --check      # writes nothing; exit status 1 where a page is stale
 
-docs/cases.md, full-matrix.md, hard-cases.md, statics-cases.md and friction.md come from archives of `contactlab matrix`
-(what studies add on finer meshes is marked there); docs/paper.md from the numbers of its figures; the front page has
-pictures and numbers of `make demo`. A folder may hold some of the cases: the others stay as they are kept.
+docs/cases.md, full-matrix.md, numbers of matrix.md, hard-cases.md, statics-cases.md and friction.md come from archives
+of `contactlab matrix` (what studies add on finer meshes is marked there); docs/paper.md and its figures from that of
+`make paper`; the front page has pictures and numbers of `make demo`. A folder may hold some of the cases: the others
+stay as they are kept.
 Numbers in prose are marks in a page's source, filled like tables.
 """
 
@@ -30,6 +32,9 @@ import effect_costs  # noqa: E402
 import friction  # noqa: E402
 import full_page  # noqa: E402
 import hard_cases  # noqa: E402
+import kept_runs  # noqa: E402
+import make  # noqa: E402
+import matrix_page  # noqa: E402
 import statics_cases  # noqa: E402
 
 
@@ -41,6 +46,11 @@ def cases() -> str:
 def full() -> str:
     """docs/full-matrix.md."""
     return full_page.page(full_page.stored())
+
+
+def matrix() -> str:
+    """docs/matrix.md."""
+    return matrix_page.page(cases_page.stored())
 
 
 def hard() -> str:
@@ -60,8 +70,6 @@ def rubbing() -> str:
 
 def paper() -> str:
     """docs/paper.md: numbers of its figures, as `make paper` kept them beside the pictures."""
-    import make
-
     return make.filled(make.PAGE.read_text(), json.loads(make.NUMBERS.read_text()))
 
 
@@ -76,7 +84,7 @@ def effects() -> str:
 
 
 PAGES: dict[str, Callable[[], str]] = {
-    "cases.md": cases, "full-matrix.md": full, "hard-cases.md": hard, "statics-cases.md": statics,
+    "cases.md": cases, "full-matrix.md": full, "matrix.md": matrix, "hard-cases.md": hard, "statics-cases.md": statics,
     "friction.md": rubbing, "paper.md": paper, "bundled-scenes.md": scenes,
     "effect-costs.md": effects,
     "../README.md": demo_page.page,
@@ -96,6 +104,8 @@ def _keep(folder: Path) -> None:
         demo_page.keep(folder)
         return
     archive = folder / cases_page.FILE
+    if kept_runs.held(folder):
+        make.keep(folder)
     rows = full_page.rows_of(archive)
     if any(row["slave"] == "exchanged" or row["variant"] for row in rows):  # the quick matrix has none
         full_page.keep(rows)

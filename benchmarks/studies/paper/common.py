@@ -9,14 +9,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from kept_runs import run
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import contactlab
-from contactlab.api import ContactCurve
+from contactlab.api import ContactCurve, Record
 from contactlab.api.drawing.colours import REFERENCE, STATES, styles
 from contactlab.reports.figures import house_style
-from contactlab.results.results import Results
 from contactlab.studies.measures import mutual_difference
 from contactlab.studies.profile import Profile, integral
 from contactlab.studies.reference import load_reference
@@ -33,44 +33,46 @@ Numbers = dict[str, Any]
 
 
 @cache
-def _disc(changes: str) -> Results:
-    return contactlab.simulate(contactlab.load_scene("disc-on-block").with_(json.loads(changes)))
+def _disc(changes: str) -> Record:
+    return run(contactlab.load_scene("disc-on-block").with_(json.loads(changes)))
 
 
 def disc(
     algorithm: str | dict[str, str], *, swap: bool = False, mu: float = 0.0, element: str = "q1", level: int = 2,
     depth: float = DEEP, steps: int = 10, explicit: bool = False, frames: int = 1,
-) -> Results:  # fmt: skip
-    """A run of disc-on-block; static unless `explicit`. The same run is made once."""
+) -> Record:  # fmt: skip
+    """A run of disc-on-block; static unless `explicit`, which follows the way where `frames` of it are wanted."""
     changes: dict[str, Any] = {
         "level": level, "contacts.0.algorithm": algorithm, "contacts.0.swap": swap, "supports.1.uy.to": -depth,
         "bodies.disc.element": element, "bodies.block.element": element, "record.frames": frames,
     }  # fmt: skip
     if not explicit:
         changes["integrator"] = {"use": "newton", "steps": steps}
+    elif frames > 1:
+        changes["time.history"] = True
     if mu:
         changes["contacts.0.friction"] = {"use": "coulomb", "mu": mu}
     return _disc(json.dumps(changes, sort_keys=True))
 
 
-def curve(results: Results, contact: str = "contacts.0") -> ContactCurve:
+def curve(results: Record, contact: str = "contacts.0") -> ContactCurve:
     """The contact at the end of a run."""
-    return results.contact[contact].last
+    return results.curve(contact)
 
 
-def profile(results: Results, column: str = "pressure", contact: str = "contacts.0") -> Profile:
+def profile(results: Record, column: str = "pressure", contact: str = "contacts.0") -> Profile:
     """A column of the contact at the end over the deformed x."""
     return Profile.of_curve(curve(results, contact), column)
 
 
-def shear(results: Results) -> Profile:
+def shear(results: Record) -> Profile:
     """Shear on the upper body as a function of x: slaves below run the other way."""
     found = curve(results)
     x, value = np.asarray(found.x), np.asarray(found.shear)
     return Profile.of_nodes(x, value)
 
 
-def reaction(results: Results, support: str = "block.bottom") -> float:
+def reaction(results: Record, support: str = "block.bottom") -> float:
     """Vertical reaction [N/mm]."""
     return float(results.summary["reactions"][support][1])
 
@@ -125,5 +127,6 @@ def percent(value: float, digits: int = 2) -> str:
 
 __all__ = [
     "COLOURS", "DEEP", "GREY", "PICTURES", "ROOT", "SHORT", "STATE_COLOURS", "Numbers", "area", "cross", "curve",
-    "deep_reference", "difference", "disc", "draw", "integral", "percent", "picture", "profile", "reaction", "shear",
+    "deep_reference", "difference", "disc", "draw", "integral", "percent", "picture", "profile", "reaction", "run",
+    "shear",
 ]  # fmt: skip

@@ -1,6 +1,8 @@
 """All figures and numbers of docs/paper.md: `make paper`, or some of them: `python make.py f07 f14`.
 
-Each figure leaves its pictures and its numbers in docs/paper; the page is page.md here with the numbers put in.
+Runs go into the archive in runs/paper, and what is there is not run again. Each figure leaves its pictures and its
+numbers in docs/paper; the page is page.md here with the numbers put in. `make pages CASES=FOLDER` draws all figures
+from such an archive and runs nothing.
 """
 
 from __future__ import annotations
@@ -9,9 +11,12 @@ import importlib
 import json
 import re
 import sys
+from collections.abc import Callable
+from pathlib import Path
 from time import process_time
 
 from common import PICTURES, ROOT, Numbers
+from kept_runs import use
 
 sys.path.append(str(ROOT / "benchmarks" / "studies"))
 import pictures
@@ -23,22 +28,38 @@ NUMBERS = PICTURES / "numbers.json"
 
 def main(wanted: list[str]) -> int:
     """Make the wanted figures, or all; returns an exit status."""
-    figures = {name: figure for module in MODULES for name, figure in importlib.import_module(module).FIGURES.items()}
+    figures = known()
     unknown = [name for name in wanted if name not in figures]
     if unknown:
         print(f"got {', '.join(unknown)}, allowed: {', '.join(figures)}")
         return 2
-    numbers: dict[str, Numbers] = {}
     for name in wanted or figures:
         began = process_time()
-        made = figures[name]()
-        numbers = json.loads(NUMBERS.read_text()) if NUMBERS.exists() else {}
-        numbers[name] = made
+        draw(name, figures[name])
         print(f"{name}: {process_time() - began:.0f} s of processor time", flush=True)
-        NUMBERS.write_text(json.dumps(numbers, indent=1, sort_keys=True) + "\n")
-        pictures.keep(pictures.of_figure(name))
-    (ROOT / "docs" / "paper.md").write_text(filled(PAGE.read_text(), numbers))
+    (ROOT / "docs" / "paper.md").write_text(filled(PAGE.read_text(), json.loads(NUMBERS.read_text())))
     return 0
+
+
+def known() -> dict[str, Callable[[], Numbers]]:
+    """Every figure by its name."""
+    return {name: figure for module in MODULES for name, figure in importlib.import_module(module).FIGURES.items()}
+
+
+def draw(name: str, figure: Callable[[], Numbers]) -> None:
+    """Make the pictures of a figure, and keep its numbers."""
+    made = figure()
+    numbers = json.loads(NUMBERS.read_text()) if NUMBERS.exists() else {}
+    numbers[name] = made
+    NUMBERS.write_text(json.dumps(numbers, indent=1, sort_keys=True) + "\n")
+    pictures.keep(pictures.of_figure(name))
+
+
+def keep(folder: Path) -> None:
+    """Draw all figures from the archive of a folder. Raises LookupError where it lacks a run."""
+    use(folder, only_kept=True)
+    for name, figure in known().items():
+        draw(name, figure)
 
 
 def filled(page: str, numbers: dict[str, Numbers]) -> str:

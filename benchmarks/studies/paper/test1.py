@@ -22,17 +22,19 @@ from common import (
     picture,
     profile,
     reaction,
+    run,
 )  # fmt: skip
 from matplotlib.figure import Figure
 
 import contactlab
+from contactlab.api import Record
 from contactlab.parts.registry import Registry
-from contactlab.results.results import Results
 from contactlab.studies.measures import excess_turning_points, pressure_error
 from contactlab.studies.profile import Profile
 
 MORTARS = ("mortar-p0", "mortar-p1")
 SLAVES = {False: "disc is slave", True: "block is slave"}
+STORED = ("curves", "times")
 PRESSURE, SHEAR = "pressure [MPa]", "shear [MPa]"
 
 
@@ -60,25 +62,22 @@ def second_code(swap: bool, depth: float) -> tuple[Profile, float, Profile, floa
     for material, young in (("steel", 70000.0), ("soft", 7000.0)):
         law = {"use": "calculix-neo-hooke", "young": young, "poisson": 0.3, "density": 2.7e-9}
         changes[f"materials.{material}"] = law
-    own = contactlab.simulate(contactlab.load_scene("disc-on-block", registry).with_(changes))
+    own = run(contactlab.load_scene("disc-on-block", registry).with_(changes))
     return Profile.of_nodes(*np.loadtxt(path, delimiter=",", unpack=True)), force, profile(own), reaction(own)
 
 
 def figure_7() -> Numbers:
     """Nodes on segments, explicit: both slaves at the same depth, and at the full one where it is reached."""
     runs = {swap: disc("node-on-segment", swap=swap, explicit=True, frames=100) for swap in SLAVES}
-    histories = {swap: run.contact["contacts.0"] for swap, run in runs.items()}
+    curves, times = ({swap: getattr(found, name)["contacts.0"] for swap, found in runs.items()} for name in STORED)
     finite = [
-        number for number, found in enumerate(histories[False].curves)
+        number for number, found in enumerate(curves[False])
         if np.isfinite(np.asarray(found.pressure)).all() and np.max(found.pressure) < 1e5
     ]  # fmt: skip
     last = finite[-1]
-    time = histories[False].times[last]
-    other = int(np.argmin(np.abs(np.asarray(histories[True].times) - time)))
-    same = {
-        False: Profile.of_curve(histories[False].curves[last]),
-        True: Profile.of_curve(histories[True].curves[other]),
-    }
+    time = times[False][last]
+    other = int(np.argmin(np.abs(times[True] - time)))
+    same = {False: Profile.of_curve(curves[False][last]), True: Profile.of_curve(curves[True][other])}
     ramp = runs[False].summary["resolved"]["ramp"]
     share = 1.0 - max(0.0, 1.0 - time / ramp) ** 2
     full = profile(runs[True])
@@ -111,12 +110,18 @@ def figure_7() -> Numbers:
         "peer_apart": percent(difference(peers[False, 0.01][0], peers[True, 0.01][0])),
         "own_apart": percent(difference(peers[False, 0.01][2], peers[True, 0.01][2])),
         "asymmetry": percent(difference(same[False], same[True])),
-        "depth": f"{share * DEEP:.4f}", "share": percent(share), "status": runs[False].status,
-        "reason": runs[False].reason.split(";")[0],
+        "share": percent(share), "end": _end(runs[False], share * DEEP),
         "turns": excess_turning_points(same[False], same[True]),
         "error": percent(pressure_error(full, reference)),
         "reaction": f"{reaction(runs[True]):.1f}",
     }  # fmt: skip
+
+
+def _end(record: Record, reached: float) -> str:
+    """How the run with the disc as slave ended, as a sentence."""
+    if record.finished:
+        return "The explicit run reaches the full depth."
+    return f'The explicit run ends at {reached:.4f} mm: {record.status}, "{record.reason.split(";")[0]}".'
 
 
 def figure_8() -> Numbers:
@@ -219,7 +224,7 @@ def figure_11() -> Numbers:
     }  # fmt: skip
 
 
-def saw_tooth(results: Results, column: str = "pressure") -> float:
+def saw_tooth(results: Record, column: str = "pressure") -> float:
     """How far mid nodes stand off the parabola-free trend of corner nodes, over the largest pressure.
 
     Mean of p(mid) - (its two corners' cubic mean), alternating with the node kind, over the inner contact: a smooth
@@ -286,7 +291,8 @@ def friction_paths() -> Numbers:
     for algorithm in MORTARS:
         for swap in SLAVES:
             static = reaction(disc(algorithm, swap=swap, mu=0.2, steps=40))
-            explicit = reaction(disc(algorithm, swap=swap, mu=0.2, explicit=True))
+            in_time = disc(algorithm, swap=swap, mu=0.2, explicit=True)
+            explicit = reaction(in_time)
             worst = max(worst, abs(static - explicit) / static)
             numbers["rows"].append(
                 f"| {SHORT[algorithm]} | {SLAVES[swap]} | {static:.2f} | {explicit:.2f} | "
@@ -311,7 +317,7 @@ def friction_paths() -> Numbers:
             place.set_xlim(1.15 * pressed.min(), 1.15 * pressed.max())
 
     picture("friction-with-depth", 2, 2, fill, (9.0, 6.0))
-    numbers["worst"] = percent(worst)
+    numbers["worst"], numbers["steps_in_time"] = percent(worst), in_time.summary["steps"]
     for depth, name in ((0.01, "shallow"), (DEEP, "deep")):
         shape = profile(runs[depth], "shear")
         right = shape.x > 0.0

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from common import COLOURS, GREY, SHORT, Numbers, curve, percent, picture
+from common import run as kept_run
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
@@ -14,8 +15,8 @@ from scipy.optimize import curve_fit
 from scipy.stats import t as student
 
 import contactlab
+from contactlab.api import Record
 from contactlab.api.drawing.colours import FIELD
-from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
 from contactlab.studies.energy_norm import energy_distance, energy_norm
 
@@ -37,9 +38,9 @@ def scene(algorithm: str, where: str, level: int) -> Scene:
 
 
 @cache
-def run(algorithm: str, where: str, level: int) -> Results:
+def run(algorithm: str, where: str, level: int) -> Record:
     """One solution, made once."""
-    results = contactlab.simulate(scene(algorithm, where, level))
+    results = kept_run(scene(algorithm, where, level))
     if results.status != "finished":
         print(f"{algorithm}, {where}, level {level}: {results.status}, {results.reason}")
     return results
@@ -50,7 +51,7 @@ def size(level: int) -> float:
     return COARSE if level == 0 else 0.5 * COARSE / level
 
 
-def start(results: Results) -> Any:
+def start(results: Record) -> Any:
     """Undeformed x of the slave's nodes [mm]."""
     return np.linspace(0.0, 1.3, len(curve(results).x))
 

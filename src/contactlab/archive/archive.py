@@ -95,6 +95,12 @@ class Archive:
         found = self._file.execute(text, (key, machine, machine)).fetchone()
         return from_bytes(found[0]) if found else None
 
+    def newest(self, name: str, scene: str) -> Record | None:
+        """The newest record of a run by its name and its scene as TOML, whatever sources and machine made it."""
+        text = "select record from runs where name = ? and scene = ? order by made desc"
+        found = self._file.execute(text, (name, scene)).fetchone()
+        return from_bytes(found[0]) if found else None
+
     def scene(self, key: str, machine: str) -> str:
         """The scene of a run as TOML; empty where there is no such run."""
         found = self._file.execute("select scene from runs where key = ? and machine = ?", (key, machine)).fetchone()

@@ -26,6 +26,7 @@ class ContactReport:
     penetrating_side   "slave", "master" or ""
     cone_violation     largest of -y_n and |y_t| - bound, over the largest y_n
     complementarity    largest |y_n g| over largest y_n times segment length
+    kept_work          [mJ] sum of y_n times its overlap: what closing the overlaps of pressed conditions would take
     most_negative      lowest multiplier over the highest
     active, sticking   nodes with a force; of these, nodes below their friction bound
     """
@@ -38,6 +39,7 @@ class ContactReport:
     penetrating_side: str
     cone_violation: float
     complementarity: float
+    kept_work: float
     most_negative: float
     active: int
     sticking: int
@@ -94,6 +96,7 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
             max((-normal_force).max(initial=0.0), (np.abs(tangential_force) - bound).max(initial=0.0)) / largest
         ),
         complementarity=float(np.abs(normal_force * gaps).max(initial=0.0) / (largest * pair.size)),
+        kept_work=float(normal_force @ np.maximum(0.0, -gaps)),
         most_negative=float(pressure.min(initial=0.0) / max(pressure.max(initial=0.0), 1e-300)),
         active=int(np.count_nonzero(states)),
         sticking=int(np.count_nonzero(states == 1)),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import Floats
+from contactlab.model.contact.explicit_system import ContactSystem
 from contactlab.model.momentum import momenta
 from contactlab.results.reaction_balance import reaction_mismatch
 from contactlab.results.saw_tooth import largest_turn, pressed_depth, saw_tooth
@@ -31,6 +32,7 @@ PLAIN = 1e-5  # of a contact force: what is left on nearly flat sides whose segm
 TURNS = 4.0  # times the square of the angle between segments: an eighth of it for equal ones, more where lengths differ
 DEEP = 0.05  # segments: what weak conditions leave between nodes of different meshes, beside the depth of facets
 SAW, SHEAR_SAW = 0.01, 0.05  # sound runs stay below 0.7 % and 4.1 %; a pressure that is wrong by some per cent has 2 %
+KEPT = 1e-3  # of the work of the stresses: forces are then off by less than that
 MIRRORED = 1e-3  # of the largest displacement: contact that closes a step later on one side
 
 
@@ -74,6 +76,7 @@ def invariants(model: Model, sample: Sample) -> list[Invariant]:
     found = [*_energy(model, sample), *_momentum(model), *_symmetry(model)]
     for pair in model.contact.pairs if model.contact is not None else ():
         found += _contact(pair, sample.contacts[pair.name])
+        found += _kept_overlap(model, pair, sample)
     return found
 
 
@@ -184,6 +187,17 @@ def _contact(pair: ContactPair, report: ContactReport) -> Iterator[Invariant]:
         yield Invariant(
             "saw-tooth of the shear", "shear-saw", pair.name, saw_tooth(curve, curve.shear), SHEAR_SAW,
             "a shear that alternates from node to node where all stick or all slip is none of the bodies'",
+        )  # fmt: skip
+
+
+def _kept_overlap(model: Model, pair: ContactPair, sample: Sample) -> Iterator[Invariant]:
+    """Overlaps that came in an instant, and that forces which give no energy do not push out."""
+    stored = abs(sample.energies["internal"])
+    if isinstance(model.contact, ContactSystem) and model.contact.conjugate and stored > 0.0:
+        yield Invariant(
+            "overlaps of pressed nodes times their forces over the work of the stresses", "kept-overlap", pair.name,
+            sample.contacts[pair.name].kept_work / stored, KEPT,
+            "gaps jump where a segment comes within reach; forces that give no energy leave the overlap as it is",
         )  # fmt: skip
 
 

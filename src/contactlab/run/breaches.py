@@ -34,6 +34,11 @@ TEXTS: dict[str, tuple[str, str, str]] = {
         SIDES,
     ),
     "penetration": ("algorithm", "one side lies {value} of a segment deep in the other", SIDES),
+    "kept-overlap": (
+        "swap", "pressed surfaces overlap, so that forces are too small: to close them would take {value} of the work "
+        "of the stresses",
+        "try the side with the shorter segments as slave (swap), finer cells of the slave, or forces = \"published\"",
+    ),
     "pressure-saw": (
         "swap", "the pressure alternates from node to node, by {value} of its largest value",
         "try the other side as slave (swap), a mortar, or a master with finer cells",

@@ -7,24 +7,26 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 
-from contactlab.api import Floats
+from contactlab.api import Floats, Record
 from contactlab.model.bodies.body import Body
 from contactlab.model.bodies.stiffness import cell_stiffness
 from contactlab.model.build import build
-from contactlab.results.results import Results
 
 if TYPE_CHECKING:
+    from contactlab.results.results import Results
     from contactlab.scene.scene import Scene
+
+    Ended = Results | Record
 
 ROUND = 12  # decimals at which coordinates of nodes are the same
 
 
-def energy_norm(results: Results, scene: Scene, body: str) -> float:
+def energy_norm(results: Ended, scene: Scene, body: str) -> float:
     """sqrt(a(u, u)) [sqrt(N)] of a body's displacement at the end of a run, per mm thickness."""
     return _norm(_body(scene, body), results.nodes, results.displacement)
 
 
-def energy_distance(coarse: Results, fine: Results, fine_scene: Any, body: str) -> float:
+def energy_distance(coarse: Ended, fine: Ended, fine_scene: Any, body: str) -> float:
     """sqrt(a(u - v, u - v)) [sqrt(N)] of a body between two runs of one scene.
 
     The coarse field is interpolated to the fine nodes, which loses nothing if the coarse mesh is `q1` on an

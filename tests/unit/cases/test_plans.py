@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from contactlab.api import Case, Setup
+from contactlab.api import Case, Record, Setup
 from contactlab.parts.registry import default_registry
 
 
@@ -44,3 +44,13 @@ def test_a_lifted_beam_may_miss_its_length_by_a_cell() -> None:
         (length,) = (m for m in beam.measures(setup(beam)) if m.name == "length that is lifted")
         bounds.append(length.most - 0.01)
     assert bounds[0] / bounds[1] == pytest.approx(0.2**-0.25)
+
+
+def test_a_rung_is_compared_with_statics_only_where_it_came_to_rest() -> None:
+    """Statics of a run that chatters for ever would cost more than the run, and be compared with nothing."""
+    ladder = case("mesh-ladder")
+    first = ladder.plan(setup(ladder), {})
+    assert [job.name for job in first] == ["explicit"]
+    for status, following in (("finished", ["static"]), ("not-converged", [])):
+        done = {"explicit": Record(status, "", {})}
+        assert [job.name for job in ladder.plan(setup(ladder), done)] == following

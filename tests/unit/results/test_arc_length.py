@@ -66,5 +66,5 @@ def test_what_is_pressed_on_two_chains_is_two_intervals() -> None:
     x, one = np.array([0.0, 1.0, 50.0, 51.0]), np.ones(4)
     chain = np.array([0, 0, 1, 1], np.int32)
     curve = ContactCurve(x, x, 0.0 * x, one, 0.0 * x, one, 0.0 * x, np.full(4, 2, np.int32), chain)
-    report = ContactReport(curve, np.zeros(2), np.zeros(2), np.zeros(2), 0.0, "", 0.0, 0.0, 0.0, 4, 0)
+    report = ContactReport(curve, np.zeros(2), np.zeros(2), np.zeros(2), 0.0, "", 0.0, 0.0, 0.0, 0.0, 4, 0)
     assert report.intervals == [[[0.0, 0.0], [1.0, 0.0]], [[50.0, 0.0], [51.0, 0.0]]]

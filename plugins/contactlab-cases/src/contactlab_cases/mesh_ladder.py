@@ -17,13 +17,11 @@ from contactlab_cases.series import series, table
 from contactlab_cases.statics import WORK as ITERATIONS
 from contactlab_cases.statics import iterations
 
-CHORD, SEGMENT, LOWEST = (
-    1.6,
-    1.8,
-    1.054e7,
-)  # mm, of the disc and of the block; 1/s, lowest frequency that the load meets
+CHORD, SEGMENT = 1.6, 1.8  # mm, of the disc and of the block
+LOWEST = 1.054e7  # 1/s, lowest frequency that the load meets
 COARSER_FROM = 4.0  # ratios from which both meshes have half as many cells, so that the finer one stays affordable
 STEPS = 400_000
+AGAINST = "reaction against statics with the same forces"
 TOLERANCE = 1e-6  # of the forces, in statics: a five-hundredth of what reactions may differ by
 VARIED: Mapping[str, Mapping[str, Any]] = {
     "nothing": {},
@@ -67,7 +65,9 @@ class MeshLadder(Case):
         return "" if self.varied == "nothing" or self.ratio in rungs else "steps, damping and loads vary at 3:1 and 1:3"
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
-        """The explicit run as its path asks for, and the static one."""
+        """The explicit run as its path asks for; where it comes to rest, the static one to compare it with."""
+        if "explicit" in done and not done["explicit"].finished:
+            return ()
         changes = {**setup.changes("disc", "block"), **self._meshes(setup), **VARIED[self.varied]}
         pushed = {"use": "forward-increment", "forces": "conjugate"}
         own = {"contacts.0.swap": setup.swap, "contacts.0.enforcement": pushed, "time.history": True}
@@ -79,10 +79,8 @@ class MeshLadder(Case):
         }  # fmt: skip
         still = {key: value for key, value in changes.items() if not key.startswith("time.")}
         watch = series("work.contact", most=STEPS)
-        return (
-            Job("explicit", "disc-on-block", changes | own, watch=(watch,), work=STEPS),
-            Job("static", "disc-on-block", still | held, work=2 * ITERATIONS),
-        )
+        explicit = Job("explicit", "disc-on-block", changes | own, watch=(watch,), work=STEPS)
+        return (Job("static", "disc-on-block", still | held, work=2 * ITERATIONS) if done else explicit,)
 
     def _meshes(self, setup: Setup) -> dict[str, Any]:
         longest = max(self.ratio, 1.0 / self.ratio)
@@ -103,7 +101,7 @@ class MeshLadder(Case):
         slips = "what sticks or slips at the end depends on the way there"
         rubs = self.varied == "friction"
         return (
-            error("reaction against statics with the same forces", 5e-3 if rubs else 5e-4, slips if rubs else rest),
+            error(AGAINST, 5e-3 if rubs else 5e-4, slips if rubs else rest, codes=("kept-overlap",)),
             at_most("energy made by contact over that stored", 1e-3, "round-off of many steps"),
             invariant("largest rise in a step over the energy stored", 1e-9, solved),
             reported("energy taken by contact over that stored"),
@@ -113,14 +111,16 @@ class MeshLadder(Case):
 
     def evaluate(self, setup: Setup, done: Mapping[str, Record]) -> Mapping[str, float]:
         """Reactions of the block, and the work of contact step by step."""
-        run, static = done["explicit"], done["static"]
+        run, static = done["explicit"], done.get("static")
         work = np.concatenate([[0.0], table(run)["work.contact"]])
         stored, reaction = float(run.summary["balance"]["stored"]), float(run.reaction("block.bottom")[1])
-        return {
-            "reaction against statics with the same forces": reaction / float(static.reaction("block.bottom")[1]) - 1.0,
+        compared: dict[str, float] = {}
+        if static is not None and static.finished:
+            compared[AGAINST] = reaction / float(static.reaction("block.bottom")[1]) - 1.0
+            compared["iterations of the static run"] = iterations(static)
+        return compared | {
             "energy made by contact over that stored": max(0.0, float(work.max())) / stored,
             "largest rise in a step over the energy stored": max(0.0, float(np.diff(work).max())) / stored,
             "energy taken by contact over that stored": -float(work[-1]) / stored,
             "reaction": reaction,
-            "iterations of the static run": iterations(static),
         }

@@ -23,6 +23,8 @@ from contactlab.api.compiled.contact_tables import PiecesTable, SurfaceTable
 from contactlab.api.compiled.late import late
 
 _BOUND = BoundCache()
+_AXES = np.arange(2)
+_HALVES = np.array([-0.5, 0.5])  # of the two nodes of an edge beside a vertex
 
 ROUND = 1e-9  # sine of an angle that is round-off
 DEPTH = 1.0  # segment lengths: a node deeper than this is on the far side of a thin body
@@ -66,23 +68,21 @@ class NodeOnSegment(ContactAlgorithm):
         length = np.hypot(along[:, 0], along[:, 1])
         multiplier = pieces.multiplier[:count, 0]
         normal, apart = pieces.normal[multiplier], separation[multiplier]
-        of_segment = np.abs((normal * along).sum(axis=1)) <= ROUND * length
+        of_segment = np.abs(normal[:, 0] * along[:, 0] + normal[:, 1] * along[:, 1]) <= ROUND * length
         beside = np.abs(normal[:, 0] * apart[:, 1] - normal[:, 1] * apart[:, 0])
         usable = np.flatnonzero(of_segment)
         tangent, share = along[usable] / length[usable, None], share[usable] / length[usable, None]
         put = _put_turns(view, multiplier[usable], tangent, tangent, share, pieces.master[:count][usable], out)
         # a vertex holds along the line to the node, which changes no gap as it turns; between two segments' it may
         between = np.flatnonzero(~of_segment & (beside > ROUND * length.max(initial=0.0)))
-        vertex = pieces.master[between, 0]
-        for side in range(2) if len(between) else ():
-            ends = view.master.segments[view.master.node_segments[vertex, side]]
-            edge = view.at.master[ends[:, 1]] - view.at.master[ends[:, 0]]
-            size = np.hypot(edge[:, 0], edge[:, 1])[:, None]
-            # the normal between two turns by half of the sum of what they do
-            share = np.stack([-0.5 / size[:, 0], 0.5 / size[:, 0]], axis=1)
-            across = np.stack([-normal[between, 1], normal[between, 0]], axis=1)
-            put = put and _put_turns(view, multiplier[between], edge / size, across, share, ends, out)
-        return put
+        if not put or not len(between):
+            return put
+        # the normal between two turns by half of the sum of what they do
+        ends = view.master.segments[view.master.node_segments[pieces.master[between, 0]]].reshape(-1, 2)
+        edge = view.at.master[ends[:, 1]] - view.at.master[ends[:, 0]]
+        size = np.hypot(edge[:, 0], edge[:, 1])[:, None]
+        across = np.repeat(normal[between][:, ::-1] * (-1.0, 1.0), 2, axis=0)
+        return _put_turns(view, np.repeat(multiplier[between], 2), edge / size, across, _HALVES / size, ends, out)
 
     def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         """Normals of the same master segments at `at`."""
@@ -117,11 +117,11 @@ def _put_turns(
     end = first + 2 * share.size
     if end > len(out.normal_of):
         return False
-    turn = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)[:, None, :] * share[:, :, None]
-    moved = 2 * (len(view.slave.nodes) + nodes)[:, :, None] + np.arange(2)
-    out.normal_of[first:end] = np.repeat(multiplier, 2 * share.shape[1])
-    out.normal_moved[first:end] = moved.ravel()
-    out.dnormal[first:end] = (turn[..., None] * across[:, None, None, :]).reshape(-1, 2)
+    shape = *share.shape, 2
+    turn = (tangent[:, ::-1] * (-1.0, 1.0))[:, None, :] * share[:, :, None]
+    out.normal_of[first:end].reshape(shape)[:] = multiplier[:, None, None]
+    np.add(2 * (len(view.slave.nodes) + nodes)[:, :, None], _AXES, out=out.normal_moved[first:end].reshape(shape))
+    np.multiply(turn[..., None], across[:, None, None, :], out=out.dnormal[first:end].reshape(*shape, 2))
     out.normal_count = end
     return True
 
@@ -131,9 +131,10 @@ def _tangents(pieces: Pieces, count: int, at: SurfacePositions) -> tuple[Floats,
     edge = at.master[pieces.master[:count]]
     share = np.zeros(edge.shape[:2])
     share[:, 0], share[:, 1] = -1.0, 1.0
-    if edge.shape[1] == 3:
-        # at parameter s the tangent is (b - a)/2 + s (a + b - 2 m); s from the weights of start and end
-        weight = pieces.M[:count, :, 0] / pieces.T[:count, 0]
-        s = 2.0 * (weight[:, 1] - weight[:, 0])
-        share += np.stack([s, s, -2.0 * s], axis=1)
+    if edge.shape[1] == 2:
+        return edge[:, 1] - edge[:, 0], share
+    # at parameter s the tangent is (b - a)/2 + s (a + b - 2 m); s from the weights of start and end
+    weight = pieces.M[:count, :, 0] / pieces.T[:count, 0]
+    s = 2.0 * (weight[:, 1] - weight[:, 0])
+    share += np.stack([s, s, -2.0 * s], axis=1)
     return np.einsum("pr,prd->pd", share, edge), share
