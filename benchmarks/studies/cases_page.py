@@ -34,7 +34,7 @@ other scenes, with answers of their own:
 
 | asked | cases |
 |---|---|
-| energy at impact | `bouncing-bar`, `bar-between-walls`, `two-bars`, `dropped-block`, `chatter` |
+| energy at impact | `bouncing-bar`, `bar-between-walls`, `two-bars`, `dropped-block`, `chatter`, `rocking-block` |
 | angular momentum | `spinning-pair`, `oblique-discs`, `rolling-disc` |
 | what is not linear | `vertex-to-vertex` (large turns), `taylor-bar` (plastic flow), `spring-friction` |
 """

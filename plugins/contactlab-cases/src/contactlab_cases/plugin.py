@@ -61,6 +61,7 @@ CASES = (
     ("oblique-discs", "oblique_discs:ObliqueDiscs", "oblique impact of two discs with spin", "Routh 1860"),
     ("rolling-disc", "rolling_disc:RollingDisc", "disc thrown along a floor until it rolls", "Routh 1860"),
     ("tossed-block", "tossed_block:TossedBlock", "block tossed by a table", "free flight"),
+    ("rocking-block", "rocking_block:RockingBlock", "block that rocks on its base", "Housner 1963"),
     ("chatter", "chatter:Chatter", "block that chatters on a shaken table", "Mehta & Luck 1990"),
     ("long-run", "long_run:LongRun", "block that swings for very many steps", "Hairer et al. 2003"),
     ("bars-with-gap", "bars_with_gap:BarsWithGap", "bars whose gap closes and opens", "Timoshenko"),
