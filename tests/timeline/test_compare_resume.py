@@ -85,7 +85,7 @@ def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch
     assert again.rows[1].curve == second.contact["contacts.0"].last
 
     # another request does not go on with these runs
-    with pytest.raises(RequestError, match=r"time\.end was 4e-06, now 3e-06"):
+    with pytest.raises(RequestError, match=r"(?s)holds another comparison.*end-4e-06.*end-3e-06"):
         contactlab.compare(contactlab.load_scene(scene), {"time.end": [3e-6, 2e-5]}, out=folder, resume=True)
     with pytest.raises(RequestError, match="holds another comparison"):
         contactlab.compare(contactlab.load_scene(scene), {"level": [1]}, out=folder, resume=True)
