@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.loading.held_bodies import free_motions
 from contactlab.run.load_path import EvenPath, LoadPath
 from contactlab.run.schedule import Schedule
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.implicit_system import ImplicitContactSystem
 
 CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
 FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it
@@ -150,9 +153,21 @@ class LoadSchedule(Schedule):
     def adapt(self) -> None:
         """Do nothing: only its convergence limits an implicit step."""
 
+    def _contact(self) -> ImplicitContactSystem | None:
+        """The contact of statics, whose multipliers come free by and by where steps had to be cut."""
+        if self.model.integrator.inertia:
+            return None
+        return cast("ImplicitContactSystem | None", self.model.contact)
+
+    def _release(self, pace: float) -> None:
+        """Say how far multipliers come free in the next step."""
+        if (contact := self._contact()) is not None:
+            contact.pace = pace
+
     def _length(self) -> float:
         """The step in time; the last before a corner of the loading or the end meets it, without a sliver before."""
         time = self.state.time
+        self._release(min(1.0, self.part / self.wished))
         if self.timing.end is None:
             return self.path.time(self.part)  # until it settles: there is no end to meet
         done = self.path.fraction(time)
@@ -160,6 +175,7 @@ class LoadSchedule(Schedule):
         rest = self.path.fraction(stop) - done
         number = max(1, int(np.ceil(rest / self.part * (1.0 - NEARLY))))
         if number == 1:
+            self._release(1.0)
             return stop - time
         return self.path.time(done + (rest / number if number <= 2 else self.part)) - time
 
@@ -173,13 +189,25 @@ class LoadSchedule(Schedule):
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
-        return super().saved() | {"schedule.load": np.array([self.part, self.model.way_followed])}
+        own = {"schedule.load": np.array([self.part, self.model.way_followed])}
+        if (contact := self._contact()) is not None:
+            own["schedule.freedom"] = np.concatenate([[contact.pace], *contact.freedom])
+        return super().saved() | own
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Go back to where `memory` was saved."""
         super().restore(memory)
         self.part, followed = memory["schedule.load"].tolist()
         self.model.way_followed = bool(followed)
+        if (contact := self._contact()) is not None:
+            contact.pace, freedom = float(memory["schedule.freedom"][0]), memory["schedule.freedom"][1:]
+            for own, saved in zip(contact.freedom, np.split(freedom, _ends(contact.freedom)), strict=True):
+                own[:] = saved
+
+
+def _ends(parts: list[Floats]) -> list[int]:
+    """Where each of some arrays, but the last, ends if they follow each other."""
+    return np.cumsum([len(part) for part in parts])[:-1].tolist()  # type: ignore[no-any-return]
 
 
 def repeats(before: Step, step: Step) -> bool:

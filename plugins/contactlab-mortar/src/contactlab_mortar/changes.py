@@ -13,7 +13,7 @@ import numpy as np
 from contactlab.api.compiled.kernel import point, section
 from contactlab_mortar.integrals import integrate_changes
 from contactlab_mortar.normals import edge_sum, inward_normals
-from contactlab_mortar.overlap import overlap
+from contactlab_mortar.overlap import FLANK, facing, opposed, overlap
 from contactlab_mortar.projection import across, edge_vector, master_segment, slave_segment
 from contactlab_mortar.segments import halves_of
 
@@ -92,25 +92,41 @@ def end_rates(end, s, sides, slave, master, found, out):
 
 
 @section
+def length_rates(slave, master, weight, out):
+    """d log(weight times length of the slave segment) by the positions of six nodes, into out (6, 2)."""
+    ex, ey, (fx, fy) = slave.ex, slave.ey, edge_vector(master)
+    square = ex * ex + ey * ey
+    x, y, u, v = ex / square, ey / square, 0.0, 0.0
+    if weight < 1.0:
+        # of the cosine c: d log c = (f/(e.f) - e/e.e).de + (e/(e.f) - f/f.f).df
+        cosine, along, other = opposed(slave, master), ex * fx + ey * fy, fx * fx + fy * fy
+        grows = cosine / (cosine - FLANK)
+        u, v = grows * (ex / along - fx / other), grows * (ey / along - fy / other)
+        x, y = x + grows * (fx / along - x), y + grows * (fy / along - y)
+    out[:] = 0.0
+    out[1, 0], out[1, 1], out[2, 0], out[2, 1] = -x, -y, x, y
+    out[4, 0], out[4, 1], out[5, 0], out[5, 1] = -u, -v, u, v
+
+
+@section
 def piece_changes(table, p, s, m, space, rates, out):
     """Changes of piece p by three numbers into out = dD (3, w, 2), dM (3, r, 2), dT (3, 2, 2), their rates (3, 6, 2).
 
-    The numbers: how far off the overlap is where it begins and where it ends, and the logarithm of the length of the
-    slave segment, with which all integrals grow. space = (linear, vertices)
+    The numbers: how far off the overlap is where it begins and where it ends, and the logarithm of the weighted length
+    of the slave segment, with which all integrals grow. space = (linear, vertices)
     """
     sides, pieces = table.sides, table.pieces
     slave = slave_segment(s, sides.slave_at, sides.slave.segments, table.averaged)
     master = master_segment(m, sides.master_at, sides.master.segments)
     found = overlap(slave, master)
-    square, halves = slave.ex * slave.ex + slave.ey * slave.ey, halves_of(s, m, sides, space[1])
+    length, halves = np.sqrt(slave.ex * slave.ex + slave.ey * slave.ey), halves_of(s, m, sides, space[1])
+    weight = facing(slave, master)
     for array in out:
         array[:2] = 0.0
     for end in range(2):
         end_rates(end, s, sides, slave, master, found, rates[end])
         xi, eta = end_change(end, slave, master, found)
         change = (xi, 0.0, eta, 0.0) if end == 0 else (0.0, xi, 0.0, eta)
-        integrate_changes(found, np.sqrt(square), halves, space[0], change, end, out)
+        integrate_changes(found, weight * length, halves, space[0], change, end, out)
     out[0][2], out[1][2], out[2][2] = pieces.D[p], pieces.M[p], pieces.T[p]
-    rates[2] = 0.0
-    rates[2, 1, 0], rates[2, 1, 1] = -slave.ex / square, -slave.ey / square
-    rates[2, 2, 0], rates[2, 2, 1] = slave.ex / square, slave.ey / square
+    length_rates(slave, master, weight, rates[2])

@@ -9,7 +9,9 @@ import numpy as np
 from contactlab.api.compiled.kernel import point
 from contactlab_mortar.projection import edge_vector, master_parameter, opening, slave_parameter
 
-FACING = 0.25  # cosine by which normals must be opposed: flanks of a corner are no partners
+# cosines by which normals are opposed: flanks of a corner, below the first, are no partners; from the second on
+# segments count in full, in between by a weight that grows evenly: one that turns joins without a jump
+FLANK, FACING = 0.2, 0.3
 SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
 
 
@@ -25,11 +27,20 @@ class Overlap(NamedTuple):
 
 
 @point
-def faces(slave, master):
-    """Whether two segments face each other: their directions are opposed, as the bodies lie on the left of both."""
+def opposed(slave, master):
+    """Cosine by which the normals of two segments are opposed, as the bodies lie on the left of both."""
     ex, ey, (fx, fy) = slave.ex, slave.ey, edge_vector(master)
-    along = ex * fx + ey * fy
-    return along < 0.0 and along * along >= FACING * FACING * ((ex * ex + ey * ey) * (fx * fx + fy * fy))
+    return -(ex * fx + ey * fy) / np.sqrt((ex * ex + ey * ey) * (fx * fx + fy * fy))
+
+
+@point
+def facing(slave, master):
+    """Weight of what two segments share: 1 where they face each other, 0 where one is a flank."""
+    ex, ey, (fx, fy) = slave.ex, slave.ey, edge_vector(master)
+    along, sizes = ex * fx + ey * fy, (ex * ex + ey * ey) * (fx * fx + fy * fy)
+    if along >= 0.0 or along * along <= FLANK * FLANK * sizes:
+        return 0.0
+    return 1.0 if along * along >= FACING * FACING * sizes else (opposed(slave, master) - FLANK) / (FACING - FLANK)
 
 
 @point
@@ -64,7 +75,7 @@ def overlap_between(first, second, slave, master):
 @point
 def overlap(slave, master):
     """Overlap of two segments, empty where they do not face each other."""
-    if not faces(slave, master):
+    if not facing(slave, master) > 0.0:
         return Overlap(1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     first = slave_parameter(slave, master.cx, master.cy)
     second = slave_parameter(slave, master.dx, master.dy)

@@ -8,7 +8,7 @@ from contactlab.api.compiled.kernel import point, section, table_kernel
 from contactlab.api.compiled.unpack import unpack
 from contactlab_mortar.integrals import integrate, integrate_straight
 from contactlab_mortar.normals import inward_normals
-from contactlab_mortar.overlap import faces, is_empty, overlap, overlap_between
+from contactlab_mortar.overlap import facing, is_empty, overlap, overlap_between
 from contactlab_mortar.projection import master_segment, slave_parameter, slave_segment
 from contactlab_mortar.tables import MortarTable
 from contactlab_mortar.vertices import turn_at_vertices
@@ -88,7 +88,7 @@ def begin_piece(s, m, sides, vertices, p, out):
 
 @section
 def _put_piece(table, s, m, found, length, space, p):
-    """Write piece p; space = (linear, vertices)."""
+    """Write piece p, integrated as on a slave segment of `length` [mm]; space = (linear, vertices)."""
     sides, pieces, feet, (linear, vertices) = table.sides, table.pieces, table.feet, space
     if feet.shape[0] > 0:
         feet[p, 0], feet[p, 1], feet[p, 2], feet[p, 3] = found.low, found.eta_low, found.high, found.eta_high
@@ -125,7 +125,10 @@ def _pieces_of(table, s, reach, depth, space, begin):
         last = second_node
         # beside the slave segment, beyond where any of its normals leads
         beyond = tilt * max(c_away, d_away) + slack
-        if max(c_along, d_along) < -beyond or min(c_along, d_along) > length + beyond or not faces(slave, master):
+        if max(c_along, d_along) < -beyond or min(c_along, d_along) > length + beyond:
+            continue
+        weight = facing(slave, master)
+        if not weight > 0.0:
             continue
         first = parameter if seen == first_node else slave_parameter(slave, master.cx, master.cy)
         second = slave_parameter(slave, master.dx, master.dy)
@@ -135,7 +138,7 @@ def _pieces_of(table, s, reach, depth, space, begin):
         if is_empty(found) or least < -depth or _passes(found, length, starts, ends):
             continue
         close = close or least <= reach
-        _put_piece(table, s, m, found, length, space, count)
+        _put_piece(table, s, m, found, weight * length, space, count)
         count += 1
     return count if close else begin
 

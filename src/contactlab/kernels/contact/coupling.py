@@ -62,7 +62,7 @@ def merge(c):
         c.next[k] = n if after else -1
         c.previous[k] = p if before else -1
     for k in range(owner.size):
-        if owner[k] == k and (c.fixed[k] or cover[k] < MERGE_BELOW * full[k]):
+        if owner[k] == k and (c.fixed[k] or cover[k] < c.least[k] * full[k]):
             _merge_one(k, c)
     for k in range(owner.size):
         if owner[k] == k and cover[k] < DROP_BELOW * full[k]:
@@ -70,6 +70,25 @@ def merge(c):
     for k in range(owner.size):
         while owner[k] >= 0 and owner[owner[k]] != owner[k]:
             owner[k] = owner[owner[k]]
+    for k in range(owner.size):
+        if owner[k] == k and c.tie[k] > 0.0:
+            _tie(k, c)
+
+
+@section
+def _tie(k, c):
+    """Add tie[k] (e_k - e_n)(e_k - e_n)^T, n the neighbour that would take k: sums of rows and columns stay."""
+    n, p = c.next[k], c.previous[k]
+    if n >= 0 and (p < 0 or c.cover[n] >= c.cover[p]):
+        c.upper[k] -= c.tie[k]
+        c.lower[n] -= c.tie[k]
+    elif p >= 0:
+        c.lower[k] -= c.tie[k]
+        c.upper[p] -= c.tie[k]
+        n = p
+    if n >= 0:
+        c.diagonal[k] += c.tie[k]
+        c.diagonal[n] += c.tie[k]
 
 
 @section

@@ -32,6 +32,8 @@ class CouplingTable(NamedTuple):
     following, preceding   (k,) multipliers of the next and the previous carrier of the chain, -1 at ends
     absent                 those of nodes that carry none: places that stay empty
     fixed                  (k,) those of nodes that cannot move
+    least                  (k,) share of its length below which each is merged
+    tie                    (k,) [mm] what ties each to the neighbour that it would be merged into, 0: nothing
     full, cover            (k,) [mm] length of each multiplier on full cover, and what of it is covered
     diagonal, lower, upper (k,) [mm] T[k, k], T[k, previous], T[k, next]
     pivot                  (k,) [mm] what is left of the diagonal where T is eliminated from the start of each chain
@@ -44,6 +46,8 @@ class CouplingTable(NamedTuple):
     preceding: Ints1
     absent: Ints1
     fixed: Flags1
+    least: Floats1
+    tie: Floats1
     full: Floats1
     cover: Floats1
     diagonal: Floats1

@@ -10,6 +10,11 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.kernels.contact import banded_rows, coupling
 from contactlab.kernels.contact.tables import BandedRows, CouplingTable
 
+# for steps that free multipliers by and by, in shares of their lengths
+TIE = 0.1  # what ties a multiplier that is half free, about as much as T does at the cover where one comes free
+HELD_BELOW = 0.5  # one that is merged at the start of a step can be held so up to this cover,
+KEPT_ABOVE = 0.025  # and one that is free is merged below this one: it does not come and go at 5 %
+
 
 class Coupling:
     """The tridiagonal T of k multipliers: merged and dropped where little of them is covered, and factorised.
@@ -23,11 +28,11 @@ class Coupling:
         following, preceding = _neighbours(slave, rows_per_node, carried)
         absent = np.flatnonzero(~carried).astype(np.int32)
         k = len(following)
-        full, cover, diagonal, lower, upper, pivot = np.zeros((6, k))
+        tie, full, cover, diagonal, lower, upper, pivot = np.zeros((7, k))
         owner, next_, previous, order = np.zeros((4, k), np.int32)
         self.table = CouplingTable(
-            following, preceding, absent, np.tile(fixed, rows_per_node), full, cover, diagonal, lower, upper, pivot,
-            owner, next_, previous, order, np.zeros(1, np.int32),
+            following, preceding, absent, np.tile(fixed, rows_per_node), np.full(k, coupling.MERGE_BELOW), tie, full,
+            cover, diagonal, lower, upper, pivot, owner, next_, previous, order, np.zeros(1, np.int32),
         )  # fmt: skip
         self.bound = BoundArrays(CouplingTable, *self.table)
         self._scratch = np.zeros(0)
@@ -56,6 +61,31 @@ class Coupling:
     def full(self) -> Floats:
         """Length (k,) [mm] of each multiplier on full cover."""
         return self.table.full
+
+    @property
+    def free(self) -> Flags:
+        """Which multipliers (k,) are neither merged nor dropped."""
+        return self.owner == np.arange(len(self.owner), dtype=np.int32)
+
+    def let_go(self) -> None:
+        """Tie nothing, and merge what keeps less than 5 % of its length: the coupling as the theory has it."""
+        self.table.least[:], self.table.tie[:] = coupling.MERGE_BELOW, 0.0
+
+    def untie(self, freedom: Floats) -> None:
+        """Tie nothing; what has some `freedom` (k,) is merged later than what comes free."""
+        self.table.least[:] = np.where(freedom > 0.0, KEPT_ABOVE, coupling.MERGE_BELOW)
+        self.table.tie[:] = 0.0
+
+    def hold(self, freedom: Floats) -> None:
+        """Let every multiplier go as far as `freedom` (k,) says: 1 frees it, 0 holds it merged until half is covered.
+
+        In between it is tied to the neighbour that it would be merged into, the less the more of it is free.
+        """
+        t = self.table
+        t.least[:] = np.where(freedom > 0.0, KEPT_ABOVE, HELD_BELOW)
+        part = (freedom > 0.0) & (freedom < 1.0)
+        t.tie[:] = 0.0
+        t.tie[part] = TIE * t.full[part] * (1.0 / freedom[part] - 1.0)
 
     def solve(self, values: Floats) -> Floats:
         """T^-1 values (k,), those of the owner where multipliers are merged, 0 where they are dropped."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import replace
 from time import perf_counter
 from typing import Any
@@ -12,6 +13,7 @@ from scipy.sparse import vstack
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, State
 from contactlab.model.contact.contact_pairs import linearised
+from contactlab.model.contact.coupling import Coupling
 from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.held_together import held_together
 from contactlab.model.contact.linearisation import PairDerivatives, PairLinearisation
@@ -21,7 +23,12 @@ from contactlab.model.examination import examine_pair
 
 
 class ImplicitContactSystem:
-    """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`."""
+    """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`.
+
+    pace     how far multipliers that were merged at the start of a step come free in it: 1, at once, or less in load
+             steps that had to be cut (forces jump where one comes free: no shorter step would help otherwise)
+    freedom  (k,) for each pair how free its multipliers were in the last accepted step, 0 merged to 1
+    """
 
     def __init__(
         self, pairs: tuple[ContactPair, ...], enforcement: ImplicitEnforcement, state: State, time: Floats
@@ -34,6 +41,8 @@ class ImplicitContactSystem:
         # statics have no start of a step that anything would have to hold to
         self.stepped = self._stepped() if enforcement.conjugate and "velocity" in state else ()
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
+        self.pace = 1.0
+        self.freedom = [np.ones(pair.slots) for pair in pairs]
         self.memories = [np.zeros_like(self._memory(pair)) for pair in pairs]
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
@@ -62,16 +71,43 @@ class ImplicitContactSystem:
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             memory[:] = self._memory(pair)
             pair.evaluated = False
+        self._release(time)
         for rows, memory in zip(self.stepped, self.memories, strict=False):
             half = 0.5 * (time - self.state.time)
             rows.begin(position, position + half * self.state["velocity"], memory)
         self.conditions.anchor[:] = self.conditions.force
+
+    def _release(self, time: float) -> None:
+        """Free multipliers, at once or by and by: what one comes free by changes gaps and forces at once."""
+        if self.pace >= 1.0:
+            for coupling, _ in self._couplings():
+                coupling.let_go()
+            return
+        for coupling, freedom in self._couplings():
+            coupling.untie(freedom)
+        self.time[0] = self.state.time
+        self.evaluate(self.start)
+        self.time[0] = time
+        for coupling, freedom in self._couplings():
+            coupling.hold(self._freed(coupling, freedom))
+
+    def _couplings(self) -> Iterator[tuple[Coupling, Floats]]:
+        """Those of the pairs that have one, and how free their multipliers were in the last accepted step."""
+        for linear, freedom in zip(self.linear, self.freedom, strict=True):
+            if isinstance(linear, PairLinearisation):
+                yield linear.pair.coupling, freedom
+
+    def _freed(self, coupling: Coupling, freedom: Floats) -> Floats:
+        """How free multipliers are after a step that frees them at `pace`: (k,), 0 where they are merged."""
+        return np.where(coupling.free, np.minimum(freedom + self.pace, 1.0), 0.0)
 
     def accept(self) -> None:
         """What the last evaluation remembers becomes part of the state."""
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             self._memory(pair)[:] = memory
             pair.evaluated = True
+        for coupling, freedom in self._couplings():
+            freedom[:] = self._freed(coupling, freedom)
         self._write_rows()
 
     def _write_rows(self) -> None:

@@ -32,7 +32,16 @@ def shallow() -> Chains:
     return chains(np.stack([s, 0.1 * s**2], axis=1), np.stack([m, 0.02 * m**2], axis=1))
 
 
+def steep() -> Chains:
+    """A slave over a flank of its master that falls by 76 degrees: it counts in part."""
+    return chains(
+        np.array([[-0.6, 0.1], [-0.4, 0.1], [-0.2, 0.1], [0.0, 0.1], [0.15, 0.1], [0.3, 0.1], [0.6, 0.1]]),
+        np.array([[-0.8, 0.0], [-0.3, 0.01], [0.1, 0.0], [0.25, -0.6]]),
+    )
+
+
 SURFACES = {
+    "steep": rough(steep(), 0.003),
     "shallow": rough(shallow(), 0.003),
     "curved": rough(curved()),
     "partly covered": rough(flat(full=False)),
