@@ -65,7 +65,8 @@ class Coupling:
     @property
     def free(self) -> Flags:
         """Which multipliers (k,) are neither merged nor dropped."""
-        return self.owner == np.arange(len(self.owner), dtype=np.int32)
+        free: Flags = self.owner == np.arange(len(self.owner), dtype=np.int32)
+        return free
 
     def let_go(self) -> None:
         """Tie nothing, and merge what keeps less than 5 % of its length: the coupling as the theory has it."""
