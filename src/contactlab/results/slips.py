@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.model.contact.explicit_system import ContactSystem
 from contactlab.model.model import Model
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.explicit_system import ContactSystem
 
 
 def slips_of(model: Model) -> Floats:
@@ -19,7 +21,7 @@ def slips_of(model: Model) -> Floats:
     rows = getattr(model.contact, "rows", None)
     if rows is None or not len(rows.slip):
         raise LookupError("slips are known to explicit runs with friction alone")
-    contact = cast(ContactSystem, model.contact)
+    contact = cast("ContactSystem", model.contact)
     out = np.zeros(model.state["multipliers"].shape[1])
     compliance, force = contact.compliance, model.state["contact_force"]
     for k in range(rows.count):
