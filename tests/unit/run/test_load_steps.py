@@ -146,3 +146,25 @@ def test_advice_names_a_key_of_this_run(changes: dict[str, Any], key: str) -> No
         run.guards.check()
     for other in ("integrator.steps", "time.step", "time.fraction"):
         assert (other in told.value.reason) is (other in key)
+
+
+def test_what_comes_free_by_and_by_is_saved_and_restored() -> None:
+    """A step that was cut frees multipliers at the pace of its length; the wished one, and the last, at once."""
+    scene = disc(**{"time.end": 1.0, "integrator": {"use": "newton", "steps": 10}})
+    schedule = LoadSchedule(build(scene, scene.registry), scene)
+    contact: Any = schedule.model.contact
+    schedule.part = schedule.wished
+    schedule._length()
+    assert contact.pace == 1.0
+    schedule.cut(attempt(0.5))
+    assert contact.pace == pytest.approx(CUT)
+    contact.freedom[0][:] = np.linspace(0.0, 1.0, len(contact.freedom[0]))
+    saved = {name: np.array(values) for name, values in schedule.saved().items()}
+    expected, contact.pace = contact.freedom[0].copy(), 1.0
+    contact.freedom[0][:] = 0.5
+    schedule.restore(saved)
+    assert contact.pace == pytest.approx(CUT)
+    np.testing.assert_array_equal(contact.freedom[0], expected)
+    schedule.state["clock"][0] = 1.0 - 1e-3
+    schedule._length()
+    assert contact.pace == 1.0
