@@ -98,8 +98,11 @@ def test_entities(run: Results, reader: Reader) -> None:
     expected = {f"/run/{name}" for name in (
         "view", "mesh", "outline", "wire", "arrows", "bar", "bar/labels", "bar/stick", "bar/slip", "energy", "solver",
         "reaction", "time-per-step", "nodes/contacts.0", "violation/contacts.0", "profile/contacts.0/pressure",
-        "profile/contacts.0/shear", "gap-along/contacts.0/gap", "events", "scene",
-    )} | {f"/axes/{plot}/{name}" for plot in ("0", "0-gap") for name in ("view", "axes", "grid", "labels")}  # fmt: skip
+        "profile/contacts.0/shear", "gap-along/contacts.0/gap", "slip-along/contacts.0/slip", "events", "scene",
+    )}  # fmt: skip
+    expected |= {
+        f"/axes/0{what}/{name}" for what in ("", "-gap", "-slip") for name in ("view", "axes", "grid", "labels")
+    }
     tracks = {path for path in reader.paths if path.startswith("/run/state/contacts.0/s-")}
     assert 2 <= len(tracks) <= 8
     pictures = {f"/run/steps/contacts.0/{kind}/picture" for kind in ("state", "segment", "pressure", "gap", "slip")}
@@ -230,6 +233,25 @@ def test_gaps_are_those_of_the_contact_curves(run: Results, reader: Reader) -> N
     assert np.corrcoef(np.log10(np.array(gaps)[apart]), np.array(heights)[apart])[0, 1] > 1.0 - 1e-6
     assert overlap.any()
     assert np.array(heights)[overlap].max() < np.array(heights)[apart].min()
+
+
+def test_slips_are_those_of_recorded_steps(run: Results, reader: Reader) -> None:
+    """A line has a point for each closed node of the plot, above zero where it slid along s."""
+    strips = reader.rows("/run/slip-along/contacts.0/slip", "LineStrips3D:strips")
+    rows, order = run.contact["contacts.0"].steps[:], np.argsort(run.contact["contacts.0"].last.s)
+    recorded = {int(row["step"]): np.where(row["state"] > 0, row["slip"], np.nan)[order] for row in rows}
+    assert {"0", "slip [mm]", "s along disc.arc [mm]"} <= set(reader.constant("/axes/0-slip/labels", "Points3D:labels"))
+    compared, highest = 0, 0.0
+    for step, strip in zip(strips.steps.tolist(), strips.values, strict=True):
+        slip = recorded.get(step, np.full(len(order), np.nan))
+        slip, heights = slip[np.isfinite(slip)], np.array(strip[0]).reshape(-1, 3)[:, 1]
+        assert len(heights) <= len(slip)  # the plot ends before the surface does
+        if len(heights) == len(slip) > 1:
+            rising = heights[np.argsort(slip, kind="stable")]
+            assert np.all(np.diff(rising) >= -SINGLE * np.abs(heights).max())
+            compared, highest = compared + len(heights), max(highest, np.ptp(heights))
+    assert compared > 200
+    assert highest > 0.1  # of a plot one high: not all stick
 
 
 @pytest.mark.parametrize("kind", ["gap", "slip"])

@@ -115,21 +115,25 @@ def _dashed_shear(axes: Axes, along: Floats, shears: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Curves:
-    """Pressure, shear and gap (n, m) of the slave nodes at n instants."""
+    """Pressure, shear, gap and slip (n, m) of the slave nodes at n instants; slip is nan but in recorded steps."""
 
     step: np.ndarray
     time: np.ndarray
     pressure: np.ndarray
     shear: np.ndarray
     gap: np.ndarray
+    slip: np.ndarray
 
 
 def curves_of(run: Gathered, contact: str, nodes: int, most: int) -> Curves:
     """Curves of the frames, and of the contact record: all of its last steps, earlier ones up to `most` points."""
     surface, rows = run.surfaces[contact], run.records.get(contact, np.zeros(0))
     step, time = np.array([i.step for i in run.instants]), np.array([i.time for i in run.instants])
+    slip = np.full_like(surface.gap, np.nan)
     if not len(rows):
-        return Curves(step, time, surface.pressure, surface.shear, surface.gap)
+        return Curves(step, time, surface.pressure, surface.shear, surface.gap, slip)
+    _, frames, recorded = np.intersect1d(step, rows["step"], return_indices=True)
+    slip[frames] = slips(rows[recorded])
     sparse = -(-len(rows) * nodes // most)
     kept = np.union1d(np.arange(0, len(rows), sparse), np.arange(max(0, len(rows) - LAST), len(rows)))
     rows = rows[kept]
@@ -138,9 +142,16 @@ def curves_of(run: Gathered, contact: str, nodes: int, most: int) -> Curves:
     shear = rows["shear"] if "shear" in (rows.dtype.names or ()) else np.zeros_like(rows["pressure"])
     both = (
         (step, rows["step"]), (time, rows["time"]), (surface.pressure, rows["pressure"]), (surface.shear, shear),
-        (surface.gap, rows["gap"]),
+        (surface.gap, rows["gap"]), (slip, slips(rows)),
     )  # fmt: skip
     return Curves(*(np.concatenate(parts)[order] for parts in both))
+
+
+def slips(rows: np.ndarray) -> np.ndarray:
+    """Slip (n, m) of closed nodes in recorded steps, nan for open ones and without friction."""
+    if "slip" not in (rows.dtype.names or ()):
+        return np.full(rows["gap"].shape, np.nan)
+    return np.where(rows["state"] > 0, rows["slip"], np.nan)
 
 
 def in_brackets(unit: str) -> str:

@@ -14,6 +14,7 @@ from contactlab.api.frame import SLIP, ContactLayout
 from contactlab_rerun.decades import NEGATIVE, POSITIVE, segment_length, shade_levels
 from contactlab_rerun.gathered import Appearance, Gathered, short
 from contactlab_rerun.pages import Columns, Picture, log_beside, log_pages
+from contactlab_rerun.profiles import slips
 from contactlab_rerun.timelines import frame_times
 
 TICKS = 6  # nodes that are named, and two more where some change a lot
@@ -46,10 +47,10 @@ def log_pictures(recording: rr.RecordingStream, run: Gathered, appearance: Appea
         # without friction all that is closed has one state: where it is says more
         order = ["segment", "state", "pressure", "gap"]
         if contact.friction:
-            slips = np.where(rows["state"][:, along] > 0, rows["slip"][:, along], np.nan)
+            slip = slips(rows)[:, along]
             kinds["slip"] = (
                 f"slips on {contact.slave} in a step (blue: along s, red: against it; a shade is a power of ten)",
-                _lengths(slips, float(np.nanmax(np.abs(slips), initial=1e-300))),
+                _lengths(slip, float(np.nanmax(np.abs(slip), initial=1e-300))),
             )
             order = ["state", "segment", "pressure", "slip", "gap"]
         path = f"{appearance.path}/steps/{contact.name}"

@@ -19,9 +19,9 @@ from contactlab_rerun.blueprint import Shown, arrange
 from contactlab_rerun.colour_bar import log_colour_bar, log_state_key
 from contactlab_rerun.convergence import log_convergence
 from contactlab_rerun.drawing import FEW_CELLS, OUTLINE, Drawing, Scale, model_box
-from contactlab_rerun.gap_curves import log_gaps
 from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Appearance, Gathered, nice
 from contactlab_rerun.iterations import log_newton
+from contactlab_rerun.length_curves import log_lengths
 from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks
 from contactlab_rerun.opening import OPENS
 from contactlab_rerun.profiles import Profile, log_profile, profile_of
@@ -146,8 +146,8 @@ class TimelineFile:
         return few if self.options.wire == "auto" else bool(self.options.wire)
 
     def _profiles(self) -> list[Profile]:
-        """Plots for each slave surface, with the curves of all runs on them: pressures first, then gaps."""
-        pressures, gaps = [], []
+        """Plots for each slave surface, with the curves of all runs on them: pressures first, then gaps and slips."""
+        pressures, lengths = [], []
         for number, slave in enumerate(dict.fromkeys(c.slave for run, _, _ in self.runs for c in run.layout.contacts)):
             these = [
                 (contact.name, run, appearance)
@@ -159,8 +159,8 @@ class TimelineFile:
             profile = profile_of(contact, [(name, run) for name, run, _ in these], f"/axes/{number}", self._hang)
             log_profile(self.recording, profile, these)
             pressures.append(profile)
-            gaps.append(log_gaps(self.recording, profile, these))
-        return [*pressures, *gaps]
+            lengths += [log_lengths(self.recording, profile, these, what) for what in ("gap", "slip")]
+        return [*pressures, *(profile for profile in lengths if profile)]
 
 
 def _ended(title: str, summary: Mapping[str, Any]) -> str:
