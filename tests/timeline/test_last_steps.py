@@ -15,7 +15,7 @@ from contactlab.run.simulation import simulate
 
 MakeScene = Callable[..., Any]
 FRICTION = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
-STATICS = {"integrator": {"use": "newton", "steps": 6, "iterations": 2}, "time.end": 1.0, "supports.1.uy.to": -0.15}
+STATICS = {"integrator": {"use": "newton", "steps": 6, "iterations": 2}, "time.end": 1.0, "supports.1.uy.to": -0.3}
 
 
 def failing(monkeypatch: pytest.MonkeyPatch) -> None:
