@@ -17,7 +17,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 demo: $(INSTALLED)
 	@out=runs/demo; n=2; while [ -e $$out ] || [ -e $$out-accuracy ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
 	$(BIN)/contactlab compare demo --out $$out-accuracy && echo && \
-	$(BIN)/contactlab compare disc-on-block --set level=2 --out $$out && echo && \
+	$(BIN)/contactlab compare disc-on-block --set level=2 --set record.frames=44 --out $$out && echo && \
 	echo "What accuracy costs: $$out-accuracy/accuracy.html" && echo "The report is $$out/report.html"
 
 test: $(INSTALLED)
