@@ -49,9 +49,14 @@ def ordered(x: Floats, *values: Any) -> tuple[Floats, ...]:
 
 
 def l2_error(x: Floats, values: Floats, exact: Callable[[Floats], Floats], reach: float) -> float:
-    """Relative L2 difference over |x| < reach between the linear interpolant of nodal values and a function."""
+    """Relative L2 difference over |x| < reach between the linear interpolant of nodal values and a function.
+
+    nan where the function is zero: nothing was pressed yet when the run ended.
+    """
     at, order = np.linspace(-reach, reach, 4001), np.argsort(x)
     found, wanted = np.interp(at, x[order], values[order]), exact(at)
+    if not wanted.any():
+        return math.nan
     return float(np.sqrt(((found - wanted) ** 2).sum() / (wanted**2).sum()))
 
 
