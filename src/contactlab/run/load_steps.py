@@ -191,7 +191,7 @@ class LoadSchedule(Schedule):
         """Everything that changes while the run goes on."""
         own = {"schedule.load": np.array([self.part, self.model.way_followed])}
         if (contact := self._contact()) is not None:
-            own["schedule.freedom"] = np.concatenate([[contact.pace], *contact.freedom])
+            own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
         return super().saved() | own
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
@@ -200,14 +200,7 @@ class LoadSchedule(Schedule):
         self.part, followed = memory["schedule.load"].tolist()
         self.model.way_followed = bool(followed)
         if (contact := self._contact()) is not None:
-            contact.pace, freedom = float(memory["schedule.freedom"][0]), memory["schedule.freedom"][1:]
-            for own, saved in zip(contact.freedom, np.split(freedom, _ends(contact.freedom)), strict=True):
-                own[:] = saved
-
-
-def _ends(parts: list[Floats]) -> list[int]:
-    """Where each of some arrays, but the last, ends if they follow each other."""
-    return np.cumsum([len(part) for part in parts])[:-1].tolist()  # type: ignore[no-any-return]
+            contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
 
 
 def repeats(before: Step, step: Step) -> bool:

@@ -158,13 +158,13 @@ def test_what_comes_free_by_and_by_is_saved_and_restored() -> None:
     assert contact.pace == 1.0
     schedule.cut(attempt(0.5))
     assert contact.pace == pytest.approx(CUT)
-    contact.freedom[0][:] = np.linspace(0.0, 1.0, len(contact.freedom[0]))
+    contact.freedom[:] = np.linspace(0.0, 1.0, len(contact.freedom))
     saved = {name: np.array(values) for name, values in schedule.saved().items()}
-    expected, contact.pace = contact.freedom[0].copy(), 1.0
-    contact.freedom[0][:] = 0.5
+    expected, contact.pace = contact.freedom.copy(), 1.0
+    contact.freedom[:] = 0.5
     schedule.restore(saved)
     assert contact.pace == pytest.approx(CUT)
-    np.testing.assert_array_equal(contact.freedom[0], expected)
+    np.testing.assert_array_equal(contact.freedom, expected)
     schedule.state["clock"][0] = 1.0 - 1e-3
     schedule._length()
     assert contact.pace == 1.0

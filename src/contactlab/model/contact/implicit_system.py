@@ -27,7 +27,7 @@ class ImplicitContactSystem:
 
     pace     how far multipliers that were merged at the start of a step come free in it: 1, at once, or less in load
              steps that had to be cut (forces jump where one comes free: no shorter step would help otherwise)
-    freedom  (k,) for each pair how free its multipliers were in the last accepted step, 0 merged to 1
+    freedom  (k,) how free the model's multipliers were in the last accepted step, from 0 (merged) to 1
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class ImplicitContactSystem:
         self.stepped = self._stepped() if enforcement.conjugate and "velocity" in state else ()
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.pace = 1.0
-        self.freedom = [np.ones(pair.slots) for pair in pairs]
+        self.freedom = np.ones(state["multipliers"].shape[1])
         self.memories = [np.zeros_like(self._memory(pair)) for pair in pairs]
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
@@ -93,9 +93,10 @@ class ImplicitContactSystem:
 
     def _couplings(self) -> Iterator[tuple[Coupling, Floats]]:
         """Those of the pairs that have one, and how free their multipliers were in the last accepted step."""
-        for linear, freedom in zip(self.linear, self.freedom, strict=True):
+        for linear in self.linear:
             if isinstance(linear, PairLinearisation):
-                yield linear.pair.coupling, freedom
+                first = linear.pair.first_slot
+                yield linear.pair.coupling, self.freedom[first : first + linear.pair.slots]
 
     def _freed(self, coupling: Coupling, freedom: Floats) -> Floats:
         """How free multipliers are after a step that frees them at `pace`: (k,), 0 where they are merged."""
