@@ -60,7 +60,9 @@ def test_an_inner_kernel_is_compiled_once_for_all_constants_and_serves_python_to
     values, out = np.arange(3.0), np.zeros(3)
     twice(values, out)
     np.testing.assert_array_equal(out, 7.0 * values)
-    assert len(_add.signatures) <= 1, "none where `twice` came from the cache on disk"  # type: ignore[attr-defined]
+    # others of this file, which may have run before in this process, call it with float32
+    doubles = [types for types in _add.signatures if types[0].dtype == numba.float64]  # type: ignore[attr-defined]
+    assert len(doubles) <= 1, "none where `twice` came from the cache on disk"
     _add(values, 1, out)
     np.testing.assert_array_equal(out, 8.0 * values)
 
