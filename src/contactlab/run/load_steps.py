@@ -166,16 +166,17 @@ class LoadSchedule(Schedule):
 
     def _length(self) -> float:
         """The step in time; the last before a corner of the loading or the end meets it, without a sliver before."""
-        time = self.state.time
-        self._release(min(1.0, self.part / self.wished))
+        time, pace = self.state.time, min(1.0, self.part / self.wished)
         if self.timing.end is None:
+            self._release(pace)
             return self.path.time(self.part)  # until it settles: there is no end to meet
         done = self.path.fraction(time)
         stop = self.path.stop(time)
         rest = self.path.fraction(stop) - done
         number = max(1, int(np.ceil(rest / self.part * (1.0 - NEARLY))))
+        # all are free at a corner: what is to come free before it does so evenly
+        self._release(max(pace, 1.0 / number))
         if number == 1:
-            self._release(1.0)
             return stop - time
         return self.path.time(done + (rest / number if number <= 2 else self.part)) - time
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pytest
@@ -17,6 +17,9 @@ from contactlab.run.load_steps import CUT, LoadSchedule, repeats
 from contactlab.run.prepare import prepare_run
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.implicit_system import ImplicitContactSystem
 
 FAILED = StepStatus.not_converged
 
@@ -68,6 +71,30 @@ def test_a_step_that_a_corner_shortens_is_cut_from_its_own_length() -> None:
     for number, left in enumerate((0.5, 0.4)):
         schedule.cut(attempt(left))
         assert schedule.dt == pytest.approx(0.5 * CUT ** (number + 1), rel=0.01)
+
+
+def test_multipliers_come_free_evenly_before_a_corner() -> None:
+    """All are free where the loading turns or ends: what is left to free is freed in the steps that are left."""
+    uy = {"ramp": "linear", "to": -0.01}
+    scene = disc(**{"time.end": 1.0, "integrator": {"use": "newton", "steps": 10}, "supports.1.uy": uy})
+    model = build(scene, scene.registry)
+    clock, contact = model.state["clock"], cast("ImplicitContactSystem", model.contact)
+    clock[0] = 0.96
+    schedule = LoadSchedule(model, scene)
+    assert contact.pace == 1.0  # nothing was cut
+    paces = []
+    for k in range(3):
+        schedule.cut(attempt(0.1**k))
+        paces.append(contact.pace)
+    # 0.04 are left: in two, four and eight steps, where a wished one would be 2.5 times as long
+    assert paces == pytest.approx([1 / 2, 1 / 4, 1 / 8], rel=1e-6)
+    freedom = 0.0
+    while clock[0] < 1.0 - 1e-9:
+        before, freedom = freedom, min(1.0, freedom + contact.pace)
+        assert freedom - before <= 0.5 + 1e-9
+        clock[0] += schedule.dt
+        schedule.every_step[0](attempt(0.1)._replace(iterations=9), schedule.dt)
+    assert freedom == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize("factor", [0.8, 0.95])
