@@ -99,6 +99,7 @@ def test_entities(run: Results, reader: Reader) -> None:
         "view", "mesh", "outline", "wire", "arrows", "bar", "bar/labels", "bar/stick", "bar/slip", "energy", "solver",
         "reaction", "time-per-step", "nodes/contacts.0", "violation/contacts.0", "profile/contacts.0/pressure",
         "profile/contacts.0/shear", "gap-along/contacts.0/gap", "slip-along/contacts.0/slip", "events", "scene",
+        "numbers/contacts.0",
     )}  # fmt: skip
     expected |= {
         f"/axes/0{what}/{name}" for what in ("", "-gap", "-slip") for name in ("view", "axes", "grid", "labels")
@@ -108,6 +109,28 @@ def test_entities(run: Results, reader: Reader) -> None:
     pictures = {f"/run/steps/contacts.0/{kind}/picture" for kind in ("state", "segment", "pressure", "gap", "slip")}
     pictures |= {f"/run/steps/contacts.0/all/{part}" for part in ("nodes", "page", "cursor")}
     assert reader.paths - tracks == expected | pictures
+
+
+def test_tables_have_the_numbers_of_each_node_at_every_frame(run: Results, reader: Reader) -> None:
+    rows = reader.rows("/run/numbers/contacts.0", "TextDocument:text")
+    assert rows.steps.tolist() == [frame.step for frame in run.frames]
+    for frame, value in zip(run.frames, rows.values, strict=True):
+        curve = frame.curves["contacts.0"]
+        title, _, head, _, *body = value[0].splitlines()
+        assert f"step {frame.step}," in title
+        names = [name.strip() for name in head.strip("|").split("|")]
+        table = [[cell.strip() for cell in line.strip("|").split("|")] for line in body]
+        columns = dict(zip(names, zip(*table, strict=True), strict=True))
+        assert columns["state"] == tuple(("open", "stick", "slip")[state] for state in curve.state)
+        for name, known in (("s [mm]", curve.s), ("pressure [MPa]", curve.pressure), ("shear [MPa]", curve.shear)):
+            shown = np.array(columns[name], float)
+            assert shown == pytest.approx(known, rel=1e-4, abs=1e-4 * np.abs(known).max() + 1e-12), name
+    # of the last step the record is there, too: the segment under a closed node is that of the record
+    record = run.contact["contacts.0"].steps[-1]
+    closed = record["state"] > 0
+    shown = np.array([int(text) if text else -1 for text in columns["master segment"]])
+    assert closed.any()
+    assert np.array_equal(shown[closed], record["segment"][closed])
 
 
 def test_scalars_of_every_step_are_those_of_the_results_file(run: Results, reader: Reader) -> None:

@@ -17,6 +17,7 @@ from contactlab_rerun.axes import BOX
 from contactlab_rerun.convergence import PATH as CONVERGENCE
 from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.iterations import CHANGES, RESIDUALS
+from contactlab_rerun.node_tables import FOLDER as TABLES
 from contactlab_rerun.pages import Picture
 from contactlab_rerun.profiles import Profile
 from contactlab_rerun.projection import bounds
@@ -272,9 +273,15 @@ def _states(shown: Sequence[Shown]) -> list[rrb.View | rrb.Container]:
 
 
 def _words(shown: Sequence[Shown]) -> rrb.Container:
-    logs = [_log_view(shown, "events")]
+    logs: list[rrb.View] = [_log_view(shown, "events")]
     if any(one.run.iterations for one in shown):
         logs.append(_log_view(shown, "iterations"))
+    if len(shown) == 1:
+        path = shown[0].appearance.path
+        logs += [
+            rrb.TextDocumentView(origin=f"{path}/{TABLES}/{contact.name}", name=f"nodes of {contact.slave}")
+            for contact in shown[0].run.layout.contacts
+        ]
     pages = [
         rrb.TextDocumentView(origin=f"{one.appearance.path}/scene", name=f"scene: {one.appearance.title}")
         for one in shown

@@ -199,6 +199,7 @@ def what_to_look_for(run: Gathered) -> list[str]:
         lines.append("- A stripe in *master segment under each node*: a node that goes to and fro, how chatter begins.")
         lines.append("- *Pressure*: teeth from node to node are the method's, a smooth arch is the contact's.")
     if run.layout.contacts:
+        lines.append("- *nodes of* the slave: gap, multipliers, state and segment of each at the cursor, as numbers.")
         lines.append("- *energy*: contact without friction makes none; where its line leaves zero, contact goes wrong.")
     if run.iterations:
         lines.append("- *residual* and *iterations*: how the step at the cursor converged, and what opened or closed.")

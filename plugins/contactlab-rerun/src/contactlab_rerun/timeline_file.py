@@ -22,6 +22,7 @@ from contactlab_rerun.drawing import FEW_CELLS, OUTLINE, Drawing, Scale, model_b
 from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Appearance, Gathered, nice
 from contactlab_rerun.iterations import log_newton
 from contactlab_rerun.length_curves import log_lengths
+from contactlab_rerun.node_tables import log_tables
 from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks
 from contactlab_rerun.opening import OPENS
 from contactlab_rerun.profiles import Profile, log_profile, profile_of
@@ -104,6 +105,8 @@ class TimelineFile:
             log_events(self.recording, run, appearance, several)
             log_iterations(self.recording, run, appearance)
             log_page(self.recording, run, appearance, summary)
+            if not several:
+                log_tables(self.recording, run, appearance)
         self.recording.send_recording_name(self.runs[0][0].layout.title)
         if not several and (window := self.runs[0][0].window()):
             self.recording.send_property(OPENS, rr.AnyValues(step=window[1]))
