@@ -6,6 +6,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PLUGINS := $(patsubst %/pyproject.toml,%,$(wildcard plugins/*/pyproject.toml))
+RUNNABLE := $(VENV)/runnable
 INSTALLED := $(VENV)/installed
 
 # one run uses one thread; runs side by side use the cores
@@ -14,8 +15,9 @@ export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: demo test faults fuzz mutants check-parts paper pages packages site lint bench clean
 
-demo: $(INSTALLED)
+demo: $(RUNNABLE)
 	@out=runs/demo; n=2; while [ -e $$out ] || [ -e $$out-accuracy ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
+	unset PYTHONDONTWRITEBYTECODE; \
 	$(BIN)/contactlab compare demo --out $$out-accuracy && echo && \
 	$(BIN)/contactlab compare disc-on-block --set level=2 --set record.frames=44 --out $$out && echo && \
 	echo "What accuracy costs: $$out-accuracy/accuracy.html" && echo "The report is $$out/report.html"
@@ -64,12 +66,20 @@ lint: $(INSTALLED)
 bench: $(INSTALLED)
 	$(BIN)/python benchmarks/bench.py $(if $(QUICK),--quick)
 
-$(INSTALLED): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
+# what runs need, and nothing for tests: `make demo` has no more. Modules are compiled when they are first imported:
+# pip would compile all of them, one after the other, for longer than it takes to unpack them
+$(RUNNABLE): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
 	@test -n "$(PYTHON)" || { echo "contactlab needs Python 3.11 or later; set PYTHON=/path/to/python3"; exit 1; }
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || { echo "creating $(VENV)"; $(PYTHON) -m venv --clear $(VENV); }
 	@echo "installing contactlab and its plugins into $(VENV)"
-	@$(PIP) install -c constraints.txt setuptools
-	@$(PIP) install -c constraints.txt --no-build-isolation -e ".[test]" $(addprefix -e ./,$(PLUGINS))
+	@$(PIP) install --no-compile -c constraints.txt setuptools
+	@$(PIP) install --no-compile -c constraints.txt --no-build-isolation -e . $(addprefix -e ./,$(PLUGINS))
+	@touch $@
+
+$(INSTALLED): $(RUNNABLE)
+	@echo "installing what tests need"
+	@$(PIP) install --no-compile -c constraints.txt --no-build-isolation -e ".[test]"
+	@$(BIN)/python -m compileall -qq -j 0 $(VENV)/lib || true  # some packages hold sources for other Pythons
 	@touch $@
 
 clean:

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 WRONG = 0.25  # of the contact force: the pressure is that of another one
 FACETS = 0.05  # depth of facets over the approach: unlike meshes of a press fit then miss 2.5 % of its mean pressure
 FIT = 0.05  # segments: how far nodes of like meshes may have slid apart
+FEW_PAIRS = (
+    250_000  # of points: all are compared, which takes a few ms, and importing a search tree a tenth of a second
+)
 ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 
 
@@ -167,6 +170,11 @@ def facet_depths(surface: Surface, reference: Floats) -> Floats:
 
 def _nearest(points: Floats, others: Floats) -> tuple[Floats, Ints]:
     """Distance of each point to the nearest of `others`, and which one that is."""
+    if len(points) * len(others) <= FEW_PAIRS:
+        x, y = (points[:, None, k] - others[None, :, k] for k in range(2))
+        squares = x * x + y * y
+        which = squares.argmin(axis=1)
+        return np.sqrt(squares[np.arange(len(points)), which]), which
     from scipy.spatial import cKDTree
 
     distance, which = cKDTree(others).query(points)

@@ -158,3 +158,14 @@ def test_facets_of_like_meshes_fit_however_deep_they_are() -> None:
     pressure = results.contact["contacts.0"].last.pressure
     assert np.ptp(pressure) < 0.01 * pressure.mean()
     assert "coarse-facets" not in {warning.code for warning in results.warnings}
+
+
+@pytest.mark.parametrize("most", [0, 10**9])
+def test_the_nearest_point_is_found_either_way(most: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(judgement, "FEW_PAIRS", most)
+    draw = np.random.default_rng(3)
+    points, others = draw.random((40, 2)), draw.random((30, 2))
+    distance, which = judgement._nearest(points, others)
+    every = np.hypot(*(points[:, None] - others[None]).transpose(2, 0, 1))
+    assert np.array_equal(which, every.argmin(axis=1))
+    assert np.allclose(distance, every.min(axis=1), rtol=1e-14)

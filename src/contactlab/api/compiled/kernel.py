@@ -31,8 +31,11 @@ from numba.extending import intrinsic
 from contactlab.api.compiled.cache import cache_folder
 from contactlab.api.compiled.library import KernelCompiler
 from contactlab.api.compiled.locks import kernel_locked
+from contactlab.api.compiled.without_blas import import_array_functions
 
 __all__ = ["exp", "kernel", "log", "point", "power", "section", "summation", "table_kernel"]
+
+import_array_functions()
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 

@@ -1,4 +1,7 @@
-"""Lowest natural frequency excited by the loading; sets the duration of quasi-static runs."""
+"""Lowest natural frequency excited by the loading; sets the duration of quasi-static runs.
+
+Small systems are solved by NumPy: SciPy's solvers take longer to be imported than these to be solved.
+"""
 
 from __future__ import annotations
 
@@ -6,15 +9,13 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import eigh
-from scipy.sparse import coo_matrix, csc_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats, Ints
 from contactlab.model.bodies.body import Body
 from contactlab.model.bodies.stiffness import cell_stiffness
 
+SMALL = 1000
+"""Degrees of freedom of all bodies up to which matrices are dense: 20 ms for a solution."""
 ROUND = 1e-12  # of the mean stiffness over mass: rigid motions keep round-off of the moduli
 STIFF = 100.0  # of the largest nodal stiffness: springs of joints then give a hundredth of what a cell does
 
@@ -72,12 +73,11 @@ def _frequency(
         return float("inf")
     nodal = np.repeat(mass, 2)[own]
     stiffness = _stiffness(bodies, positions)
-    stiffness = (stiffness + _springs(bodies, joints, STIFF * stiffness.diagonal().max(), stiffness.shape[0])).tocsc()
+    stiffness = stiffness + _springs(bodies, joints, STIFF * stiffness.diagonal().max(), stiffness.shape[0])
     reduced = stiffness[own][:, own]
     if _adrift(bodies, reduced, positions, nodal, own):
         return None
-    solve = splu(reduced).solve
-    return _rayleigh(reduced, nodal, [solve(nodal * direction[own % 2]) for direction in directions])
+    return _rayleigh(reduced, nodal, _solved(reduced, [nodal * direction[own % 2] for direction in directions]))
 
 
 def _rayleigh(stiffness: Any, nodal: Floats, shapes: Sequence[Floats]) -> float:
@@ -92,14 +92,34 @@ def _free(bodies: Sequence[Body], fixed: Ints) -> Ints:
 
 
 def _stiffness(bodies: Sequence[Body], positions: Floats) -> Any:
-    size = 2 * len(positions)
-    total = csc_matrix((size, size))
+    rows, columns, values = [], [], []
     for body in bodies:
         n, a = body.cells.shape
         dof = (2 * body.cells[:, :, None] + np.arange(2)).reshape(n, 2 * a)
-        rows, columns = np.repeat(dof, 2 * a, axis=1).ravel(), np.tile(dof, (1, 2 * a)).ravel()
-        total += coo_matrix((cell_stiffness(body, positions).ravel(), (rows, columns)), shape=(size, size)).tocsc()
-    return total
+        rows.append(np.repeat(dof, 2 * a, axis=1).ravel())
+        columns.append(np.tile(dof, (1, 2 * a)).ravel())
+        values.append(cell_stiffness(body, positions).ravel())
+    size = 2 * len(positions)
+    return _summed(np.concatenate(rows), np.concatenate(columns), np.concatenate(values), (size, size))
+
+
+def _summed(rows: Any, columns: Any, values: Floats, shape: tuple[int, int]) -> Any:
+    """A matrix from its entries, those of one place added up: dense where it is small, else sparse by columns."""
+    if max(shape) <= SMALL:
+        place = rows.astype(np.int64) * shape[1] + columns
+        return np.bincount(place, values, shape[0] * shape[1]).reshape(shape)
+    from scipy.sparse import coo_matrix
+
+    return coo_matrix((values, (rows, columns)), shape=shape).tocsc()
+
+
+def _solved(stiffness: Any, forces: Sequence[Floats]) -> list[Floats]:
+    """Displacements under each of the forces."""
+    if isinstance(stiffness, np.ndarray):
+        return list(np.linalg.solve(stiffness, np.stack(forces, axis=1)).T)
+    from scipy.sparse.linalg import splu
+
+    return list(map(splu(stiffness.tocsc()).solve, forces))
 
 
 def _springs(bodies: Sequence[Body], joints: Joints, stiffness: float, size: int) -> Any:
@@ -111,7 +131,7 @@ def _springs(bodies: Sequence[Body], joints: Joints, stiffness: float, size: int
     weights = np.stack([np.ones(count), share - 1.0, -share], axis=1)
     both = np.concatenate([2 * nodes, 2 * nodes + 1])
     rows = np.repeat(np.arange(2 * count), 3)
-    ties = coo_matrix((np.tile(weights, (2, 1)).ravel(), (rows, both.ravel())), shape=(2 * count, size)).tocsc()
+    ties = _summed(rows, both.ravel(), np.tile(weights, (2, 1)).ravel(), (2 * count, size))
     return stiffness * (ties.T @ ties)
 
 
@@ -125,9 +145,10 @@ def _tied_together(bodies: Sequence[Body], joints: Joints) -> list[list[Body]]:
     last = np.array([body.first + body.count for body in bodies])
     of = [np.searchsorted(first, nodes, side="right") - 1 for nodes in (joints.node, joints.ends[:, 0])]
     real = (joints.node < last[of[0]]) & (joints.ends[:, 0] < last[of[1]])
-    links = coo_matrix((np.ones(real.sum()), (of[0][real], of[1][real])), shape=(len(bodies), len(bodies)))
-    count, label = connected_components(links, directed=False)
-    return [[body for body, own in zip(bodies, label, strict=True) if own == k] for k in range(count)]
+    label = np.arange(len(bodies))
+    for one, other in np.unique(np.stack([of[0][real], of[1][real]], axis=1), axis=0):
+        label[label == label[other]] = label[one]
+    return [[body for body, own in zip(bodies, label, strict=True) if own == k] for k in np.unique(label)]
 
 
 def _adrift(bodies: Sequence[Body], stiffness: Any, positions: Floats, nodal: Floats, own: Ints) -> bool:
@@ -144,7 +165,8 @@ def _adrift(bodies: Sequence[Body], stiffness: Any, positions: Floats, nodal: Fl
     energy, inertia = shapes.T @ (stiffness @ shapes), shapes.T @ (nodal[:, None] * shapes)
     # a support that holds any of them strains its cells: far above round-off of the stiffest ones
     rigid = ROUND * stiffness.diagonal().sum() / nodal.sum()
-    return bool(eigh(energy, inertia, eigvals_only=True)[0] < rigid)
+    half = np.linalg.inv(np.linalg.cholesky(inertia))
+    return bool(np.linalg.eigvalsh(half @ energy @ half.T)[0] < rigid)
 
 
 def _stretch(positions: Floats, nodal: Floats, own: Ints) -> Floats:
