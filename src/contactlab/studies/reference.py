@@ -6,6 +6,7 @@ A reference is a JSON file beside the CSV of its curve, in `data/references/` or
     curve, columns        the CSV file and its columns for x, pressure and spread
     mirror                true when the curve shows x >= 0 of a symmetric pressure
     window                [x0, x1] [mm] over which pressures are compared; absent: everywhere
+    level                 of the own runs that it is made of: it holds for coarser meshes alone; absent: for all
     scalars               {"reaction": {"value": .., "error": .., "meaning": ..}, ..}
     error_estimate        {"pressure": relative L2 error of the curve, "meaning": ..}
     holds_for             scene keys and their values; null: the key must be absent
@@ -43,6 +44,7 @@ class Reference:
     scalars         name -> {"value", "error", "meaning"}
     error_estimate  {"pressure": relative L2 error, "meaning": how it was estimated}
     holds_for       scene keys and the values they must have
+    level           of the runs that it is made of, None where it is not made of own runs
     """
 
     name: str
@@ -54,6 +56,7 @@ class Reference:
     scalars: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     error_estimate: Mapping[str, Any] = field(default_factory=dict)
     holds_for: Mapping[str, Any] = field(default_factory=dict)
+    level: int | None = None
 
     @property
     def pressure_uncertainty(self) -> float:
@@ -80,6 +83,8 @@ class Reference:
             found = value_at(scene, key)
             if not _agree(found, wanted):
                 return f"{key} is {_shown(found)}, the reference is for {_shown(wanted)}"
+        if self.level is not None and scene.get("level", 1) >= self.level:
+            return f"it is made of runs at level {self.level}, and tells nothing of others on meshes as fine as that"
         return ""
 
 
@@ -181,6 +186,7 @@ def _read(path: Path) -> Reference:
             scalars=data.get("scalars", {}),
             error_estimate=data.get("error_estimate", {}),
             holds_for=data.get("holds_for", {}),
+            level=data.get("level"),
         )
     except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise RequestError(

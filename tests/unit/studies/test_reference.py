@@ -87,6 +87,16 @@ def test_meshes_algorithms_and_time_are_free(free: dict[str, object]) -> None:
     assert matching_reference(scene.data) is not None
 
 
+def test_no_run_is_measured_against_a_mean_of_runs_as_fine_as_itself() -> None:
+    stored = load_reference("disc-on-block-deep")
+    assert stored.level is not None
+    scene = load_scene("disc-on-block")
+    assert stored.mismatch(scene.with_({"level": stored.level // 2}).data) == ""
+    for level in (stored.level, 2 * stored.level):
+        assert f"level {stored.level}" in stored.mismatch(scene.with_({"level": level}).data)
+    assert matching_reference(scene.with_({"level": stored.level}).data) is None
+
+
 def test_null_means_absent() -> None:
     reference = load_reference("disc-on-block-shallow")
     data = load_scene("disc-on-block").with_(SHALLOW).data
@@ -140,6 +150,29 @@ class TestMaking:
         assert np.allclose(curve.spread, 0.01 * curve.pressure, atol=1e-12)
         assert np.allclose(curve.refinement, 0.05 * curve.pressure, atol=1e-12)
         assert error == pytest.approx(0.05, rel=1e-9)
+
+    @pytest.mark.parametrize(
+        ("factors", "expected"),
+        [
+            # each run is compared with the mean of all others, in which it has no part
+            ({("a", 4): 1.03, ("b", 4): 0.985, ("c", 4): 0.985, ("a", 2): 1.0, ("b", 2): 1.0, ("c", 2): 1.0}, 0.045),
+            # a small change after a large one is a chance: first order leaves half of the large one
+            ({("a", 4): 1.0, ("a", 2): 1.01, ("a", 1): 1.09}, 0.04),
+            ({("a", 4): 1.0, ("a", 2): 1.06, ("a", 1): 1.09}, 0.06),
+        ],
+    )
+    def test_no_run_vouches_for_itself(
+        self, factors: dict[tuple[str, int], float], expected: float, curve_of: Callable[..., ContactCurve]
+    ) -> None:
+        x = np.linspace(-1.0, 1.0, 201)
+        parabola = np.maximum(0.0, 1.0 - (x / 0.8) ** 2)
+        rows = [
+            Row(f"{algorithm}{level}", algorithm, "disc", level, {}, "finished", "", curve=curve_of(x, f * parabola))
+            for (algorithm, level), f in factors.items()
+        ]
+        levels = sorted({level for _, level in factors})
+        error = mean_curve(Table(rows, Study(scene="s"), None, {}), levels)[1]
+        assert error == pytest.approx(expected, rel=1e-3)  # by interpolation
 
     def test_a_made_reference_holds_for_its_own_scene(self) -> None:
         scene = load_scene("disc-on-block")
