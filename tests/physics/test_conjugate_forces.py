@@ -48,7 +48,7 @@ def derivatives(pair: OperatorPair, memory: Floats, nodes: int, own: bool = True
     """Rows (k, 2 N) of gaps and of slips; without `own` by the algorithm's derivatives."""
     gradients = PairGradients(pair)
     if not own:
-        gradients._gradients = gradients._from_derivatives  # type: ignore[method-assign]
+        gradients.found = gradients._from_derivatives  # type: ignore[method-assign]
     rows = allocate_rows(pair.slots, 4 * nodes, friction=True)
     assert gradients.append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), np.zeros((nodes, 2)), memory) > 0
     row = np.repeat(np.arange(rows.count), np.diff(rows.start[: rows.count + 1]))

@@ -82,7 +82,10 @@ def packed(colour: str) -> int:
 @pytest.fixture(scope="module")
 def run(small_scene: MakeScene, tmp_path_factory: pytest.TempPathFactory) -> Results:
     """A run with friction and plasticity that leaves a recording."""
-    return simulate(small_scene({**COULOMB, **PLASTIC, **BOTH}), tmp_path_factory.mktemp("recorded") / "run")
+    return simulate(
+        small_scene({**COULOMB, **PLASTIC, **BOTH, "record.contact_work": True}),
+        tmp_path_factory.mktemp("recorded") / "run",
+    )
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +100,8 @@ def reader(run: Results) -> Reader:
 def test_entities(run: Results, reader: Reader) -> None:
     expected = {f"/run/{name}" for name in (
         "view", "mesh", "outline", "wire", "arrows", "bar", "bar/labels", "bar/stick", "bar/slip", "energy", "solver",
-        "reaction", "time-per-step", "nodes/contacts.0", "violation/contacts.0", "profile/contacts.0/pressure",
+        "contact-work", "reaction", "time-per-step", "nodes/contacts.0", "violation/contacts.0",
+        "profile/contacts.0/pressure",
         "profile/contacts.0/shear", "gap-along/contacts.0/gap", "slip-along/contacts.0/slip", "events", "scene",
         "numbers/contacts.0",
     )}  # fmt: skip
@@ -137,7 +141,8 @@ def test_scalars_of_every_step_are_those_of_the_results_file(run: Results, reade
     """All columns but the two timelines, to the last bit."""
     steps, found = run.steps, {}
     for path, prefix in (
-        ("solver", ""), ("energy", "energy."), ("reaction", ""), ("time-per-step", "cost."),
+        ("solver", ""), ("energy", "energy."), ("contact-work", "energy.contact."), ("reaction", ""),
+        ("time-per-step", "cost."),
         ("nodes/contacts.0", "contacts.0."), ("violation/contacts.0", "contacts.0."),
     ):  # fmt: skip
         names, rows = reader.scalars(f"/run/{path}")

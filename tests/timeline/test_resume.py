@@ -26,6 +26,7 @@ PLASTIC = {f"materials.soft.{key}": value for key, value in {
     "use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03,
 }.items()}  # fmt: skip
 RATE = {"materials.soft.use": "hypoelastic"}
+CONJUGATE = {"use": "central-difference", "forces": "conjugate"}
 STATICS = {"integrator": {"use": "newton", "steps": 10}, "time.end": 1.0, "supports.1.uy.to": -0.02}
 IMPLICIT = {"integrator": {"use": "implicit-dynamics", "steps": 40}, "supports.1.uy.to": -0.02}
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -44,6 +45,8 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "q2": {"bodies.disc.element": "q2", "bodies.block.element": "q2-lagrange"},
     "settling": {"time.end": "auto", "time.ramp": 3e-6, "record.frames": 7},
     "fixed step": {"time.step": 8e-9},
+    "parts of the contact work": {"record.contact_work": True},
+    "parts of the contact work, conjugate": {"record.contact_work": True, "integrator": CONJUGATE},
     "newton": STATICS,
     "newton, friction": {**STATICS, **COULOMB},
     "newton, penalty": {**STATICS, "contacts.0.enforcement": "penalty"},

@@ -76,3 +76,8 @@ by loads and supports, by damping (dissipated), by normal contact forces on the 
 forces (negative when they dissipate), by forces that only stabilise the discretisation. The last is
 the sum of -y_t d with the slip d of each step, which never falls: `friction` differs from its negative
 by the work on the slip before a reversal (docs/theory/forward-increment.md)."""
+
+CONTACT_WORK = ("closing", "step", "normals", "weights")
+"""What the entry `contact` of the ledger consists of: work of normal forces [mJ] on surfaces that come closer or
+separate, by the step itself, whose rows belong to other positions than those it joins, by normals that turn, and by
+weights that change as surfaces slide along each other (docs/theory/contact-energy.md)."""

@@ -61,6 +61,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
     _initial_velocity(scene, bodies, reference, mass, state)
     contact = _contact(plans, bodies, reference, prescribed.dof, state, timing.ramp)
+    _split_work(scene, integrator, contact, state, reference)
     effects = _effects(scene, registry, bodies, rigid, reference, state)
     loads = _loads(scene, bodies, reference, position, timing.ramps)
     model = model_class(
@@ -144,6 +145,13 @@ def _contact(plans: tuple[Any, ...], *arguments: Any) -> Any:
     from contactlab.model.contact.plan import build_contact
 
     return build_contact(plans, *arguments)
+
+
+def _split_work(scene: Scene, integrator: Integrator, contact: Any, state: State, reference: Floats) -> None:
+    if scene.record.contact_work and contact is not None:
+        from contactlab.model.contact.work_split import split_work
+
+        split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
 
 
 def _loads(scene: Scene, *arguments: Any) -> Any:

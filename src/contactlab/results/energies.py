@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from contactlab.api.state import CONTACT_WORK
 from contactlab.model.model import Model
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.work_split import WorkSplit
 
 ALONG_THE_WAY = ("internal", "external", "damping", "contact", "friction", "numerical", "slip", "error")
 
@@ -19,6 +25,7 @@ def energies(model: Model) -> dict[str, float]:
     numerical by the ledger, and stored in modes that only an element's stabilisation resists; the latter's
               work is booked with that of the stresses and taken out of `internal` here
     external, damping, contact, friction: as in `contactlab.api.WORK`
+    contact.PART: what `contact` consists of, see `contactlab.api.state.CONTACT_WORK`, where the scene asks for it
     error     closure of the ledger over the largest energy in it
 
     Works along a way that was not followed are nan: of a step that skips it both ends are known, and nothing between.
@@ -44,4 +51,12 @@ def energies(model: Model) -> dict[str, float]:
         "slip": float(work[6]),
         "error": float(np.abs(total) / scale),
     }
+    split = split_of(model)
+    if split is not None:
+        found |= {f"contact.{part}": float(work) for part, work in zip(CONTACT_WORK, split.work, strict=True)}
     return found if model.way_followed else found | dict.fromkeys(ALONG_THE_WAY, np.nan)
+
+
+def split_of(model: Model) -> WorkSplit | None:
+    """What splits the work of the model's contact, if anything does."""
+    return getattr(model.contact, "split", None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from contactlab.api.state import WORK
+from contactlab.api.state import CONTACT_WORK, WORK
 
 COUNTS = ("step", "time", "dt", "sweeps", "iterations", "residual", "cost.elements", "cost.contact")
 """Step number, time and length [s], contact sweeps, Newton iterations, contact residual, wall time of the
@@ -16,8 +16,10 @@ step [mm]: zero up to the solver's tolerance where multipliers are exact. (`max_
 is geometric: nodes and segment middles of either side.)"""
 
 
-def step_columns(supports: Sequence[str], contacts: Sequence[str]) -> tuple[str, ...]:
-    """Columns of a model with these supports and contacts."""
+def step_columns(supports: Sequence[str], contacts: Sequence[str], contact_work: bool = False) -> tuple[str, ...]:
+    """Columns of a model with these supports and contacts; with `contact_work` that of contact by its parts."""
     energies = tuple(f"energy.{name}" for name in ("kinetic", *WORK))
     reactions = tuple(f"{on}.{component}" for on in supports for component in ("fx", "fy"))
-    return COUNTS + energies + reactions + tuple(f"{name}.{what}" for name in contacts for what in CONTACT)
+    of_contacts = tuple(f"{name}.{what}" for name in contacts for what in CONTACT)
+    parts = tuple(f"energy.contact.{part}" for part in CONTACT_WORK) if contact_work else ()
+    return COUNTS + energies + reactions + of_contacts + parts

@@ -12,11 +12,13 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.state import WORK
 from contactlab.kernels.step_scalars import CONTACT, MODEL, model_scalars, step_scalars
 from contactlab.model.model import Model
+from contactlab.results.energies import split_of
 
 if TYPE_CHECKING:
     from contactlab.model.contact.explicit_system import ContactSystem
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
     from contactlab.model.contact.pair import ContactPair
+    from contactlab.model.contact.work_split import WorkSplit
 
 BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step
 
@@ -33,13 +35,26 @@ class StepSampler:
         self.rows: Floats = np.zeros((BLOCK, columns))
         self.count = 0
         self.take = take
-        self.sample = _sample_of(self, model)
+        self.sample = _with_split(self, _sample_of(self, model), split_of(model))
 
     def flush(self) -> None:
         """Hand on the rows since the last time."""
         if self.count:
             count, self.count = self.count, 0
             self.take(self.rows[:count])
+
+
+def _with_split(sampler: StepSampler, sample: Sample, split: WorkSplit | None) -> Sample:
+    """The same with the parts of the contact work in the last columns, where it is split."""
+    if split is None:
+        return sample
+    rows, work = sampler.rows[:, -len(split.work) :], split.work
+
+    def both(step: Step, dt: float) -> None:
+        rows[sampler.count] = work
+        sample(step, dt)
+
+    return both
 
 
 def _sample_of(sampler: StepSampler, model: Model) -> Sample:

@@ -16,6 +16,7 @@ from contactlab.errors import SimulationFailure
 from contactlab.missing_effects.monitor import EffectMonitor
 from contactlab.model.memory import model_memory, restore_model
 from contactlab.model.model import Model
+from contactlab.results.energies import split_of
 from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.results.sample import take_sample
@@ -102,7 +103,9 @@ class Run:
         more = self.watching.every_step if self.watching is not None else ()
         limit = (self.work_limit,) if self.work_limit is not None else ()
         last = self.last_steps.every_step if self.last_steps is not None else ()
-        return (*self.journal.every_step, *last, *self.schedule.every_step, *more, *limit)
+        split = split_of(self.model)
+        booked = (split.sample,) if split is not None else ()  # first: what follows looks at it
+        return (*booked, *self.journal.every_step, *last, *self.schedule.every_step, *more, *limit)
 
     def iterated(self, step: Step) -> None:
         """Keep the iterations of an attempted step of an implicit run."""
@@ -226,8 +229,8 @@ class Run:
 
     @property
     def _followers(self) -> tuple[Any, ...]:
-        more = (self.watching,) if self.watching is not None else ()
-        return self.schedule, self.guards, self.counts, self.monitor, *more
+        more = (self.watching, split_of(self.model))
+        return self.schedule, self.guards, self.counts, self.monitor, *(part for part in more if part is not None)
 
     def restore(self, checkpoint: Checkpoint, folder: Path) -> None:
         """Back to a checkpoint. Raises RequestError where it is not one of this model."""

@@ -316,6 +316,11 @@ class Record:
         says="which first warning these steps are kept before: of a guard, which watches the steps, or of all, those "
         "judged at frames and at the end too; not written: guards",
     )
+    contact_work: bool = key(
+        False,
+        says="true: every step's work of normal contact forces is split into what it comes from: surfaces that come "
+        "closer or separate, rows at predicted positions, turning normals, changing weights (explicit leapfrog)",
+    )
 
     def __post_init__(self) -> None:
         if self.to is not None and self.to < (self.from_ or 1):

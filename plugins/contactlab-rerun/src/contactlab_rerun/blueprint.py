@@ -13,6 +13,7 @@ from rerun.blueprint.components import AbsoluteTimeRange
 
 from contactlab.api.arrays import Floats
 from contactlab.api.drawing.units import Units
+from contactlab.api.state import CONTACT_WORK
 from contactlab_rerun.axes import BOX
 from contactlab_rerun.convergence import PATH as CONVERGENCE
 from contactlab_rerun.gathered import Appearance, Gathered
@@ -96,7 +97,8 @@ def _one(shown: Sequence[Shown], profiles: Sequence[rrb.View], solver: rrb.Conta
     mesh, u = _mesh_view(shown[0]), _units(shown)
     energy = _series_view(shown, "energy", f"energy{_in(u.line_energy)}", legend=True)
     reaction = _series_view(shown, "reaction", f"reaction{_in(u.line_force)}", legend=True)
-    below: list[rrb.Container | rrb.View] = [_tabs([energy, reaction]), solver, *_states(shown), _words(shown)]
+    works = _tabs([energy, _work_view(shown, (), legend=True), reaction])
+    below: list[rrb.Container | rrb.View] = [works, solver, *_states(shown), _words(shown)]
     beside: rrb.Container = _tabs(profiles)
     if pictures := [_picture_view(picture, picture.name) for picture in shown[0].pictures]:
         beside = rrb.Vertical(beside, _tabs(pictures), row_shares=[1, 1])
@@ -113,8 +115,9 @@ def _several(shown: Sequence[Shown], profiles: Sequence[rrb.View], solver: rrb.C
     meshes = rrb.Grid(*[_mesh_view(one) for one in ordered], grid_columns=columns)
     u = _units(shown)
     energy = [_series_view(shown, "energy", f"{n} energy{_in(u.line_energy)}", (n,)) for n in ("internal", "kinetic")]
+    works = [_work_view(shown, (part,)) for part in CONTACT_WORK]
     below: list[rrb.Container | rrb.View] = [
-        _tabs([_reaction_view(shown, f"reaction{_in(u.line_force)}"), *energy]),
+        _tabs([_reaction_view(shown, f"reaction{_in(u.line_force)}"), *energy, *works]),
         solver,
     ]
     below += [*_states(shown), _words(shown)]
@@ -217,6 +220,12 @@ def _series_view(
                 if lines != list(varying):
                     overrides[entities[-1]] = rr.SeriesLines(visible_series=lines)
     return _lines(entities, name, legend, overrides) if entities else None
+
+
+def _work_view(shown: Sequence[Shown], parts: Sequence[str], legend: bool = False) -> rrb.TimeSeriesView | None:
+    """What the work of contact consists of, all of it or some `parts`; None where no run has split it."""
+    name = f"work of contact{_in(_units(shown).line_energy)}" + "".join(f": {part}" for part in parts)
+    return _series_view(shown, "contact-work", name, parts, legend)
 
 
 def _reaction_view(shown: Sequence[Shown], name: str) -> rrb.TimeSeriesView | None:

@@ -41,12 +41,15 @@ class Series:
 
 def all_series(layout: Layout) -> list[Series]:
     """All columns of `layout.steps` but the timelines, each in one series."""
-    energy = tuple(name for name in layout.steps if name.startswith("energy."))
+    of_contact = tuple(name for name in layout.steps if name.startswith("energy.contact."))
+    energy = tuple(name for name in layout.steps if name.startswith("energy.") and name not in of_contact)
     groups = [
         _series(layout, "solver", ("sweeps", "iterations", "residual", "dt")),
         _series(layout, "energy", energy),
         _series(layout, "time-per-step", ("cost.elements", "cost.contact")),
     ]
+    if of_contact:
+        groups.append(_series(layout, "contact-work", of_contact))
     if layout.supports:
         names = tuple(f"{on}.{component}" for on in layout.supports for component in ("fx", "fy"))
         groups.append(Series("reaction", _columns(layout, names), names))

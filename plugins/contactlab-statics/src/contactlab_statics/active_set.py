@@ -25,7 +25,8 @@ class ActiveSet(ImplicitEnforcement):
     start   of friction where surfaces touch without a force yet: "slip" as under no friction, or "stick", for bodies
             that nothing but friction holds; it needs more iterations elsewhere
     forces  "conjugate": normal forces act along the derivatives of the gaps, as explicit ones of that name do
-            (docs/theory/contact-energy.md), with more iterations; "published": along normals, by weights
+            (docs/theory/contact-energy.md), with more iterations; "published": along normals, by weights. Steps in time
+            make no energy with the former, but for those with friction, which have no such guarantee
     """
 
     scale: float = 1.0

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.model.contact.gap_pair import GapPair
@@ -30,6 +32,12 @@ def contact_pair(
         return GapPair(name, algorithm, *sides, reference, first_slot, friction)
     assert isinstance(algorithm, ContactAlgorithm)
     return OperatorPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
+
+
+def twin(pair: ContactPair, reference: Floats) -> ContactPair:
+    """A pair of the same conditions that shares no array with it; it has no friction, and counts gaps in full."""
+    fixed = pair.coupling.fixed if isinstance(pair, OperatorPair) else np.zeros(len(pair.slave.nodes), np.bool_)
+    return contact_pair(pair.name, pair.method, (pair.slave, pair.master), reference, pair.first_slot, None, fixed)
 
 
 def linearised(pair: ContactPair, nodes: int) -> PairLinearisation | GapLinearisation:

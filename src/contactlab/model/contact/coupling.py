@@ -24,6 +24,7 @@ class Coupling:
     """
 
     def __init__(self, slave: Surface, rows_per_node: int, carriers: Flags, fixed: Flags) -> None:
+        self.rows_per_node = rows_per_node
         carried = np.tile(carriers, rows_per_node)
         following, preceding = _neighbours(slave, rows_per_node, carried)
         absent = np.flatnonzero(~carried).astype(np.int32)
@@ -61,6 +62,12 @@ class Coupling:
     def full(self) -> Floats:
         """Length (k,) [mm] of each multiplier on full cover."""
         return self.table.full
+
+    @property
+    def fixed(self) -> Flags:
+        """Which slave nodes (m,) cannot move."""
+        nodes = len(self.table.fixed) // self.rows_per_node
+        return self.table.fixed[:nodes]
 
     @property
     def free(self) -> Flags:

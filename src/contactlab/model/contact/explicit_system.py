@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from time import perf_counter
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -13,6 +13,9 @@ from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.rows import tangential_work
 from contactlab.kernels.contact.warm_start import extrapolate
 from contactlab.model.contact.pair import ContactPair
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.work_split import WorkSplit
 
 MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
 GROW = 1.5
@@ -24,6 +27,7 @@ class ContactSystem:
     `seconds` counts the wall time of contact, `solution_s` that of the enforcement in it. `conjugate` is whether
     forces are the derivatives of the gaps; `finer` how many times shorter the segments of masters are than slaves'.
     `compliance` is that of the last solve: displacement (N, 2) [mm/N] per contact force within its step.
+    `split` sums the work by what it comes from, where the scene asks for it.
     """
 
     conjugate: ClassVar[bool] = False
@@ -42,6 +46,7 @@ class ContactSystem:
             self.factored = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap))
         self.last, self.compliance = Solve(0, 0.0, 0, 0.0), np.zeros_like(state["displacement"])
         self.seconds = self.solution_s = 0.0
+        self.split: WorkSplit | None = None
 
     def calls_per_step(self) -> Counter[str]:
         """How often a step calls the algorithms, by what they are asked for."""

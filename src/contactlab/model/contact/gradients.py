@@ -37,7 +37,7 @@ class PairGradients:
 
         Returns the next free entry, or -1 where `out` is too small.
         """
-        pair, found = self.pair, self._gradients(memory)
+        pair, found = self.pair, self.found(memory)
         if found is not self.bound_of:
             self._bind(found)
         first, margin = out.count, FAR if pair.everywhere else min(margin, FAR)
@@ -53,8 +53,8 @@ class PairGradients:
         out.count = count
         return int(end)
 
-    def _gradients(self, memory: Floats) -> GapGradients:
-        """Those that the algorithm gives, or what its derivatives lead to."""
+    def found(self, memory: Floats) -> GapGradients:
+        """Derivatives of the last update: those that the algorithm gives, or what its derivatives lead to."""
         pair = self.pair
         if not pair.algorithm.gradient_nodes:
             return self._from_derivatives(memory)

@@ -1,0 +1,249 @@
+"""The work of normal contact forces in every step by what it comes from (docs/theory/contact-energy.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import ExplicitIntegrator, FactoredRows, Floats, Integrator, State, Step
+from contactlab.api.arrays import Flags
+from contactlab.api.state import CONTACT_WORK
+from contactlab.api.surface import SurfacePositions
+from contactlab.errors import SceneError
+from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.model.contact.contact_pairs import twin
+from contactlab.model.contact.explicit_system import ContactSystem
+from contactlab.model.contact.gradients import PairGradients
+from contactlab.model.contact.operator_pair import OperatorPair
+from contactlab.model.contact.pair import ContactPair
+
+if TYPE_CHECKING:
+    from contactlab.errors import Where
+
+SAVED = "work_split"
+Instant = tuple[Floats, Floats]
+"""Positions (N, 2) [mm], and what an algorithm remembers there (memory_size, m)."""
+LEAPFROG = 0.5  # of a step that velocities lag behind positions
+
+
+class WorkSplit:
+    """Sums the parts of the contact work of one explicit leapfrog run; `sample` is called after every step.
+
+    work      (4,) [mJ] the `CONTACT_WORK` so far; their sum is the ledger's entry for contact
+    position  (2, N, 2) [mm] where the last step started, and where it ended
+    velocity  (N, 2) [mm/s] after it; `last_dt` (1,) [s] its length, 0 before the first
+    memory    of each pair's algorithm at both positions (2, memory_size, m)
+    """
+
+    def __init__(self, contact: ContactSystem, state: State, reference: Floats) -> None:
+        self.contact, self.state, self.reference = contact, state, reference
+        self.work, self.last_dt = np.zeros(len(CONTACT_WORK)), np.zeros(1)
+        start = reference + state["displacement"]
+        self.position, self.velocity = np.stack([start, start]), state["velocity"].copy()
+        self.memory = [np.zeros((2, pair.method.memory_size, len(pair.slave.nodes))) for pair in contact.pairs]
+        self.pairs = [_split_of(pair, reference, contact.conjugate) for pair in contact.pairs]
+
+    def saved(self) -> Mapping[str, Floats]:
+        """What a restart needs."""
+        return {f"{SAVED}.{name}": array.copy() for name, array in self._arrays().items()}
+
+    def restore(self, memory: Mapping[str, Floats]) -> None:
+        """Go on from what was `saved`."""
+        for name, array in self._arrays().items():
+            array[...] = memory[f"{SAVED}.{name}"]
+
+    def _arrays(self) -> dict[str, Floats]:
+        of_pairs = {pair.name: memory for pair, memory in zip(self.contact.pairs, self.memory, strict=True)}
+        own = {"work": self.work, "position": self.position, "velocity": self.velocity, "last_dt": self.last_dt}
+        return own | of_pairs
+
+    def sample(self, step: Step, dt: float) -> None:
+        """Book the step of length dt [s] that has just been made."""
+        reached, velocity = self.reference + self.state["displacement"], self.state["velocity"]
+        if self.contact.multipliers[0].any():
+            # forces work with the mean velocity: on half of what leads from `before` to the positions reached
+            before = reached - 0.5 * (float(self.last_dt[0]) + dt) * (self.velocity + velocity)
+            self._book(before, reached)
+        self.position[0], self.position[1] = self.position[1], reached
+        self.velocity[:], self.last_dt[0] = velocity, dt
+        for memory, pair in zip(self.memory, self.contact.pairs, strict=True):
+            memory[0], memory[1] = memory[1], self._remembered(pair, memory[1])
+
+    def _book(self, before: Floats, reached: Floats) -> None:
+        left, force = self.position[0], self._normal_force()
+        moved, parts, frozen, turned = reached - left, np.zeros(len(CONTACT_WORK)), 0.0, 0.0
+        for split, pair, known in zip(self.pairs, self.contact.pairs, self.memory, strict=True):
+            y = self.contact.multipliers[0, pair.first_slot : pair.first_slot + pair.slots]
+            memory = self._remembered(pair, known[1])
+            parts += split.parts(y, (left, known[0]), (reached, memory))
+            if self.contact.conjugate:
+                frozen += split.frozen(y, moved)
+                turned += split.turned(y, moved, memory, joined=self._joins_closest_points())
+        closing, step, normals, weights = parts
+        step += float(np.vdot(force, left - before))
+        if self.contact.conjugate:
+            # what these forces have beside frozen rows: the derivatives of normals, and those of weights
+            normals, weights = normals + turned, weights + float(np.vdot(force, moved)) - frozen - turned
+        self.work += 0.5 * np.array([closing, step, normals, weights])
+
+    def _joins_closest_points(self) -> bool:
+        constant: FactoredRows | None = getattr(self.contact, "constant", None)
+        if constant is None or self.contact.factored is not constant:
+            return False
+        return constant.count > 0
+
+    def _remembered(self, pair: ContactPair, nothing: Floats) -> Floats:
+        """What the pair's algorithm remembers now; `nothing` where it has no memory."""
+        name = f"memory.{pair.name}"
+        return self.state[name] if name in self.state else nothing
+
+    def _normal_force(self) -> Floats:
+        """Nodal forces (N, 2) [N] of the normal multipliers."""
+        rows = self.contact.rows
+        if not rows.count or not self.contact.friction:
+            return self.state["contact_force"]
+        entries = slice(0, rows.start[rows.count])
+        y = np.repeat(self.contact.multipliers[0, rows.slot[: rows.count]], np.diff(rows.start[: rows.count + 1]))
+        force = np.zeros_like(self.velocity)
+        np.add.at(force, rows.node[entries], y[:, None] * rows.normal_weight[entries])
+        return force
+
+
+def split_work(contact: Any, integrator: Integrator, state: State, reference: Floats, where: Where) -> None:
+    """Let a contact system split its work. Raises SceneError where its steps are not those of a leapfrog scheme."""
+    if not isinstance(integrator, ExplicitIntegrator) or integrator.velocity_lag != LEAPFROG:
+        raise SceneError(
+            "the work of contact forces is split in explicit leapfrog steps only",
+            where=where,
+            got=f"true, with {type(integrator).__name__}",
+            allowed='false, or an explicit integrator like "central-difference"',
+        )
+    contact.split = WorkSplit(contact, state, reference)
+
+
+class PairSplit:
+    """The parts of one pair whose conditions come finished: its gaps before and after, and the rows of the step.
+
+    twins  pairs like it, with the conditions at these positions of the last steps; those asked for last come last
+    """
+
+    def __init__(self, pair: ContactPair, reference: Floats) -> None:
+        self.pair = pair
+        self.twins = [(np.zeros((0, 2)), twin(pair, reference)) for _ in range(3)]
+
+    def parts(self, y: Floats, start: Instant, end: Instant) -> Floats:
+        """Twice the `CONTACT_WORK` (4,) [mJ] by forces y (k,) [N], from positions (N, 2) to others two steps on."""
+        (before, _), (reached, _), first, last = start, end, self._at(*start), self._at(*end)
+        gaps = first.gaps_at(before)[:, 0], last.gaps_at(reached)[:, 0]
+        pressed, lone = _known(y, *gaps)
+        moved = self.moved(reached - before)
+        closing = float(y[pressed] @ (gaps[1] - gaps[0])[pressed])
+        return np.array([closing, float(y[pressed] @ moved[pressed]) - closing, 0.0, float(y[lone] @ moved[lone])])
+
+    def moved(self, motion: Floats) -> Floats:
+        """Change (k,) [mm] of the gaps by a motion (N, 2), by the rows of the step, weights and normals frozen."""
+        origin = np.zeros_like(motion)
+        return np.asarray((self.pair.gaps_at(motion) - self.pair.gaps_at(origin))[:, 0])
+
+    def frozen(self, y: Floats, motion: Floats) -> float:
+        """Twice the work of forces y (k,) along those rows."""
+        pressed = y > 0.0
+        return float(y[pressed] @ self.moved(motion)[pressed])
+
+    def turned(self, y: Floats, motion: Floats, memory: Floats, *, joined: bool) -> float:
+        """Twice the work along derivatives of normals; `joined` if they are at right angles to all separations."""
+        return 0.0
+
+    def _at(self, positions: Floats, memory: Floats) -> ContactPair:
+        """The twin with the conditions at these positions, which are made where none has them yet."""
+        known = next((n for n, (at, _) in enumerate(self.twins) if np.array_equal(at, positions)), None)
+        if known is not None:
+            self.twins.append(self.twins.pop(known))
+            return self.twins[-1][1]
+        _, found = self.twins.pop(0)
+        # a search of its own for each: conditions do not depend on what was asked for before, or before a restart
+        found.find_near(positions[found.slave.nodes], positions[found.master.nodes])
+        found.update(positions, memory.copy())
+        self.twins.append((positions.copy(), found))
+        return found
+
+
+class OperatorSplit(PairSplit):
+    """The parts of one pair whose algorithm gives operators: normals and weights are told apart.
+
+    rows_at  where in the motion that forces work on rows belong: 0.5, its middle (conjugate forces); 1.0, its end
+    """
+
+    pair: OperatorPair
+
+    def __init__(self, pair: OperatorPair, reference: Floats, conjugate: bool) -> None:
+        super().__init__(pair, reference)
+        self.gradients = PairGradients(pair)
+        self.touched = np.concatenate([pair.slave.nodes, pair.master.nodes])
+        self.rows_at = 0.5 if conjugate else 1.0
+
+    def parts(self, y: Floats, start: Instant, end: Instant) -> Floats:
+        """As `PairSplit.parts`."""
+        (before, _), (reached, _), first, last = start, end, self._operators(*start), self._operators(*end)
+        at, then = self._sides(before), self._sides(reached)
+        (r0, g0), (r1, g1) = _separations(first, at), _separations(last, then)
+        ahead, back = _separations(last, at)[0], _separations(first, then)[0]
+        pressed, lone = _known(y, g0, g1)
+        change = self.moved(reached - before)
+        n0, n1, late = first.normals, last.normals, self.rows_at
+        row = (1.0 - late) * n0 + late * n1
+        closing = _dot(n1, r1) - _dot(n0, r0)
+        normals = _dot(n1 - n0, late * r0 + (1.0 - late) * r1)
+        weights = _dot(row, late * (ahead - r0) + (1.0 - late) * (r1 - back))
+        step = change - _dot(row, late * (r1 - ahead) + (1.0 - late) * (back - r0))
+        of_pressed = [float(y[pressed] @ part[pressed]) for part in (closing, step, -normals, -weights)]
+        # conditions that were not there before or are not there after came or went with their weights
+        of_pressed[-1] += float(y[lone] @ change[lone])
+        return np.array(of_pressed)
+
+    def moved(self, motion: Floats) -> Floats:
+        """As `PairSplit.moved`."""
+        return _dot(self.pair.normals, _separations(self.pair, self._sides(motion))[0])
+
+    def turned(self, y: Floats, motion: Floats, memory: Floats, *, joined: bool) -> float:
+        """As `PairSplit.turned`."""
+        if joined:
+            return 0.0
+        found = self.gradients.found(memory)
+        of = slice(0, found.normal_count)
+        k, moved = found.normal_of[of], motion[self.touched].reshape(-1)[found.normal_moved[of]]
+        along = _dot(self.pair.separation[k], found.dnormal[of])
+        return float((np.maximum(y, 0.0)[k] * along * moved).sum())
+
+    def _operators(self, positions: Floats, memory: Floats) -> OperatorPair:
+        found = self._at(positions, memory)
+        assert isinstance(found, OperatorPair)
+        return found
+
+    def _sides(self, positions: Floats) -> SurfacePositions:
+        return SurfacePositions(positions[self.pair.slave.nodes], positions[self.pair.master.nodes])
+
+
+def _split_of(pair: ContactPair, reference: Floats, conjugate: bool) -> PairSplit:
+    if isinstance(pair, OperatorPair):
+        return OperatorSplit(pair, reference, conjugate)
+    return PairSplit(pair, reference)
+
+
+def _separations(pair: OperatorPair, at: SurfacePositions) -> tuple[Floats, Floats]:
+    """Separations (k, 2) [mm] of surfaces at these positions by the pair's weights, and gaps (k,)."""
+    separation, gaps = np.zeros((pair.slots, 2)), np.full((pair.slots, 2), FAR)
+    pair.separations(at, pair.normals, separation, gaps)
+    return separation, gaps[:, 0]
+
+
+def _known(y: Floats, *gaps: Floats) -> tuple[Flags, Flags]:
+    """Conditions with a force that are there at both ends of a motion, and those with a force that are not."""
+    there = np.all([gap < FAR for gap in gaps], axis=0)
+    return (y > 0.0) & there, (y > 0.0) & ~there
+
+
+def _dot(a: Floats, b: Floats) -> Floats:
+    return np.asarray(np.einsum("ki,ki->k", a, b))
