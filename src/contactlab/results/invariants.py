@@ -11,6 +11,7 @@ import numpy as np
 
 from contactlab.api import Floats
 from contactlab.model.momentum import momenta
+from contactlab.results.chain_ends import angle_at_ends, turn_at_ends
 from contactlab.results.reaction_balance import reaction_mismatch
 from contactlab.results.saw_tooth import largest_turn, pressed_depth, saw_tooth
 from contactlab.results.strain_scale import energy_of_strain
@@ -28,6 +29,7 @@ STEPWISE = 0.02  # load steps: work between two of them is a trapezoid; steps th
 SPREAD = 0.01  # nodes on segments: forces act along the master's normals, pressures along the slave's
 PARTLY = 0.05  # multipliers beyond an edge of cover stand for less length than their segments have
 PLAIN = 1e-5  # of a contact force: what is left on nearly flat sides whose segments or tractions differ
+END_TURNS = 0.5  # of that angle at the end of a chain: linear multipliers take a quarter of it, constant ones a sixth
 TURNS = 4.0  # times the square of the angle between segments: an eighth of it for equal ones, more where lengths differ
 DEEP = 0.05  # segments: what weak conditions leave between nodes of different meshes, beside the depth of facets
 SAW, SHEAR_SAW = 0.01, 0.05  # sound runs stay below 0.7 % and 4.1 %; a pressure that is wrong by some per cent has 2 %
@@ -211,14 +213,15 @@ def _promised(pair: ContactPair, report: ContactReport) -> tuple[float, str]:
     """How far the integral of the pressure may be from the forces.
 
     Pressures act along each segment's normal, forces along averaged ones: apart by the square of the angle between
-    segments.
+    segments; at the end of a chain, which has a segment on one side alone, by the angle itself.
     """
     curve = report.curve
-    turn = max(PLAIN, TURNS * largest_turn(curve) ** 2)
+    turn = max(PLAIN, TURNS * largest_turn(curve) ** 2, END_TURNS * turn_at_ends(curve))
     if np.any(np.isnan(curve.gap) & (curve.pressure != 0.0)) or _differs(report):
         return max(PARTLY, turn), "multipliers of segments that are covered in part are shown on whole ones"
     if not pair.method.passes_patch_test:
-        return max(SPREAD, turn), "forces of nodes act along the master's normals"
+        angle = angle_at_ends(curve, pair.at.master, pair.master.segments)
+        return max(SPREAD + angle, turn), "forces of nodes act along the master's normals, at corners, too"
     return turn, "of the same multipliers, along normals that differ by a segment's turn"
 
 

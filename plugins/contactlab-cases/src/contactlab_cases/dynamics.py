@@ -34,6 +34,16 @@ def rise(energy: Floats) -> float:
     return float(np.diff(energy).max())
 
 
+def energy_under_weight(found: Mapping[str, Floats], body: str, weight: float) -> Floats:
+    """Energy [mJ] after every step: kinetic, of the stresses by their work, and of the weight [N], which acts along -y.
+
+    `found` has rows of kinetic, work.internal and position.BODY.y. Velocities of leapfrog are half a step back, and so
+    are both works: an energy of this kind stays to round-off where nothing gives or takes any.
+    """
+    y = found[f"position.{body}.y"]
+    return np.asarray(found["kinetic"] + found["work.internal"] + 0.5 * weight * (y + np.append(y[:1], y[:-1])))[1:]
+
+
 def momentum_change(found: Mapping[str, Floats], scale: float) -> float:
     """Largest change of the linear momentum since the first row, over `scale`."""
     return max(largest(found[f"momentum.{axis}"] - found[f"momentum.{axis}"][0]) for axis in "xy") / scale
