@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
+from typing import ClassVar
 
+import numpy as np
 import pytest
 
+from contactlab.api import Effect, EffectView, Floats
+from contactlab.api.plugin import Part
 from contactlab.cli import main
+from contactlab.commands.new_plugin import plugin_files
 from contactlab.errors import RequestError
-from contactlab.parts.registry import default_registry
+from contactlab.parts.registry import Registry, default_registry
+from contactlab.testing import effect, run_check
 from contactlab.testing.card import as_data
 from contactlab.testing.check_part import check_part
 from contactlab.testing.find import subjects
+from contactlab.testing.scenarios import invariance
+from contactlab.testing.subject import Subject
 
 OUTSIDE = Path(__file__).parents[1] / "outside" / "closest-point"
 SLIP = '''
@@ -61,6 +71,98 @@ def test_a_part_that_breaks_the_contract_is_checked_no_further(tmp_path: Path) -
     report = check_part(subjects(str(path))[0])
     assert [(o.check, o.status) for o in report.outcomes] == [("keeps_the_contract", "failed")]
     assert "it has no bound" in report.outcomes[0].reason
+
+
+PUSH = """
+from dataclasses import dataclass
+
+from contactlab.api import Effect
+from contactlab.api.plugin import Part, hookimpl
+
+
+@dataclass(frozen=True)
+class Push(Effect):
+    gain: float
+
+    def __post_init__(self):
+        if self.gain < {least}:
+            raise ValueError(f"gain: got {{self.gain}}, allowed: {least} and more")
+
+    def bind(self, view):
+        def add(time, force):
+            force[:, 1] -= self.gain
+
+        return add
+
+
+@hookimpl
+def contactlab_parts():
+    return [Part("effect", "{name}-push", "{name}_push:Push", "an even push")]
+"""
+
+
+def test_a_field_of_an_unknown_name_gets_a_value_by_its_type(tmp_path: Path) -> None:
+    path = tmp_path / "soft_push.py"
+    path.write_text(PUSH.format(name="soft", least=0.5))
+    (subject,) = subjects(str(path))
+    assert subject.make().gain == 1.0
+    report = check_part(subject, only=["gives_forces", "numbers_count"])
+    assert [outcome.status for outcome in report.outcomes] == ["passed"] * 3
+
+
+def test_a_part_of_which_nothing_can_be_checked_is_not_right(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It refuses the value that was tried for its field: the table says so and what to type, and the status is 1."""
+    monkeypatch.setenv("COLUMNS", "250")
+    path = tmp_path / "hard_push.py"
+    path.write_text(PUSH.format(name="hard", least=7.0))
+    assert main(["check", str(path)]) == 1
+    told = capsys.readouterr().out
+    assert "1 not applicable" in told
+    assert "--set gain=..." in told
+    assert main(["check", str(path), "--set", "gain=8.0", "--only", "gives forces"]) == 0
+
+
+def test_a_generated_effect_moves_and_turns_with_its_scene(tmp_path: Path) -> None:
+    """It declares the centre that its frame turns about as a point."""
+    for name, text in plugin_files("effect", "own-effect").items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    only = ["the_frame_does_not_matter", "rotation_turns_the_answers", "points_and_vectors_are_fields"]
+    report = check_part(subjects(str(tmp_path))[0], only=only)
+    assert [outcome.status for outcome in report.outcomes] == ["passed"] * 4, report.outcomes
+
+
+@dataclass(frozen=True)
+class Turning(Effect):
+    """Centrifugal forces about a centre that it does not declare."""
+
+    speed: float = 1000.0
+    centre: tuple[float, float] = (0.0, 0.0)
+    needs_mass: ClassVar[bool] = True
+
+    def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
+        def add(time: float, force: Floats) -> None:
+            x = view.reference + view.displacement - np.array(self.centre)
+            force += view.mass[:, None] * self.speed**2 * x
+
+        return add
+
+
+class Misnamed(Turning):
+    """Declares a field that it does not have."""
+
+    points: ClassVar[tuple[str, ...]] = ("center",)
+
+
+def test_a_point_that_is_not_declared_fails_where_the_scene_is_moved() -> None:
+    part = Part("effect", "turning", f"{__name__}:Turning", "centrifugal forces")
+    subject = Subject(Registry(classes=[(part, Turning)]), "effect", "turning")
+    outcome = run_check(invariance.the_frame_does_not_matter, subject)
+    assert outcome.status == "failed"
+    assert "shifted" in outcome.reason
+    assert run_check(effect.points_and_vectors_are_fields, Misnamed()).status == "failed"
 
 
 def test_a_folder_and_a_distribution_mean_all_their_parts(tmp_path: Path) -> None:

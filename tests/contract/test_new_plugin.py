@@ -46,12 +46,9 @@ def test_a_part_is_short_and_plain(kind: str) -> None:
     assert 15 <= len([line for line in source.splitlines() if line.strip()]) <= 80
 
 
-@pytest.mark.parametrize("kind", sorted(set(KINDS) - {"effect"}))
+@pytest.mark.parametrize("kind", KINDS)
 def test_a_part_can_be_checked_as_it_is_written(kind: str) -> None:
-    """`contactlab check` finds a value for every field of it, or it would say that nothing applies.
-
-    The effect is left out: it turns about a fixed place, so that a scene moved elsewhere has other forces.
-    """
+    """`contactlab check` knows a usual value for every field of it, or it would try one that may not suit."""
     tree = ast.parse(plugin_files(kind, f"own-{kind}")[f"src/own_{kind}/{kind}.py"])
     fields = [node for own in ast.walk(tree) if isinstance(own, ast.ClassDef) for node in own.body]
     required = {

@@ -45,12 +45,16 @@ class Effect(ABC):
     conservative  at any time its forces follow from positions alone, and do no work around a closed path
     dissipates    its forces never do positive work
     internal      its forces have neither a resultant nor a moment: they act between the bodies, or within them
+    points        names of fields that are points (x, y) [mm] of the scene: they move and turn with it
+    vectors       names of fields that are vectors (x, y): they turn with the scene
     """
 
     needs_mass: ClassVar[bool] = False
     conservative: ClassVar[bool] = False
     dissipates: ClassVar[bool] = False
     internal: ClassVar[bool] = False
+    points: ClassVar[tuple[str, ...]] = ()
+    vectors: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:

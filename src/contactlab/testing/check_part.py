@@ -7,8 +7,9 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from contactlab.errors import PartError
+from contactlab.errors import PartError, SceneError, one_line
 from contactlab.testing.cost import Cost, costs
+from contactlab.testing.examples import refused
 from contactlab.testing.run import Outcome, checks_for, run_check
 from contactlab.testing.scenarios import scenarios_for
 from contactlab.testing.subject import Subject
@@ -39,8 +40,8 @@ class PartReport:
 
     @property
     def right(self) -> bool:
-        """Whether nothing failed."""
-        return not self.count("failed")
+        """Whether something was checked and nothing failed."""
+        return self.count("passed") > 0 and not self.count("failed")
 
 
 def check_names(kind: str) -> list[str]:
@@ -105,7 +106,12 @@ def keeps_the_contract(subject: Subject) -> None:
         subject.make()
     except PartError as error:
         cause = error.__cause__
-        raise AssertionError(cause.problem if isinstance(cause, PartError) else error.problem) from error
+        problem = cause.problem if isinstance(cause, PartError) else error.problem
+        raise AssertionError(problem) from error
+    except SceneError as error:
+        if guessed := subject.guessed:
+            raise refused(guessed, one_line(error)) from error
+        raise
 
 
 def _tags(subject: Subject) -> dict[str, Any]:

@@ -156,6 +156,14 @@ def resultants_are_declared(effect: Effect) -> None:
     _declared(effect.internal, within, "internal", f"a resultant or moment of {worst:.1e} of the forces")
 
 
+def points_and_vectors_are_fields(effect: Effect) -> None:
+    """What it declares as `points` and `vectors` are fields with two numbers."""
+    for name in (*effect.points, *effect.vectors):
+        value = getattr(effect, name, None)
+        two = isinstance(value, tuple) and len(value) == 2 and all(isinstance(x, float | int) for x in value)
+        require(two, f"points and vectors: got {name}, allowed: names of fields with two numbers; it is {value!r}")
+
+
 def _declared(says: bool, fact: bool, tag: str, found: str) -> None:
     """A broken promise fails; an undeclared property is reported."""
     require(fact or not says, f"{tag} is True: {found}")
@@ -173,5 +181,6 @@ CHECKS: tuple[Check, ...] = (
     follows_the_state,
     remembers_nothing,
     leaves_the_view_alone,
+    points_and_vectors_are_fields,
 )
 """All checks of effects."""

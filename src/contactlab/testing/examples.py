@@ -1,12 +1,12 @@
-"""Parts to check by default: fields without a default get a usual value by their name."""
+"""Parts to check by default: fields without a default get a usual value by their name, or one by their type."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from contactlab.parts.registry import Registry
-from contactlab.scene.fields import is_required, keys_of
+from contactlab.scene.fields import hints_of, is_required, keys_of
 from contactlab.testing.assertions import NotApplicable
 
 USUAL: dict[str, Any] = {
@@ -34,6 +34,7 @@ USUAL: dict[str, Any] = {
     "on": "upper",
     "stiffness": (100.0, 200.0),
     "rate": 1000.0,
+    "speed": 1000.0,
     "quantities": ("time", "energy", "force.upper.x"),
     "body": "upper",
     "period": 1.5,
@@ -44,6 +45,12 @@ USUAL: dict[str, Any] = {
 }
 """Values for fields without a default, in mm N s t."""
 
+BY_TYPE: dict[Any, Any] = {
+    float: 1.0, int: 2, bool: True,
+    tuple[float, float]: (1.0, 0.5), tuple[float, ...]: (1.0, 0.5), tuple[int, int]: (2, 2),
+}  # fmt: skip
+"""Values for fields whose names tell nothing."""
+
 
 def example(registry: Registry, kind: str, name: str) -> Any:
     """The part of this kind and name with usual values. Raises NotApplicable naming a field without one."""
@@ -52,9 +59,31 @@ def example(registry: Registry, kind: str, name: str) -> Any:
 
 def example_spec(registry: Registry, kind: str, name: str, given: Mapping[str, Any] | None = None) -> dict[str, Any]:
     """Write an example of a part as a scene names it; fields that are `given` need no usual value."""
-    fields, given = keys_of(registry.part_class(kind, name)), given or {}
-    needed = [field for field in fields if is_required(fields[field]) and field not in given]
+    given = given or {}
+    needed = _needed(registry.part_class(kind, name), given)
     unknown = [field for field in needed if field not in USUAL]
     if unknown:
-        raise NotApplicable(f"no usual value is known for {', '.join(unknown)}; check an instance of your own")
+        raise NotApplicable(f"no usual value is known for {', '.join(unknown)}{_give(unknown)}")
     return {"use": name, **{field: USUAL[field] for field in needed}, **given}
+
+
+def guesses(cls: type, given: Mapping[str, Any]) -> dict[str, Any]:
+    """Values by their types for numbers of a part that have no default, are not `given`, and have no usual value."""
+    kinds = {field: hints_of(cls)[field] for field in _needed(cls, given) if field not in USUAL}
+    return {field: BY_TYPE[kind] for field, kind in kinds.items() if kind in BY_TYPE}
+
+
+def refused(names: Iterable[str], because: str) -> NotApplicable:
+    """What to say where a part takes no guess."""
+    return NotApplicable(
+        f"no usual value is known for {', '.join(names)}, and guesses are refused: {because}{_give(names)}"
+    )
+
+
+def _needed(cls: type, given: Mapping[str, Any]) -> list[str]:
+    fields = keys_of(cls)
+    return [field for field in fields if is_required(fields[field]) and field not in given]
+
+
+def _give(names: Iterable[str]) -> str:
+    return "; give " + " ".join(f"--set {name}=..." for name in names)

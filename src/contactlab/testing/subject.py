@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contactlab.parts.registry import Offer, Registry
-from contactlab.testing.examples import example_spec
+from contactlab.testing.examples import example_spec, guesses
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,7 +27,16 @@ class Subject:
     @property
     def spec(self) -> dict[str, Any]:
         """The part as a scene names it. Raises NotApplicable naming a field that nobody gives."""
-        return example_spec(self.registry, self.kind, self.name, self.given)
+        return example_spec(self.registry, self.kind, self.name, {**self.guessed, **self.given})
+
+    @property
+    def guessed(self) -> dict[str, Any]:
+        """Values of fields that have neither a default nor a usual value, by their types."""
+        return guesses(self.part_class, self.given)
+
+    def with_fields(self, values: Mapping[str, Any]) -> Subject:
+        """The same part with other values of some fields."""
+        return Subject(self.registry, self.kind, self.name, {**self.given, **values})
 
     @property
     def offer(self) -> Offer:

@@ -24,6 +24,7 @@ class Gravity(Effect):
 
     needs_mass: ClassVar[bool] = True
     conservative: ClassVar[bool] = True
+    vectors: ClassVar[tuple[str, ...]] = ("acceleration",)
 
     acceleration: tuple[float, float]
     on: tuple[str, ...] = ()

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Job, StepStatus
+from contactlab.api import Floats, Job, StepStatus
 from contactlab.cases.invariants import invariants_of
 from contactlab.cases.record import record_of
 from contactlab.cases.verdict import allowed
@@ -57,12 +57,12 @@ def _passes_patch_test(subject: Subject) -> bool:
 
 def rotation_turns_the_answers(subject: Subject) -> None:
     """The whole scene turned by 30 degrees gives turned reactions, and the same pressures and shears."""
-    if subject.kind == "effect":
-        raise NotApplicable("its fields may have directions, which would have to turn as well")
+    if subject.kind == "effect" and not (subject.part_class.points or subject.part_class.vectors):
+        raise NotApplicable("it declares no fields that are points or vectors, which would have to turn as well")
     cos, sin = math.cos(math.radians(TURN)), math.sin(math.radians(TURN))
     turn = np.array([[cos, -sin], [sin, cos]])
     for mode in modes_of(subject):
-        scene = pressed(subject, mode)
+        scene = pressed(_moved(subject, turn, np.zeros(2)), mode)
         data = scene.data
         for body in data["bodies"].values():
             body["rotate"], body["shift"] = TURN, (turn @ body["shift"]).tolist()
@@ -75,15 +75,25 @@ def rotation_turns_the_answers(subject: Subject) -> None:
 
 
 def the_frame_does_not_matter(subject: Subject) -> None:
-    """The scene far from the origin gives the same answers."""
+    """The scene far from the origin gives the same answers; fields of an effect that are `points` move with it."""
     for mode in modes_of(subject):
-        scene = pressed(subject, mode)
+        scene = pressed(_moved(subject, np.eye(2), np.array(SHIFT)), mode)
         data = scene.data
         for body in data["bodies"].values():
             body["shift"] = [float(value + far) for value, far in zip(body["shift"], SHIFT, strict=True)]
         moved = run(subject, Scene.from_data(data, registry=subject.registry), f"{mode}, shifted by {SHIFT} mm")
         # positions of 40 mm have a round-off forty times that of positions of 1 mm
         same(Answers.of(moved), Answers.of(plain(subject, mode)), 100.0 * SAME[mode], f"{mode}, shifted")
+
+
+def _moved(subject: Subject, turn: Floats, shift: Floats) -> Subject:
+    """An effect with its points and vectors turned by a matrix (2, 2), and points shifted; other parts as they are."""
+    if subject.kind != "effect":
+        return subject
+    part, cls = subject.make(), subject.part_class
+    points = {name: turn @ getattr(part, name) + shift for name in cls.points}
+    vectors = {name: turn @ getattr(part, name) for name in cls.vectors}
+    return subject.with_fields({name: value.tolist() for name, value in (points | vectors).items()})
 
 
 def the_numbering_does_not_matter(subject: Subject) -> None:
