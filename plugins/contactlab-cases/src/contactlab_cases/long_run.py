@@ -43,6 +43,11 @@ class LongRun(Case):
     elements: ClassVar[tuple[str, ...]] = ("q1",)
     swaps: ClassVar[bool] = False
 
+    def applies(self, setup: Setup) -> str:
+        """So many steps show the same with either period."""
+        dear = self.steps > LongRun.steps and self.turn != LongRun.turn
+        return "so many steps are taken with one period of the spring" if dear else super().applies(setup)
+
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """Thrown from rest of the spring; the weight presses all the time."""
         w = 2.0 * math.pi / (self.turn * STEP)
