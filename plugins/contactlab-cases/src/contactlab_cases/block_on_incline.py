@@ -38,7 +38,7 @@ class BlockOnIncline(Case):
     title: ClassVar[str] = "block on an incline"
     source: ClassVar[str] = "Coulomb: a = g (sin 20 - mu cos 20)"
     family: ClassVar[str] = "friction"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"mu": (0.1, 0.2, 0.3, 0.36)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"mu": (0.1, 0.2, 0.3, 0.36), "cells": (2, 4)}
     demands: ClassVar[frozenset[str]] = frozenset({"friction", "explicit"})
     integrators: ClassVar[tuple[str, ...]] = ("central-difference",)
     elements: ClassVar[tuple[str, ...]] = ("q1", "q1-fbar")

@@ -29,7 +29,7 @@ class BouncingBar(Case):
     title: ClassVar[str] = "bouncing bar"
     source: ClassVar[str] = "Doyen, Ern & Piperno 2011"
     family: ClassVar[str] = "impact"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"cells": (50, 100)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"cells": (50, 100), "periods": (1, 3)}
     integrators: ClassVar[tuple[str, ...]] = ("central-difference", "implicit-dynamics")
     elements: ClassVar[tuple[str, ...]] = ("q1",)
     proves: ClassVar[frozenset[str]] = frozenset({"impact", "energy"})

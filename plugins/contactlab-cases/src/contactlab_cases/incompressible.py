@@ -18,14 +18,15 @@ RADIUS, YOUNG = 8.0, 10.0
 
 @dataclass(frozen=True)
 class Incompressible(Case):
-    """R = 8 pressed 0.15 into a block 40 x 20, E = 10."""
+    """R = 8 pressed 0.15 into a block 40 x 20, E = 10; or less deep: `depth` [mm]."""
 
     poisson: float = 0.499
+    depth: float = 0.15
 
     title: ClassVar[str] = "rigid cylinder on a nearly incompressible block"
     source: ClassVar[str] = SOURCE
     family: ClassVar[str] = "hertz"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"poisson": (0.3, 0.49, 0.499)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"poisson": (0.3, 0.49, 0.499), "depth": (0.1, 0.15)}
     integrators: ClassVar[tuple[str, ...]] = ("newton",)
     proves: ClassVar[frozenset[str]] = frozenset({"curved contact", "locking"})
     elements: ClassVar[tuple[str, ...]] = ("q1-fbar", "q2-lagrange", "q1")
@@ -45,7 +46,7 @@ class Incompressible(Case):
             static_job(
                 "pressed", setup, material, {"block": {"material": "m", "mesh": mesh}},
                 {"slave": "block.top", "master": "cylinder"},
-                rigid={"cylinder": {"arc": arc, "segment": h, "uy": {"ramp": "linear", "to": -0.15}}},
+                rigid={"cylinder": {"arc": arc, "segment": h, "uy": {"ramp": "linear", "to": -self.depth}}},
                 supports=[{"on": "block.bottom", "ux": 0.0, "uy": 0.0}],
             ),
         )  # fmt: skip

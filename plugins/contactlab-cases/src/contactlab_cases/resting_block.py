@@ -19,14 +19,15 @@ LOW = 0.05  # of these falls the vibrations have died by a thousandth after 100 
 
 @dataclass(frozen=True)
 class RestingBlock(Case):
-    """2 x 1, weight 20, damped, dropped from `fall`; steps of 0.01 s."""
+    """2 x 1, weight 20, damped, dropped from `fall`; steps of 0.01 s; `young` of a stiff or of a soft block."""
 
     fall: float = 0.05
+    young: float = 1000.0
 
     title: ClassVar[str] = "block that comes to rest"
     source: ClassVar[str] = "energy and equilibrium"
     family: ClassVar[str] = "rest"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"fall": (0.01, 0.05, 0.2)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"fall": (0.01, 0.05, 0.2), "young": (200.0, 1000.0)}
     integrators: ClassVar[tuple[str, ...]] = ("implicit-dynamics",)
     elements: ClassVar[tuple[str, ...]] = ("q1", "q1-fbar")
     proves: ClassVar[frozenset[str]] = frozenset({"rest", "energy"})
@@ -39,7 +40,7 @@ class RestingBlock(Case):
         scene = {
             "name": "rest", "integrator": setup.integrator,
             "time": {"end": (200 + later) * STEP, "step": STEP, "damping": DAMPING},
-            "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.3, "density": 1.0}},
+            "materials": {"m": {"use": "linear-elastic", "young": self.young, "poisson": 0.3, "density": 1.0}},
             "bodies": {"block": block | {"element": setup.element}},
             "rigid": {"ground": {"line": [[4.0, 0.0], [-2.0, 0.0]]}},
             "contacts": [{"slave": "block.bottom", "master": "ground", "algorithm": setup.algorithm}],

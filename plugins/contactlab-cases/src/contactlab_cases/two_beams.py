@@ -27,7 +27,7 @@ class TwoBeams(Case):
     title: ClassVar[str] = "two beams, one clamped (SDNL111)"
     source: ClassVar[str] = "Code_Aster V5.02.111"
     family: ClassVar[str] = "impact"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"steps": (200, 400)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"steps": (200, 400), "cells": (50, 100)}
     integrators: ClassVar[tuple[str, ...]] = ("implicit-dynamics",)
     elements: ClassVar[tuple[str, ...]] = ("q1",)
     proves: ClassVar[frozenset[str]] = frozenset({"impact"})
