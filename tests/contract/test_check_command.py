@@ -17,7 +17,7 @@ from contactlab.cli import main
 from contactlab.commands.new_plugin import plugin_files
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry, default_registry
-from contactlab.testing import effect, run_check
+from contactlab.testing import run_check
 from contactlab.testing.card import as_data
 from contactlab.testing.check_part import check_part
 from contactlab.testing.find import subjects
@@ -150,19 +150,12 @@ class Turning(Effect):
         return add
 
 
-class Misnamed(Turning):
-    """Declares a field that it does not have."""
-
-    points: ClassVar[tuple[str, ...]] = ("center",)
-
-
 def test_a_point_that_is_not_declared_fails_where_the_scene_is_moved() -> None:
     part = Part("effect", "turning", f"{__name__}:Turning", "centrifugal forces")
     subject = Subject(Registry(classes=[(part, Turning)]), "effect", "turning")
     outcome = run_check(invariance.the_frame_does_not_matter, subject)
     assert outcome.status == "failed"
     assert "shifted" in outcome.reason
-    assert run_check(effect.points_and_vectors_are_fields, Misnamed()).status == "failed"
 
 
 def test_a_folder_and_a_distribution_mean_all_their_parts(tmp_path: Path) -> None:

@@ -100,7 +100,15 @@ class Falling(Effect):
         return pull
 
 
+@dataclass(frozen=True)
+class Misnamed(Falling):
+    """Declares a point that it does not have."""
+
+    points: ClassVar[tuple[str, ...]] = ("center",)
+
+
 WRONG: list[tuple[Check, Effect]] = [
+    (effect.points_and_vectors_are_fields, Misnamed()),
     (effect.numbers_count, Drive(3.0)),
     (effect.power_is_declared, Drive(3.0)),
     (effect.work_around_a_path_is_declared, Whirl()),
