@@ -47,6 +47,12 @@ def asked(*requests: Request) -> dict[Key, Cell]:
     return {tuple(cell.choices.values()): cell for request in requests for cell in plan(request, default_registry())}
 
 
+def applying(cells: Mapping[Key, Cell]) -> dict[Key, Cell]:
+    """Those of the cells that their cases do not refuse."""
+    registry = default_registry()
+    return {key: cell for key, cell in cells.items() if not cell.case(registry).applies(cell.setup)}
+
+
 def of_pages() -> dict[Key, Cell]:
     """The cells that these pages show: hard cases on the finer meshes of level 2, the others in full."""
     return asked(Request(HARD, levels=(2,)), Request((*STATICS, *FRICTION, *LONG), full=True))

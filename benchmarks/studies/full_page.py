@@ -61,8 +61,9 @@ def rows_of(archive: Path) -> list[Row]:
 
 
 def keep(rows: list[Row]) -> None:
-    """Put rows into full_matrix.csv, in place of those of the same cells; what is no longer planned leaves."""
-    kept_rows.write(STORED, COLUMNS, case_rows.merged(stored(), rows, case_rows.asked(Request(full=True))))
+    """Put rows into full_matrix.csv, in place of those of the same cells; what no longer applies leaves."""
+    planned = case_rows.applying(case_rows.asked(Request(full=True)))
+    kept_rows.write(STORED, COLUMNS, case_rows.merged(stored(), rows, planned))
 
 
 def stored() -> list[Row]:
