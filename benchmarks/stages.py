@@ -235,8 +235,8 @@ def shown(value: float) -> str:
 
 
 def page(kept: Sequence[Mapping[str, Any]]) -> str:
-    """The newest row of each kind of machine."""
-    newest = {kind(entry["machine"]): entry for entry in kept}
+    """The newest row of each kind of machine and choice of stages."""
+    newest = {(kind(entry["machine"]), tuple(entry["stages"])): entry for entry in kept}
     return "\n\n".join("\n".join(described(entry)) for entry in newest.values()) + "\n"
 
 
