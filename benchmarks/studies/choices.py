@@ -37,9 +37,9 @@ KEYS = ("scene", "what", "asked", "chosen", "level", "error", "known", "cost", "
         "trials", "search_s", "why")  # fmt: skip
 WISH = Wish(budget=30.0, search=60.0)
 LEVELS = (1, 2, 3, 4, 6, 8)
-LEAST_LIMIT = 4.0
+LEAST_LIMIT = 1.5
 """CPU time [s] that every run may take: lines of one point are expected to cost eight times as much at level 2, and a
-smaller limit would leave these out."""
+smaller limit would leave these out. What costs more than the chosen run is only asked whether the error stays met."""
 JUDGED = 0.05
 """Uncertainty of the judging reference over the error, or the finest that there is."""
 

@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from contactlab.accuracy.lines import LEAST_SCATTER
 from contactlab.api import ExplicitIntegrator
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
@@ -58,9 +59,13 @@ class Share:
 
     @property
     def gain(self) -> float:
-        """Error of the pressure taken off per CPU second that it costs more."""
+        """Error of the pressure taken off per CPU second that it costs more; what is within the scatter counts as that.
+
+        Else a knob that changes next to nothing would come first whenever its run happens to be the faster one.
+        """
         less = self.pressure * (1.0 - 0.5**self.knob.order)
-        return less / self.extra if self.extra > 0.0 else math.inf
+        extra = max(self.extra, (LEAST_SCATTER - 1.0) * (self.cost - self.extra))
+        return less / extra if extra > 0.0 else math.inf
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from contactlab.accuracy.evaluation import Evaluation
 from contactlab.accuracy.point import Point
 from contactlab.studies.system import system_facts
 
-COUNTS = ("steps", "iterations", "sweeps")
+COUNTS = ("steps", "iterations", "sweeps", "nodes", "updates")
 
 
 def point_row(point: Point, side_by_side: int) -> dict[str, Any]:

@@ -25,6 +25,7 @@ from contactlab.errors import ContactlabError
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.studies.call import Call
+from contactlab.studies.cpu_limit import SLOW
 from contactlab.studies.make_reference import Curve, holds_for, write_curve
 from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
 from contactlab.studies.profile import FoldedSurfaceError, Profile, distance, norm
@@ -37,8 +38,6 @@ from contactlab.studies.study import FINEST
 LEVELS = (2, 4, 8, 16)
 KEPT = 2
 """Algorithms that go on to the third level and beyond: those that change least from the first to the second."""
-SLOW = 4.0
-"""Wall time that a run may take, in CPU times: machines share their cores."""
 MOST_GROWTH = 3.0
 """Power of the level that costs grow with at most, for what the next level will take."""
 RATIOS = (1.5, 3.0)
@@ -128,7 +127,7 @@ class _Runs:
                 self._keep(ladder, level, future, archive)
 
     def _call(self, ladder: _Ladder, level: int, budget: float) -> Call:
-        arguments = (dict(self.scene.data), ladder.contender, level, self.registry, self.archive)
+        arguments = (dict(self.scene.data), ladder.contender, level, self.registry, self.archive, budget)
         return Call(run_scene, arguments, limit=SLOW * budget)
 
     def _keep(
@@ -155,10 +154,10 @@ class _Runs:
 
 
 def run_scene(
-    data: Mapping[str, Any], contender: Contender, level: int, registry: Registry, archive: Path,
+    data: Mapping[str, Any], contender: Contender, level: int, registry: Registry, archive: Path, limit: float,
     report: Callable[[Any], None],
 ) -> tuple[Record, list[StoredRun]]:  # fmt: skip
-    """The record of a scene as a contender runs it at a level, and the run where it is new."""
+    """The record of a scene as a contender runs it at a level, and the run where it is new. Raises CpuLimitReached."""
     job = Job("run", data, choices_of(data, Setup(contender.algorithm, False, "", contender.integrator, level)))
     scene = changed(scene_of(job, registry), contender)
     made: list[StoredRun] = []
@@ -169,7 +168,7 @@ def run_scene(
 
     with Archive(archive, write=False) as known:
         names = run_key(job, scene), f"{scene.name} {job.name}"
-        record = known_or_made(job, scene, names, known, made, ready, report)
+        record = known_or_made(job, scene, names, known, made, ready, report, limit)
     return record, made
 
 

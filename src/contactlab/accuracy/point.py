@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from time import process_time
 from typing import Any
@@ -21,11 +22,12 @@ from contactlab.accuracy.study import CaseChoice, Contender
 from contactlab.api import Job, Record
 from contactlab.archive.archive import Archive, StoredRun
 from contactlab.archive.keys import run_key
-from contactlab.cases.record import to_bytes
+from contactlab.cases.record import refused, to_bytes
 from contactlab.cases.run_case import evaluated, run_case, run_job, scene_of
 from contactlab.errors import ContactlabError
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
+from contactlab.studies.cpu_limit import CpuLimitReached, cpu_limit
 from contactlab.studies.measure_run import without_compilation
 from contactlab.studies.run_job import be_ready
 from contactlab.studies.system import machine
@@ -66,7 +68,7 @@ class Point:
     error        relative error, nan where there is none
     cpu          CPU time of each run without compilation [s]; of a case with several runs that of the dearest
     calibration  CPU time of the calibration kernel beside them [s]
-    counts       steps, iterations, sweeps
+    counts       steps, iterations, sweeps, nodes of the mesh, updates (cells times steps or iterations)
     memory_mib   largest memory; compile_s  CPU time of compiling or loading kernels in that process
     spent        CPU time that was used now, without compilation [s]; 0 where the archive knew it
     runs         keys of the runs in the archive
@@ -110,6 +112,18 @@ def named(task: Task, status: str, reason: str) -> Point:
     return Point(task.choice.label, task.contender.label, task.slave, task.level, status, reason)
 
 
+def timed_out(task: Task, reason: str) -> Point:
+    """The point of a run that was stopped at its limit."""
+    return replace(named(task, "timed-out", reason), spent=task.limit)
+
+
+def remembered(task: Task, reason: str) -> StoredRun:
+    """Tells the archive that the limit was not enough, so that nobody tries again with the same one."""
+    record = replace(refused(reason), status="timed-out")
+    end = ("timed-out", reason, 0.0, task.limit, to_bytes(record))
+    return StoredRun(task.key(), f"{task.choice.label} {task.contender.label}", "", *end, machine())
+
+
 def run_point(
     task: Task, registry: Registry, archive: Path | None, report: Callable[[Any], None]
 ) -> tuple[Point, list[StoredRun]]:
@@ -120,6 +134,8 @@ def run_point(
     try:
         problem = problem_of(task.choice, registry, task.folder)
         takes = [_take(task, problem, registry, known, made, number, report) for number in range(task.repeat)]
+    except CpuLimitReached as stop:
+        return timed_out(task, str(stop)), [*made, remembered(task, str(stop))]
     except ContactlabError as error:
         return named(task, "failed", str(error)), made
     finally:
@@ -144,7 +160,8 @@ def _take(
         key = run_key(job, scene) + (f"-{number}" if number else "")
         keys.append(key)
         name = f"{task.choice.label} {job.name}"
-        return known_or_made(job, scene, (key, name), known, made, lambda: _be_ready(task, problem, registry), report)
+        ready = partial(_be_ready, task, problem, registry)
+        return known_or_made(job, scene, (key, name), known, made, ready, report, task.limit)
 
     setup = problem.setup(task.contender, task.swap, task.level)
     _, done = run_case(problem.case, setup, registry, run)
@@ -155,18 +172,21 @@ def _take(
 
 def known_or_made(
     job: Job, scene: Scene, names: tuple[str, str], known: Archive | None, made: list[StoredRun],
-    ready: Callable[[], None], report: Callable[[Any], None],
+    ready: Callable[[], None], report: Callable[[Any], None], limit: float,
 ) -> Record:  # fmt: skip
     """The record that the archive knows under the first of `names`, else of a run that is made now and goes to `made`.
 
     ready  imports, compiles and loads what the run needs
+    limit  CPU time of the run [s]
+    Raises CpuLimitReached.
     """
     record = known.record(names[0], machine()) if known is not None else None
     # a record of a matrix has no calibration beside it: its time is of another load
     if record is None or "calibration_s" not in record.summary:
         ready()
         report(BEGUN)
-        record = _timed(job, scene)
+        with cpu_limit(limit):
+            record = _timed(job, scene)
         made.append(_stored(*names, scene, record))
     return record
 
@@ -219,17 +239,25 @@ def _point(task: Task, error: float, done: Mapping[str, Record], keys: tuple[str
     if not ended and not math.isfinite(error):
         status, reason = "failed", "the error could not be evaluated"
     summary, cost = dearest.summary, dearest.summary.get("cost", {})
-    counted = {"steps": "steps", "iterations": "iterations", "sweeps": "contact_sweeps"}
     return Point(
         task.choice.label, task.contender.label, task.slave, task.level, status, reason,
         error if status == "finished" else math.nan,
         (cost_of(dearest),),
         float(summary.get("calibration_s", math.nan)),
-        {name: float(summary[key]) for name, key in counted.items() if summary.get(key) is not None},
+        _counts(summary),
         float(cost.get("peak_memory_mib", math.nan)),
         float(cost.get("compile_s", math.nan)),
         runs=keys,
     )  # fmt: skip
+
+
+def _counts(summary: Mapping[str, Any]) -> dict[str, float]:
+    """What a run counted; without what its summary lacks."""
+    counted = {"steps": "steps", "iterations": "iterations", "sweeps": "contact_sweeps", "nodes": "nodes"}
+    found = {name: float(summary[key]) for name, key in counted.items() if summary.get(key) is not None}
+    if "cells" in summary and "steps" in found:
+        found["updates"] = summary["cells"] * (found.get("iterations") or found["steps"])
+    return found
 
 
 def _stored(key: str, name: str, scene: Scene, record: Record) -> StoredRun:

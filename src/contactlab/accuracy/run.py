@@ -10,14 +10,14 @@ from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 
-from contactlab.accuracy.point import Point, Task, named, run_point
+from contactlab.accuracy.point import Point, Task, named, remembered, run_point, timed_out
 from contactlab.accuracy.problem import Problem, choices, contenders, problem_of
 from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
 from contactlab.archive.archive import FILE, Archive, StoredRun
-from contactlab.cases.record import refused, to_bytes
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.studies.call import Call, Pool
+from contactlab.studies.cpu_limit import SLOW
 from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
 from contactlab.studies.scheduler import LOCAL, open_pool
 from contactlab.studies.system import machine
@@ -33,8 +33,6 @@ OTHERS = {WAITING: "not run yet", "interrupted": "stopped before it was run"}
 """Statuses of points that are not run, in words."""
 GROWTH = 3.0
 """Power of the level that costs grow with, while a line has one point only."""
-SLOW = 4.0
-"""Wall time that a run may take, in limits: machines share their cores."""
 
 
 @dataclass(frozen=True)
@@ -229,7 +227,9 @@ class _Runner:
         try:
             point, made = future.result()
         except TimedOutError:
-            return self._timed_out(task)
+            reason = f"stopped after {SLOW * task.limit * task.repeat:g} s of wall time, {SLOW:g} times its limit"
+            self.archive.add_run(remembered(task, reason))
+            return timed_out(task, reason)
         except ProcessDiedError as error:
             return named(task, "failed", str(error))
         except RaisedError as error:
@@ -240,14 +240,6 @@ class _Runner:
             reason = f"took {point.cost:.3g} CPU s, the limit is {task.limit:g}"
             return replace(point, status="timed-out", reason=reason, error=math.nan)
         return point
-
-    def _timed_out(self, task: Task) -> Point:
-        """Keep that the limit was not enough, so that nobody tries again with the same one."""
-        reason = f"stopped after {SLOW * task.limit * task.repeat:g} s of wall time, {SLOW:g} times its limit"
-        record = replace(refused(reason), status="timed-out")
-        end = ("timed-out", reason, 0.0, task.limit, to_bytes(record))
-        self.archive.add_run(StoredRun(task.key(), f"{task.choice.label} {task.contender.label}", "", *end, machine()))
-        return replace(named(task, "timed-out", reason), spent=task.limit)
 
 
 def expected_cost(done: Sequence[Point], level: int) -> float:

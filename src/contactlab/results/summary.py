@@ -97,6 +97,8 @@ def summarise(
         "steps": counts.steps,
         "iterations": counts.iterations,
         "contact_sweeps": counts.sweeps,
+        "nodes": len(model.reference),
+        "cells": sum(len(body.cells) for body in model.bodies),
         "cost": cost_of(model, clock, layout, status),
         "reactions": {} if sample is None else {on: list(force) for on, force in sample.reactions.items()},
         "reaction_mismatch": reaction_mismatch(model),

@@ -82,6 +82,11 @@ def test_the_next_knob_takes_off_most_for_its_time() -> None:
     assert ErrorBudget("finished", "", 1.0, [share("step", math.nan, 1.0)]).cheapest is None
 
 
+def test_a_knob_that_changes_next_to_nothing_is_not_next_because_its_run_was_faster() -> None:
+    mesh, damping = share("mesh", 0.03, 1.2), share("damping", 3e-5, -0.07)
+    assert ErrorBudget("finished", "", 1.0, [mesh, damping]).cheapest is mesh
+
+
 def test_the_command_tells_parts_and_what_to_refine(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Statics of a coarse disc: its mesh is off by per cents, its tolerance by nothing that anyone could see."""
     changes = {"bodies.disc.mesh.cells": "[8, 2]", "bodies.block.mesh.cells": "[12, 2]", "integrator": "newton"}
