@@ -128,3 +128,15 @@ def test_a_browser_draws_and_filters(folder: Path, tmp_path: Path, width: int) -
     assert told["algorithms"] == ["mortar-p1", "node-on-segment"]
     assert len(told["pages"]) == 1
     assert told["rows"] == 3
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium here")
+def test_it_is_printed_without_empty_pages(folder: Path, tmp_path: Path) -> None:
+    """Five tables of twelve rows, two figures and four short sections on A4: headings stay with what follows them."""
+    words = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--no-pdf-header-footer",
+             "--virtual-time-budget=20000", f"--user-data-dir={tmp_path}"]  # fmt: skip
+    printed = tmp_path / "page.pdf"
+    page = (folder / "accuracy.html").as_uri()
+    subprocess.run([*words, f"--print-to-pdf={printed}", page], capture_output=True, check=True)
+    (pages,) = re.findall(rb"/Type /Pages\s+/Count (\d+)", printed.read_bytes())[:1]
+    assert 4 <= int(pages) <= 7
