@@ -11,7 +11,7 @@ from contactlab.reports.numbers import percent, significant
 
 _TEXT = (
     "<p>The finest point of each line, predicted from coarser meshes only: the cost as start + counted work x unit "
-    "cost (shared by the lines of a case and an algorithm), the error as C h<sup>q</sup> (the order near that of the "
+    "cost (shared by the lines of a case), the error as C h<sup>q</sup> (the order near that of the "
     f"case) with an interval that should hold {CHANCE:.0%} of them.</p>"
 )
 
