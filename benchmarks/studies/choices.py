@@ -117,7 +117,7 @@ def _timed(asked: Asked, folder: Path, reference: str, points: list[Point]) -> l
                    if (each["use"] if isinstance(each, dict) else each) == integrator)  # fmt: skip
         contender = Contender(integrator, " ".join(element), spec, algorithm)
         study = CaseStudy((_case(asked, folder, reference),), (contender,), levels=(point.level,), join=False,
-                          limit=4.0 * point.cost, repeat=REPEAT)  # fmt: skip
+                          limit=WISH.budget, repeat=REPEAT)  # fmt: skip
         again = run_accuracy(study, asked.scene.registry, folder, 1, _told).points
         (own,) = (each for each in again if each.slave == point.slave)
         found.append(min(own.cpu, default=math.nan))

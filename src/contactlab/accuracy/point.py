@@ -31,10 +31,14 @@ from contactlab.studies.cpu_limit import CpuLimitReached, cpu_limit
 from contactlab.studies.measure_run import without_compilation
 from contactlab.studies.run_job import be_ready
 from contactlab.studies.system import machine
-from contactlab.studies.worker import BEGUN
+from contactlab.studies.worker import BEGUN, WORN
 
 NOT_RUN = ("over-limit", "over-budget", "not-applicable", "interrupted", "waiting")
 """Statuses of points that were never begun."""
+
+
+LEEWAY = 2.0
+"""CPU time after which a run is stopped, in limits: these do not count building, but its process's clock does."""
 
 
 @dataclass(frozen=True)
@@ -185,8 +189,12 @@ def known_or_made(
     if record is None or "calibration_s" not in record.summary:
         ready()
         report(BEGUN)
-        with cpu_limit(limit):
-            record = _timed(job, scene)
+        try:
+            with cpu_limit(LEEWAY * limit):
+                record = _timed(job, scene)
+        except CpuLimitReached:
+            report(WORN)
+            raise
         made.append(_stored(*names, scene, record))
     return record
 

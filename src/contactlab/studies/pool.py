@@ -23,7 +23,7 @@ from typing import Any, ClassVar
 
 from contactlab.studies import worker as far_end
 from contactlab.studies.call import Call, Pool, Report
-from contactlab.studies.worker import BEGUN, STOP, receive, send
+from contactlab.studies.worker import BEGUN, STOP, WORN, receive, send
 
 _THREAD_VARIABLES = ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
@@ -56,7 +56,7 @@ class Worker:
     """One process, started at the first call, kept for the next ones."""
 
     def __init__(self) -> None:
-        self.overtime = False
+        self.overtime = self.worn = False
         self._sending = threading.Lock()
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - lives as long as the process, ends with it
         # Its own session: an interrupt typed at the terminal does not reach it, `stop` does.
@@ -89,6 +89,8 @@ class Worker:
             if message == BEGUN:
                 timers.pop().cancel()
                 timers.append(self._timer(limit))
+            elif message == WORN:
+                self.worn = True
             else:
                 report(message)
 
@@ -212,7 +214,7 @@ class WorkerPool(Pool):
         try:
             return worker.call(call.function, call.arguments, call.report, call.limit)
         finally:
-            if worker.overtime:
+            if worker.overtime or worker.worn:
                 worker.close(patience=0.0)
             elif worker.alive:
                 self._idle.put(worker)

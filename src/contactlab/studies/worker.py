@@ -23,6 +23,7 @@ from typing import IO, Any
 
 STOP = "stop"
 BEGUN = "begun"  # a report of a call that what its process had to do once is done: its time begins
+WORN = "worn"  # a report of a call that was interrupted anywhere: its process serves no other
 PATIENCE = 30.0  # s that a call may take to stop in order when the caller is gone
 
 

@@ -14,6 +14,7 @@ from contactlab.accuracy.run import run_accuracy
 from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
 from contactlab.parts.registry import default_registry
 from contactlab.studies.cpu_limit import CpuLimitReached, cpu_limit
+from contactlab.studies.worker import WORN
 
 LONGEST = 5.0  # CPU s after which a test gives up
 
@@ -73,8 +74,10 @@ def test_ctrl_c_stays_ctrl_c() -> None:
 def test_a_point_that_is_stopped_is_timed_out_and_not_tried_again(tmp_path: Path) -> None:
     contender = Contender("statics", "q1", "newton", "mortar-p0")
     task = Task(CaseChoice(use="hertz"), contender, False, 1, 0.01)
-    point, made = run_point(task, default_registry(), None, lambda message: None)
-    assert (point.status, point.reason) == ("timed-out", "stopped after 0.01 CPU s")
+    heard: list[object] = []
+    point, made = run_point(task, default_registry(), None, heard.append)
+    assert heard[-1] == WORN  # it was interrupted anywhere: its process serves no other call
+    assert (point.status, point.reason) == ("timed-out", "stopped after 0.02 CPU s")
     assert [run.key for run in made] == [task.key()]
     study = CaseStudy((task.choice,), (contender,), levels=(1,), join=False, limit=0.01)
     first, again = (run_accuracy(study, default_registry(), tmp_path, 1, lambda *told: None) for _ in range(2))
