@@ -23,6 +23,7 @@ from contactlab.reports.numbers import percent, significant
 _DASHES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)), (0, (8, 2, 1, 2)), (0, (3, 1)))
 _MARKERS = ("o", "s", "D", "^", "v", "P")
 _COLUMNS = 4
+_ENTRY = 2.6  # inches that an entry of the legend takes
 _LEAST_RANGE = 5.0  # of an axis, largest over least: points that are closer than that look it
 
 
@@ -64,7 +65,11 @@ def cost_figure(found: Accuracy, lines: Sequence[Line]) -> Figure:
     rows = max(1, math.ceil(len(cases) / _COLUMNS))
     columns = min(_COLUMNS, max(1, len(cases)))
     with house_style():
-        figure = Figure(figsize=(max(7.0, 3.4 * columns), 1.3 + 2.75 * rows), layout="constrained")
+        width = max(7.0, 3.4 * columns)
+        drawn = {line.contender for line in lines if line.finished}
+        beside = min(_COLUMNS, int(width / _ENTRY))
+        beneath = math.ceil((len(drawn) + 3) / beside)  # and three entries that tell of all
+        figure = Figure(figsize=(width, 0.9 + 0.17 * beneath + 2.75 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
         for axes, asked in zip(grid, cases, strict=False):
             _panel(axes, asked, [line for line in lines if line.case == asked.label], chosen)
@@ -76,8 +81,7 @@ def cost_figure(found: Accuracy, lines: Sequence[Line]) -> Figure:
             axes.set_xlabel("CPU time [s]", fontsize=8.5)
         for axes in grid[: len(cases) : columns]:
             axes.set_ylabel("relative error [%]", fontsize=8.5)
-        drawn = {line.contender for line in lines if line.finished}
-        _legend(figure, {name: look for name, look in chosen.items() if name in drawn})
+        _legend(figure, {name: look for name, look in chosen.items() if name in drawn}, beside)
     return figure
 
 
@@ -140,7 +144,7 @@ def _scales(axes: Axes) -> None:
     axes.tick_params(labelsize=8)
 
 
-def _legend(figure: Figure, chosen: dict[str, Look]) -> None:
+def _legend(figure: Figure, chosen: dict[str, Look], columns: int) -> None:
     entries = [
         Line2D([], [], color=look.colour, linestyle=look.dashes, marker=look.marker, markersize=5, label=name)
         for name, look in chosen.items()
@@ -150,7 +154,7 @@ def _legend(figure: Figure, chosen: dict[str, Look]) -> None:
     entries.append(
         Line2D([], [], color=MUTED, marker="o", markerfacecolor="none", linestyle="none", label="slaves exchanged")
     )
-    figure.legend(handles=entries, loc="outside lower center", ncols=4, fontsize=8, labelcolor=MUTED)
+    figure.legend(handles=entries, loc="outside lower center", ncols=columns, fontsize=8, labelcolor=MUTED)
 
 
 def solved_figure(found: Accuracy, profiles: Sequence[Solved]) -> Figure:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from contactlab.accuracy.evaluation import evaluate
 from contactlab.accuracy.point import Point
@@ -22,6 +23,7 @@ from contactlab.api import ContactCurve, Record
 from contactlab.archive.archive import FILE, Archive, StoredRun
 from contactlab.cases.record import to_bytes
 from contactlab.reports.accuracy_page import page, write_accuracy_page
+from contactlab.reports.accuracy_plots import cost_figure
 from contactlab.studies.system import machine
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -90,6 +92,18 @@ def test_a_page_of_a_thousand_points_is_one_file_of_five_megabytes(folder: Path)
     assert "<script src" not in text
     assert text.count('<tbody class="run">') == len(study().points) >= 1000
     assert "&lt;it&gt; moved apart" in text
+
+
+@pytest.mark.parametrize("cases", [1, 2, 3, 9])
+def test_the_legend_of_the_figure_is_within_it(cases: int) -> None:
+    whole = study()
+    some = replace(whole, asked=whole.asked[:cases], points=[p for p in whole.points if p.case in CASES[:cases]])
+    figure = cost_figure(some, evaluate(some).lines)
+    FigureCanvasAgg(figure).draw()
+    (legend,) = figure.legends
+    box = legend.get_window_extent()
+    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+    assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.axes[-1].get_window_extent().y0
 
 
 def test_a_page_that_is_not_whole_says_what_is_to_come() -> None:
