@@ -45,19 +45,19 @@ def keep(entries: Sequence[Entry], new: Entry, file: Path = FILE) -> None:
     file.write_text(json.dumps([*kept, {**new, "ratios": ratios}], indent=1) + "\n", encoding="utf-8")
 
 
-def page(entries: Sequence[Entry]) -> str:
-    """Markdown: a table for each kind of machine, a column for each version."""
-    return "\n".join(_lines(entries)) + "\n"
+HEAD = """# Performance over versions
+
+Ratios of `make bench` (what they are: [benchmarks](benchmarks.md)), kept by `python benchmarks/bench.py --update` and \
+written here by `python benchmarks/bench.py --versions`. Only columns of one kind of machine compare.
+"""
 
 
-def _lines(entries: Sequence[Entry]) -> Iterable[str]:
-    yield "# Performance over versions"
-    yield ""
-    yield (
-        "Ratios of `make bench` (what they are: [benchmarks](benchmarks.md)), kept by `python benchmarks/bench.py "
-        "--update` and written here by `python benchmarks/bench.py --versions`. Only columns of one kind of machine "
-        "compare."
-    )
+def page(entries: Sequence[Entry], head: str = HEAD, what: str = "ratio") -> str:
+    """Markdown: a `head`, and a table of `what` is kept for each kind of machine, with a column for each version."""
+    return head + "\n".join(_lines(entries, what)) + "\n"
+
+
+def _lines(entries: Sequence[Entry], what: str) -> Iterable[str]:
     groups: dict[str, list[Entry]] = {}
     for entry in entries:
         name = "Machine not noted" if entry["machine"] is None else kind(entry["machine"])
@@ -66,7 +66,7 @@ def _lines(entries: Sequence[Entry]) -> Iterable[str]:
         yield from ["", f"## {name}", ""]
         yield from (f"- {_column(entry)}: {_software(entry)}" for entry in own)
         yield ""
-        yield "| ratio | " + " | ".join(_column(entry) for entry in own) + " |"
+        yield f"| {what} | " + " | ".join(_column(entry) for entry in own) + " |"
         yield "|---" * (len(own) + 1) + "|"
         for ratio in dict.fromkeys(ratio for entry in own for ratio in entry["ratios"]):
             values = (entry["ratios"].get(ratio) for entry in own)

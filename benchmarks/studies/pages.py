@@ -29,6 +29,7 @@ import case_rows  # noqa: E402
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
 import effect_costs  # noqa: E402
+import foreseen_prices  # noqa: E402
 import friction  # noqa: E402
 import full_page  # noqa: E402
 import hard_cases  # noqa: E402
@@ -78,6 +79,11 @@ def scenes() -> str:
     return bundled_scenes.page(bundled_scenes.stored())
 
 
+def prices() -> str:
+    """docs/prices.md."""
+    return foreseen_prices.page(foreseen_prices.stored())
+
+
 def effects() -> str:
     """docs/effect-costs.md."""
     return effect_costs.page(effect_costs.stored())
@@ -87,6 +93,7 @@ PAGES: dict[str, Callable[[], str]] = {
     "cases.md": cases, "full-matrix.md": full, "matrix.md": matrix, "hard-cases.md": hard, "statics-cases.md": statics,
     "friction.md": rubbing, "paper.md": paper, "bundled-scenes.md": scenes,
     "effect-costs.md": effects,
+    "prices.md": prices,
     "../README.md": demo_page.page,
 }  # fmt: skip
 """Every page, seen from docs, and what it must be."""

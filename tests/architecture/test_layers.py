@@ -33,7 +33,7 @@ LAYERS = (
     ("accuracy", "matrix"),
     ("reports",),
     ("comparison",),
-    ("testing", "commands", "cli", "__main__"),
+    ("testing", "prices", "commands", "cli", "__main__"),
 )
 
 

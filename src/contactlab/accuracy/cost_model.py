@@ -16,12 +16,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
 from contactlab.accuracy.lines import Line
 from contactlab.accuracy.orders import FIRST
 from contactlab.accuracy.point import Point
 from contactlab.api.arrays import Floats
+from contactlab.studies.unit_costs import unit_costs
 
 Group = tuple[str, bool]
 """Case, whether the runs are explicit."""
@@ -70,9 +70,8 @@ Counts = tuple[float, float, float]
 
 
 def _units(points: Sequence[Point], explicit: bool) -> Floats:
-    work = np.array([_work(_counts(point, explicit), explicit) / point.cost for point in points])
-    units: Floats = nnls(work, np.ones(len(points)))[0]
-    return units
+    work = np.array([_work(_counts(point, explicit), explicit) for point in points])
+    return unit_costs(work, np.array([point.cost for point in points]))
 
 
 def _work(counts: Counts, explicit: bool) -> Floats:

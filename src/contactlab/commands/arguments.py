@@ -156,6 +156,14 @@ def _describe_explain(command: argparse.ArgumentParser) -> None:
     _add_json(command)
 
 
+def _describe_calibrate(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--rounds", type=positive, default=2, metavar="N", help="times that each sample is run (default: 2)"
+    )
+    _add_files(command)
+    _add_json(command)
+
+
 def _describe_scenes(command: argparse.ArgumentParser) -> None:
     command.add_argument("scene", nargs="?", metavar="NAME", help="print this one (default: list all)")
     command.add_argument("--schema", action="store_true", help="print the JSON schema of scenes, for editors")
@@ -277,8 +285,13 @@ COMMANDS: dict[str, tuple[_Describe, str, str]] = {
     ),
     "explain": (
         _describe_explain,
-        "say what a scene calls for, without running it",
+        "say what a scene calls for and what it will cost, without running it",
         "contactlab.commands.explain:explain",
+    ),
+    "calibrate": (
+        _describe_calibrate,
+        "measure the prices of this machine, from which explain foresees what runs will cost",
+        "contactlab.commands.calibrate:calibrate",
     ),
     "scenes": (_describe_scenes, "list the bundled scenes, or print one", "contactlab.commands.scenes:scenes"),
     "new-scene": (

@@ -14,7 +14,10 @@ from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
     from contactlab.explain.explain import Explanation
+    from contactlab.prices.foreseen import Bill, EffectPrice
+    from contactlab.scene.scene import Scene
 
+NOTHING = 0.005  # of the cost of a run: a price that is told as 0
 KEY = re.compile(r"(?P<table>[a-z]+)\.(?P<name>[\w-]+)(\.(?P<rest>[\w.]+))?")
 
 
@@ -28,20 +31,75 @@ def explain(options: argparse.Namespace) -> int:
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
     explanation = explanation_of(scene, registry, run_trial(scene))
     spare = [variant.effect for variant in variants(scene) if variant.declared]
+    bill = foreseen(scene)
     shown = console()
     if options.json:
-        print_json({"format": 1, **plain(explanation), "can_be_left_out": spare})
+        priced = {"unknown": bill} if isinstance(bill, str) else dataclasses.asdict(bill)
+        print_json({"format": 1, **plain(explanation), "can_be_left_out": spare, "price": priced})
     elif options.everything:
         for title, content in plain(explanation).items():
             shown.print(section(title.replace("_", " "), content))
+        shown.print(section("price", {"unknown": bill} if isinstance(bill, str) else bill.summary))
+        if not isinstance(bill, str):
+            shown.print(section("price of effects", bill.effects))
     else:
         command = shlex.join([options.scene, *(word for text in options.settings for word in ("--set", text))])
-        shown.print(overview(explanation, spare, command))
+        shown.print(overview(explanation, spare, command, dict(price_lines(bill))))
     return 0
 
 
-def overview(explanation: Explanation, spare: Sequence[str], command: str) -> Any:
-    """What the scene pays for, could spare and needs, on one screen; `command` is scene and settings as typed."""
+def foreseen(scene: Scene) -> Bill | str:
+    """What the scene and its effects will cost, or why that is not known."""
+    from contactlab.prices.foreseen import bill_of
+    from contactlab.prices.price_list import NoPricesError, load_prices
+
+    try:
+        return bill_of(scene, load_prices())
+    except NoPricesError as error:
+        return str(error)
+
+
+def price_lines(bill: Bill | str) -> Iterator[tuple[str, str]]:
+    """What the whole run will cost, what its effects do in it, and what others would."""
+    if isinstance(bill, str):
+        yield "price", f"not known: {bill}"
+        return
+    whole = bill.whole
+    yield (
+        "price",
+        (
+            f"{seconds(bill.start_s + whole.cpu_s)} s of CPU time ({seconds(bill.start_s + whole.least_s)} to "
+            f"{seconds(bill.start_s + whole.most_s)}), {seconds(whole.cpu_s)} s of them for its steps; "
+            f"{number(round(bill.process_mib + whole.arrays_mib))} MiB"
+            + (f"; without {', '.join(whole.unknown)}, of which no price is known" if whole.unknown else "")
+        ),
+    )
+    for label, declared in (("of that", True), ("would cost", False)):
+        told = [effect_price(e, whole.cpu_s) for e in bill.effects if e.declared is declared and not e.refused]
+        if told:
+            yield label, "; ".join(told)
+
+
+def effect_price(effect: EffectPrice, whole: float) -> str:
+    """An effect with its price, as "friction: +0.9 s, +12 %", the share that of the steps of the run as declared."""
+    if effect.reason:
+        return f"{effect.effect}: {effect.reason}"
+    if abs(effect.cpu_s) < NOTHING * whole:
+        return f"{effect.effect}: 0 s"
+    return f"{effect.effect}: {effect.cpu_s:+.2g} s, {100.0 * effect.cpu_s / whole:+.0f} %"
+
+
+def seconds(value: float) -> str:
+    """A time of two figures."""
+    return f"{value:.2g}" if abs(value) < 100.0 else f"{value:.0f}"
+
+
+def overview(explanation: Explanation, spare: Sequence[str], command: str, price: Mapping[str, str]) -> Any:
+    """What the scene pays for, could spare and needs, on one screen.
+
+    command  scene and settings as typed
+    price    lines on what it will cost, by their labels
+    """
     from rich import box
     from rich.table import Table
 
@@ -53,6 +111,9 @@ def overview(explanation: Explanation, spare: Sequence[str], command: str) -> An
     shown.add_column(overflow="fold")
     for label, text in _lines(explanation, spare):
         add_row(shown, label, text)
+        if label == "memory":
+            for name, told in price.items():
+                add_row(shown, name, told)
     add_row(shown, "cost of each", f"contactlab compare {command} --effects")
     add_row(shown, "every detail", f"contactlab explain {command} --all")
     return shown

@@ -69,7 +69,8 @@ def test_modules_of_outside_packages_are_listed_with_their_plugin(strip: None) -
     assert 0.0 < sum(cost.seconds for cost in said.costs) < said.scene.wall_seconds_per_step
     assert "element: q1" in lines["of a step"]
     out = Console(file=io.StringIO(), width=80)
-    out.print(overview(said, ["damping"], "two-bars"))
+    out.print(overview(said, ["damping"], "two-bars", {"price": "9 s"}))
+    assert "9 s" in out.file.getvalue()  # type: ignore[attr-defined]
     shown = out.file.getvalue()  # type: ignore[attr-defined]
     assert len(shown.splitlines()) <= 30  # a screen
     for word in ("pays for", "could spare", "needs", "contactlab-dynamics", "contact (contacts.0", "MiB", "--all"):

@@ -59,6 +59,7 @@ def test_no_page_is_stale(pages: ModuleType) -> None:
         "friction.md",
         "bundled-scenes.md",
         "effect-costs.md",
+        "prices.md",
         "paper.md",
         "../README.md",
     }
