@@ -32,9 +32,9 @@ ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
 
 HEAD = """# The full matrix
 
-Written by `make pages` from the archive of `contactlab matrix --full`: {cells} of the {planned} cells that apply
+Written by `make pages` from the archive of `contactlab matrix --full`: {cells} cells that apply
 (cases with all their variants, either slave, all their elements and integrators, three algorithms) in {minutes:.0f}
-CPU minutes; the others have not been run yet. {counts}{missing}
+CPU minutes{others}. {counts}{missing}
 
 [Cases against algorithms](matrix.md) explains the verdicts. The numbers of the quick matrix are in
 [Every case](cases.md).
@@ -82,10 +82,11 @@ def page(rows: list[Row]) -> str:
     counts = ", ".join(f"{found[v]} {v}" for v in ORDER if found[v] or v == "silent") + "."
     minutes = sum(float(row["cpu_s"]) for row in rows) / 60.0
     planned = applying(full=True)[1]
-    text = [
-        HEAD.format(cells=len(rows), planned=planned, minutes=minutes, counts=counts, missing=_missing(rows)),
-        *_table(rows),
-    ]
+    cells, others = f"all {planned}", ""
+    if len(rows) < planned:
+        cells, others = f"{len(rows)} of the {planned}", "; the others have not been run yet"
+    head = HEAD.format(cells=cells, minutes=minutes, others=others, counts=counts, missing=_missing(rows))
+    text = [head, *_table(rows)]
     text += ["", "## Silent, failed and not judged, with the cause", "", "| case | algorithm | cells | cause |"]
     text += ["|---|---|---|---|"]
     for (case, contact, verdict), number in sorted(unanswered(rows).items()):
