@@ -126,7 +126,7 @@ def test_a_part_of_which_nothing_can_be_checked_is_not_right(
 
 def test_a_generated_effect_moves_and_turns_with_its_scene(tmp_path: Path) -> None:
     """It declares the centre that its frame turns about as a point."""
-    for name, text in plugin_files("effect", "own-effect").items():
+    for name, text in plugin_files("effect", "frame-effect").items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
     only = ["the_frame_does_not_matter", "rotation_turns_the_answers", "points_and_vectors_are_fields"]
