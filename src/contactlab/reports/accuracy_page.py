@@ -89,7 +89,8 @@ def _head(found: Accuracy) -> str:
     )
     return (
         f"<header>\n<h1>{escape(found.study.name)}</h1>\n"
-        f'<p class="lead">{len(found.asked)} cases, {len(found.contenders)} contenders, {len(found.points)} points: '
+        f'<p class="lead">{len(found.asked)} case{"s" * (len(found.asked) > 1)}, {len(found.contenders)} contenders, '
+        f"{len(found.points)} points: "
         f"{finished} finished{f', {told}' if told else ''}.{beside}"
         f"{later}{' The study was interrupted.' if found.interrupted else ''}</p>\n</header>"
     )
