@@ -162,7 +162,7 @@ ENFORCEMENT = (
 INTEGRATOR = (
     *_of("integrator", "implicit-dynamics",
         ("says order 3", "order: ClassVar[int] = 2", "order: ClassVar[int] = 3"),
-        ("internal forces of the end alone", "out -= (0.5 - self.lead) * self.start.force", "out -= 0.4 * self.start.force", "time_step"),
+        ("internal forces of the end alone", "self.equations.internal_force(self.share * dt, self.share)", "self.equations.internal_force(dt)", "time_step"),
         ("loads of the end alone", "out += 0.5 * (self.start.load + self.load)", "out += self.load", "time_step"),
         ("damping forgotten", "        if self.damping:\n", "        if False:\n", "time_step"),
         ("work of contact not booked", "work[CONTACT] += np.vdot(normal, moved) + lost", "work[CONTACT] += 0.0", "time_step"),

@@ -69,6 +69,9 @@ class Columns:
         rows = csr_array((np.ones(c), (np.arange(c), 2 * chosen + 1)), shape=(c, 2 * n))
         return ContactDerivatives(rows, None, rows, None, csr_array((2 * n, 2 * n)))
 
+    def update_stresses(self, dt: float) -> None:
+        self.internal_force(dt)
+
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
         inner = self.coupling @ self.displacement[:, 1]
         out[:, 0], out[:, 1] = 0.0, self.load + self.force[0] - inner

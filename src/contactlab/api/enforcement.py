@@ -291,6 +291,10 @@ class ImplicitEnforcement(Enforcement):
         """Whether normal forces act along the whole derivatives of the gaps, weights and normals included."""
         return False
 
+    def conjugate_in(self, *, motion: bool) -> bool:
+        """The same, in statics or in steps of a `motion`. The default does not tell them apart."""
+        return self.conjugate
+
     @abstractmethod
     def respond(self, conditions: Conditions, out: Response) -> None:
         """Fill `out`. Residuals are piecewise smooth; at a kink the derivative of either side will do."""

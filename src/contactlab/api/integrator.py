@@ -161,6 +161,12 @@ class ImplicitContact(Protocol):
     def linearise(self, chosen: Ints) -> ContactDerivatives:
         """Derivatives at the positions of the last `evaluate`; rows are the `chosen` slots, in increasing order."""
 
+    def directions(self, chosen: Ints) -> tuple[Any, Any]:
+        """Sparse rows (c, 2N) for changes of velocity at the end of the step: forces of the `chosen` slots there.
+
+        Normal and tangential ones; tangential ones are None without friction.
+        """
+
 
 class ContactDerivatives(NamedTuple):
     """Sparse derivatives with respect to the 2N degrees of freedom; one row for each chosen slot.
@@ -196,6 +202,12 @@ class ImplicitEquations(Equations, Protocol):
     Between `begin_step` and `accept` everything is a trial: `internal_force` starts from the history of the
     last accepted step, whatever was tried in between; multipliers are those of `contact.conditions`.
     """
+
+    def internal_force(self, dt: float, share: float = 1.0) -> None:
+        """As `Equations.internal_force`, but for stresses after a `share` of the way from the start of the step.
+
+        `dt` [s] is the time that this share takes. `position` is that of the state's displacement in any case.
+        """
 
     @property
     def contact(self) -> ImplicitContact | None:

@@ -17,7 +17,7 @@ def depths_inside(points: Floats, positions: Floats, edges: Ints) -> Floats:
     out = np.zeros(len(points))
     inside = np.flatnonzero(windings(points, positions, edges))
     if len(inside):
-        out[inside] = _distances(points[inside], positions[edges[:, 0]], positions[edges[:, 1]])
+        out[inside] = distances_to_edges(points[inside], positions[edges[:, 0]], positions[edges[:, 1]])
     return out
 
 
@@ -67,7 +67,7 @@ def _pairs(at: Floats, low: Floats, high: Floats) -> Iterator[tuple[Any, Any]]:
         done = stop
 
 
-def _distances(points: Floats, a: Floats, b: Floats) -> Floats:
+def distances_to_edges(points: Floats, a: Floats, b: Floats) -> Floats:
     """Distance of each point to the nearest of the edges from a to b (e, 2).
 
     Edges are looked at by their lengths, each kind at most twice as long as its shortest: a long one would make all

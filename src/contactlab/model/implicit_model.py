@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -40,7 +41,7 @@ class ImplicitModel(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.estimates: Sequence[Estimate] = ()
-        self._start = None if self.increment is None else np.zeros_like(self.increment)
+        self._start, self._share = self.state["displacement"].copy(), 1.0
         self._tangent: Tangent | None = None
         self.stiffness_s = 0.0
         self.listening: Callable[[], None] | None = None
@@ -49,11 +50,29 @@ class ImplicitModel(Model):
             np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
         ]
 
-    def internal_force(self, dt: float) -> None:
-        """As every model's; a part whose answer is no number is named at once."""
-        super().internal_force(dt)
-        if not np.isfinite(self.state["internal_force"].sum()):
-            examine_bodies(self)
+    def internal_force(self, dt: float, share: float = 1.0) -> None:
+        """See `contactlab.api.ImplicitEquations`; a part whose answer is no number is named at once."""
+        self._share = share
+        with self._part_of_the_way():
+            super().internal_force(dt)
+            if not np.isfinite(self.state["internal_force"].sum()):
+                examine_bodies(self)
+
+    @contextmanager
+    def _part_of_the_way(self) -> Iterator[None]:
+        """Displacements and positions are where stresses are taken, and then those of the trial again."""
+        if self._share == 1.0:
+            yield
+            return
+        u = self.state["displacement"]
+        end = u.copy()
+        np.add(self._start, self._share * (end - self._start), out=u)
+        np.add(self.reference, u, out=self.position)
+        try:
+            yield
+        finally:
+            u[:] = end
+            np.add(self.reference, u, out=self.position)
 
     def external_force(self, time: float, out: Floats) -> bool:
         """As every model's; an effect whose answer is no number is named at once."""
@@ -65,15 +84,14 @@ class ImplicitModel(Model):
     def begin_step(self, dt: float) -> None:
         """The state as it is becomes the start of a step of length dt [s]."""
         np.add(self.reference, self.state["displacement"], out=self.position)
-        if self._start is not None:
-            self._start[:] = self.state["displacement"]
+        self._start[:] = self.state["displacement"]
         for forces in self.forces:
             forces.begin_step()
         if self.contact is not None:
             self.contact.begin_step(self.position, self.state.time + dt)
 
     def _follow(self, dt: float) -> None:
-        if self.increment is not None and self._start is not None:
+        if self.increment is not None:
             np.subtract(self.state["displacement"], self._start, out=self.increment)
 
     def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
@@ -90,7 +108,8 @@ class ImplicitModel(Model):
         began = perf_counter()
         if self._tangent is None:
             self._tangent = Tangent(len(self.reference), self.forces)
-        matrix = self._tangent.assemble(dt)
+        with self._part_of_the_way():
+            matrix = self._tangent.assemble(dt)
         spent = perf_counter() - began
         self.seconds, self.stiffness_s = self.seconds + spent, self.stiffness_s + spent
         return matrix
@@ -113,11 +132,12 @@ class ImplicitModel(Model):
 
     def folded(self) -> bool:
         """Whether a cell has a point with det <= 0."""
-        return any(
-            not smallest_jacobian(forces.geometry, block.connectivity, derivatives)[0] > 0.0
-            for forces, derivatives in zip(self.forces, self._derivatives, strict=True)
-            for block in forces.blocks
-        )
+        with self._part_of_the_way():
+            return any(
+                not smallest_jacobian(forces.geometry, block.connectivity, derivatives)[0] > 0.0
+                for forces, derivatives in zip(self.forces, self._derivatives, strict=True)
+                for block in forces.blocks
+            )
 
     def iterated(self) -> None:
         """Let it be recorded where the iteration is; see `contactlab.api.ImplicitEquations`."""

@@ -33,6 +33,6 @@ def contactlab_parts() -> list[Part]:
             "reference",
             "disc-on-block-shallow",
             "contactlab.studies.stored_references:DiscOnBlockShallow",
-            "disc-on-block at a depth of 0.01 mm, from an independent code of high order",
+            "disc-on-block at a depth of 0.01 mm, from static runs on fine meshes",
         ),
     ]

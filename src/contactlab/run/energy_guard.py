@@ -115,9 +115,10 @@ class EnergyGuard:
 def _cure(model: Model, shorter: str) -> str:
     """What to try against energy that contact makes, in words."""
     others = f"try the other side as slave, another algorithm, or {shorter}"
-    if getattr(model.contact, "conjugate", True) or not model.explicit:
+    if getattr(model.contact, "conjugate", True) or not model.integrator.inertia:
         return others
-    return f'{others}; contacts.0.enforcement = {{ use = "forward-increment", forces = "conjugate" }} makes none'
+    use = model.integrator.default_enforcement
+    return f'{others}; contacts.0.enforcement = {{ use = "{use}", forces = "conjugate" }} makes none'
 
 
 def _energy_warning(step: int, share: float, limit: float, shorter: str) -> RunWarning:

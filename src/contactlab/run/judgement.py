@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 WRONG = 0.25  # of the contact force: the pressure is that of another one
 FACETS = 0.05  # depth of facets over the approach: unlike meshes of a press fit then miss 2.5 % of its mean pressure
 FIT = 0.05  # segments: how far nodes of like meshes may have slid apart
-FEW_PAIRS = (
-    250_000  # of points: all are compared, which takes a few ms, and importing a search tree a tenth of a second
-)
+FEW_PAIRS = 250_000  # of points: comparing all takes some ms, importing a search tree a tenth of a second
 ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, Solve, State
@@ -92,3 +94,8 @@ class ImplicitFloor:
         tangent = csr_array((one, (rows, 2 * chosen)), (len(chosen), size))
         along = tangent if len(self.conditions.slip) else None
         return ContactDerivatives(normal, along, normal, along, csr_array((size, size)))
+
+    def directions(self, chosen: Ints) -> tuple[Any, Any]:
+        """Those of the forces, which are constant."""
+        found = self.linearise(chosen)
+        return found.normal, found.tangent

@@ -81,6 +81,7 @@ class Oscillator:
             self.state["displacement"][:] = displacement
         if velocity is not None and integrator.inertia:
             self.state["velocity"][:] = velocity
+        self.began = self.state["displacement"].copy()
         self.contact: Any = self._floor(clearance, friction) if clearance is not None else None
         self.internal_force(0.0)
         self.initial_energy = self.kinetic_energy()
@@ -105,10 +106,11 @@ class Oscillator:
 
     # --- what integrators see -------------------------------------------------------------------
 
-    def internal_force(self, dt: float) -> None:
-        """Spring forces at the state's displacement."""
-        self.position[:] = self.reference + self.state["displacement"]
-        self.state["internal_force"][:] = self.springs[:, None] * self.state["displacement"]
+    def internal_force(self, dt: float, share: float = 1.0) -> None:
+        """Spring forces at the state's displacement, or after a share of the way there."""
+        u = self.state["displacement"]
+        self.position[:] = self.reference + u
+        self.state["internal_force"][:] = self.springs[:, None] * (self.began + share * (u - self.began))
         if self.broken:
             self.state["internal_force"][:] = np.nan
         self.calls_left -= 1
@@ -130,7 +132,8 @@ class Oscillator:
         return float(2.0 / np.sqrt((self.springs / self.mass).max()))
 
     def begin_step(self, dt: float) -> None:
-        """Springs remember nothing: every step may be tried again from the state."""
+        """Springs remember nothing but where the step starts: it may be tried again from the state."""
+        self.began[:] = self.state["displacement"]
         if self.contact is not None:
             self.contact.begin_step(self.reference + self.state["displacement"])
 

@@ -69,6 +69,9 @@ class OneNode:
         self.position[:] = self.state["displacement"]
         self.state["internal_force"][:] = self.state["displacement"] @ STIFFNESS
 
+    def update_stresses(self, dt: float) -> None:
+        self.internal_force(dt)
+
     def estimate(self, time: float) -> None:
         """Nothing is known of where a step ends."""
 

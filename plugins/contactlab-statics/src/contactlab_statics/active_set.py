@@ -25,18 +25,22 @@ class ActiveSet(ImplicitEnforcement):
     start   of friction where surfaces touch without a force yet: "slip" as under no friction, or "stick", for bodies
             that nothing but friction holds; it needs more iterations elsewhere
     forces  "conjugate": normal forces act along the derivatives of the gaps, as explicit ones of that name do
-            (docs/theory/contact-energy.md), with more iterations; "published": along normals, by weights. Steps in time
-            make no energy with the former, but for those with friction, which have no such guarantee
+            (docs/theory/contact-energy.md); in steps in time they make no energy and keep angular momentum, in statics
+            they take more iterations; "published": along normals, by weights; "auto": conjugate in steps in time
     """
 
     scale: float = 1.0
     start: Literal["slip", "stick"] = "slip"
-    forces: Literal["conjugate", "published"] = "published"
+    forces: Literal["auto", "conjugate", "published"] = "auto"
 
     @property
     def conjugate(self) -> bool:
         """Whether normal forces act along the derivatives of the gaps."""
         return self.forces == "conjugate"
+
+    def conjugate_in(self, *, motion: bool) -> bool:
+        """The same; "auto" asks for it in a motion alone."""
+        return self.conjugate or (self.forces == "auto" and motion)
 
     def __post_init__(self) -> None:
         if not 0.0 < self.scale < float("inf"):

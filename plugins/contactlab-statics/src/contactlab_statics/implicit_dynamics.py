@@ -1,4 +1,4 @@
-"""Implicit dynamics: the trapezoidal rule, contact held in positions and in velocities."""
+"""Implicit dynamics: the midpoint rule, contact held in positions and in velocities."""
 
 from __future__ import annotations
 
@@ -12,17 +12,18 @@ from contactlab_statics.limits import refuse_limits
 
 @dataclass(frozen=True)
 class ImplicitDynamics(ImplicitIntegrator):
-    """Average forces over a step, contact forces that hold gaps at its end, velocities that keep them held.
+    """Stresses in the middle of a step, contact forces that hold gaps at its end, velocities that keep them held.
 
     Gaps are complementary to forces at the end of every step, and closed surfaces leave it with equal normal
     velocities: contact takes energy (that of the nodes which are stopped) and never gives any
-    (docs/statics.md). Without contact the scheme is second order and has no damping of its own.
+    (docs/statics.md). Linear and angular momentum are kept. Without contact the scheme is second order and has no
+    damping of its own.
 
     steps        equal steps to try for the whole run, where the scene fixes none
     tolerance    as with `newton`: residuals at which a step is accepted
     iterations   most iterations of a step before it is cut
-    dissipation  share of a step by which stresses lead their average: a viscosity of stiffness times
-                 dissipation * dt, booked as `numerical`; first order unless it is 0 [-]
+    dissipation  share of a step by which stresses lead its middle: a viscosity of stiffness times
+                 dissipation * dt, booked as `numerical`; first order unless it is 0, and angular momentum changes [-]
     """
 
     steps: int = 500

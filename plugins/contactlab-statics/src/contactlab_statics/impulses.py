@@ -1,6 +1,6 @@
 """Velocities at the end of a step: closed surfaces part or meet no more.
 
-A gap that is held at zero at the end of a step says nothing about velocities there: the trapezoidal rule would let
+A gap that is held at zero at the end of a step says nothing about velocities there: the midpoint rule would let
 them swing about the right ones for ever. Impulses z with
 
     v = v* + M^-1 G^T z,   G v = 0
@@ -48,8 +48,8 @@ def solve_impulses(
 
 def _directions(contact: ImplicitContact, closed: Any, stick: Any) -> tuple[Any, int]:
     """Rows of G (c, 2N): normal ones, then `count` onwards those of sticking."""
-    derivatives = contact.linearise(closed.astype(np.int32))
-    rows = [derivatives.normal]
+    normal, tangent = contact.directions(closed.astype(np.int32))
+    rows = [normal]
     if len(stick):
-        rows.append(derivatives.tangent[np.searchsorted(closed, stick)])
+        rows.append(tangent[np.searchsorted(closed, stick)])
     return vstack(rows, format="csr"), len(closed)

@@ -57,7 +57,7 @@ class NewtonIteration:
         self.system.solver.forget()
         self.search.forget()
         self.scales.floor = 0.0
-        trial.equations.internal_force(dt)
+        trial.balance.update_stresses(dt)
         given = np.zeros(trial.u.size)
         began = 0  # of the iterations since forces were taken over
         while self._goes_on(outcome.trace[began:]):

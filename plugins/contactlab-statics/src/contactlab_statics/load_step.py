@@ -103,6 +103,10 @@ class LoadStep:
 
     # --- Balance --------------------------------------------------------------------------------
 
+    def update_stresses(self, dt: float) -> None:
+        """Those at the end of the step."""
+        self.equations.internal_force(dt)
+
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
         """External and contact forces minus internal ones."""
         self.equations.external_force(self.time, self.external)

@@ -20,8 +20,8 @@ def contactlab_parts() -> list[Part]:
             "integrator",
             "implicit-dynamics",
             "contactlab_statics.implicit_dynamics:ImplicitDynamics",
-            "trapezoidal rule in large steps, contact without ringing",
-            "Newmark 1959; Laursen & Love 2002",
+            "midpoint rule in large steps, contact without ringing",
+            "Simo & Tarnow 1992; Laursen & Love 2002",
         ),
         Part(
             "enforcement",

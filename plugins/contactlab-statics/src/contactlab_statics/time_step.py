@@ -1,8 +1,9 @@
-"""One implicit step in time by the trapezoidal rule (docs/statics.md).
+"""One implicit step in time by the midpoint rule (docs/statics.md).
 
-    M (v+ - v)/dt + alpha M (v + v+)/2 + (f + f+)/2 + x (f+ - f) = (e + e+)/2 + G+^T y,   u+ - u = dt (v + v+)/2
+    M (v+ - v)/dt + alpha M (v + v+)/2 + f(u + (1/2 + x) (u+ - u)) = (e + e+)/2 + G^T y,   u+ - u = dt (v + v+)/2
 
 with gaps complementary to y at the end of the step; then impulses make the velocities fit the contacts (impulses.py).
+Stresses in the middle (x = 0) have no moment about the mean positions, so that angular momentum is kept.
 """
 
 from __future__ import annotations
@@ -21,26 +22,29 @@ INTERNAL, EXTERNAL, DAMPING, CONTACT, FRICTION, NUMERICAL, SLIP = range(len(WORK
 
 
 class StepStart:
-    """Displacements, velocities, internal forces and loads (N, 2) at the start of a step."""
+    """Displacements, velocities and loads (N, 2) at the start of a step."""
 
     def __init__(self, nodes: int) -> None:
-        self.u, self.v, self.force, self.load = (np.zeros((nodes, 2)) for _ in range(4))
+        self.u, self.v, self.load = (np.zeros((nodes, 2)) for _ in range(3))
 
     def take(self, state: State, equations: ImplicitEquations) -> None:
         """The state as it is is the start of a step."""
-        self.u[:], self.v[:], self.force[:] = state["displacement"], state["velocity"], state["internal_force"]
+        self.u[:], self.v[:] = state["displacement"], state["velocity"]
         equations.external_force(state.time, self.load)
 
 
 class TimeStep:
-    """Makes steps in time. Implements `Balance` for dynamics."""
+    """Makes steps in time. Implements `Balance` for dynamics.
+
+    share  of the way through a step at which stresses are taken: 1/2, or more for a viscosity
+    """
 
     dynamic = True
 
     def __init__(
         self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int, dissipation: float
     ) -> None:
-        self.equations, self.state, self.lead = equations, state, dissipation
+        self.equations, self.state, self.share = equations, state, 0.5 + dissipation
         nodes = len(equations.reference)
         self.u, self.v = state["displacement"], state["velocity"]
         self.drift = state["drift"] if "drift" in state else np.zeros_like(self.v)
@@ -62,13 +66,14 @@ class TimeStep:
         prescribed = equations.prescribed
         outcome = self.iteration.run(dt, prescribed.scale * prescribed.values(self.time)[prescribed.ramp])
         trace = tuple(outcome.trace)
-        if outcome.reason:
+        reason = outcome.reason or self._end()
+        if reason:
             take_back(equations, state, start)
             return Step(
                 status=StepStatus.not_converged, iterations=len(trace), residual=outcome.residual.largest,
-                reason=outcome.reason, trace=trace,
+                reason=reason, trace=trace,
             )  # fmt: skip
-        self._accept()
+        equations.accept()
         return Step(
             state["work"], state["reaction"], iterations=len(trace), residual=outcome.residual.contact, trace=trace
         )
@@ -76,7 +81,6 @@ class TimeStep:
     def _start(self, dt: float) -> None:
         equations, state = self.equations, self.state
         equations.begin_step(dt)
-        equations.internal_force(dt)
         self.start.take(state, equations)
         self.time, self.dt = state.time + dt, dt
         # the drift is that of the start, and follows until the middle of the step
@@ -87,8 +91,12 @@ class TimeStep:
 
     # --- Balance --------------------------------------------------------------------------------
 
+    def update_stresses(self, dt: float) -> None:
+        """Those in the middle of the step, or after it where they lead."""
+        self.equations.internal_force(self.share * dt, self.share)
+
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
-        """Mean external, contact and damping forces minus mean internal ones and the rate of momentum."""
+        """Mean external, contact and damping forces minus internal ones and the rate of momentum."""
         self._update_velocities()
         self._impressed(out)
         np.multiply(self.mass, (self.v - self.start.v) / self.dt, out=self.inertia)
@@ -96,7 +104,7 @@ class TimeStep:
         if self.damping:
             out -= self.damping * self.mass * (0.5 * (self.start.v + self.v) - self.drift)
         internal, start, normal = self.state["internal_force"], self.start, self.contact_forces.normal
-        return self.load, start.load, start.force, internal, normal, self.inertia, self.stopping
+        return self.load, start.load, internal, normal, self.inertia, self.stopping
 
     def _update_velocities(self) -> None:
         """Velocities that lead to the trial displacements; prescribed ones are those of the step."""
@@ -105,25 +113,31 @@ class TimeStep:
         self.v.reshape(-1)[self.held] = moved.reshape(-1)[self.held]
 
     def _impressed(self, out: Floats) -> None:
-        """External and contact forces minus internal ones, means over the step."""
-        internal = self.state["internal_force"]
-        np.multiply(-(0.5 + self.lead), internal, out=out)
-        out -= (0.5 - self.lead) * self.start.force
+        """External and contact forces minus internal ones, over the step."""
+        np.negative(self.state["internal_force"], out=out)
         if self.equations.external_force(self.time, self.load):
             out += 0.5 * (self.start.load + self.load)
         self.contact_forces.add_to(out)
 
     def stiffness(self, dt: float) -> Any:
-        """Of mean stresses, mean loads and inertia."""
+        """Of stresses, mean loads and inertia."""
         inertia = (2.0 / dt + self.damping) / dt * self.mass.reshape(-1)
-        matrix = _with_diagonal(self.equations.stiffness(dt), 0.5 + self.lead, inertia)
+        matrix = _with_diagonal(self.equations.stiffness(self.share * dt), self.share, inertia)
         self.equations.add_load_stiffness(self.time, matrix, 0.5, 2.0 / dt)
         return matrix
 
     # --- the end of a step ----------------------------------------------------------------------
 
-    def _accept(self) -> None:
-        """Velocities from momentum, so that it is kept to round-off whatever the tolerance; books; clock."""
+    def _end(self) -> str:
+        """Velocities, books, and stresses and histories at the end; the reason where that makes no sense, or ""."""
+        self._book()
+        self.equations.internal_force(self.dt)
+        if self.equations.folded() or not np.isfinite(self.state["internal_force"]).all():
+            return "cells fold over at the end of the step"
+        return ""
+
+    def _book(self) -> None:
+        """Velocities from momentum, so that it is kept to round-off whatever the tolerance; works of all forces."""
         state, contact, dt = self.state, self.equations.contact, self.dt
         alpha, impressed = 0.5 * self.damping * dt, np.zeros_like(self.u)
         self._update_velocities()
@@ -134,9 +148,7 @@ class TimeStep:
         self._support(impressed)
         moved = self.u - self.start.u
         work = state["work"]
-        internal = state["internal_force"]
-        work[INTERNAL] += 0.5 * np.vdot(self.start.force + internal, moved)
-        work[NUMERICAL] += self.lead * np.vdot(internal - self.start.force, moved)
+        work[INTERNAL] += self._internal_work(moved)
         work[EXTERNAL] += 0.5 * np.vdot(self.start.load + self.load, moved)
         beside = 0.5 * (self.start.v + self.v) - self.drift
         work[DAMPING] += self.damping * np.vdot(self.mass * beside, moved)
@@ -144,7 +156,17 @@ class TimeStep:
             self.drift += dt / (self.equations.relaxation + 0.5 * dt) * (moved / dt - self.drift)
         if contact is not None:
             self._book_contact(moved)
-        self.equations.accept()
+
+    def _internal_work(self, moved: Floats) -> float:
+        """That of stresses in the middle; what they lead by is numerical viscosity, and booked as such."""
+        internal = self.state["internal_force"]
+        whole = float(np.vdot(internal, moved))
+        if self.share == 0.5:
+            return whole
+        self.equations.internal_force(0.5 * self.dt, 0.5)
+        middle = float(np.vdot(internal, moved))
+        self.state["work"][NUMERICAL] += whole - middle
+        return middle
 
     def _support(self, impressed: Floats) -> None:
         """Mean reactions, and their work: what the prescribed nodes gain and pass on."""

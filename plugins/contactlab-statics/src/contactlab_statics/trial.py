@@ -17,6 +17,9 @@ class Balance(Protocol):
 
     dynamic: bool
 
+    def update_stresses(self, dt: float) -> None:
+        """Stresses that belong to the trial displacements of a step of length dt [s]."""
+
     def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
         """Fill `out` (N, 2) with external and contact forces minus all others; returns the forces by kind."""
 
@@ -53,7 +56,7 @@ class Trial:
 
     def evaluate(self, dt: float) -> None:
         """Stresses, gaps, the enforcement's answer and unbalanced forces at the trial displacements and multipliers."""
-        self.equations.internal_force(dt)
+        self.balance.update_stresses(dt)
         self.update_forces()
 
     def update_forces(self) -> None:

@@ -85,6 +85,14 @@ class GapLinearisation:
         slip = tangent + self._matrix(of, changes.moved, slid + across, len(found.owner))
         return PairDerivatives(pick @ normal, pick @ tangent, pick @ gap, pick @ slip, self._forces(changes, change))
 
+    def gap_derivatives(self, chosen: Ints, memory: Floats) -> Any:
+        """Derivatives (c, 2N) of the gaps of the chosen multipliers alone."""
+        return self.linearise(chosen, np.zeros(self.pair.slots), None, memory).gap
+
+    def tangents(self, chosen: Ints) -> Any:
+        """Directions (c, 2N) of the friction of the chosen multipliers."""
+        return self._picked(chosen) @ self._weights(self._found.tangent_weight)
+
     # --- what belongs to the conditions of the last evaluation ------------------------------------
 
     @property

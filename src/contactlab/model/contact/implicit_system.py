@@ -25,9 +25,11 @@ from contactlab.model.examination import examine_pair
 class ImplicitContactSystem:
     """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`.
 
-    pace     how far multipliers that were merged at the start of a step come free in it: 1, at once, or less in load
-             steps that had to be cut (forces jump where one comes free: no shorter step would help otherwise)
-    freedom  (k,) how free the model's multipliers were in the last accepted step, from 0 (merged) to 1
+    follows_gaps  whether normal forces act along the derivatives of the gaps
+    conjugate     whether they do so in steps of a motion, which holds gaps by rows that are those of the whole step
+    pace          how far multipliers that were merged at the start of a step come free in it: 1, at once, or less in
+                  load steps that had to be cut (forces jump where one comes free: no shorter step would help otherwise)
+    freedom       (k,) how free the model's multipliers were in the last accepted step, from 0 (merged) to 1
     """
 
     def __init__(
@@ -39,7 +41,10 @@ class ImplicitContactSystem:
         nodes = len(state["displacement"])
         self.linear = tuple(linearised(pair, nodes) for pair in pairs)
         # statics have no start of a step that anything would have to hold to
-        self.stepped = self._stepped() if enforcement.conjugate and "velocity" in state else ()
+        motion = "velocity" in state
+        self.follows_gaps = enforcement.conjugate_in(motion=motion)
+        self.conjugate = self.follows_gaps and motion
+        self.stepped = tuple(StepRows(linear) for linear in self.linear) if self.conjugate else ()
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.pace = 1.0
         self.freedom = np.ones(state["multipliers"].shape[1])
@@ -50,11 +55,6 @@ class ImplicitContactSystem:
         self.rows = allocate_rows(self.multipliers.shape[1], 32, self.friction)
         self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
-
-    def _stepped(self) -> tuple[StepRows, ...]:
-        """Rows of the step itself; none with friction, and where conditions come finished."""
-        linear = [each for each in self.linear if isinstance(each, PairLinearisation)]
-        return () if self.friction or len(linear) < len(self.linear) else tuple(StepRows(each) for each in linear)
 
     def calls_per_step(self) -> Counter[str]:
         """How often an iteration calls the algorithms, by what they are asked for."""
@@ -95,8 +95,7 @@ class ImplicitContactSystem:
         """Those of the pairs that have one, and how free their multipliers were in the last accepted step."""
         for linear in self.linear:
             if isinstance(linear, PairLinearisation):
-                first = linear.pair.first_slot
-                yield linear.pair.coupling, self.freedom[first : first + linear.pair.slots]
+                yield linear.pair.coupling, self.freedom[_own(linear.pair)]
 
     def _freed(self, coupling: Coupling, freedom: Floats) -> Floats:
         """How free multipliers are after a step that frees them at `pace`: (k,), 0 where they are merged."""
@@ -109,7 +108,12 @@ class ImplicitContactSystem:
             pair.evaluated = True
         for coupling, freedom in self._couplings():
             freedom[:] = self._freed(coupling, freedom)
+        for stepped in self.stepped:
+            stepped.linear.pair.compute_gaps(stepped.start + stepped.moved)
         self._write_rows()
+        if self.stepped and self.friction:
+            rows = self.rows
+            rows.slip[: rows.count] = self.conditions.slip[rows.slot[: rows.count]]
 
     def _write_rows(self) -> None:
         """Rows of the conditions that bear forces, as the scalars of every step want them."""
@@ -133,16 +137,19 @@ class ImplicitContactSystem:
             pair, stepped = linear.pair, self.stepped[number] if self.stepped else None
             if stepped is None:
                 linear.evaluate(position, self.start, memory)
+            else:
+                stepped.move(position)
             examine_pair(pair)
-            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            own = _own(pair)
             flexibility = linear.flexibilities(self.flexibility)
             # without flexibility both sides are held: there is nothing that a force could do
             c.present[own] = flexibility > 0.0
             c.stiffness[own] = np.divide(1.0, flexibility, out=np.full(pair.slots, np.inf), where=flexibility > 0.0)
-            c.gap[own] = pair.gaps[:, 0] if stepped is None else stepped.gaps(position)
+            c.gap[own] = pair.gaps[:, 0] if stepped is None else stepped.gaps()
             c.measure[own], c.size[own] = pair.cover, pair.full
             if self.friction:
-                c.slip[own] = linear.slip if len(linear.slip) else 0.0
+                slip = linear.slip if stepped is None else stepped.slips()
+                c.slip[own] = slip if len(slip) else 0.0
             if pair.sliding is not None:
                 c.bound[:, own] = pair.sliding.bound[:, None]
                 c.bound[:, own][:, held_together(pair, self.flexibility, self.start)] = 0.0
@@ -154,20 +161,19 @@ class ImplicitContactSystem:
         normal[:] = 0.0
         tangential[:] = 0.0
         for stepped in self.stepped:
-            first = stepped.linear.pair.first_slot
-            normal += stepped.forces(self.conditions.force[0, first : first + stepped.linear.pair.slots])
+            stepped.add_forces(self.conditions.force[:, _own(stepped.linear.pair)], normal, tangential)
         if self.stepped:
             return
         for linear, memory in zip(self.linear, self.memories, strict=True):
-            if self.enforcement.conjugate and isinstance(linear, PairLinearisation):
+            if self.follows_gaps and isinstance(linear, PairLinearisation):
                 self._add_conjugate(linear, memory, normal, tangential)
             else:
                 linear.add_forces(self.conditions.force, normal, tangential)
 
     def _add_conjugate(self, linear: PairLinearisation, memory: Floats, normal: Floats, tangential: Floats) -> None:
         """Normal forces along the derivatives of the gaps; those of friction by weights."""
-        first, force = linear.pair.first_slot, self.conditions.force.copy()
-        own = force[0, first : first + linear.pair.slots]
+        force = self.conditions.force.copy()
+        own = force[0, _own(linear.pair)]
         chosen = np.flatnonzero(own).astype(np.int32)
         if len(chosen):
             pushed = linear.gap_derivatives(chosen, memory).T @ own[chosen]
@@ -185,19 +191,33 @@ class ImplicitContactSystem:
         parts: list[PairDerivatives] = []
         for number, (linear, memory) in enumerate(zip(self.linear, self.memories, strict=True)):
             pair = linear.pair
-            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            own = _own(pair)
             slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - pair.first_slot
             if self.stepped:
-                parts.append(self.stepped[number].linearise(slots))
+                parts.append(self.stepped[number].linearise(slots, force[:, own]))
                 continue
             y_t = force[1, own] if pair.friction is not None else None
             found = linear.linearise(slots.astype(np.int32), force[0, own], y_t, memory)
-            conjugate = self.enforcement.conjugate and isinstance(linear, PairLinearisation)
+            conjugate = self.follows_gaps and isinstance(linear, PairLinearisation)
             # how directions change is taken from rows by weights: their own change needs second derivatives
             parts.append(replace(found, normal=found.gap) if conjugate else found)
         derivatives = self._joined(parts)
         self.seconds += perf_counter() - began
         return derivatives
+
+    def directions(self, chosen: Ints) -> tuple[Any, Any]:
+        """Directions of impulses; see `contactlab.api.ImplicitContact`."""
+        if not self.stepped:
+            found = self.linearise(chosen)
+            return found.normal, found.tangent
+        normal, tangent = [], []
+        for stepped in self.stepped:
+            own = _own(stepped.linear.pair)
+            slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - own.start
+            along, across = stepped.directions(slots)
+            normal.append(along)
+            tangent.append(along * 0.0 if across is None else across)
+        return _stacked(normal), _stacked(tangent) if self.friction else None
 
     def _joined(self, parts: list[PairDerivatives]) -> ContactDerivatives:
         if len(parts) == 1:
@@ -217,6 +237,11 @@ class ImplicitContactSystem:
         )
 
 
+def _own(pair: ContactPair) -> slice:
+    """Slots of the model's multipliers that belong to a pair."""
+    return slice(pair.first_slot, pair.first_slot + pair.slots)
+
+
 def _stacked(parts: list[Any] | None) -> Any:
     return None if parts is None else vstack(parts, format="csr")
 
@@ -226,7 +251,7 @@ def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: b
     bound = np.zeros((3, k if friction else 0))
     for pair in pairs:
         if pair.sliding is not None:
-            bound[:, pair.first_slot : pair.first_slot + pair.slots] = pair.sliding.bound[:, None]
+            bound[:, _own(pair)] = pair.sliding.bound[:, None]
     return Conditions(
         present=np.zeros(k, np.bool_),
         gap=np.zeros(k),

@@ -103,6 +103,10 @@ class PairLinearisation:
         gap = self._along(chosen, pair.pieces.normal, inverse, weights, dweight)
         return gap + self._rows(chosen, pair.separation) @ dnormal
 
+    def tangents(self, chosen: Ints) -> Any:
+        """Directions (c, 2N) of the friction of the chosen multipliers."""
+        return self._rows(chosen, turned(self.pair.pieces.normal)) @ self._weights(chosen)
+
     def flexibilities(self, nodal: Floats) -> Floats:
         """Displacement (k,) [mm/N] of each condition per unit of its force, from those of single nodes (N, 2)."""
         out = np.zeros(self.pair.slots)
