@@ -36,6 +36,7 @@ import hard_cases  # noqa: E402
 import kept_runs  # noqa: E402
 import make  # noqa: E402
 import matrix_page  # noqa: E402
+import references_page  # noqa: E402
 import statics_cases  # noqa: E402
 
 
@@ -89,11 +90,17 @@ def effects() -> str:
     return effect_costs.page(effect_costs.stored())
 
 
+def references() -> str:
+    """docs/references.md."""
+    return references_page.page(references_page.stored())
+
+
 PAGES: dict[str, Callable[[], str]] = {
     "cases.md": cases, "full-matrix.md": full, "matrix.md": matrix, "hard-cases.md": hard, "statics-cases.md": statics,
     "friction.md": rubbing, "paper.md": paper, "bundled-scenes.md": scenes,
     "effect-costs.md": effects,
     "prices.md": prices,
+    "references.md": references,
     "../README.md": demo_page.page,
 }  # fmt: skip
 """Every page, seen from docs, and what it must be."""

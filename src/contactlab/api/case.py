@@ -80,12 +80,20 @@ class Answer:
     uncertainty  of it, as a fraction
     kind         "exact", "two-discretisations", "other-code" or "finest" (our own finest mesh)
     origin       paper, equation or program
+    level        of the finest of the own runs that it is made of; None where it is made of none
     """
 
     value: float
     kind: Literal["exact", "two-discretisations", "other-code", "finest"] = "exact"
     uncertainty: float = 0.0
     origin: str = ""
+    level: int | None = None
+
+    def refusal(self, level: int) -> str:
+        """Why a run at a level is not measured against it; empty where it is."""
+        if self.level is None or level < self.level:
+            return ""
+        return f"the answer is made of runs at level {self.level}, and tells nothing of others on meshes as fine"
 
 
 Role = Literal["error", "criterion", "invariant", "reported", "no-limit"]

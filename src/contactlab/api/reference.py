@@ -31,6 +31,7 @@ class Solution:
     spread       (m,) [MPa] of the results behind the pressure; empty for none
     window       [mm] over which pressures are compared; None for everywhere
     scalars      by name; "reaction" is the force of the driven support on its body [N/mm]
+    level        of the finest of the own runs that it is made of; no run at this level or above is measured against it
     """
 
     x: Floats
@@ -40,6 +41,7 @@ class Solution:
     spread: Floats | None = None
     window: tuple[float, float] | None = None
     scalars: Mapping[str, Scalar] = field(default_factory=dict)
+    level: int | None = None
 
 
 class ReferenceSolution(ABC):

@@ -46,7 +46,13 @@ def judge(case: Case, setup: Setup, done: Mapping[str, Record], values: Mapping[
     codes = frozenset(code for record in done.values() for code in record.warnings)
     guarded = all(record.summary.get("guards", True) for record in done.values())
     judged = [
-        Judged(measure, value, verdict_of(measure, value, status, codes, guarded))
+        Judged(
+            measure,
+            value,
+            "not-applicable"
+            if measure.answer is not None and measure.answer.refusal(setup.level)
+            else verdict_of(measure, value, status, codes, guarded),
+        )
         for measure in case.measures(setup)
         for value in (values.get(measure.name, math.nan),)
     ]

@@ -65,6 +65,7 @@ class PartSource:
             window=found.window,
             scalars={name: vars(scalar) for name, scalar in found.scalars.items()},
             error_estimate={"pressure": found.error, "meaning": found.error_meaning},
+            level=found.level,
         )
 
 

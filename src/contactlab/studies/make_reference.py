@@ -3,11 +3,13 @@
     python -m contactlab.studies.make_reference RECIPE --out FOLDER [--jobs N]
 
 RECIPE is a study (`docs/scene-format.md`) that varies the level and whatever else should make no
-difference: algorithms, slave and master. The pressure is the mean of the runs at the finest level.
+difference: algorithms, slave and master. The pressure is the mean of the runs at the finest level, each
+with edges where it ends as a square root followed to their roots, as no mesh does.
 Its error is the largest of three: of each run from the mean of all others; of the mean from that at
 the next coarser level; and what a method of first order leaves of the change before that one. (Edges
 of contact limit the pressure to first order in h, so the distance between levels of ratio two
-estimates what is left. Single changes may be small by chance: an edge lies in a cell as it happens.)
+estimates what is left; with roots at the edges less is left, and the bound stays. Single changes may
+be small by chance: an edge lies in a cell as it happens.)
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ import csv
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -25,12 +27,17 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.errors import ContactlabError, RequestError
+from contactlab.results.results import ContactCurve
+from contactlab.studies.plan import make_plan
 from contactlab.studies.profile import Profile, distance, norm
 from contactlab.studies.reference import FOLDER
+from contactlab.studies.root_edges import with_root_edges
 from contactlab.studies.runner import run_study
 from contactlab.studies.table import Row, Table
 
 _POINTS_PER_SEGMENT = 4  # of the stored curve, so that storing adds nothing to the error
+_ROOT = 4  # segments beside the ends of a run in which its own points are stored, too: dense where a root ends
+_DIGITS = 7  # of what is stored
 
 
 @dataclass(frozen=True)
@@ -46,10 +53,11 @@ class Curve:
 def make_reference(recipe: str | Path, out: str | Path, jobs: int | None = None) -> Path:
     """Run the recipe, write NAME.csv and NAME.json into `out`, and return the path of the latter.
 
-    Raises RequestError for a recipe with fewer than two levels, ContactlabError when a run fails.
+    Raises RequestError for a recipe with fewer than two levels or several answers, ContactlabError when a run fails.
     """
     path = _recipe_path(recipe)
-    table = run_study(path, jobs=jobs)
+    scene = _scene_of(path)
+    table = replace(run_study(path, jobs=jobs), scene=scene)
     if table.failed:
         failed = "; ".join(f"{row.name}: {row.status}: {row.reason}" for row in table.failed)
         raise ContactlabError(f"no reference from runs that fail: {failed}")
@@ -76,6 +84,19 @@ def reference_files(
     return target
 
 
+def _scene_of(recipe: Path) -> Mapping[str, Any]:
+    """The scene of a recipe with what it sets. Raises RequestError where its runs have different answers."""
+    scenes = [job.scene.data for job in make_plan(recipe).jobs]
+    answers = [holds_for(scene) for scene in scenes]
+    differing = sorted({key for one in answers for key in one if one[key] != answers[0].get(key)})
+    if differing:
+        raise RequestError(
+            "its runs have different answers", where=str(recipe), got=f"several values of {', '.join(differing)}",
+            allowed="one of each: levels, algorithms, slaves and integrators may vary",
+        )  # fmt: skip
+    return scenes[0]
+
+
 def _recipe_path(recipe: str | Path) -> Path:
     bundled = FOLDER / f"{recipe}.toml"
     return bundled if bundled.is_file() else Path(recipe)
@@ -89,10 +110,10 @@ def mean_curve(table: Table, levels: Sequence[int]) -> tuple[Curve, float]:
     mirrored = table.scene.get("symmetry") == "x"
     runs = _profiles(table.rows, levels[-1], mirrored)
     fine = [profile for run in runs for profile in run]
-    x = _grid(fine)
-    pressed = _mean([p for run in _profiles(table.rows, levels[-1], mirrored, "nodal_pressure") for p in run], x) > 0.0
-    # the multiplier ripples a little beyond the edge of contact; the pressure there is none
-    mean = np.where(pressed, np.maximum(_mean(fine, x), 0.0), 0.0)
+    segment = min(float(np.diff(Profile.of_curve(curve).x).min()) for curve in _curves(table.rows, levels[-1]))
+    x = _grid(fine, segment)
+    # the multiplier ripples a little beyond an edge of contact that is no root; the pressure there is none
+    mean = np.where(_pressed(table.rows, levels[-1], mirrored, x), np.maximum(_mean(fine, x), 0.0), 0.0)
     spread = np.max([np.abs(p(x) - mean) for p in fine], axis=0)
     coarser = [
         Profile(x, _mean([p for run in _profiles(table.rows, level, mirrored) for p in run], x))
@@ -115,24 +136,43 @@ def _left_out(runs: Sequence[Sequence[Profile]], x: Floats) -> list[float]:
     return found
 
 
-def _profiles(rows: Sequence[Row], level: int, mirrored: bool, column: str = "pressure") -> list[tuple[Profile, ...]]:
-    """The profile of each run at a level, and in a symmetric scene its mirror image beside it."""
-    found = [Profile.of_curve(row.curve, column) for row in rows if row.level == level and row.curve is not None]
+def _profiles(rows: Sequence[Row], level: int, mirrored: bool) -> list[tuple[Profile, ...]]:
+    """The pressure of each run at a level, and in a symmetric scene its mirror image beside it."""
+    found = [with_root_edges(Profile.of_curve(curve)) for curve in _curves(rows, level)]
     return [(p, p.mirrored()) if mirrored else (p,) for p in found]
+
+
+def _pressed(rows: Sequence[Row], level: int, mirrored: bool, x: Floats) -> np.ndarray:
+    """Whether any run has contact there (m,): up to its root, or where its nodal pressure is positive."""
+    found = np.zeros(len(x), bool)
+    for curve in _curves(rows, level):
+        raw, nodal = Profile.of_curve(curve), Profile.of_curve(curve, "nodal_pressure")
+        rooted = with_root_edges(raw)
+        for part in (nodal,) if np.array_equal(rooted.x, raw.x) else (rooted, nodal):
+            found |= part(x) > 0.0
+            found |= mirrored and part.mirrored()(x) > 0.0
+    return found
+
+
+def _curves(rows: Sequence[Row], level: int) -> list[ContactCurve]:
+    return [row.curve for row in rows if row.level == level and row.curve is not None]
 
 
 def _mean(profiles: Sequence[Profile], x: Floats) -> Floats:
     return np.asarray(np.mean([p(x) for p in profiles], axis=0))
 
 
-def _grid(profiles: Sequence[Profile]) -> Floats:
-    """Even points over the part where any profile is not zero, finer than the finest segments."""
+def _grid(profiles: Sequence[Profile], segment: float) -> Floats:
+    """Even points over the part where any profile is not zero, finer than a segment, and those at its ends."""
     pressed = [p.x[np.flatnonzero(p.value)] for p in profiles]
     left, right = min(x[0] for x in pressed), max(x[-1] for x in pressed)
-    segment = min(float(np.diff(p.x).min()) for p in profiles)
     count = 2 * int(np.ceil(0.5 * (right - left) / segment * _POINTS_PER_SEGMENT)) + 1
-    margin = segment
-    return np.linspace(left - margin, right + margin, count)
+    even = np.linspace(left - segment, right + segment, count)
+    reach = _ROOT * segment
+    ends = [p.x[(np.abs(p.x - own[0]) < reach) | (np.abs(p.x - own[-1]) < reach)]
+            for p, own in zip(profiles, pressed, strict=True)]  # fmt: skip
+    # as stored: two points that are alike there are one
+    return np.unique([float(f"{x:.{_DIGITS}g}") for x in np.concatenate([even, *ends])])
 
 
 def write_curve(curve: Curve, path: Path) -> None:
@@ -141,7 +181,7 @@ def write_curve(curve: Curve, path: Path) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(("x_deformed_mm", "p_MPa", "p_spread_MPa", "p_refinement_MPa"))
-        writer.writerows([f"{value:.7g}" for value in values] for values in zip(*columns, strict=True))
+        writer.writerows([f"{value:.{_DIGITS}g}" for value in values] for values in zip(*columns, strict=True))
 
 
 # --- scalars and description -----------------------------------------------------------------------
@@ -163,18 +203,35 @@ def limit(values: Sequence[float], levels: Sequence[int]) -> tuple[float, float]
     return last, abs(step)
 
 
-def _reaction(table: Table, levels: Sequence[int]) -> dict[str, Any]:
-    """Mean over the runs of the limit of each; the error covers the limits' own and each run against all others."""
-    runs: dict[tuple[str, str], dict[int, float]] = {}
-    for row in table.rows:
-        runs.setdefault((row.algorithm, row.slave), {})[row.level] = row["reaction"]
-    limits = [limit([run[level] for level in levels], levels) for run in runs.values()]
+def common_limit(runs: Sequence[Mapping[int, float]]) -> tuple[float, float]:
+    """Mean of the limits of runs (level -> value) and its error.
+
+    That is the largest of the errors of the limits, of each against the mean of all others, and of what first order
+    leaves of the change before the last.
+    """
+    limits = [limit([run[level] for level in sorted(run)], sorted(run)) for run in runs]
     values = np.array([found for found, _ in limits])
     others = (values.sum() - values) / max(len(values) - 1, 1)
     apart = float(np.abs(values - others).max()) if len(values) > 1 else 0.0
-    error = max(apart, max(own for _, own in limits))
+    return float(values.mean()), max(apart, *(own for _, own in limits), *map(_left_by_first_order, runs))
+
+
+def _left_by_first_order(run: Mapping[int, float]) -> float:
+    """Of the change before the last, which a chance may have made small; 0 of two levels."""
+    levels = sorted(run)
+    if len(levels) < 3:
+        return 0.0
+    a, b = levels[-3:-1]
+    return abs(run[b] - run[a]) * a / b
+
+
+def _reaction(table: Table) -> dict[str, Any]:
+    runs: dict[tuple[str, str], dict[int, float]] = {}
+    for row in table.rows:
+        runs.setdefault((row.algorithm, row.slave), {})[row.level] = row["reaction"]
+    value, error = common_limit(list(runs.values()))
     return {
-        "value": round(float(values.mean()), 6),
+        "value": round(value, 6),
         "error": float(f"{error:.2g}"),
         "meaning": "reaction of the driven support",
     }
@@ -195,15 +252,15 @@ def _description(name: str, table: Table, levels: Sequence[int], error: float) -
         "mirror": False,
         "window": None,
         "level": levels[-1],
-        "scalars": {"reaction": _reaction(table, levels)},
+        "scalars": {"reaction": _reaction(table)},
         "error_estimate": {
             "pressure": float(f"{error:.2g}"),
             "meaning": f"relative L2 norm; the largest of a run at level {levels[-1]} against the mean of all others, "
             f"the change of the mean from level {levels[-2]}, and what first order leaves of the change before that",
         },
         "origin": f"This project's own runs at levels {', '.join(map(str, levels))}: {algorithms}; "
-        f"slaves {slaves}{more}. Pressure: mean of the runs at level {levels[-1]}. Made with {versions} by "
-        f"python -m contactlab.studies.make_reference {name}.",
+        f"slaves {slaves}{more}. Pressure: mean of the runs at level {levels[-1]}, followed to the roots at its edges. "
+        f"Made with {versions} by python -m contactlab.studies.make_reference {name}.",
         "holds_for": holds_for(table.scene),
     }
 

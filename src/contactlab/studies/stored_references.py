@@ -43,7 +43,7 @@ class StoredReference(ReferenceSolution):
         }
         meaning = str(found.error_estimate.get("meaning", ""))
         pressure = found.profile.x, found.profile.value, found.pressure_uncertainty, meaning
-        return Solution(*pressure, found.spread, found.window, scalars)
+        return Solution(*pressure, found.spread, found.window, scalars, found.level)
 
 
 _read = cache(load_reference)
@@ -58,6 +58,6 @@ class DiscOnBlockDeep(StoredReference):
 
 @dataclass(frozen=True)
 class DiscOnBlockShallow(StoredReference):
-    """disc-on-block at a depth of 0.01 mm, from an independent code of high order."""
+    """disc-on-block at a depth of 0.01 mm, from the project's own static runs on fine meshes."""
 
     name: ClassVar[str] = "disc-on-block-shallow"

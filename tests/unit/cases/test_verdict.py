@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import pytest
 
-from contactlab.api import Case, Job, Measure, Record, Setup
+from contactlab.api import Answer, Case, Job, Measure, Record, Setup
 from contactlab.api.case import at_most, error, invariant, no_limit, reported
 from contactlab.cases.verdict import judge, verdict_of, worst
 
@@ -102,6 +102,13 @@ def test_numbers_that_show_nothing_about_limits_make_no_cell_ill_posed() -> None
     broke = {"run": broken("ledger")}
     case = Question(no_limit("r", 1.8, 2.2, "w"), "waves grow")
     assert judge(case, SETUP, broke, {"r": 2.0}).verdict == "silent"
+
+
+@pytest.mark.parametrize(("level", "verdict"), [(3, "silent"), (4, "not-applicable"), (8, "not-applicable")])
+def test_no_run_is_measured_against_an_answer_that_it_could_have_made(level: int, verdict: str) -> None:
+    measure = error("e", 0.1, "w", answer=Answer(1.0, "finest", 0.01, "runs at level 4", level=4))
+    found = judge(Question(measure), replace(SETUP, level=level), {"run": GOOD}, {"e": 9.0})
+    assert [judged.verdict for judged in found.judged if judged.measure is measure] == [verdict]
 
 
 def test_the_worst_measure_is_the_cell() -> None:

@@ -61,6 +61,7 @@ def test_no_page_is_stale(pages: ModuleType) -> None:
         "effect-costs.md",
         "prices.md",
         "paper.md",
+        "references.md",
         "../README.md",
     }
     assert set(pages.PAGES) == names

@@ -15,7 +15,7 @@ from contactlab.scene.scene import load_scene
 from contactlab.studies.find_reference import matching_reference
 from contactlab.studies.make_reference import holds_for, limit, make_reference, mean_curve
 from contactlab.studies.plan import make_plan
-from contactlab.studies.profile import Profile, distance, integral
+from contactlab.studies.profile import Profile, distance, integral, norm
 from contactlab.studies.reference import bundled, load_reference
 from contactlab.studies.study import Study, bundled_studies
 from contactlab.studies.table import Row, Table
@@ -45,10 +45,18 @@ class TestEveryBundledReference:
         assert distance(profile, profile.mirrored()) <= 1e-5 * integral(profile)  # written with six digits
 
 
-def test_the_shallow_reference_is_mirrored_about_its_middle() -> None:
-    profile = load_reference("disc-on-block-shallow").profile
+def test_half_a_curve_is_mirrored_about_its_middle() -> None:
+    profile = load_reference("disc-on-block-shallow-other-code").profile
     assert profile.x[0] == -profile.x[-1]
     assert np.count_nonzero(profile.x == 0.0) == 1
+
+
+def test_own_runs_and_the_other_code_agree_within_their_errors() -> None:
+    own, other = (load_reference(f"disc-on-block-shallow{code}") for code in ("", "-other-code"))
+    known = own.pressure_uncertainty + other.pressure_uncertainty
+    assert distance(own.profile, other.profile) <= known * norm(own.profile)
+    errors = own.scalars["reaction"]["error"] + other.scalars["reaction"]["error"]
+    assert own.scalar("reaction") == pytest.approx(other.scalar("reaction"), abs=errors)
 
 
 def test_a_reference_holds_for_its_scene_and_no_other() -> None:
@@ -174,6 +182,22 @@ class TestMaking:
         error = mean_curve(Table(rows, Study(scene="s"), None, {}), levels)[1]
         assert error == pytest.approx(expected, rel=1e-3)  # by interpolation
 
+    def test_an_edge_of_contact_is_followed_to_its_root(self, curve_of: Callable[..., ContactCurve]) -> None:
+        """Best approximations of p = (a^2 - x^2)^(1/2) on meshes in which a lies somewhere else each time."""
+        at = np.linspace(-1.0, 1.0, 20001)
+        exact = Profile(at, np.sqrt(np.maximum(0.64 - at**2, 0.0)))
+        rows, raw = [], []
+        for name, level in (("a", 8), ("b", 8), ("a", 4), ("b", 4)):
+            x = np.linspace(-1.0, 1.0, (15 if name == "a" else 17) * level)
+            shapes = np.stack([np.interp(at, x, unit) for unit in np.eye(len(x))])
+            curve = curve_of(x, np.linalg.solve(shapes @ shapes.T, shapes @ exact.value))
+            rows.append(Row(f"{name}{level}", name, "disc", level, {}, "finished", "", curve=curve))
+            raw.append(distance(Profile.of_curve(curve), exact) / norm(exact))
+        made, error = mean_curve(Table(rows, Study(scene="s"), None, {}), [4, 8])
+        left = distance(Profile(made.x, made.pressure), exact) / norm(exact)
+        assert left < 0.1 * min(raw)
+        assert left < error
+
     def test_a_made_reference_holds_for_its_own_scene(self) -> None:
         scene = load_scene("disc-on-block")
         keys = holds_for(scene.data)
@@ -186,6 +210,20 @@ class TestMaking:
         recipe.write_text('scene = "disc-on-block"\n[vary]\nlevel = [1]\n"contacts.0.algorithm" = ["mortar-p0"]\n')
         with pytest.raises(RequestError, match="one level"):
             make_reference(recipe, tmp_path, jobs=1)
+
+    def test_several_answers_are_too_many(self, tmp_path: Path) -> None:
+        recipe = tmp_path / "r.toml"
+        recipe.write_text('scene = "disc-on-block"\n[vary]\nlevel = [1, 2]\n"supports.1.uy.to" = [-0.01, -0.02]\n')
+        with pytest.raises(RequestError, match="different answers") as caught:
+            make_reference(recipe, tmp_path, jobs=1)
+        assert "supports.1.uy.to" in str(caught.value)
+
+    def test_what_a_recipe_sets_is_held_for(self, tmp_path: Path, fake_runs: object) -> None:
+        recipe = tmp_path / "set.toml"
+        recipe.write_text('scene = "disc-on-block"\n[vary]\nlevel = [1, 3]\n"supports.1.uy.to" = [-0.01]\n')
+        reference = load_reference(str(make_reference(recipe, tmp_path / "out", jobs=1)))
+        assert reference.mismatch(load_scene("disc-on-block").with_(SHALLOW).data) == ""
+        assert "supports.1.uy.to" in reference.mismatch(load_scene("disc-on-block").data)
 
     def test_what_is_written_reads_back_and_holds(self, tmp_path: Path, fake_runs: object) -> None:
         recipe = tmp_path / "fake.toml"
