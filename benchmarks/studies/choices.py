@@ -58,7 +58,8 @@ def measure(asked: Asked, folder: Path) -> dict[str, str]:
         raise RuntimeError(f"{asked.scene.name}: the chosen {found.name}, level {found.level} was not judged")
     best = _best(lines, asked.error)
     least = _timed(asked, folder, file, [point for point in (chosen, best and best[1]) if point is not None])
-    spent = sum(point.spent for point in found.tried)
+    # what the archive knew took no time now: its run did
+    spent = sum(point.spent or point.cost for point in found.tried if point.cpu)
     row = {
         "scene": asked.scene.name, "what": asked.what, "asked": f"{asked.error:g}", "known": f"{known:.2g}",
         "trials": str(len(found.tried)), "search_s": f"{spent:.3g}", "why": "" if found.settings else found.why,
@@ -85,19 +86,21 @@ def _judge(asked: Asked, folder: Path) -> tuple[str, float]:
 
 
 def _all(asked: Asked, found: Chosen, folder: Path, reference: str) -> list[Line]:
-    """Every line that the search could have taken, up to three times the cost of what it took."""
+    """Every line that the search could have taken, up to three times the cost of the run that it took, and that."""
     registry = asked.scene.registry
     declared = {body["element"]["use"] for body in asked.scene.data["bodies"].values()}
     elements = ["", *(name for name in registry.names("element") if name not in declared)]
-    contenders = tuple(
+    contenders = [
         Contender(str(each["use"] if isinstance(each, dict) else each), element, each, algorithm)
         for each in integrators_for(asked.scene, registry)
         for element in elements
         for algorithm in registry.names("contact")
-    )
+    ]
+    if found.settings and found.level not in LEVELS:
+        own = found.name.removesuffix(", exchanged")
+        contenders = [replace(one, levels=(*LEVELS, found.level)) if one.label == own else one for one in contenders]
     limit = max(LEAST_LIMIT, 3.0 * found.cost[0]) if found.settings else WISH.budget
-    levels = tuple(sorted({*LEVELS, found.level} - {0}))
-    study = CaseStudy((_case(asked, folder, reference),), contenders, levels=levels, join=False, limit=limit)
+    study = CaseStudy((_case(asked, folder, reference),), tuple(contenders), levels=LEVELS, join=False, limit=limit)
     return lines_of(run_accuracy(study, registry, folder, 1, _told))
 
 

@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from contactlab.accuracy.finer_reference import finer_reference
+from contactlab.accuracy.finer_reference import Finer, finer_reference
 from contactlab.accuracy.lines import Line, lines_of, reached
 from contactlab.accuracy.point import NOT_RUN, Point
 from contactlab.accuracy.run import run_accuracy
@@ -20,7 +20,6 @@ from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies.find_reference import matching_reference
-from contactlab.studies.reference import Reference
 
 FIRST = (1, 2)
 """Levels at which everything is tried."""
@@ -91,30 +90,27 @@ def choose(
     """
     if not scene.contacts:
         raise RequestError("the scene has no contact to choose for", where=scene.name, allowed="[[contacts]]")
-    reference, file, why, spent = _reference(scene, wish, registry, folder, jobs, said)
+    made = _reference(scene, wish, registry, folder, jobs, said)
+    reference = made.reference
     if reference is None:
-        return Chosen(f"there is nothing to measure errors against: {why}", "", math.nan, ())
+        return Chosen(f"there is nothing to measure errors against: {made.why}", "", math.nan, ())
     uncertainty = 0.0 if math.isnan(reference.pressure_uncertainty) else reference.pressure_uncertainty
     target = wish.error - uncertainty
     if target <= 0.0:
         why = f"the reference itself is known to {100.0 * uncertainty:.2g} % only: a larger --search may refine it"
         return Chosen(why, reference.title, uncertainty, ())
-    search = _Search(scene, replace(wish, error=target), registry, folder, jobs, told, file)
-    search.spent = spent
+    search = _Search(scene, replace(wish, error=target), registry, folder, jobs, told, made)
     return search.result(reference.title, uncertainty)
 
 
-def _reference(
-    scene: Scene, wish: Wish, registry: Registry, folder: Path, jobs: int, said: Said
-) -> tuple[Reference | None, str, str, float]:
-    """An installed reference of the scene, else one from finer meshes; with its file, why there is none, its cost."""
+def _reference(scene: Scene, wish: Wish, registry: Registry, folder: Path, jobs: int, said: Said) -> Finer:
+    """An installed reference of the scene, else one from finer meshes."""
     installed = matching_reference(scene.data, registry)
     if installed is not None:
-        return installed, "", "", 0.0
+        return Finer(installed, "", "", 0.0)
     integrator = integrators_for(scene, registry)[0]
     enough, budget = wish.error / CLEAR, SHARE * wish.search
-    made = finer_reference(scene, integrator, enough, budget, folder, registry, jobs, said)
-    return made.reference, made.file, made.why, made.spent
+    return finer_reference(scene, integrator, enough, budget, folder, registry, jobs, said)
 
 
 def integrators_for(scene: Scene, registry: Registry) -> list[Any]:
@@ -131,17 +127,17 @@ class _Search:
     """The trials: everything on coarse meshes, then other elements and finer levels of what is promising."""
 
     def __init__(
-        self, scene: Scene, wish: Wish, registry: Registry, folder: Path, jobs: int, told: Told, reference: str
+        self, scene: Scene, wish: Wish, registry: Registry, folder: Path, jobs: int, told: Told, reference: Finer
     ) -> None:
         self.scene, self.wish, self.registry, self.folder, self.jobs, self.told = (
             scene, wish, registry, folder, jobs, told,
         )  # fmt: skip
         path = folder / "scene.toml"
         path.write_text(write_toml(scene.data), encoding="utf-8")
-        self.case = CaseChoice(scene=str(path.resolve()), name=scene.name, reference=reference)
+        self.case = CaseChoice(scene=str(path.resolve()), name=scene.name, reference=reference.file)
         self.points: dict[tuple[str, str, int], Point] = {}
         self.contenders: dict[str, Contender] = {}
-        self.spent = 0.0
+        self.spent = reference.spent
 
     def result(self, title: str, uncertainty: float) -> Chosen:
         """Search, and take the cheapest line that meets the error."""
@@ -151,12 +147,24 @@ class _Search:
         first = [self.contenders[name] for name in self._contenders(self._promising(lines))[:WITH_ELEMENTS]]
         lines = self._run([replace(contender, element=e) for contender in first for e in others], FIRST)
         for level in FINER:
-            front = self._promising(lines)[:KEPT]
-            if not front or all(reached(line, self.wish.error) for line in front):
+            front = self._going_on(lines)
+            if not front:
                 break
-            lines = self._run([self.contenders[line.contender] for line in front], (*FIRST, level))
+            lines = self._run([self._alone(line) for line in front], (*FIRST, level))
         lines = self._between(lines)
         return self._chosen(lines, title, uncertainty)
+
+    def _going_on(self, lines: Sequence[Line]) -> list[Line]:
+        """Promising lines that miss the error so far, and seem to meet it for less than any run that does."""
+        error, budget = self.wish.error, self.wish.budget
+        least = min((met.cost for line in lines if (met := first_meeting(line, error, budget))), default=math.inf)
+        front = self._promising(lines)[:KEPT]
+        return [line for line in front if not reached(line, error) and expected_cost(line, error) < least]
+
+    def _alone(self, line: Line) -> Contender:
+        """The contender of a line with its slave only."""
+        slave: Literal["declared", "exchanged"] = "exchanged" if line.slave == "exchanged" else "declared"
+        return replace(self.contenders[line.contender], slaves=(slave,))
 
     @staticmethod
     def _contenders(lines: Sequence[Line]) -> list[str]:
@@ -176,7 +184,7 @@ class _Search:
 
     def _run(self, contenders: Sequence[Contender], levels: Sequence[int]) -> list[Line]:
         """Points of these contenders at these levels, and all lines so far."""
-        self.contenders |= {contender.label: contender for contender in contenders}
+        self.contenders |= {one.label: replace(one, slaves=()) for one in contenders}
         left = self.wish.search - self.spent
         if contenders and left > 0.0:
             study = CaseStudy(
@@ -186,9 +194,9 @@ class _Search:
             found = run_accuracy(study, self.registry, self.folder, self.jobs, self._told_once)
             self.spent += sum(point.spent for point in found.points)
             for point in found.points:
-                self.points.setdefault((point.contender, point.slave, point.level), point)
-                if point.cpu:
-                    self.points[point.contender, point.slave, point.level] = point
+                place = point.contender, point.slave, point.level
+                if place not in self.points or (point.cpu and not self.points[place].cpu):
+                    self.points[place] = point  # not what the archive knows by now: that would have taken no time
             if found.interrupted:
                 raise KeyboardInterrupt
             self.last = found
@@ -213,15 +221,15 @@ class _Search:
     def _between(self, lines: Sequence[Line]) -> list[Line]:
         """Levels between two that were run, where the error seems to be met there already."""
         for _ in range(ROUNDS):
-            asked = {
-                (line.contender, level)
+            asked = [
+                (self._alone(line), level)
                 for line in self._promising(lines)[:KEPT]
                 if (level := _level_between(line, self.wish.error))
-            }
+            ]
             if not asked:
                 break
-            for name, level in sorted(asked):
-                lines = self._run([self.contenders[name]], (level,))
+            for one, level in asked:
+                lines = self._run([one], (level,))
         return list(lines)
 
     def _chosen(self, lines: Sequence[Line], title: str, uncertainty: float) -> Chosen:

@@ -107,7 +107,7 @@ def finer_reference(
                 break
     if best is None:
         return Finer(None, "", f"no run at level {LEVELS[len(done)]} came to its end ({runs.ends()})", runs.spent)
-    path = _written(scene, best, folder)
+    path = _written(scene, best, done[-1], folder)
     return Finer(load_reference(str(path)), str(path.resolve()), "", runs.spent)
 
 
@@ -223,7 +223,7 @@ def mean_profile(profiles: Sequence[Profile]) -> Profile:
     return Profile(x, np.asarray(np.mean([profile(x) for profile in profiles], axis=0)))
 
 
-def _written(scene: Scene, best: tuple[Curve, float, str], folder: Path) -> Path:
+def _written(scene: Scene, best: tuple[Curve, float, str], level: int, folder: Path) -> Path:
     """The reference as a JSON file beside its curve."""
     curve, error, words = best
     place = folder / FINEST
@@ -231,7 +231,7 @@ def _written(scene: Scene, best: tuple[Curve, float, str], folder: Path) -> Path
     write_curve(curve, place / f"{FINEST}.csv")
     description = {
         "format": 1, "name": FINEST, "title": f"{scene.name}, from finer meshes", "curve": f"{FINEST}.csv",
-        "columns": {"x": "x_deformed_mm", "pressure": "p_MPa", "spread": "p_spread_MPa"},
+        "columns": {"x": "x_deformed_mm", "pressure": "p_MPa", "spread": "p_spread_MPa"}, "level": level,
         "error_estimate": {"pressure": float(f"{error:.2g}"), "meaning": "relative, in L2"},
         "origin": f"Mean pressure of {words}.", "holds_for": holds_for(scene.data),
     }  # fmt: skip

@@ -87,7 +87,7 @@ class Line:
 def _kind(status: str) -> str:
     if status in ("over-limit", "timed-out"):
         return "over-limit"
-    return "not-run" if status in ("over-budget", "interrupted", "waiting") else "failed"
+    return "not-run" if status in ("over-budget", "interrupted", "waiting", "not-applicable") else "failed"
 
 
 def _cost_at(costs: Sequence[float], errors: Sequence[float], error: float) -> float:

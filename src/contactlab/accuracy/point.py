@@ -37,6 +37,8 @@ NOT_RUN = ("over-limit", "over-budget", "not-applicable", "interrupted", "waitin
 """Statuses of points that were never begun."""
 
 
+SLAVES = ("declared", "exchanged")
+"""Words for the side that carries the multipliers: as the scene has it, or the other."""
 LEEWAY = 2.0
 """CPU time after which a run is stopped, in limits: these do not count building, but its process's clock does."""
 
@@ -56,7 +58,7 @@ class Task:
     @property
     def slave(self) -> str:
         """Which side carries the multipliers."""
-        return "exchanged" if self.swap else "declared"
+        return SLAVES[self.swap]
 
     def key(self) -> str:
         """Hash of everything but the sources: under it stands that the limit was not enough."""
@@ -137,6 +139,9 @@ def run_point(
     made: list[StoredRun] = []
     try:
         problem = problem_of(task.choice, registry, task.folder)
+        answer = problem.measure(problem.setup(task.contender, task.swap, task.level)).answer
+        if answer is not None and (why := answer.refusal(task.level)):
+            return named(task, "not-applicable", why), []
         takes = [_take(task, problem, registry, known, made, number, report) for number in range(task.repeat)]
     except CpuLimitReached as stop:
         return timed_out(task, str(stop)), [*made, remembered(task, str(stop))]

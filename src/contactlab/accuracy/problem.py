@@ -110,12 +110,12 @@ def problem_of(choice: CaseChoice, registry: Registry, folder: Path | None = Non
 
 def contenders(study: CaseStudy, registry: Registry) -> list[Contender]:
     """The contenders with every installed algorithm in the place of "*"."""
-    found: dict[str, Contender] = {}
+    found: dict[tuple[str, tuple[str, ...]], Contender] = {}
     for one in study.contenders:
         specs = registry.names("contact") if one.algorithm == "*" else [one.algorithm]
         for spec in specs:
             each = replace(one, algorithm=spec)
-            found.setdefault(each.label, each)
+            found.setdefault((each.label, each.slaves), each)
     return list(found.values())
 
 

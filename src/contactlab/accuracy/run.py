@@ -1,4 +1,4 @@
-"""Running a study of cases: coarse levels of all lines first, each point kept in the archive as it is done."""
+"""Running a study of cases: coarse or cheap points of all lines first, each kept in the archive as it is done."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from functools import partial
 from itertools import zip_longest
 from pathlib import Path
 
-from contactlab.accuracy.point import Point, Task, named, remembered, run_point, timed_out
+from contactlab.accuracy.point import SLAVES, Point, Task, named, remembered, run_point, timed_out
 from contactlab.accuracy.problem import Problem, choices, contenders, problem_of
 from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
 from contactlab.archive.archive import FILE, Archive, StoredRun
@@ -69,16 +69,26 @@ class Accuracy:
 
 @dataclass
 class _Line:
-    """What a line of convergence still has to run; `rank` is its place among those that are run one after another."""
+    """What a line of convergence still has to run.
+
+    rank      place among those that are run one after another
+    by_costs  whether the expected cost of the next level is its place among all others
+    """
 
     tasks: list[Task]
     rank: int = 0
+    by_costs: bool = False
     done: list[Point] = field(default_factory=list)
 
     @property
-    def place(self) -> tuple[int, int]:
-        """Lines are run in this order: by rank, then by the level that comes next."""
-        return self.rank, self.tasks[len(self.done)].level
+    def place(self) -> tuple[int, float]:
+        """Lines are run in this order: by rank, then by the level that comes next, or by what that should cost."""
+        task = self.tasks[len(self.done)]
+        if not self.by_costs:
+            return self.rank, task.level
+        expected = expected_cost(self.done, task.level)
+        # what is beyond its limit is told at once: it takes no time, and a study that is stopped still knows it
+        return self.rank, expected if expected <= task.limit else 0.0
 
 
 def run_accuracy(
@@ -114,7 +124,7 @@ def _with_others(
     jobs: int, status: str,
 ) -> Accuracy:  # fmt: skip
     """All points in order: those that are done, and all others with this status."""
-    labels = [contender.label for contender in contenders(study, registry)]
+    labels = list(dict.fromkeys(contender.label for contender in contenders(study, registry)))
     cases = [each.label for each in asked]
     seen = {(p.case, p.contender, p.slave, p.level) for p in done}
     others = [named(t, status, OTHERS[status]) for line in lines for t in line.tasks if _place(t) not in seen]
@@ -136,7 +146,7 @@ def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[_Line]
             (contender, swap)
             for contender in contenders(study, registry)
             for swap in (False, True)
-            if not problem.refusal(contender, swap)
+            if SLAVES[swap] in (contender.slaves or SLAVES) and not problem.refusal(contender, swap)
         ]
         if not fitting:
             continue
@@ -147,6 +157,7 @@ def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[_Line]
                 _Line(
                     [asking(contender=contender, swap=swap, level=level) for level in sorted(levels)],
                     _rank(study, contender),
+                    study.order == "costs",
                 )
                 for contender, swap in fitting
                 if (levels := contender.levels or choice.levels or study.levels)
@@ -160,7 +171,7 @@ def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[_Line]
 
 def _rank(study: CaseStudy, contender: Contender) -> int:
     """Place of the entry that a contender comes from, where these are run one after another."""
-    if study.order == "levels":
+    if study.order != "contenders":
         return 0
     return next(n for n, one in enumerate(study.contenders) if one == replace(contender, algorithm=one.algorithm))
 

@@ -70,7 +70,8 @@ class SceneCase(Case):
         """The relative error of the pressure."""
         known = self.against.pressure_uncertainty
         kind: Any = self.against.error_estimate.get("kind", "two-discretisations")
-        answer = Answer(1.0, kind, 0.0 if math.isnan(known) else known, self.against.title)
+        known = 0.0 if math.isnan(known) else known
+        answer = Answer(1.0, kind, known, self.against.title, self.against.level)
         return (error(PRESSURE, math.inf, "it is measured here, not judged", answer=answer),)
 
     def exact_pressure(self, setup: Setup, done: Mapping[str, Record]) -> Solution | None:

@@ -58,6 +58,9 @@ class Contender:
     enforcement: Any = key(None, says="of the contact; not written: the integrator's own")
     changes: Any = key(None, says="further scene keys and values")
     levels: tuple[int, ...] = key((), least=1, says="mesh levels; not written: those of the case or of the study")
+    slaves: tuple[Literal["declared", "exchanged"], ...] = key(
+        (), says="which side carries the multipliers; not written: either in turn"
+    )
 
     @property
     def label(self) -> str:
@@ -96,9 +99,10 @@ class CaseStudy:
     format: Literal[1] = key(1, says="version of the study format")
     name: str = key("", says="heading of the page")
     levels: tuple[int, ...] = key((1, 2, 4), least=1, says="mesh levels")
-    order: Literal["levels", "contenders"] = key(
+    order: Literal["levels", "contenders", "costs"] = key(
         "levels",
-        says="levels: coarse ones of all contenders first; contenders: one with all of its levels after another",
+        says="levels: coarse ones of all contenders first; contenders: one with all of its levels after another; "
+        "costs: level 1 of all contenders, then whatever is expected to cost least",
     )
     join: bool = key(True, says="whether cases of other packages than the study's take part")
     limit: float = key(30.0, above=0.0, says="CPU time of one run [s]; what needs more is not run, or stopped")

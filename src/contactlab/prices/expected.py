@@ -12,9 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from contactlab.api.arrays import Floats
+from contactlab.meshing.inside import distances_to_edges
 from contactlab.prices.counts import Length
-from contactlab.run.prepare import schedule_of
 
 if TYPE_CHECKING:
     from contactlab.model.contact.pair import ContactPair
@@ -39,9 +38,8 @@ class Expected(NamedTuple):
     most: Length
 
 
-def expected_length(scene: Scene, model: Model) -> Expected:
+def expected_length(scene: Scene, model: Model, schedule: Schedule) -> Expected:
     """Lengths of a run of a scene."""
-    schedule = schedule_of(model, scene)
     if not model.explicit:
         return _implicit(scene, model, schedule)
     timing = model.timing
@@ -91,11 +89,4 @@ def _near(pair: ContactPair, model: Model) -> np.ndarray:
     ends = reference[pair.slave.nodes[pair.slave.segments]]
     reach = REACH * float(np.median(np.hypot(*(ends[:, 1] - ends[:, 0]).T)))
     begin, end = (reference[master.nodes[master.segments[:, k]]] for k in range(2))
-    return np.array([_distance(point, begin, end) <= reach for point in slave])
-
-
-def _distance(point: Floats, begin: Floats, end: Floats) -> float:
-    """Distance of a point (2,) from the nearest of straight segments, given by their ends (s, 2)."""
-    along = end - begin
-    t = np.clip(((point - begin) * along).sum(axis=1) / (along**2).sum(axis=1), 0.0, 1.0)
-    return float(np.hypot(*(point - begin - t[:, None] * along).T).min())
+    return distances_to_edges(slave, begin, end) <= reach

@@ -17,7 +17,6 @@ from contactlab.prices.lacking import lacking
 from contactlab.studies.removable import Variant, variants
 
 if TYPE_CHECKING:
-    from contactlab.model.model import Model
     from contactlab.prices.price_list import PriceList
     from contactlab.scene.scene import Scene
 
@@ -83,9 +82,11 @@ class Bill:
 def price_of(scene: Scene, prices: PriceList) -> Price:
     """The price of a scene as it is declared. Raises RequestError where no model can be built of it."""
     from contactlab.run.nested import coarser_levels
+    from contactlab.run.prepare import schedule_of
 
     model = build(scene, scene.registry)
-    length = expected_length(scene, model)
+    schedule = schedule_of(model, scene)
+    length = expected_length(scene, model, schedule)
     counts = [counts_of(scene, model, *pair) for pair in zip(length, touching(scene, model), strict=True)]
     known: Mapping[str, float] = prices.units
     together = prices.together if model.explicit else 1.0
@@ -94,10 +95,9 @@ def price_of(scene: Scene, prices: PriceList) -> Price:
     held = sum(array.bytes for array in held_arrays(model, integrator=model.bound_integrator().advance)) / MIB
     if not model.explicit:
         held += prices.step_mib * node_measure(len(model.reference))
-    if not model.explicit and _skips(scene, model):
-        for level in coarser_levels(scene.level):
-            coarse = price_of(replace(scene, level=level), prices)
-            least, usual, most = least + coarse.least_s, usual + coarse.cpu_s, most + coarse.most_s
+    for level in coarser_levels(scene.level) if schedule.skips else ():
+        coarse = price_of(replace(scene, level=level), prices)
+        least, usual, most = least + coarse.least_s, usual + coarse.cpu_s, most + coarse.most_s
     return Price(
         usual,
         least * (1.0 - SPREAD),
@@ -106,12 +106,6 @@ def price_of(scene: Scene, prices: PriceList) -> Price:
         length.usual.steps,
         unknown,
     )
-
-
-def _skips(scene: Scene, model: Model) -> bool:
-    from contactlab.run.prepare import schedule_of
-
-    return schedule_of(model, scene).skips
 
 
 def bill_of(scene: Scene, prices: PriceList) -> Bill:

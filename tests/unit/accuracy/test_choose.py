@@ -62,13 +62,15 @@ def test_the_choice_is_near_the_best_of_all(wish: float, tmp_path: Path, monkeyp
         return c * level**-q, unit * level**p
 
     names: set[tuple[str, str]] = set()
+    tried: dict[tuple[str, str], list[int]] = {}
 
     def run(study: CaseStudy, *rest: object) -> Accuracy:
         points = []
         for contender in study.contenders:
-            for slave in ("declared", "exchanged"):
+            for slave in contender.slaves or ("declared", "exchanged"):
                 names.add((contender.label, slave))
                 for level in study.levels:
+                    tried.setdefault((contender.label, slave), []).append(level)
                     error, cost = error_and_cost(contender.label, slave, level)
                     points.append(
                         Point("disc-on-block", contender.label, slave, level, "finished", "", error, (cost,), 0.01)
@@ -86,6 +88,15 @@ def test_the_choice_is_near_the_best_of_all(wish: float, tmp_path: Path, monkeyp
     assert found.error <= target
     assert found.cost[0] <= 2.0 * best
     assert scene.with_(found.settings).level == found.level
+    # what meets the error goes to no finer level
+    for name, levels in tried.items():
+        meets = [level for level in sorted(set(levels)) if error_and_cost(*name, level)[0] <= target]
+        assert len(meets) <= 1 or max(meets) <= 2 or _between_was_tried(levels, meets)
+
+
+def _between_was_tried(levels: list[int], meets: list[int]) -> bool:
+    """Whether the finer of the levels that meet the error was run before the coarser ones."""
+    return levels.index(max(meets)) < min(levels.index(level) for level in meets[:-1])
 
 
 @pytest.mark.parametrize(("option", "value"), [("--error", "200%"), ("--error", "no"), ("--budget", "0s")])

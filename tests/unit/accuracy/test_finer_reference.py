@@ -52,6 +52,7 @@ def test_it_is_refined_until_it_is_known_well_enough(runs: dict[tuple[str, int],
         assert max(level for name, level in runs if name == "node-on-segment") <= LEVELS[1]
         assert found.spent == pytest.approx(sum(runs.values()))
         assert found.reference.mismatch(scene.data) == ""
+        assert f"level {finest}" in found.reference.mismatch(scene.with_({"level": finest}).data)
 
 
 def test_a_level_beyond_the_budget_is_not_begun(runs: dict[tuple[str, int], float], tmp_path: Path) -> None:

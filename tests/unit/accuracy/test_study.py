@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import csv
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from contactlab.accuracy.point import named
+from contactlab.accuracy.point import Point, Task, named, run_point
 from contactlab.accuracy.problem import choices, contenders, problem_of
-from contactlab.accuracy.run import plan
-from contactlab.accuracy.study import CaseChoice, bundled_case_studies, find_case_study
+from contactlab.accuracy.run import GROWTH, plan
+from contactlab.accuracy.study import CaseChoice, Contender, bundled_case_studies, find_case_study
 from contactlab.api import Setup
 from contactlab.cli import main
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry, default_registry
+from contactlab.studies.reference import load_reference
 
 TINY = """
 levels = [1]
@@ -121,6 +123,16 @@ def test_a_study_is_run_once_and_written(tmp_path: Path, capsys: pytest.CaptureF
     capsys.readouterr()
 
 
+def test_no_point_is_as_fine_as_the_runs_of_its_reference() -> None:
+    level = load_reference("disc-on-block-deep").level
+    assert level is not None
+    choice = CaseChoice(scene="disc-on-block", reference="disc-on-block-deep")
+    task = Task(choice, Contender("", "q1", "newton", "mortar-p0"), False, level, 1.0)
+    point, made = run_point(task, default_registry(), None, print)
+    assert (point.status, made) == ("not-applicable", [])
+    assert f"level {level}" in point.reason
+
+
 def test_bundled_names_are_files() -> None:
     assert list(bundled_case_studies()) == ["accuracy", "demo"]
 
@@ -130,3 +142,23 @@ def test_the_example_of_the_page_is_a_study(tmp_path: Path) -> None:
     (example,) = re.findall(r"^```toml\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     (tmp_path / "mine.toml").write_text(example)
     _planned(str(tmp_path / "mine.toml"))
+
+
+def test_what_should_cost_least_comes_first() -> None:
+    bundled = find_case_study("accuracy")
+    assert bundled is not None
+    study = replace(bundled, cases=(bundled.cases[0],), levels=(1, 2, 4))
+    first, second, third = plan(study, default_registry())[1][:3]
+    assert first.place == second.place == (0, 0.0)  # nothing is known of either
+    first.done.append(point(first.tasks[0], 0.5))
+    second.done.append(point(second.tasks[0], 0.2))
+    third.done.append(point(third.tasks[0], 10.0))
+    assert first.place == (0, pytest.approx(0.5 * 2.0**GROWTH))
+    assert second.place < first.place
+    assert third.place == (0, 0.0)  # 80 s are beyond its limit of 30: told at once
+    second.done.append(point(second.tasks[1], 3.2))  # costs grow with the fourth power: 51 s at level 4
+    assert second.place < first.place
+
+
+def point(task: Task, cost: float) -> Point:
+    return replace(named(task, "finished", ""), error=0.1, cpu=(cost,))

@@ -9,11 +9,13 @@ import pytest
 
 from contactlab.errors import RequestError
 from contactlab.model.build import build
+from contactlab.model.model import Model
 from contactlab.prices.counts import Length, counts_of, total, unpriced
-from contactlab.prices.expected import expected_length, touching
+from contactlab.prices.expected import Expected, expected_length, touching
 from contactlab.prices.foreseen import bill_of, price_of
 from contactlab.prices.lacking import lacking
 from contactlab.prices.price_list import PriceList
+from contactlab.run.prepare import schedule_of
 from contactlab.scene.scene import Scene, load_scene
 
 LENGTH = Length(100, 0, 11)
@@ -32,6 +34,10 @@ def all_at(price: float, *scenes: Scene) -> PriceList:
 
 def counted(scene: Scene, length: Length = LENGTH, share: float = 1.0) -> dict[str, float]:
     return counts_of(scene, build(scene, scene.registry), length, share)
+
+
+def length_of(scene: Scene, model: Model) -> Expected:
+    return expected_length(scene, model, schedule_of(model, scene))
 
 
 def test_work_goes_with_steps_frames_cells_and_touching_nodes() -> None:
@@ -66,9 +72,7 @@ def test_the_price_is_work_times_prices() -> None:
     scene = load_scene("dropped-block")
     prices = all_at(1e-6, scene)
     model = build(scene, scene.registry)
-    expected = total(
-        counts_of(scene, model, expected_length(scene, model).usual, touching(scene, model)[1]), prices.units
-    )
+    expected = total(counts_of(scene, model, length_of(scene, model).usual, touching(scene, model)[1]), prices.units)
     found = price_of(scene, prices)
     assert found.cpu_s == pytest.approx(expected)
     assert found.least_s < found.cpu_s < found.most_s
@@ -120,22 +124,22 @@ def test_nested_levels_are_part_of_the_price() -> None:
     scene = load_scene("disc-on-block").with_({"integrator": "newton", "level": 2})
     prices = all_at(1e-6, scene)
     model = build(scene, scene.registry)
-    own = total(counts_of(scene, model, expected_length(scene, model).usual, touching(scene, model)[1]), prices.units)
+    own = total(counts_of(scene, model, length_of(scene, model).usual, touching(scene, model)[1]), prices.units)
     coarse = price_of(scene.with_({"level": 1}), prices).cpu_s
     assert price_of(scene, prices).cpu_s == pytest.approx(own + coarse)
 
 
 def test_lengths_of_runs() -> None:
     block = load_scene("dropped-block")
-    fixed = expected_length(block, build(block, block.registry))
+    fixed = length_of(block, build(block, block.registry))
     assert fixed.least == fixed.usual == fixed.most
     assert fixed.usual.frames == 201
     disc = load_scene("disc-on-block")
-    settles = expected_length(disc, build(disc, disc.registry))
+    settles = length_of(disc, build(disc, disc.registry))
     assert settles.least.steps < settles.usual.steps < settles.most.steps
     assert settles.usual.steps == pytest.approx(8.0 / 7.0 * settles.least.steps)
     still = disc.with_({"integrator": "newton"})
-    static = expected_length(still, build(still, still.registry))
+    static = length_of(still, build(still, still.registry))
     assert static.usual.steps == 1
     assert static.least.iterations < static.usual.iterations < static.most.iterations
 
