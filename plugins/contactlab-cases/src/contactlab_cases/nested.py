@@ -46,7 +46,10 @@ def squeeze(on: str, mean: float, wave: float) -> dict[str, Any]:
 def around(record: Record, column: str = "pressure", contact: str = "contacts.0") -> Callable[[Floats], Floats]:
     """A traction of the last frame as a function of the angle [rad], linear between nodes."""
     curve = record.curve(contact)
-    angle, values = ordered(np.arctan2(curve.y, curve.x), getattr(curve, column))
+    place = curve.x + 1j * curve.y
+    middle = np.angle(place[len(place) // 2])
+    # seen from the middle of the curve: an end on the x axis may lie a rounding below it, at -pi
+    angle, values = ordered(middle + np.angle(place * np.exp(-1j * middle)), getattr(curve, column))
     return lambda at: np.asarray(np.interp(at, angle, values))
 
 
