@@ -139,9 +139,7 @@ def warm_runs(place: Place, rounds: int) -> None:
         rows = place.rows if number else {}
         one = Place(place.folder, rows)
         told(one, WARM, [*place.run, str(place.folder / f"warm-{number}")])
-        found = asked_of_clone(
-            place, "import first_second as f; print(json.dumps(f.measure('disc-on-block', ['level=1'])))"
-        )
+        found = asked_of_clone(place, PROBE)
         for name, seconds in found.items():
             one.add(f"{WARM}, {SPLIT}{name} [CPU s]", seconds)
 

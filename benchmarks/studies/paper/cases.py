@@ -256,7 +256,7 @@ def _rolled(scene: Any, kind: str, algorithm: str, slips: float, wanted: float) 
 
 def disc_on_block() -> Numbers:
     """Errors and asymmetries at level 4, both depths; forces of P0, P1, Q1 and Q2 for three coefficients."""
-    shallow = load_reference("disc-on-block-shallow").profile
+    shallow = load_reference("disc-on-block-shallow-other-code").profile
     numbers: Numbers = {"rows": [], "forces": []}
     for depth, reference in ((0.01, shallow), (0.1581, deep_reference().profile)):
         for algorithm in MORTARS:

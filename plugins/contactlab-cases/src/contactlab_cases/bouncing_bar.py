@@ -68,7 +68,7 @@ class BouncingBar(Case):
             invariant("largest rise of the energy in a step", 1e-9, "round-off; contact conditions only take"),
         ]
         if setup.integrator != "central-difference":
-            drawn = error("impulse of the first contact", 0.01, "trapezoidal rule and lumped masses slow waves")
+            drawn = error("impulse of the first contact", 0.01, "the midpoint rule and lumped masses slow waves")
             return [drawn, *bounds, reported("energy lost")]
         lost = reported("energy lost")
         if self.cells * setup.level == 4 * CELLS:

@@ -52,7 +52,7 @@ class WallImpact(Case):
         return (Job("hit", scene, watch=(series("time", "force.bar.x", "energy"),), work=WORK),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
-        """The trapezoidal rule keeps energy but for the nodes that are stopped."""
+        """The midpoint rule keeps energy but for the nodes that are stopped."""
         return (
             error("mean force", 0.002, "rho c v, and a node's share of fifty"),
             error("loss against that of the stopped nodes", 0.02, "half a cell, more within a step"),

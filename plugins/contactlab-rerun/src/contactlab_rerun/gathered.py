@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import XX, YY, ZZ, Floats, Ints
-from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout
+from contactlab.api.frame import SLIP, STATES, ContactCurve, Event, Frame, Iterate, IterationRow, Layout
 from contactlab.api.recorder import FAILURE, WARNING
 
 VON_MISES, PRESSURE, NO_FIELD = "von_mises", "pressure", "none"
@@ -136,6 +136,16 @@ class Gathered:
         rows = self.records.get(contact)
         return [] if rows is None else [name for name in ("pressure", "shear") if name in (rows.dtype.names or ())]
 
+    def recorded_frames(self, contact: str) -> dict[int, np.void]:
+        """Rows of the record of a contact by the frames whose steps are in it."""
+        rows = self.records.get(contact)
+        if rows is None or not len(rows):
+            return {}
+        steps = np.array([instant.step for instant in self.instants])
+        places = np.minimum(np.searchsorted(rows["step"], steps), len(rows) - 1)
+        there = np.flatnonzero(rows["step"][places] == steps)
+        return {int(frame): rows[places[frame]] for frame in there}
+
     def _surface(self, name: str) -> Surface:
         curves = [instant.curves[name] for instant in self.instants]
         columns = ("x", "y", "pressure", "shear", "gap", "state")
@@ -177,6 +187,11 @@ class Gathered:
     def frictional(self) -> bool:
         """Whether any contact has friction."""
         return any(contact.friction for contact in self.layout.contacts)
+
+
+def state_names(frictional: bool) -> tuple[str, ...]:
+    """What the states of a contact node are called: without friction a closed one does not slip."""
+    return STATES if frictional else (*STATES[:SLIP], "closed")
 
 
 def entity_name(text: str) -> str:

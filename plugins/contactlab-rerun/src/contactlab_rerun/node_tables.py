@@ -7,11 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 import rerun as rr
 
-from contactlab.api.arrays import Ints
 from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.api.drawing.units import Units
-from contactlab.api.frame import OPEN, SLIP, STATES, ContactLayout
-from contactlab_rerun.gathered import Appearance, Gathered
+from contactlab.api.frame import OPEN, ContactLayout
+from contactlab_rerun.gathered import Appearance, Gathered, state_names
 from contactlab_rerun.profiles import in_brackets
 from contactlab_rerun.timelines import frame_times
 
@@ -27,19 +26,19 @@ def log_tables(recording: rr.RecordingStream, run: Gathered, appearance: Appeara
         surface, instants = run.surfaces[contact.name], run.instants
         most = max(1, LETTERS // (ROW * max(1, len(surface.s))))
         frames = range(max(0, len(instants) - most), len(instants))
-        recorded = _recorded(run, contact)
-        texts = [table(run, contact, frame, recorded.get(instants[frame].step), units) for frame in frames]
+        recorded = run.recorded_frames(contact.name)
+        texts = [table(run, contact, frame, recorded.get(frame), units) for frame in frames]
         when = frame_times(run, [instants[k].step for k in frames], [instants[k].time for k in frames])
         documents = rr.TextDocument.columns(text=texts, media_type=[rr.MediaType.MARKDOWN] * len(texts))
         recording.send_columns(f"{appearance.path}/{FOLDER}/{contact.name}", when, documents)
 
 
-def table(run: Gathered, contact: ContactLayout, frame: int, row: np.ndarray | None, units: Units) -> str:
+def table(run: Gathered, contact: ContactLayout, frame: int, row: np.void | None, units: Units) -> str:
     """The slave nodes in the order of the surface; `row` of the contact record, where the step is in it."""
     surface, instant = run.surfaces[contact.name], run.instants[frame]
     stress, length = in_brackets(units.pressure), in_brackets(units.length)
     names = ["node", f"s{length}", "state", f"gap{length}", f"pressure{stress}"]
-    states = (*STATES[:SLIP], STATES[SLIP] if contact.friction else "closed")
+    states = state_names(bool(contact.friction))
     # numbers as words of five digits: the record has single precision
     columns: list[Sequence[str]] = [
         [str(node) for node in contact.slave_nodes],
@@ -67,14 +66,3 @@ def table(run: Gathered, contact: ContactLayout, frame: int, row: np.ndarray | N
 def _words(values: np.ndarray) -> list[str]:
     """Five digits of each number, nothing where there is none."""
     return [f"{value:.5g}" if np.isfinite(value) else "" for value in values]
-
-
-def _recorded(run: Gathered, contact: ContactLayout) -> dict[int, np.ndarray]:
-    """Rows of the contact record by the steps of instants that are in it."""
-    rows = run.records.get(contact.name)
-    if rows is None or not len(rows):
-        return {}
-    steps: Ints = np.array([instant.step for instant in run.instants])
-    places = np.minimum(np.searchsorted(rows["step"], steps), len(rows) - 1)
-    there = rows["step"][places] == steps
-    return {int(step): rows[place] for step, place in zip(steps[there], places[there], strict=True)}

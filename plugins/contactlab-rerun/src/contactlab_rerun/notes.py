@@ -13,7 +13,7 @@ from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.api.drawing.colours import CLOSED, rgb
 from contactlab.api.drawing.colours import STATES as COLOURS
 from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow
-from contactlab_rerun.gathered import Appearance, Gathered, Surface, short
+from contactlab_rerun.gathered import Appearance, Gathered, Surface, short, state_names
 from contactlab_rerun.timelines import frame_times, iteration_times
 
 LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
@@ -56,8 +56,8 @@ def watched_nodes(surface: Surface, tracks: int) -> list[int]:
 def _log_track(
     recording: rr.RecordingStream, path: str, run: Gathered, states: Sequence[int], frictional: bool
 ) -> None:
-    names, colours = (STATES, COLOURS) if frictional else ((*STATES[:SLIP], "closed"), (*COLOURS[:SLIP], CLOSED))
-    known = rr.StateConfiguration(values=STATES, labels=names, colors=[rgb(colour) for colour in colours])
+    colours = COLOURS if frictional else (*COLOURS[:SLIP], CLOSED)
+    known = rr.StateConfiguration(values=STATES, labels=state_names(frictional), colors=[rgb(one) for one in colours])
     recording.log(path, known, static=True)
     changes = [k for k in range(len(states)) if k == 0 or states[k] != states[k - 1]]
     when = frame_times(run, [run.instants[k].step for k in changes], [run.instants[k].time for k in changes])
@@ -99,16 +99,10 @@ def contact_changes(run: Gathered) -> Iterator[Event]:
 
 def recorded_segments(run: Gathered, contact: ContactLayout) -> dict[int, Ints]:
     """The master segment (m,) that each closed slave node has in the contact record, by the frames that are in it."""
-    rows = run.records.get(contact.name)
-    if rows is None or not len(rows):
-        return {}
-    steps = [instant.step for instant in run.instants]
-    places = np.minimum(np.searchsorted(rows["step"], steps), len(rows) - 1)
-    there = [frame for frame, place in enumerate(places) if rows["step"][place] == steps[frame]]
     states = run.surfaces[contact.name].state
     return {
-        frame: np.where((segments != NO_SEGMENT) & (states[frame] != OPEN), segments.astype(int), -1)
-        for frame, segments in zip(there, rows["segment"][places[there]], strict=True)
+        frame: np.where((row["segment"] != NO_SEGMENT) & (states[frame] != OPEN), row["segment"].astype(int), -1)
+        for frame, row in run.recorded_frames(contact.name).items()
     }
 
 
