@@ -20,6 +20,8 @@ from contactlab.api import ContactDerivatives, Floats, ImplicitContact, Ints, Re
 from contactlab_statics.reuse import ReusedFactor
 
 Indices = NDArray[np.integer[Any]]
+Entries = tuple[Indices, Indices, Floats]
+"""Rows, columns and values (e,) of a matrix."""
 
 REDUNDANT = 3e-12  # softness of a condition over that of its nodes: two that hold the same motion share their force
 RIGID = 1e-12  # share of a condition's weights: below it no free degree of freedom takes part
@@ -86,7 +88,8 @@ class SaddleSystem:
         self.free = np.flatnonzero(moving)
         self.number = np.full(self.size, -1, np.int32)
         self.number[self.free] = np.arange(len(self.free))
-        self._pattern: tuple[Indices, Indices, Indices] | None = None
+        # entries of the stiffness between free degrees of freedom, and their number in each column of those
+        self._inner: tuple[Indices, Indices] | None = None
         self.solver = ReusedFactor(reference[self.free // 2])
 
     def step(
@@ -107,44 +110,45 @@ class SaddleSystem:
         """
         moving = bool(np.any(given))
         right = unbalanced - stiffness @ given if moving else unbalanced
-        matrix = [self._own(stiffness)]
+        border: list[Entries] = []
         lower: list[Floats] = []
         plan = eliminate(response)
         if contact is not None and (len(plan.chosen) or contact.conditions.force.any()):
             derivatives = contact.linearise(plan.chosen.astype(np.int32))
             self._fill_rigid_rows(plan, derivatives, response)
-            matrix += self._border(plan, derivatives)
+            border = self._border(plan, derivatives)
             right = right + _explicit_forces(plan, derivatives)
             if moving:
                 right = right + derivatives.force @ given
             lower = _conditions_right(plan, derivatives, given if moving else None)
-        kind = plan.normal.tobytes(), plan.tangential.tobytes()
-        du, unknown = self._solve(matrix, right, lower, kind, residual)
-        du[self.held] = given[self.held]
-        return du, _forces(plan, unknown)
-
-    def _solve(
-        self, parts: list[Any], right: Floats, lower: list[Floats], kind: tuple[bytes, ...], residual: float
-    ) -> tuple[Floats, Floats]:
-        row, column, value = (np.concatenate(part) for part in zip(*parts, strict=True))
         full = np.concatenate([right[self.free], *lower])
-        matrix = coo_array((value, (row, column)), shape=(len(full), len(full))).tocsc()
-        solution = self.solver.solve(matrix, full, kind, residual)
+        kind = plan.normal.tobytes(), plan.tangential.tobytes()
+        solution = self.solver.solve(self._assembled(stiffness, border, len(full)), full, kind, residual)
         du = np.zeros(self.size)
         du[self.free] = solution[: len(self.free)]
-        return du, solution[len(self.free) :]
+        du[self.held] = given[self.held]
+        return du, _forces(plan, solution[len(self.free) :])
 
-    def _own(self, stiffness: Any) -> tuple[Indices, Indices, Floats]:
+    def _assembled(self, stiffness: Any, border: list[Entries], size: int) -> Any:
+        """The matrix (CSC). What it is made of is gone when it is factorised, which takes most of the memory."""
+        parts = zip(self._own(stiffness), *border, strict=True)
+        row, column, value = (np.concatenate(part) for part in parts)
+        # as SuperLU numbers entries: others would be copied
+        places = row.astype(np.int32, copy=False), column.astype(np.int32, copy=False)
+        return coo_array((value, places), shape=(size, size)).tocsc()
+
+    def _own(self, stiffness: Any) -> Entries:
         """Entries of the stiffness between free degrees of freedom."""
-        if self._pattern is None:
-            every = np.repeat(np.arange(self.size, dtype=np.int32), np.diff(stiffness.indptr))
-            free_row, free_column = self.number[stiffness.indices], self.number[every]
-            both = np.flatnonzero((free_row >= 0) & (free_column >= 0))
-            self._pattern = free_row[both], free_column[both], both
-        row, column, inside = self._pattern
-        return row, column, stiffness.data[inside]
+        if self._inner is None:
+            every = np.repeat(self.number, np.diff(stiffness.indptr))
+            both = np.flatnonzero((self.number[stiffness.indices] >= 0) & (every >= 0)).astype(np.int32)
+            self._inner = both, np.bincount(every[both], minlength=len(self.free)).astype(np.int32)
+        inside, count = self._inner
+        # rows and columns are made anew: kept, they would be a part of what a large system takes at its peak
+        column = np.repeat(np.arange(len(self.free), dtype=np.int32), count)
+        return self.number[stiffness.indices[inside]], column, stiffness.data[inside]
 
-    def _inside(self, matrix: csr_array) -> tuple[Indices, Indices, Floats]:
+    def _inside(self, matrix: csr_array) -> Entries:
         """Entries of a (., 2N) matrix in free columns, rows as they are."""
         entries = matrix.tocoo()
         column = self.number[entries.col]
@@ -166,7 +170,7 @@ class SaddleSystem:
                 rigid = slots[held[np.searchsorted(plan.chosen, slots)]]
                 plan.by_force[kind, rigid] = 1.0 / response.by_gap[kind, rigid]
 
-    def _border(self, plan: Elimination, derivatives: ContactDerivatives) -> list[tuple[Indices, Indices, Floats]]:
+    def _border(self, plan: Elimination, derivatives: ContactDerivatives) -> list[Entries]:
         """Entries of contact: change of forces, columns and rows of the unknown multipliers."""
         first = len(self.free)
         second = first + len(plan.normal)
@@ -189,9 +193,7 @@ class SaddleSystem:
             parts.append((second + crossed, place, -plan.cross[plan.tangential[crossed]]))
         return parts
 
-    def _both(
-        self, directions: csr_array, derivatives: csr_array, first: int, diagonal: Floats
-    ) -> list[tuple[Indices, Indices, Floats]]:
+    def _both(self, directions: csr_array, derivatives: csr_array, first: int, diagonal: Floats) -> list[Entries]:
         """Columns of one kind of multipliers, their rows, and their diagonal."""
         row, column, value = self._inside(directions)
         parts = [(column, first + row, -value)]
