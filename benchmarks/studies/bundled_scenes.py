@@ -1,7 +1,8 @@
 """Every bundled scene with each algorithm, either slave and each integrator: what a run breaks, and whether it says so.
 
     python benchmarks/studies/bundled_scenes.py                  # all that has no row in bundled_scenes.csv yet
-    python benchmarks/studies/bundled_scenes.py --only stack     # rows of scenes with this in their names, anew
+    python benchmarks/studies/bundled_scenes.py --only stack     # rows with this in their names, anew: a scene,
+                                                                 # an algorithm or an integrator
     python benchmarks/studies/bundled_scenes.py page             # writes docs/bundled-scenes.md from the rows
 
 Each row is a `contactlab run` of its own with at most `LIMIT` CPU seconds. A run is judged by the invariants of its
@@ -143,15 +144,13 @@ def main() -> None:
     """Run what is missing, keep each row as it is done, write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("what", nargs="?", choices=["page"], help="write the page alone")
-    parser.add_argument("--only", metavar="TEXT", help="scenes with this in their names, anew")
+    parser.add_argument("--only", metavar="TEXT", help="rows of scenes, algorithms or integrators with this name, anew")
     chosen = parser.parse_args()
     rows = stored()
     if chosen.what is None:
-        if chosen.only:
-            rows = [row for row in rows if chosen.only not in row["scene"]]
         known = {tuple(row[key] for key in KEYS[:4]) for row in rows}
         for key in plan():
-            if key not in known and (chosen.only or "") in key[0]:
+            if (chosen.only in key) if chosen.only else (key not in known):
                 rows.append(measure(key))
                 keep(rows)
                 print(*rows[-1].values(), sep=" | ", file=sys.stderr, flush=True)
