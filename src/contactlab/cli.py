@@ -6,6 +6,7 @@ Exit status: 0 finished, 1 the simulation failed, 2 the request is wrong, 130 in
 from __future__ import annotations
 
 import argparse
+import atexit
 import gc
 import os
 import sys
@@ -26,8 +27,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         complete(make_parser())
     if arguments is None:
-        # the collector walks through what libraries make when they are imported, in vain: a twentieth of a start
-        gc.set_threshold(50_000, 20, 20)
+        # the collector walks through what libraries make when they are imported, in vain: not before a start is
+        # over, which makes 250 000 objects, and not once more when the interpreter ends, a seventh of a short run
+        gc.set_threshold(500_000, 20, 20)
+        atexit.register(gc.freeze)
         warnings.formatwarning = _worded
     try:
         status = _run(words)

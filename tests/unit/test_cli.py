@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -244,3 +245,16 @@ def test_warnings_of_the_program_name_no_line_of_its_code() -> None:
         "contactlab: warning: the disk is full\n"
     )
     assert "part.py:7" in _worded(RuntimeWarning("overflow"), RuntimeWarning, "part.py", 7)
+
+
+@pytest.mark.parametrize("call", ["main()", "main(['--version'])"])
+def test_only_the_program_leaves_what_was_imported_to_the_system_when_it_ends(call: str) -> None:
+    """Who calls it from a program of his own keeps his garbage collector as it is."""
+    program = (
+        "import atexit, gc, sys\n"
+        "atexit.register(lambda: print(gc.get_freeze_count() > 0, gc.get_threshold()[0] > 100_000))\n"
+        "from contactlab.cli import main\n"
+        f"sys.argv = ['contactlab', '--version']\n{call}\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert done.stdout.splitlines()[-1] == ("True True" if call == "main()" else "False False"), done.stderr

@@ -25,22 +25,37 @@ def windings(points: Floats, positions: Floats, edges: Ints) -> Floats:
     """How often the boundary goes round each point (p,), its inside on the left; 0 outside.
 
     A ray from the point meets the edges that begin on one side of it and end on the other (the crossing rule with
-    signs, Sunday 2001). Points and edges are sorted into bins along the direction in which the points spread, and only
-    edges of its bin are looked at for a point.
+    signs, Sunday 2001).
     """
     out = np.zeros(len(points))
-    if not len(points):
+    corners = positions[edges]
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    near = np.flatnonzero(((points >= low) & (points <= high)).all(axis=1))
+    if not len(near):
         return out
-    across = int(np.argmax(np.ptp(points, axis=0)))
+    across = int(np.argmax(np.ptp(points[near], axis=0)))
     order = [1 - across, across]  # rays along the first
-    points, a, b = points[:, order], positions[edges[:, 0]][:, order], positions[edges[:, 1]][:, order]
-    for point, edge in _pairs(points[:, 1], np.minimum(a[:, 1], b[:, 1]), np.maximum(a[:, 1], b[:, 1])):
-        to_a, to_b = a[edge] - points[point], b[edge] - points[point]
-        crosses = (to_a[:, 1] <= 0.0) != (to_b[:, 1] <= 0.0)
+    found, a, b = points[near][:, order], corners[:, 0, order], corners[:, 1, order]
+    for point, edge in _crossed(found[:, 1], a[:, 1], b[:, 1]):
+        to_a, to_b = a[edge] - found[point], b[edge] - found[point]
         left = to_a[:, 0] * to_b[:, 1] - to_a[:, 1] * to_b[:, 0] > 0.0
-        turns = np.where(crosses, np.where(to_b[:, 1] > 0.0, left, -1.0 * ~left), 0.0)
-        out += np.bincount(point, turns, len(points))
+        turns = np.where(to_b[:, 1] > 0.0, left, -1.0 * ~left)
+        out[near] += np.bincount(point, turns, len(near))
     return out if across else -out  # axes that change places turn all the other way round
+
+
+def _crossed(at: Floats, begin: Floats, end: Floats) -> Iterator[tuple[Any, Any]]:
+    """Pairs of a point `at` (p,) and an edge (e,) that begins on one side of it and ends on the other.
+
+    All pairs are looked at where they are few, else points and edges are sorted into bins, and only edges of its bin
+    are looked at for a point.
+    """
+    if len(at) * len(begin) <= TOGETHER:
+        yield np.nonzero((begin <= at[:, None]) != (end <= at[:, None]))
+        return
+    for point, edge in _pairs(at, np.minimum(begin, end), np.maximum(begin, end)):
+        crosses = (begin[edge] <= at[point]) != (end[edge] <= at[point])
+        yield point[crosses], edge[crosses]
 
 
 def _pairs(at: Floats, low: Floats, high: Floats) -> Iterator[tuple[Any, Any]]:

@@ -41,12 +41,13 @@ class Overlap:
         """Boundary nodes of each body inside any body that no contact joins them to."""
         if self.worst[0] >= 0.0:
             return
+        position = self.model.position
         for one in self.outlines:
+            outward = one.outward(position)
             for number, other in enumerate(self.outlines):
-                found = one.inside(other, self.model.position)
+                found = one.inside(other, position, outward)
                 if len(found):
-                    at = self.model.position[found[0]]
-                    self.worst[:] = found[0], number, other.nearest(at, self.model.position), len(found)
+                    self.worst[:] = found[0], number, other.nearest(position[found[0]], position), len(found)
                     return
 
     def warning(self) -> RunWarning | None:
@@ -82,31 +83,28 @@ class Outline:
     def __init__(self, body: Body, model: Model) -> None:
         self.body = body
         self.segments: Ints = outer_edges(body.cells, body.element)
-        self.nodes = np.unique(self.segments)
-        self.local = np.searchsorted(self.nodes, self.segments)
-        self.joined = {other.name: _joined(self.nodes, other, model) for other in model.bodies}
+        self.nodes, ends = np.unique(self.segments, return_inverse=True)
+        order = np.argsort(ends.ravel(), kind="stable")
+        # the edges that meet at each node, one node after the other
+        self.edges, self.starts = order // 2, np.searchsorted(ends.ravel()[order], np.arange(len(self.nodes)))
+        self.free = {other.name: np.flatnonzero(~_joined(self.nodes, other, model)) for other in model.bodies}
 
-    def inside(self, other: Outline, position: Floats) -> Ints:
+    def inside(self, other: Outline, position: Floats, outward: Floats) -> Ints:
         """Boundary nodes that lie `DEPTH` of an edge inside `other` (or fold back into this body itself)."""
-        free = self.nodes[~self.joined[other.body.name]]
-        if not len(free):
-            return free
-        normal, size = self._normals(position)
+        free = self.free[other.body.name]
+        nodes = self.nodes[free]
         # inwards: how much of this body lies in the other; outwards: where nothing of itself may be
-        way = 1.0 if other is self else -1.0
-        probe = (position[self.nodes] + way * DEPTH * size[:, None] * normal)[~self.joined[other.body.name]]
-        return np.asarray(free[windings(probe, position, other.segments) > 0.0])
+        probe = position[nodes] + outward[free] if other is self else position[nodes] - outward[free]
+        return np.asarray(nodes[windings(probe, position, other.segments) > 0.0])
 
-    def _normals(self, position: Floats) -> tuple[Floats, Floats]:
-        """Outward unit normal (k, 2) of each boundary node, and the shortest of its edges (k,)."""
+    def outward(self, position: Floats) -> Floats:
+        """`DEPTH` of the shortest edge of each boundary node (k, 2), along its outward normal."""
         edge = position[self.segments[:, 1]] - position[self.segments[:, 0]]
-        length = np.hypot(*edge.T)
-        outward = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / length[:, None]
-        total, size = np.zeros((len(self.nodes), 2)), np.full(len(self.nodes), np.inf)
-        for end in range(2):
-            np.add.at(total, self.local[:, end], outward)
-            np.minimum.at(size, self.local[:, end], length)
-        return total / np.maximum(np.hypot(*total.T), 1e-300)[:, None], size
+        length = np.hypot(edge[:, 0], edge[:, 1])
+        normals = np.stack([edge[:, 1], -edge[:, 0]], axis=1) / length[:, None]
+        total = np.add.reduceat(normals[self.edges], self.starts)
+        size = np.minimum.reduceat(length[self.edges], self.starts)
+        return np.asarray((DEPTH * size / np.maximum(np.hypot(total[:, 0], total[:, 1]), 1e-300))[:, None] * total)
 
     def nearest(self, point: Floats, position: Floats) -> int:
         """Find the boundary node nearest to a point."""

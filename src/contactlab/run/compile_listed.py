@@ -6,7 +6,9 @@ it. Of all such processes on a machine, whoever started them, no more than `plac
 
 from __future__ import annotations
 
+import atexit
 import ctypes
+import gc
 import json
 import os
 import signal
@@ -23,6 +25,7 @@ _END_WITH_PARENT = 1  # PR_SET_PDEATHSIG of Linux
 
 def main() -> None:
     """Compile what the command line names."""
+    atexit.register(gc.freeze)  # nobody looks for garbage in a process that ends
     parent = os.getppid()
     with suppress(OSError, AttributeError):  # other systems: looked at between kernels
         ctypes.CDLL(None).prctl(_END_WITH_PARENT, signal.SIGKILL)

@@ -11,6 +11,8 @@ process was told about signals when it was started: one in the background ignore
 
 from __future__ import annotations
 
+import atexit
+import gc
 import os
 import pickle
 import queue
@@ -29,6 +31,7 @@ PATIENCE = 30.0  # s that a call may take to stop in order when the caller is go
 
 def main() -> None:
     """Serve calls until standard input ends."""
+    atexit.register(gc.freeze)  # nobody looks for garbage in a process that ends
     requests, answers = _take_pipes()
     signal.signal(signal.SIGINT, signal.default_int_handler)
     calls: queue.SimpleQueue[bytes | None] = queue.SimpleQueue()

@@ -36,7 +36,14 @@ def ring(count: int, radius: Floats) -> tuple[Floats, Ints]:
 
 @given(seed=st.integers(0, 10_000), count=st.integers(3, 60), flat=st.booleans())
 @settings(max_examples=60, deadline=None)
-def test_as_brute_force_says(seed: int, count: int, flat: bool) -> None:
+@pytest.mark.parametrize("together", [inside.TOGETHER, 64])  # all pairs at once, or bins in several pieces
+def test_as_brute_force_says(together: int, seed: int, count: int, flat: bool) -> None:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(inside, "TOGETHER", together)
+        _as_brute_force_says(seed, count, flat)
+
+
+def _as_brute_force_says(seed: int, count: int, flat: bool) -> None:
     chance = np.random.default_rng(seed)
     positions, edges = ring(count, chance.uniform(0.3, 1.0, count))
     points = chance.uniform(-1.1, 1.1, (80, 2)) * ([1.0, 0.05] if flat else [1.0, 1.0])

@@ -31,6 +31,7 @@ from numba.extending import intrinsic
 from contactlab.api.compiled.cache import cache_folder
 from contactlab.api.compiled.library import KernelCompiler
 from contactlab.api.compiled.locks import kernel_locked
+from contactlab.api.compiled.stored import KernelCache
 from contactlab.api.compiled.without_blas import import_array_functions
 
 __all__ = ["exp", "kernel", "log", "point", "power", "section", "summation", "table_kernel"]
@@ -87,7 +88,7 @@ def _dispatcher(
         pipeline_class=KernelCompiler,
     )
     if cached:
-        made.enable_caching()
+        made._cache = KernelCache(function)
     return made
 
 

@@ -14,9 +14,11 @@ from typing import Any
 import numba
 import numpy as np
 import pytest
+from numba.core.caching import FunctionCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
+from numba.core.runtime import rtsys
 from numba.extending import overload
 
 from contactlab.api.compiled.kernel import COMPILATION, Kernel, exp, kernel, log, point, power, table_kernel
@@ -163,7 +165,11 @@ def test_what_is_overridden_is_there_in_this_version_of_numba() -> None:
     assert {"py_func", "targetoptions", "pipeline_class"} <= set(taken)
     assert list(inspect.signature(Compiler.compile_extra).parameters) == ["self", "func"]
     assert list(inspect.signature(JITCodeLibrary._finalize_final_module).parameters) == ["self"]
-    assert inspect.signature(CPUDispatcher.enable_caching).parameters.keys() == {"self"}
+    assert list(inspect.signature(FunctionCache.load_overload).parameters) == ["self", "sig", "target_context"]
+    assert list(inspect.signature(FunctionCache._load_overload).parameters) == ["self", "sig", "target_context"]
+    assert list(inspect.signature(FunctionCache._guard_against_spurious_io_errors).parameters) == ["self"]
+    assert list(inspect.signature(rtsys.initialize).parameters) == ["ctx"]
+    assert type(numba.njit(cache=True)(_add.py_func)._cache) is FunctionCache  # type: ignore[attr-defined]
     made, ours = numba.njit(error_model="numpy")(_probe), kernel(_probe)
     # what `njit` passes on beside the options that it was given
     assert {name: made.targetoptions[name] for name in ("nopython", "boundscheck")} == {
