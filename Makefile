@@ -67,13 +67,17 @@ bench: $(INSTALLED)
 	$(BIN)/python benchmarks/bench.py $(if $(QUICK),--quick)
 
 # what runs need, and nothing for tests: `make demo` has no more. Modules are compiled when they are first imported:
-# pip would compile all of them, one after the other, for longer than it takes to unpack them
+# pip would compile all of them, one after the other, for longer than it takes to unpack them. Packages of others are
+# unpacked while ours are made ready, which takes half as long as all of it: pip itself does one thing at a time
 $(RUNNABLE): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
 	@test -n "$(PYTHON)" || { echo "contactlab needs Python 3.11 or later; set PYTHON=/path/to/python3"; exit 1; }
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || { echo "creating $(VENV)"; $(PYTHON) -m venv --clear $(VENV); }
 	@echo "installing contactlab and its plugins into $(VENV)"
 	@$(PIP) install --no-compile -c constraints.txt setuptools
-	@$(PIP) install --no-compile -c constraints.txt --no-build-isolation -e . $(addprefix -e ./,$(PLUGINS))
+	@$(PYTHON) tools/requirements.py > $(VENV)/requirements.txt
+	@$(PIP) install --no-compile --no-warn-conflicts -c constraints.txt -r $(VENV)/requirements.txt & others=$$!; \
+	$(PIP) install --no-compile --no-build-isolation --no-deps -e . $(addprefix -e ./,$(PLUGINS)); ours=$$?; \
+	wait $$others && exit $$ours
 	@touch $@
 
 $(INSTALLED): $(RUNNABLE)
