@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import t as student
 
 from contactlab.accuracy.line_fit import fitted_line
 from contactlab.accuracy.lines import CLEAR, TINY, Line
@@ -55,5 +54,8 @@ def slope(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
     line = fitted_line(x, y)
     if not line.free:
         return line.slope, math.nan
+    # with a second of libraries behind it: not before there are points
+    from scipy.stats import t as student
+
     deviation = math.sqrt(line.squares / line.free / line.spread)
     return line.slope, float(student.ppf(0.975, line.free)) * deviation

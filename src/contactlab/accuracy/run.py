@@ -93,11 +93,12 @@ class _Line:
 
 def run_accuracy(
     study: CaseStudy, registry: Registry, folder: Path, jobs: int, told: Told, scheduler: str = LOCAL,
-    so_far: SoFar | None = None,
+    so_far: SoFar | None = None, meanwhile: Callable[[], None] = lambda: None,
 ) -> Accuracy:  # fmt: skip
     """Every point of a study. What the archive in `folder` holds of this machine is not run again.
 
-    so_far  is called after each point with what gives the study as it stands; points to come have status "waiting"
+    so_far     is called after each point with what gives the study as it stands; points to come have status "waiting"
+    meanwhile  is called once, when the first points are on their way in other processes and this one has to wait
     Raises RequestError for a wrong request. Ctrl-C ends it with the points that are there.
     """
     asked, lines = plan(study, registry)
@@ -107,7 +108,7 @@ def run_accuracy(
     with Archive(folder / FILE) as archive, open_pool(scheduler, jobs) as pool:
         runner = _Runner(study, registry, folder / FILE, archive, pool)
         try:
-            for point in runner.run(lines, jobs):
+            for point in runner.run(lines, jobs, meanwhile):
                 points.append(point)
                 told(point, len(points), total)
                 if so_far is not None:
@@ -193,8 +194,9 @@ class _Runner:
         self.study, self.registry, self.path, self.archive, self.pool = study, registry, path, archive, pool
         self.spent = 0.0
 
-    def run(self, lines: Sequence[_Line], jobs: int) -> Iterator[Point]:
+    def run(self, lines: Sequence[_Line], jobs: int, meanwhile: Callable[[], None]) -> Iterator[Point]:
         """Points as they are made: never more under way than processes, so that coarse levels come first."""
+        idle = [meanwhile]
         waiting = sorted(lines, key=lambda line: line.place)
         running: dict[Future[tuple[Point, list[StoredRun]]], tuple[_Line, Task]] = {}
         while waiting or running:
@@ -208,6 +210,8 @@ class _Runner:
                 limit = SLOW * task.limit * task.repeat
                 call = Call(run_point, (task, self.registry, self.path), limit=limit)
                 running[self.pool.submit(call)] = line, task
+            if running and idle:
+                idle.pop()()
             for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
                 line, task = running.pop(future)
                 yield self._took(line, self._kept(future, task), waiting)

@@ -9,13 +9,11 @@ from dataclasses import replace
 from contactlab.accuracy.evaluation import evaluate
 from contactlab.accuracy.run import plan, run_accuracy
 from contactlab.accuracy.study import CaseStudy
-from contactlab.commands.accuracy_progress import Progress, write_all
+from contactlab.commands.accuracy_progress import Progress, import_what_draws, write_all
 from contactlab.commands.common import console, print_json, registry_with
 from contactlab.commands.interruption import interrupted
 from contactlab.errors import RequestError
 from contactlab.parts.machine import usable_cores
-from contactlab.reports.accuracy_predictions import told
-from contactlab.reports.accuracy_table import print_costs
 from contactlab.run.folders import results_folder
 from contactlab.studies.resume import sigterm_as_ctrl_c
 from contactlab.studies.scheduler import checked_scheduler
@@ -32,12 +30,17 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
     name = options.scene.removesuffix(".toml").rpartition("/")[2]
     with results_folder(options.out, name, options.resume) as folder:
         with sigterm_as_ctrl_c(), Progress(folder) as shown:
-            found = run_accuracy(study, registry, folder, jobs, shown.told, options.scheduler, shown.so_far)
+            found = run_accuracy(
+                study, registry, folder, jobs, shown.told, options.scheduler, shown.so_far, import_what_draws
+            )
         evaluated = evaluate(found)
         write_all(evaluated, folder)
     if options.json:
         print_json({"folder": str(folder), **json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))})
     else:
+        from contactlab.reports.accuracy_predictions import told
+        from contactlab.reports.accuracy_table import print_costs
+
         out = console()
         print_costs(found, evaluated.costs, out)
         if evaluated.predictions:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from importlib import import_module
 from pathlib import Path
 from time import monotonic
 
@@ -15,8 +16,6 @@ from contactlab.accuracy.evaluation import Evaluation, evaluate
 from contactlab.accuracy.files import write
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy
-from contactlab.reports.accuracy_page import write_accuracy_page
-from contactlab.reports.accuracy_table import costs_table
 
 LEAST = 3.0
 """Wall time [s] from one writing of the page to the next, at least."""
@@ -24,8 +23,15 @@ SHARE = 0.1
 """Largest share of the time that is spent on writing it."""
 
 
+def import_what_draws() -> None:
+    """Libraries that draw the page: seconds where Python has not compiled them yet, for which no point should wait."""
+    import_module("contactlab.reports.accuracy_page")
+
+
 def write_all(evaluated: Evaluation, folder: Path) -> None:
     """Tables as CSV and JSON, and the page."""
+    from contactlab.reports.accuracy_page import write_accuracy_page
+
     write(evaluated, folder)
     write_accuracy_page(evaluated, folder)
 
@@ -71,6 +77,8 @@ class Progress:
         write_all(evaluated, self.folder)
         where = f"page so far, rewritten as points come: {self.folder / 'accuracy.html'}"
         if self.live is not None:
+            from contactlab.reports.accuracy_table import costs_table
+
             self.table, self.page = costs_table(evaluated.found, evaluated.costs), Text(where)
         elif not self.next:
             print(where, file=sys.stderr, flush=True)

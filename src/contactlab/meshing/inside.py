@@ -51,7 +51,8 @@ def _crossed(at: Floats, begin: Floats, end: Floats) -> Iterator[tuple[Any, Any]
     are looked at for a point.
     """
     if len(at) * len(begin) <= TOGETHER:
-        yield np.nonzero((begin <= at[:, None]) != (end <= at[:, None]))
+        point, edge = np.nonzero((begin <= at[:, None]) != (end <= at[:, None]))
+        yield point, edge
         return
     for point, edge in _pairs(at, np.minimum(begin, end), np.maximum(begin, end)):
         crosses = (begin[edge] <= at[point]) != (end[edge] <= at[point])

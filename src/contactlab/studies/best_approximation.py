@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import solveh_banded
 
 from contactlab.api.arrays import Floats, Ints
 from contactlab.studies.profile import Profile, Window
@@ -46,6 +45,8 @@ def _points(x: Floats, exact: Profile, low: float, high: float) -> tuple[Floats,
 
 def _solved(segment: Ints, shapes: tuple[Floats, Floats], weights: Floats, wanted: Floats, count: int) -> Floats:
     """Nodal values (m,) of the projection: the mass matrix is tridiagonal."""
+    from scipy.linalg import solveh_banded
+
     left, right = shapes
     mass = np.zeros((2, count))
     np.add.at(mass[1], segment, weights * left * left)

@@ -9,7 +9,6 @@ edge a that leaves the force as it is.
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import brentq
 
 from contactlab.api.arrays import Floats
 from contactlab.studies.profile import Profile
@@ -49,6 +48,8 @@ def _right(profile: Profile) -> Profile:
 
 def _root(x: Floats, p: Floats, force: float, end: Floats) -> Profile | None:
     """The pressure beyond the nodes `x` that carries `force` and ends near the last segment `end`, if there is one."""
+    from scipy.optimize import brentq
+
     start, segment = x[-1], end[1] - end[0]
 
     def excess(a: float) -> float:
