@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from contactlab.accuracy.point import changed, cost_of, known_or_made
-from contactlab.accuracy.scene_case import choices_of
+from contactlab.accuracy.scene_case import choices_of, may_be_exchanged
 from contactlab.accuracy.study import Contender
-from contactlab.api import Job, Record, Setup
+from contactlab.api import Floats, Job, Record, Setup
 from contactlab.archive.archive import FILE, Archive, StoredRun
 from contactlab.archive.keys import run_key
 from contactlab.cases.run_case import scene_of
@@ -37,7 +37,7 @@ from contactlab.studies.study import FINEST
 
 LEVELS = (2, 4, 8, 16)
 KEPT = 2
-"""Algorithms that go on to the third level and beyond: those that change least from the first to the second."""
+"""Algorithms with a slave that go on to the third level and beyond: those that change least up to the second."""
 MOST_GROWTH = 3.0
 """Power of the level that costs grow with at most, for what the next level will take."""
 RATIOS = (1.5, 3.0)
@@ -51,11 +51,17 @@ Told = Callable[[str], None]
 
 @dataclass
 class _Ladder:
-    """The runs of an algorithm by level, with their costs [s]."""
+    """The runs of an algorithm with one of the bodies as slave, by level, with their costs [s]."""
 
     contender: Contender
+    swap: bool = False
     curves: dict[int, Profile] = field(default_factory=dict)
     costs: dict[int, float] = field(default_factory=dict)
+
+    @property
+    def name(self) -> str:
+        """Algorithm and slave."""
+        return f"{self.contender.algorithm}{', exchanged' if self.swap else ''}"
 
     def expected(self, level: int) -> float:
         """CPU time [s] of a level from the two before; 0 where none is known."""
@@ -81,18 +87,25 @@ class Finer:
 
 def finer_reference(
     scene: Scene, integrator: Any, enough: float, budget: float, folder: Path, registry: Registry, jobs: int,
-    told: Told, archive: Path | None = None,
+    told: Told, archive: Path | None = None, levels: Sequence[int] = LEVELS,
 ) -> Finer:  # fmt: skip
-    """Runs at levels 2, 4, 8 and 16, until the relative error of their mean pressure is below `enough`.
+    """Runs at `levels`, until the relative error of their mean pressure is below `enough`.
 
+    They begin with every algorithm and either slave; the two that change least for their cost go on to the third
+    level and beyond.
     A level that would take the CPU time of all of them beyond `budget` [s] is not begun. The runs are kept in the
     archive of `folder` (of the folder `archive`, where it is named) under the same keys as points of a study of cases.
     """
-    ladders = [_Ladder(Contender("", "", integrator, name)) for name in registry.names("contact")]
+    ladders = [
+        _Ladder(Contender("", "", integrator, name), swap)
+        for name in registry.names("contact")
+        for swap in (False, True)
+        if not swap or may_be_exchanged(scene.data)
+    ]
     runs = _Runs(scene, registry, archive or folder, jobs, told)
     best: tuple[Curve, float, str] | None = None
     done: list[int] = []
-    for level in LEVELS:
+    for level in levels:
         if runs.spent + sum(ladder.expected(level) for ladder in ladders) > budget and best is not None:
             break
         runs.make(ladders, level, budget)
@@ -106,7 +119,7 @@ def finer_reference(
             if best[1] < enough:
                 break
     if best is None:
-        return Finer(None, "", f"no run at level {LEVELS[len(done)]} came to its end ({runs.ends()})", runs.spent)
+        return Finer(None, "", f"no run at level {levels[len(done)]} came to its end ({runs.ends()})", runs.spent)
     path = _written(scene, best, done[-1], folder)
     return Finer(load_reference(str(path)), str(path.resolve()), "", runs.spent)
 
@@ -127,13 +140,13 @@ class _Runs:
                 self._keep(ladder, level, future, archive)
 
     def _call(self, ladder: _Ladder, level: int, budget: float) -> Call:
-        arguments = (dict(self.scene.data), ladder.contender, level, self.registry, self.archive, budget)
+        arguments = (dict(self.scene.data), ladder.contender, ladder.swap, level, self.registry, self.archive, budget)
         return Call(run_scene, arguments, limit=SLOW * budget)
 
     def _keep(
         self, ladder: _Ladder, level: int, future: Future[tuple[Record, list[StoredRun]]], archive: Archive
     ) -> None:
-        name = str(ladder.contender.algorithm)
+        name = ladder.name
         try:
             record, made = future.result()
         except (TimedOutError, ProcessDiedError, RaisedError) as error:
@@ -154,11 +167,11 @@ class _Runs:
 
 
 def run_scene(
-    data: Mapping[str, Any], contender: Contender, level: int, registry: Registry, archive: Path, limit: float,
-    report: Callable[[Any], None],
+    data: Mapping[str, Any], contender: Contender, swap: bool, level: int, registry: Registry, archive: Path,
+    limit: float, report: Callable[[Any], None],
 ) -> tuple[Record, list[StoredRun]]:  # fmt: skip
     """The record of a scene as a contender runs it at a level, and the run where it is new. Raises CpuLimitReached."""
-    job = Job("run", data, choices_of(data, Setup(contender.algorithm, False, "", contender.integrator, level)))
+    job = Job("run", data, choices_of(data, Setup(contender.algorithm, swap, "", contender.integrator, level)))
     scene = changed(scene_of(job, registry), contender)
     made: list[StoredRun] = []
 
@@ -204,7 +217,7 @@ def _mean(ladders: Sequence[_Ladder], levels: Sequence[int], scene: Scene) -> tu
     if len(changes) > 1 and change > 0.0:
         ratio = float(np.clip(changes[-2] / change, *RATIOS))
         left, said = change / (ratio - 1.0), f"what is left by Richardson's rule from levels {levels[-3]} on"
-    names = ", ".join(str(ladder.contender.algorithm) for ladder in ladders)
+    names = " and ".join(ladder.name for ladder in ladders)
     words = f"{names} at level {levels[-1]}; error: the larger of their distance from the mean and {said}"
     x, mean = means[-1].x, means[-1].value
     spread = np.max([np.abs(profile(x) - mean) for profile in by_level[-1]], axis=0)
@@ -217,10 +230,21 @@ def _both(profiles: Sequence[Profile], mirrored: bool) -> list[Profile]:
 
 
 def mean_profile(profiles: Sequence[Profile]) -> Profile:
-    """The mean of piecewise linear functions, on their nodes: of those nearer than NEAR of the span the first."""
+    """The mean of piecewise linear functions, on their nodes: of those nearer than NEAR of the span the first.
+
+    Where contact reaches the end of a body the pressure jumps to zero there, at positions that differ from run to run
+    by less than that: each of them counts as pressed to the end that is kept.
+    """
     x = np.unique(np.concatenate([profile.x for profile in profiles]))
-    x = x[np.r_[True, np.diff(x) > NEAR * (x[-1] - x[0])]]
-    return Profile(x, np.asarray(np.mean([profile(x) for profile in profiles], axis=0)))
+    near = NEAR * (x[-1] - x[0])
+    x = x[np.r_[True, np.diff(x) > near]]
+    return Profile(x, np.asarray(np.mean([_up_to_end(profile, x, near) for profile in profiles], axis=0)))
+
+
+def _up_to_end(profile: Profile, x: Floats, near: float) -> Floats:
+    """Values at x; those at its ends up to `near` beyond them."""
+    inside = np.clip(x, profile.x[0], profile.x[-1])
+    return np.asarray(np.where(np.abs(x - inside) <= near, profile(inside), 0.0))
 
 
 def _written(scene: Scene, best: tuple[Curve, float, str], level: int, folder: Path) -> Path:

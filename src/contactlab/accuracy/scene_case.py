@@ -56,11 +56,7 @@ class SceneCase(Case):
 
     def applies(self, setup: Setup) -> str:
         """A rigid surface cannot be the slave."""
-        contact = self.data["contacts"][0]
-        master = contact["master"] if not contact.get("swap") else contact["slave"]
-        if setup.swap and master in self.data.get("rigid", {}):
-            return "a rigid surface cannot be the slave"
-        return ""
+        return "a rigid surface cannot be the slave" if setup.swap and not may_be_exchanged(self.data) else ""
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """The scene with the choices of the setup in all its contacts and bodies."""
@@ -84,6 +80,13 @@ class SceneCase(Case):
         (record,) = done.values()
         profile = Profile.of_curve(record.curve())
         return {PRESSURE: pressure_error(profile, self.against.profile, self.against.window)}
+
+
+def may_be_exchanged(data: Mapping[str, Any]) -> bool:
+    """Whether the master of a scene's first contact can be its slave: no rigid surface can."""
+    contact = data["contacts"][0]
+    master = contact["master"] if not contact.get("swap") else contact["slave"]
+    return master not in data.get("rigid", {})
 
 
 def choices_of(data: Mapping[str, Any], setup: Setup) -> dict[str, Any]:

@@ -26,24 +26,47 @@ POINTS = 32
 
 
 def with_root_edges(profile: Profile) -> Profile:
-    """The same with both edges of contact followed to their roots; what does not end as a root stays as it is."""
-    return _right(_right(profile).mirrored()).mirrored()
+    """The same with all edges of contact followed to their roots; what does not end as a root stays as it is."""
+    return _right_edges(_right_edges(profile).mirrored()).mirrored()
 
 
-def _right(profile: Profile) -> Profile:
-    """The right edge of the part in contact that has the largest pressure."""
+def _right_edges(profile: Profile) -> Profile:
+    """The right edge of each contact, without what the nodes have between it and the middle of the gap beyond."""
     x, p = profile.x, profile.value
-    peak = int(np.argmax(p)) if len(p) else 0
-    ends = np.flatnonzero(p[peak:] <= 0.0)
-    last = peak + int(ends[0]) - 1 if len(ends) else -1
-    first = last - LEFT_OUT - FITTED + 1
-    if first < max(0, peak - FITTED) or np.any(p[last + 1 :] > p[peak] * CLOSE):
-        return profile
+    found: list[tuple[Floats, Floats]] = []
+    begun = 0  # nodes before this one are done
+    contacts = _contacts(p)
+    for number, (first, last) in enumerate(contacts):
+        after = len(x)
+        if number + 1 < len(contacts):
+            after = int(np.searchsorted(x, 0.5 * (x[last] + x[contacts[number + 1][0]])))
+        added = _right_edge(x, p, first, last, after)
+        if added is not None:
+            kept = last - LEFT_OUT + 1
+            found += [(x[begun:kept], p[begun:kept]), (added.x, added.value)]
+            begun = after
+    found.append((x[begun:], p[begun:]))
+    return Profile(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+
+
+def _contacts(p: Floats) -> list[tuple[int, int]]:
+    """First and last node of each part with a pressure that counts beside the largest."""
+    if len(p) == 0:
+        return []
+    steps = np.flatnonzero(np.diff(np.r_[0, p > 0.0, 0]))
+    parts = zip(steps[::2].tolist(), (steps[1::2] - 1).tolist(), strict=True)
+    return [(first, last) for first, last in parts if p[first : last + 1].max() > CLOSE * p.max()]
+
+
+def _right_edge(x: Floats, p: Floats, first: int, last: int, after: int) -> Profile | None:
+    """What ends the contact of the nodes from `first` to `last`, whose force reaches to the node before `after`."""
+    peak = first + int(np.argmax(p[first : last + 1]))
+    fitted = last - LEFT_OUT - FITTED + 1
+    if fitted < max(0, peak - FITTED) or last + 1 >= after:
+        return None
     kept = last - LEFT_OUT + 1
-    added = _root(
-        x[first:kept], p[first:kept], float(np.trapezoid(p[kept - 1 :], x[kept - 1 :])), x[last - 1 : last + 1]
-    )
-    return profile if added is None else Profile(np.r_[x[:kept], added.x], np.r_[p[:kept], added.value])
+    force = float(np.trapezoid(p[kept - 1 : after], x[kept - 1 : after]))
+    return _root(x[fitted:kept], p[fitted:kept], force, x[last - 1 : last + 1])
 
 
 def _root(x: Floats, p: Floats, force: float, end: Floats) -> Profile | None:

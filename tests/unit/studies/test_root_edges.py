@@ -37,6 +37,27 @@ def test_edges_of_the_half_circle_are_found_wherever_nodes_lie(shift: float) -> 
     assert integral(followed) == pytest.approx(integral(found), rel=1e-4)
 
 
+@pytest.mark.parametrize("shift", [0.0, 0.3, 0.6])
+def test_edges_of_every_contact_are_followed(shift: float) -> None:
+    # three half circles side by side, the outer ones half as high; the last one is cut off, as by the end of a body
+    h = 1.0 / 16
+    one = carried((np.arange(-22, 23) + shift) * h)
+    scales, places = (0.5, 1.0, 0.5), np.array([-3.0, 0.0, 3.0])
+    raw = Profile(np.concatenate([one.x + at for at in places]), np.concatenate([k * one.value for k in scales]))
+    exact = Profile(np.concatenate([FINE + at for at in places]), np.concatenate([k * CIRCLE.value for k in scales]))
+    followed = with_root_edges(raw)
+    assert distance(followed, exact) < 0.4 * distance(raw, exact)
+    assert distance(followed, exact) < 0.01 * norm(exact)
+    assert np.all(np.diff(followed.x) >= 0.0)
+    inside = raw.x < 3.0
+    cut = Profile(raw.x[inside], raw.value[inside])
+    ends = with_root_edges(cut)
+    assert ends.x[-1] == cut.x[-1]
+    assert ends.value[-1] == cut.value[-1]
+    near = (-4.5, 2.5)
+    assert distance(ends, exact, near) < 0.4 * distance(cut, exact, near)
+
+
 def test_edges_that_are_no_roots_stay() -> None:
     x = np.linspace(-1.5, 1.5, 49)
     punch = np.where(np.abs(x) < 0.95, 1.0 / np.sqrt(np.maximum(1.0 - x**2, 0.05)), 0.0)  # grows to its corners
