@@ -4,7 +4,7 @@
     python benchmarks/studies/choices.py page                                 # the section of docs/accuracy.md
 
 For each scene of choice_scenes.py the search is run as the command does it. Then every algorithm, slave, element and
-integrator that it could have taken is run at LEVELS, up to three times the cost of the chosen one, and all are
+integrator that it could have taken is run at LEVELS, up to DEAREST times the cost of the chosen one, and all are
 measured against a reference that is refined further than the search's own. The best is the cheapest run that meets
 the error, and whose finer runs do. Both are timed again, and the least of REPEAT times counts: on a machine with other
 work the same run takes up to 1.7 times as long.
@@ -25,7 +25,7 @@ from contactlab.accuracy.choose import Chosen, Wish, choose, first_meeting, inte
 from contactlab.accuracy.finer_reference import finer_reference
 from contactlab.accuracy.lines import Line, lines_of
 from contactlab.accuracy.point import Point
-from contactlab.accuracy.run import run_accuracy
+from contactlab.accuracy.run import GROWTH, run_accuracy
 from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies.find_reference import matching_reference
@@ -40,8 +40,11 @@ WISH = Wish(budget=30.0, search=60.0)
 LEVELS = (1, 2, 3, 4, 6)
 REPEAT = 5
 LEAST_LIMIT = 1.0
-"""CPU time [s] that every run may take: lines of one point are expected to cost eight times as much at level 2, and a
-smaller limit would leave these out. What costs more than the chosen run is only asked whether the error stays met."""
+"""CPU time [s] that every run may take."""
+DEAREST = 1.1 * 2.0**GROWTH
+"""Costs of the chosen run that every run may take: lines of one point are expected to cost eight times as much at level
+2, and a smaller limit would leave out those whose level 1 costs as much as it. Dearer runs only tell whether the error
+stays met."""
 JUDGED = 0.05
 """Uncertainty of the judging reference over the error, or the finest that there is."""
 
@@ -86,7 +89,7 @@ def _judge(asked: Asked, folder: Path) -> tuple[str, float]:
 
 
 def _all(asked: Asked, found: Chosen, folder: Path, reference: str) -> list[Line]:
-    """Every line that the search could have taken, up to three times the cost of the run that it took, and that."""
+    """Every line that the search could have taken, up to DEAREST times the cost of the run that it took, and that."""
     registry = asked.scene.registry
     declared = {body["element"]["use"] for body in asked.scene.data["bodies"].values()}
     elements = ["", *(name for name in registry.names("element") if name not in declared)]
@@ -99,7 +102,7 @@ def _all(asked: Asked, found: Chosen, folder: Path, reference: str) -> list[Line
     if found.settings and found.level not in LEVELS:
         own = found.name.removesuffix(", exchanged")
         contenders = [replace(one, levels=(*LEVELS, found.level)) if one.label == own else one for one in contenders]
-    limit = max(LEAST_LIMIT, 3.0 * found.cost[0]) if found.settings else WISH.budget
+    limit = max(LEAST_LIMIT, DEAREST * found.cost[0]) if found.settings else WISH.budget
     study = CaseStudy((_case(asked, folder, reference),), tuple(contenders), levels=LEVELS, join=False, limit=limit)
     return lines_of(run_accuracy(study, registry, folder, 1, _told))
 

@@ -17,7 +17,8 @@ _TEXT = (
     "<p>Seconds of CPU time until the error stays below the target, read from each contender's own line of convergence "
     "with the better of its slaves. \N{BLACK STAR} is the cheapest, \N{ALMOST EQUAL TO} are those that cannot be told "
     "from it: their intervals overlap. \N{LESS-THAN OR EQUAL TO}: the coarsest mesh is already that good. "
-    "\N{HORIZONTAL ELLIPSIS}: below three times what the reference is known to. Hover for intervals and reasons.</p>"
+    "\N{HORIZONTAL ELLIPSIS}: below three times what the reference is known to. \N{MIDDLE DOT}: the case is not made "
+    "for it. Hover for intervals and reasons.</p>"
 )
 _FILTER = (
     '<input class="filter" data-table="targets" type="search" placeholder="words that a contender must have" '

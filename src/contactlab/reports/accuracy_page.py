@@ -34,7 +34,8 @@ _FRONT = (
 _SOLVED = (
     "A question is a case, a slave and one of the targets that the reference can tell. A line rises where a contender "
     "has answered one more; what it does not answer, or cannot be put to, keeps it below 100 % for ever. The pale line "
-    "is the best contender of each question by itself."
+    "is the best contender of each question by itself. Numbers: questions that are answered, of those that a "
+    "contender can be put to."
 )
 
 

@@ -24,6 +24,7 @@ _DASHES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)), (0, (8, 2, 1
 _MARKERS = ("o", "s", "D", "^", "v", "P")
 _COLUMNS = 4
 _ENTRY = 2.6  # inches that an entry of the legend takes
+_BESIDE, _WIDE_ENTRY = 3, 3.0  # entries with numbers beside each other, and inches that one takes
 _LEAST_RANGE = 5.0  # of an axis, largest over least: points that are closer than that look it
 
 
@@ -162,7 +163,8 @@ def solved_figure(found: Accuracy, profiles: Sequence[Solved]) -> Figure:
     chosen = looks(found)
     times = [time for one in profiles for time in one.times if time > 0.0]
     with house_style():
-        figure = Figure(figsize=(8.6, 4.6), layout="constrained")
+        beneath = math.ceil(len(profiles) / _BESIDE)
+        figure = Figure(figsize=(_BESIDE * _WIDE_ENTRY, 3.9 + 0.16 * beneath), layout="constrained")
         axes = figure.subplots()
         if times:
             axes.set_xscale("log")
@@ -176,14 +178,15 @@ def solved_figure(found: Accuracy, profiles: Sequence[Solved]) -> Figure:
         axes.set_xlabel("CPU time [s]")
         axes.set_ylabel("share of the targets that were met")
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100.0 * value:.0f} %"))
-        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), fontsize=7.5, labelcolor=MUTED)
+        if times:
+            figure.legend(loc="outside lower center", ncols=_BESIDE, fontsize=7.5, labelcolor=MUTED)
     return figure
 
 
 def _profile(axes: Axes, one: Solved, look: Look | None, low: float, high: float) -> None:
     x = [low, *one.times, high]
     y = [0.0, *((k + 1) / one.asked for k in range(len(one.times))), len(one.times) / one.asked]
-    label = f"{one.contender}: {len(one.times)} of the {one.put} it can be put to"
+    label = f"{one.contender}: {len(one.times)} of {one.put}"
     if one.contender == BEST:
         label = f"{BEST}: {len(one.times)} of {one.asked}"
     if one.contender == BEST or look is None:
