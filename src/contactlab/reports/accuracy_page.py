@@ -20,7 +20,7 @@ from contactlab.reports.accuracy_plots import cost_figure, solved_figure
 from contactlab.reports.accuracy_points import points_section
 from contactlab.reports.accuracy_predictions import predictions_section
 from contactlab.reports.accuracy_runs import write_run_pages
-from contactlab.reports.figures import save
+from contactlab.reports.figures import laid_out, save
 from contactlab.reports.html import ASSETS, document, facts_list, figure_section, plain_table, section
 from contactlab.reports.numbers import percent, significant
 from contactlab.studies.system import system_facts
@@ -39,15 +39,16 @@ _SOLVED = (
 )
 
 
-def write_accuracy_page(evaluated: Evaluation, folder: Path) -> None:
-    """Write the page and its figures into the folder."""
+def write_accuracy_page(evaluated: Evaluation, folder: Path, files: bool = True) -> None:
+    """Write the page into the folder, and its figures as `files` of their own."""
     found = evaluated.found
     figures = {
-        "error-against-cost": cost_figure(found, evaluated.lines),
-        "solved": solved_figure(found, evaluated.profiles),
+        "error-against-cost": laid_out(cost_figure(found, evaluated.lines)),
+        "solved": laid_out(solved_figure(found, evaluated.profiles)),
     }
-    for name, figure in figures.items():
-        save(figure, folder, name)
+    if files:
+        for name, figure in figures.items():
+            save(figure, folder, name)
     pages = write_run_pages(found, folder)
     (folder / "accuracy.html").write_text(page(evaluated, figures, pages), encoding="utf-8")
 

@@ -66,6 +66,14 @@ def save(figure: Figure, folder: Path, name: str) -> None:
         figure.savefig(folder / f"{name}.png", dpi=160)
 
 
+def laid_out(figure: Figure) -> Figure:
+    """The same with its layout made once: else each file of it takes as long again as it takes to draw."""
+    with house_style():
+        figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    return figure
+
+
 def inline_svg(figure: Figure, name: str, description: str) -> str:
     """SVG text for a page: its greys are custom properties, its identifiers begin with `name`."""
     buffer = io.StringIO()
