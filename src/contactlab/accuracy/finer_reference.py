@@ -133,24 +133,27 @@ class _Runs:
         self.last: dict[str, str] = {}
 
     def make(self, ladders: Sequence[_Ladder], level: int, budget: float) -> None:
-        """A level of all ladders; one that does not come to its end gets no curve."""
+        """A level of all ladders; one that does not come to its end, or takes others' time, gets no curve."""
+        share = max(budget - self.spent, 0.0) / len(ladders)
         with Archive(self.archive) as archive, open_pool(LOCAL, self.jobs) as pool:
-            calls = [self._call(ladder, level, budget) for ladder in ladders]
+            calls = [self._call(ladder, level, share) for ladder in ladders]
             for ladder, future in [(ladder, pool.submit(call)) for ladder, call in zip(ladders, calls, strict=True)]:
-                self._keep(ladder, level, future, archive)
+                self._keep(ladder, level, future, archive, share)
 
-    def _call(self, ladder: _Ladder, level: int, budget: float) -> Call:
-        arguments = (dict(self.scene.data), ladder.contender, ladder.swap, level, self.registry, self.archive, budget)
-        return Call(run_scene, arguments, limit=SLOW * budget)
+    def _call(self, ladder: _Ladder, level: int, share: float) -> Call:
+        arguments = (dict(self.scene.data), ladder.contender, ladder.swap, level, self.registry, self.archive, share)
+        return Call(run_scene, arguments, limit=SLOW * max(share, 1.0))
 
     def _keep(
-        self, ladder: _Ladder, level: int, future: Future[tuple[Record, list[StoredRun]]], archive: Archive
-    ) -> None:
+        self, ladder: _Ladder, level: int, future: Future[tuple[Record, list[StoredRun]]], archive: Archive,
+        share: float,
+    ) -> None:  # fmt: skip
         name = ladder.name
         try:
             record, made = future.result()
         except (TimedOutError, ProcessDiedError, RaisedError) as error:
             self.last[name] = f"{name}: {error}"
+            self.spent += share  # what it took is not known
             return
         for run in made:
             archive.add_run(run)

@@ -13,6 +13,7 @@ from contactlab.accuracy.finer_reference import LEVELS, finer_reference, mean_pr
 from contactlab.accuracy.scene_case import may_be_exchanged
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import load_scene
+from contactlab.studies.call import Call
 from contactlab.studies.profile import Profile, distance, norm
 
 ANGLES = np.linspace(-np.pi / 2, np.pi / 2, 4001)
@@ -97,3 +98,21 @@ def test_a_pressure_up_to_the_end_of_a_body_is_not_halved_there() -> None:
     # one that ends a segment earlier does not press beyond
     short = mean_profile([runs[0], Profile(x[:-1], np.full(8, 2.0))])
     assert short(np.array([1.0]))[0] == 1.0
+
+
+def test_a_stubborn_run_takes_no_more_than_its_share(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    # three algorithms with either slave: a sixth of 0.3 s each, within which none of them ends level 8
+    made: list[float] = []
+    whole = finer._Runs._call
+
+    def call(self: finer._Runs, ladder: finer._Ladder, level: int, share: float) -> Call:
+        made.append(share)
+        return whole(self, ladder, level, share)
+
+    monkeypatch.setattr(finer._Runs, "_call", call)
+    found = finer_reference(
+        load_scene("disc-on-block"), "newton", 0.1, 0.3, tmp_path, default_registry(), 1, str, levels=(8,)
+    )
+    assert made == pytest.approx([0.05] * 6)
+    assert found.reference is None
+    assert found.spent == pytest.approx(0.3)
