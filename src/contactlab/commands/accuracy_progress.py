@@ -28,12 +28,12 @@ def import_what_draws() -> None:
     import_module("contactlab.reports.accuracy_page")
 
 
-def write_all(evaluated: Evaluation, folder: Path) -> None:
-    """Tables as CSV and JSON, and the page."""
+def write_all(evaluated: Evaluation, folder: Path, figures: bool = True) -> None:
+    """Tables as CSV and JSON, the page, and its `figures` as files of their own."""
     from contactlab.reports.accuracy_page import write_accuracy_page
 
     write(evaluated, folder)
-    write_accuracy_page(evaluated, folder)
+    write_accuracy_page(evaluated, folder, files=figures)
 
 
 class Progress:
@@ -74,8 +74,7 @@ class Progress:
         if began < self.next:
             return
         evaluated = evaluate(found())
-        write(evaluated, self.folder)
-        write_accuracy_page(evaluated, self.folder, files=False)
+        write_all(evaluated, self.folder, figures=False)
         where = f"page so far, rewritten as points come: {self.folder / 'accuracy.html'}"
         if self.live is not None:
             from contactlab.reports.accuracy_table import costs_table
