@@ -144,6 +144,8 @@ class ImplicitContactSystem:
             flexibility = linear.flexibilities(self.flexibility)
             # without flexibility both sides are held: there is nothing that a force could do
             c.present[own] = flexibility > 0.0
+            if stepped is not None:
+                c.present[own] &= stepped.present
             c.stiffness[own] = np.divide(1.0, flexibility, out=np.full(pair.slots, np.inf), where=flexibility > 0.0)
             c.gap[own] = pair.gaps[:, 0] if stepped is None else stepped.gaps()
             c.measure[own], c.size[own] = pair.cover, pair.full

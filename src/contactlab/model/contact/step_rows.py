@@ -8,6 +8,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from contactlab.api import Floats, Ints
+from contactlab.api.arrays import Flags
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.model.contact.gap_linearisation import GapLinearisation
 from contactlab.model.contact.linearisation import PairDerivatives, PairLinearisation
@@ -59,6 +60,13 @@ class StepRows:
         for rows in (self.normal, self.tangent):
             if rows is not None:
                 rows.about(position)
+
+    @property
+    def present(self) -> Flags:
+        """Which multipliers (k,) have a condition: others, which had one a step before, can have no force."""
+        found = np.zeros(self.linear.pair.slots, np.bool_)
+        found[self.slots] = True
+        return found
 
     def gaps(self) -> Floats:
         """What is to be no less than zero (k,) [mm] at the end; `FAR` without a condition."""
