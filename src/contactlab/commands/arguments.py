@@ -158,9 +158,14 @@ def _describe_explain(command: argparse.ArgumentParser) -> None:
 
 def _describe_calibrate(command: argparse.ArgumentParser) -> None:
     command.add_argument(
+        "scenes", nargs="*", metavar="SCENE",
+        help="make trials of these and of their variants: bundled names, TOML files, or all (that are bundled); prices "
+        "that are there stay as they are",
+    )  # fmt: skip
+    command.add_argument(
         "--rounds", type=positive, default=2, metavar="N", help="times that each sample is run (default: 2)"
     )
-    _add_files(command)
+    _add_changes(command)
     _add_json(command)
 
 

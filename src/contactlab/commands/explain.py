@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 NOTHING = 0.005  # of the cost of a run: a price that is told as 0
+LITTLE = 0.05  # s at the start: about what two starts differ by
 KEY = re.compile(r"(?P<table>[a-z]+)\.(?P<name>[\w-]+)(\.(?P<rest>[\w.]+))?")
 
 
@@ -39,7 +40,11 @@ def explain(options: argparse.Namespace) -> int:
     elif options.everything:
         for title, content in plain(explanation).items():
             shown.print(section(title.replace("_", " "), content))
-        shown.print(section("price", {"unknown": bill} if isinstance(bill, str) else bill.summary))
+        shown.print(
+            section(
+                "price", {"unknown": bill} if isinstance(bill, str) else {**bill.summary, "prices_from": bill.basis}
+            )
+        )
         if not isinstance(bill, str):
             shown.print(section("price of effects", bill.effects))
     else:
@@ -51,12 +56,19 @@ def explain(options: argparse.Namespace) -> int:
 def foreseen(scene: Scene) -> Bill | str:
     """What the scene and its effects will cost, or why that is not known."""
     from contactlab.prices.foreseen import bill_of
+    from contactlab.prices.kept_trials import NO_TRIALS, BrokenTrialsError, load_trials
     from contactlab.prices.price_list import NoPricesError, load_prices
 
+    trials, broken = NO_TRIALS, ""
     try:
-        return bill_of(scene, load_prices())
+        trials = load_trials()
+    except BrokenTrialsError as error:
+        broken = str(error)
+    try:
+        bill = bill_of(scene, load_prices(), trials)
     except NoPricesError as error:
         return str(error)
+    return dataclasses.replace(bill, basis=f"{bill.basis}; {broken}") if broken else bill
 
 
 def price_lines(bill: Bill | str) -> Iterator[tuple[str, str]]:
@@ -78,15 +90,19 @@ def price_lines(bill: Bill | str) -> Iterator[tuple[str, str]]:
         told = [effect_price(e, whole.cpu_s) for e in bill.effects if e.declared is declared and not e.refused]
         if told:
             yield label, "; ".join(told)
+    yield "prices from", bill.basis
 
 
 def effect_price(effect: EffectPrice, whole: float) -> str:
     """An effect with its price, as "friction: +0.9 s, +12 %", the share that of the steps of the run as declared."""
+    if effect.failed:
+        return f"{effect.effect}: none, its trial failed"
     if effect.reason:
         return f"{effect.effect}: {effect.reason}"
+    start = f", {effect.start_s:+.2g} s at the start" if abs(effect.start_s) > LITTLE else ""
     if abs(effect.cpu_s) < NOTHING * whole:
-        return f"{effect.effect}: 0 s"
-    return f"{effect.effect}: {effect.cpu_s:+.2g} s, {100.0 * effect.cpu_s / whole:+.0f} %"
+        return f"{effect.effect}: 0 s{start}"
+    return f"{effect.effect}: {effect.cpu_s:+.2g} s, {100.0 * effect.cpu_s / whole:+.0f} %{start}"
 
 
 def seconds(value: float) -> str:

@@ -2,14 +2,9 @@
 
 from __future__ import annotations
 
-import json
-import subprocess
-import sys
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import date
-from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 import numpy as np
@@ -22,7 +17,8 @@ from contactlab.prices.counts import counts_of, total
 from contactlab.prices.measure import Measured, sample_scene
 from contactlab.prices.price_list import PriceList, machine, versions
 from contactlab.prices.quiet import Quiet, Timed
-from contactlab.prices.samples import FILE, Stage, Stages
+from contactlab.prices.samples import Stage, Stages
+from contactlab.prices.start import measured_starts
 from contactlab.scene.scene import Scene
 from contactlab.studies.unit_costs import unit_costs
 from contactlab.testing.assertions import NotApplicable
@@ -102,7 +98,7 @@ def calibrate(registry: Registry, rounds: int = ROUNDS, progress: Progress | Non
             work = trial.work()
             units |= _fitted(work, units)
             done += work
-    start, process = _whole_run()
+    start, process = measured_starts(stages.base)
     return PriceList(
         made=date.today().isoformat(),
         machine=machine(),
@@ -147,25 +143,3 @@ def _together(work: Sequence[Work], units: Mapping[str, float]) -> float:
 def node_measure(nodes: int) -> float:
     """N log2 N: what factors of a plane mesh of N nodes take (George 1973)."""
     return nodes * float(np.log2(nodes))
-
-
-def _whole_run() -> tuple[float, float]:
-    """CPU time [s] and memory [MiB] of a run in a process of its own, without its steps and arrays."""
-    with TemporaryDirectory() as folder:
-        words = [sys.executable, "-c", _FAR_END, str(FILE), str(Path(folder) / "run")]
-        done = subprocess.run(words, capture_output=True, text=True, check=False)
-        if done.returncode:
-            last = done.stderr.strip().splitlines()[-1:] or ["no word"]
-            raise RequestError(f"a run in a process of its own failed: {last[0]}")
-    spent, cost = json.loads(done.stdout.splitlines()[-1])
-    steps = cost["run_cpu_s"] - cost["compile_s"]
-    return spent - steps, cost["peak_memory_mib"] - cost["arrays_mib"]
-
-
-_FAR_END = """
-import json, sys, time
-from contactlab.run.simulation import simulate
-from contactlab.scene.scene import load_scene
-results = simulate(load_scene(sys.argv[1]).with_({"record": {"frames": 20}}), out=sys.argv[2])
-print(json.dumps([time.process_time(), results.summary["cost"]]))
-"""

@@ -9,8 +9,7 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from contactlab.model.model import Model
@@ -18,11 +17,13 @@ if TYPE_CHECKING:
 
 FACTOR = 1.5  # the power of unknowns that a factorisation of a plane mesh goes with (George 1973)
 
+CONJUGATE_FRICTION = "conjugate forces with friction"
+"""What the two cost more together than each by itself."""
+
 Counts = defaultdict[str, float]
 
 
-@dataclass(frozen=True)
-class Length:
+class Length(NamedTuple):
     """How long a run is: steps, Newton iterations of all of them (0 in explicit runs) and stored frames."""
 
     steps: float
@@ -31,9 +32,12 @@ class Length:
 
 
 def counts_of(scene: Scene, model: Model, length: Length, touching: float = 1.0) -> dict[str, float]:
-    """Work of a run by units; `touching` is the mean share of slave nodes that do not lie far from their masters."""
+    """Work of a run by units; `touching` is the mean share of slave nodes that do not lie far from their masters.
+
+    Load steps that begin in balance take no iteration, but stiffness and forces are found all the same.
+    """
     counts: Counts = defaultdict(float)
-    each = length.steps if model.explicit else length.iterations
+    each = length.steps if model.explicit else max(length.iterations, length.steps)
     of = "" if model.explicit else "iteration's "
     integrator = f"integrator {scene.integrator['use']}"
     counts[f"{integrator}: run"] += 1
@@ -73,6 +77,7 @@ def _add_contacts(counts: Counts, scene: Scene, model: Model, near: float, each:
         parts += [f"friction {spec.friction['use']}"] if spec.friction else []
         parts += [f"enforcement {spec.enforcement['use']}"] if spec.enforcement else []
         parts += ["conjugate forces"] if conjugate else []
+        parts += [CONJUGATE_FRICTION] if conjugate and spec.friction else []
         for part in parts:
             counts[f"{part}: {of}pair"] += each
             counts[f"{part}: {of}node"] += near * nodes

@@ -2,7 +2,7 @@
 
 Steps of explicit runs with a fixed end are known. Those that end when they have settled need a period in which nothing
 changes after one in which something did, or more; without damping they take all the time that they may. Newton's
-iterations depend on how contact finds its edge, and are taken from what is usual.
+iterations depend on how contact finds its edge, and are taken from what is usual; there are none where nothing moves.
 """
 
 from __future__ import annotations
@@ -22,6 +22,11 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 PERIODS = (1.0, 2.0, 6.0)  # that an explicit run takes to settle after its ramp
+ALONE = (
+    2.0,
+    5.0,
+    8.0,
+)  # where no contact presses the bodies: kinetic energy has to fall below a thousandth of little
 ITERATIONS = (1.0 / 3.0, 1.0, 3.0)  # times the usual number
 LINEAR, NONLINEAR = 1.0, 3.0  # usual iterations of a load step without contact
 CONTACT, FRICTION = 3.0, 3.0  # and further ones where a step goes to the end at once
@@ -47,7 +52,8 @@ def expected_length(scene: Scene, model: Model, schedule: Schedule) -> Expected:
         steps = schedule.estimated_steps()
         return Expected(*(Length(steps, 0, min(scene.record.frames, steps) + 1) for _ in PERIODS))
     lengths = []
-    for periods in PERIODS if timing.damping else (math.inf,) * len(PERIODS):
+    usual = PERIODS if model.contact is not None else ALONE
+    for periods in usual if timing.damping else (math.inf,) * len(usual):
         time = timing.ramp + min(periods * timing.period, timing.hold)
         lengths.append(Length(time / schedule.first, 0, scene.record.frames * time / timing.ramp + 1))
     return Expected(*lengths)
@@ -59,7 +65,10 @@ def _implicit(scene: Scene, model: Model, schedule: Schedule) -> Expected:
     more = (CONTACT if model.contact is not None else 0.0) + (FRICTION if _rubs(scene) else 0.0)
     usual = (LINEAR if linear else NONLINEAR) + more * (1.0 if schedule.skips else FOLLOWED)
     frames = min(scene.record.frames, steps) + 1
-    return Expected(*(Length(steps, max(1.0, usual * factor) * steps, frames) for factor in ITERATIONS))
+    least, expected, most = (max(1.0, usual * factor) * steps for factor in ITERATIONS)
+    if not _driven(scene, model):
+        least = expected = 0.0
+    return Expected(*(Length(steps, iterations, frames) for iterations in (least, expected, most)))
 
 
 def _rubs(scene: Scene) -> bool:
@@ -76,10 +85,19 @@ def touching(scene: Scene, model: Model) -> tuple[float, float, float]:
         return 1.0, 1.0, 1.0
     near = np.concatenate([_near(pair, model) for pair in model.contact.pairs])
     share = float(near.mean()) if len(near) else 1.0
-    prescribed = model.prescribed
-    driven = bool(scene.loads) or bool(np.any(prescribed.values(0.0).copy() != prescribed.values(model.timing.ramp)))
-    later = DRIVEN if driven else FLYING
+    later = DRIVEN if scene.loads or _moved(model) else FLYING
     return share, share + later * (1.0 - share), 1.0
+
+
+def _driven(scene: Scene, model: Model) -> bool:
+    """Whether anything takes the bodies out of their balance."""
+    return bool(scene.loads or scene.effects) or _moved(model)
+
+
+def _moved(model: Model) -> bool:
+    """Whether supports are."""
+    prescribed = model.prescribed
+    return bool(np.any(prescribed.values(0.0).copy() != prescribed.values(model.timing.ramp)))
 
 
 def _near(pair: ContactPair, model: Model) -> np.ndarray:

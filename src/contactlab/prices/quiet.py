@@ -6,6 +6,7 @@ tenths of seconds to minutes. A few steps of one model, always the same, tell wh
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from statistics import fmean
 from time import perf_counter, process_time, sleep
@@ -73,15 +74,15 @@ class Quiet:
             sleep(NAP)
         return self.look()
 
-    def timed(self, scene: Scene, tries: int = TRIES) -> Timed:
+    def timed(self, scene: Scene, tries: int = TRIES, work: float = math.inf) -> Timed:
         """Run a scene until a run fell into a quiet moment; the quietest run, at the speed of such a moment.
 
-        Raises RequestError where it cannot be run.
+        work  steps and iterations after which a run is cut. Raises RequestError where it cannot be run.
         """
         made: list[Timed] = []
         for _ in range(tries):
             looks = [self.wait()]
-            run = measure(scene, lambda looks=looks: self._now_and_then(looks))  # type: ignore[misc]
+            run = measure(scene, lambda looks=looks: self._now_and_then(looks), work)  # type: ignore[misc]
             looks.append(self.look())
             slower = fmean(looks)
             made.append(Timed(replace(run, cpu_s=run.cpu_s / slower), slower))

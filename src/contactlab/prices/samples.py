@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.parts.registry import Registry
+from contactlab.prices.counts import CONJUGATE_FRICTION
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.examples import example_spec
 
@@ -78,9 +79,12 @@ class Stages:
     def __iter__(self) -> Iterator[Stage]:
         """Explicit runs first, then those in load steps."""
         yield Stage(f"integrator {self.of_base['integrator']}", self._explicit_core)
-        if "forces" in self._class("integrator", self.of_base["integrator"]).__dataclass_fields__:
-            yield Stage("conjugate forces", self._conjugate)
+        conjugate = "forces" in self._class("integrator", self.of_base["integrator"]).__dataclass_fields__
+        if conjugate:
+            yield Stage("conjugate forces", lambda: self._conjugate({}))
         yield from self._parts({}, 1500, 80)
+        if conjugate and (rubs := self._rubs()):
+            yield Stage(CONJUGATE_FRICTION, lambda: self._conjugate(rubs))
         yield from self._stage("integrator", self._integrators(explicit=True), self._integrator)
         yield from self._recorders({}, self._recorder)
         for number, name in enumerate(self._integrators(explicit=False)):
@@ -129,14 +133,18 @@ class Stages:
     def together(self) -> list[Sample]:
         """Explicit runs with many parts at once: what parts cost beside each other, they do not quite cost alone."""
         records = {"record.recorders": [{"use": name} for name in self._usual_recorders()]}
-        laws = self.registry.names("friction")
-        rubs: Changes = {"contacts.0.friction": self._spec("friction", laws[0])} if laws else {}
+        rubs = self._rubs()
         return [
             Sample(SMALL | records, 4000, 30),
             Sample(self._tower() | records, 2000, 30),
             Sample(SMALL | rubs | records, 3000, 30),
             Sample(cells(30, 15) | records, 1500, 20),
         ]
+
+    def _rubs(self) -> Changes:
+        """Friction by the first law that is installed; nothing where there is none."""
+        laws = self.registry.names("friction")
+        return {"contacts.0.friction": self._spec("friction", laws[0])} if laws else {}
 
     def _usual_recorders(self) -> list[str]:
         names = [name for name in self.registry.names("recorder") if self._class("recorder", name).by_default]
@@ -162,8 +170,8 @@ class Stages:
             Sample(tower, 100, 50),
         ]
 
-    def _conjugate(self) -> list[Sample]:
-        given = {"integrator": {"use": self.of_base["integrator"], "forces": "conjugate"}}
+    def _conjugate(self, more: Changes) -> list[Sample]:
+        given = more | {"integrator": {"use": self.of_base["integrator"], "forces": "conjugate"}}
         return [Sample(SMALL | given, 1500), Sample(cells(120, 3) | given, 320)]
 
     def _implicit_core(self, given: Changes) -> list[Sample]:

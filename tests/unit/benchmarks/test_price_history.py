@@ -39,6 +39,7 @@ def row(run: str, foreseen: float | None, measured: float | None, **more: str) -
     known = {
         "scene": "a", "kind": "fixed", "foreseen_steps": "10", "steps": "10", "least_s": "0.5", "most_s": "3",
         "foreseen_mib": "1", "mib": "2", "ended": "finished",
+        "tried_s": "", "tried_least_s": "", "tried_most_s": "", "tried": "",
     }  # fmt: skip
     costs = {"foreseen_s": str(foreseen or ""), "measured_s": str(measured or "")}
     return {**known, "run": run, **costs, **more}

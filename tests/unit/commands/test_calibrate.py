@@ -11,7 +11,8 @@ from contactlab.cli import main
 from contactlab.commands.explain import effect_price, price_lines
 from contactlab.prices import calibrate as calibration
 from contactlab.prices import price_list
-from contactlab.prices.foreseen import Bill, EffectPrice, Price
+from contactlab.prices.foreseen import Bill, EffectPrice
+from contactlab.prices.price import Price
 from contactlab.prices.price_list import PriceList, load_prices, price_file
 
 
@@ -25,7 +26,14 @@ def quick(monkeypatch: pytest.MonkeyPatch) -> PriceList:
     """Measuring takes no time."""
     units = {"frame": 1e-3, "element q1: cell": 5e-8, "material linear-elastic: point": 0.0}
     made = PriceList(
-        "2026-01-02", price_list.machine(), price_list.versions(), units, {"effect wind": "it blew"}, 1.5, 200.0, 1e-4
+        "2026-01-02",
+        price_list.machine(),
+        price_list.versions(),
+        units,
+        {"effect wind": "it blew"},
+        {"explicit, recorded": 1.5},
+        {"explicit, recorded": 200.0},
+        1e-4,
     )
     monkeypatch.setattr(calibration, "calibrate", lambda registry, rounds, progress: made)
     return made
@@ -56,7 +64,8 @@ def test_a_broken_file_is_told_and_made_anew(quick: PriceList, capsys: pytest.Ca
         (["--rounds", "0"], "a whole number >= 1"),
         (["--rounds", "many"], "a whole number >= 1"),
         (["--round", "2"], "--rounds"),
-        (["disc-on-block"], "a word too many"),
+        (["disc-on-blok"], "disc-on-block"),
+        (["--set", "level=2"], "no scene for --set"),
         (["--with", "nowhere.py"], "nowhere.py"),
     ],
 )

@@ -14,8 +14,8 @@ from contactlab.parts.registry import Registry
 from contactlab.prices import calibrate as calibration
 from contactlab.prices.calibrate import calibrate
 from contactlab.prices.counts import Length, counts_of, total
-from contactlab.prices.foreseen import price_of
 from contactlab.prices.measure import Measured
+from contactlab.prices.price import price_of
 from contactlab.prices.price_list import PriceList
 from contactlab.prices.quiet import Timed
 from contactlab.prices.samples import Stages
@@ -57,7 +57,7 @@ def made_up() -> Iterator[tuple[PriceList, MadeUp]]:
     registry.add_class(Part("effect", "needy", f"{__name__}:Needy", "for tests"), Needy)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(calibration, "Quiet", MadeUp)
-        patch.setattr(calibration, "_whole_run", lambda: (1.5, 200.0))
+        patch.setattr(calibration, "measured_starts", lambda base: ({"explicit": 1.5}, {"explicit": 200.0}))
         yield calibrate(registry, rounds=1), MadeUp(registry)
 
 

@@ -12,12 +12,15 @@ from contactlab.model.build import build
 from contactlab.model.model import Model
 from contactlab.prices.counts import Length, counts_of, total, unpriced
 from contactlab.prices.expected import Expected, expected_length, touching
-from contactlab.prices.foreseen import bill_of, price_of
+from contactlab.prices.foreseen import bill_of
 from contactlab.prices.lacking import lacking
+from contactlab.prices.price import price_of
 from contactlab.prices.price_list import PriceList
 from contactlab.run.prepare import schedule_of
 from contactlab.scene.scene import Scene, load_scene
 
+STARTS = {"explicit": 1.0, "explicit, recorded": 1.5}
+MEMORY = {"explicit": 150.0, "explicit, recorded": 200.0}
 LENGTH = Length(100, 0, 11)
 
 
@@ -29,7 +32,7 @@ def all_at(price: float, *scenes: Scene) -> PriceList:
         for one in (*variants, scene.with_({"integrator": "newton"})):
             with suppress(RequestError):
                 units |= dict.fromkeys(counts_of(one, build(one, one.registry), Length(3, 3, 3)), price)
-    return PriceList("2026-01-02", "here", {}, units, {}, 1.5, 200.0, 1e-4)
+    return PriceList("2026-01-02", "here", {}, units, {}, STARTS, MEMORY, 1e-4)
 
 
 def counted(scene: Scene, length: Length = LENGTH, share: float = 1.0) -> dict[str, float]:

@@ -12,6 +12,9 @@ from contactlab.errors import RequestError
 from contactlab.prices import price_list
 from contactlab.prices.price_list import NoPricesError, PriceList, load_prices, price_file, store_prices
 
+STARTS = {"explicit": 1.0, "explicit, recorded": 1.5}
+MEMORY = {"explicit": 150.0, "explicit, recorded": 200.0}
+
 
 @pytest.fixture(autouse=True)
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -20,7 +23,9 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def some_prices() -> PriceList:
-    return PriceList("2026-01-02", price_list.machine(), price_list.versions(), {"frame": 1e-3}, {}, 1.5, 200.0, 1e-4)
+    return PriceList(
+        "2026-01-02", price_list.machine(), price_list.versions(), {"frame": 1e-3}, {}, STARTS, MEMORY, 1e-4
+    )
 
 
 def test_what_is_stored_is_loaded_again(cache: Path) -> None:
