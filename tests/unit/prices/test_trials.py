@@ -78,20 +78,13 @@ def test_the_key_follows_the_content_of_the_scene_and_versions(block: Scene, mon
 
 def test_the_key_follows_the_files_that_a_scene_names(block: Scene, tmp_path: Path) -> None:
     table = tmp_path / "push.csv"
-    pushed = {"loads": [{"on": "block.top", "ty": -1.0, "ramp": {"use": "table", "file": str(table)}}]}
-    table.write_text("0, 0\n1, 1\n")
-
-    class Named:
-        """A scene that names the file."""
-
-        registry, data = block.registry, block.data | pushed
-        toml = block.toml
-
-    from contactlab.archive.keys import scene_key
-
-    before = scene_key(Named, {})  # type: ignore[arg-type]
-    table.write_text("0, 0\n1, 2\n")
-    assert scene_key(Named, {}) != before  # type: ignore[arg-type]
+    table.write_text("0, 0\n1e-5, 1\n")
+    course = {"ramp": "table", "file": str(table)}
+    pushed = block.with_({"loads": [{"on": "block.top", "ty": {"to": -1.0, **course}}]})
+    before = trial_key(pushed)
+    assert trial_key(pushed) == before
+    table.write_text("0, 0\n1e-5, 2\n")
+    assert trial_key(pushed) != before
 
 
 def stored(change: Callable[[dict[str, object]], object]) -> None:
