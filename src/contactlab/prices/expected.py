@@ -22,11 +22,7 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 PERIODS = (1.0, 2.0, 6.0)  # that an explicit run takes to settle after its ramp
-ALONE = (
-    2.0,
-    5.0,
-    8.0,
-)  # where no contact presses the bodies: kinetic energy has to fall below a thousandth of little
+ALONE = (2.0, 5.0, 8.0)  # where no contact presses them: kinetic energy has to fall below a thousandth of little
 ITERATIONS = (1.0 / 3.0, 1.0, 3.0)  # times the usual number
 LINEAR, NONLINEAR = 1.0, 3.0  # usual iterations of a load step without contact
 CONTACT, FRICTION = 3.0, 3.0  # and further ones where a step goes to the end at once

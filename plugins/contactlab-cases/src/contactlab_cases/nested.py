@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Floats, Job, Record, Setup
+from contactlab.api import ContactCurve, Floats, Job, Record, Setup
 from contactlab_cases.statics import ordered, static_job
 
 STEEL = (70000.0, 0.3)
@@ -46,11 +46,18 @@ def squeeze(on: str, mean: float, wave: float) -> dict[str, Any]:
 def around(record: Record, column: str = "pressure", contact: str = "contacts.0") -> Callable[[Floats], Floats]:
     """A traction of the last frame as a function of the angle [rad], linear between nodes."""
     curve = record.curve(contact)
-    place = curve.x + 1j * curve.y
-    middle = np.angle(place[len(place) // 2])
-    # seen from the middle of the curve: an end on the x axis may lie a rounding below it, at -pi
-    angle, values = ordered(middle + np.angle(place * np.exp(-1j * middle)), getattr(curve, column))
+    half_way = len(curve.x) // 2
+    middle = float(np.arctan2(curve.y[half_way], curve.x[half_way]))
+    angle, values = ordered(angles_about(curve, middle), getattr(curve, column))
     return lambda at: np.asarray(np.interp(at, angle, values))
+
+
+def angles_about(curve: ContactCurve, middle: float) -> Floats:
+    """Angles of the nodes of a curve, within half a turn of `middle` [rad].
+
+    Seen from there no end jumps by a full turn: one on the x axis may lie a rounding below it, at -pi.
+    """
+    return np.asarray(middle + np.angle((curve.x + 1j * curve.y) * np.exp(-1j * middle)))
 
 
 def relative(found: Floats, exact: Floats) -> float:

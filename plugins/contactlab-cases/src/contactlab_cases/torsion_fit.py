@@ -17,7 +17,7 @@ import numpy as np
 from contactlab.api import Case, Floats, Job, Measure, Record, Setup
 from contactlab.api.case import error, reported
 from contactlab_cases.circles import only
-from contactlab_cases.nested import STEEL, joint
+from contactlab_cases.nested import STEEL, angles_about, joint
 from contactlab_cases.rings import SOURCE, stood_ring_pressure
 from contactlab_cases.statics import ordered, projected, static_job
 
@@ -102,9 +102,8 @@ class TorsionFit(Case):
         slips = []
         for number, begin in ((0, 0.0), (1, -np.pi)):
             curve = record.curve(f"contacts.{number}")
-            # the middle of each half at its own middle, so that no end jumps by a full turn
             middle = begin + 0.5 * np.pi
-            angle = middle + np.angle(np.exp(1j * (np.arctan2(curve.y, curve.x) - middle)))
+            angle = angles_about(curve, middle)
             coarse = 2 * min(self._cells(setup))
             at = np.linspace(begin, begin + np.pi, 24 * coarse + 1)
             away = np.abs(at - middle) < 0.5 * np.pi - JOINT
