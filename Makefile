@@ -67,17 +67,17 @@ bench: $(INSTALLED)
 	$(BIN)/python benchmarks/bench.py $(if $(QUICK),--quick)
 
 # what runs need, and nothing for tests: `make demo` has no more. Modules are compiled when they are first imported:
-# pip would compile all of them, one after the other, for longer than it takes to unpack them. Packages of others are
-# unpacked while ours are made ready, which takes half as long as all of it: pip itself does one thing at a time
+# pip would compile all of them, one after the other, for longer than it takes to unpack them. Our own packages become
+# editable wheels in one process (tools/editables.py), before pip has anything else to unpack; pip keeps a package
+# whose version it knows, so that a second call puts entry points that changed into an environment that is there
 $(RUNNABLE): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
 	@test -n "$(PYTHON)" || { echo "contactlab needs Python 3.11 or later; set PYTHON=/path/to/python3"; exit 1; }
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || { echo "creating $(VENV)"; $(PYTHON) -m venv --clear $(VENV); }
 	@echo "installing contactlab and its plugins into $(VENV)"
 	@$(PIP) install --no-compile -c constraints.txt setuptools
-	@$(PYTHON) tools/requirements.py > $(VENV)/requirements.txt
-	@$(PIP) install --no-compile --no-warn-conflicts -c constraints.txt -r $(VENV)/requirements.txt & others=$$!; \
-	$(PIP) install --no-compile --no-build-isolation --no-deps -e . $(addprefix -e ./,$(PLUGINS)); ours=$$?; \
-	wait $$others && exit $$ours
+	@$(BIN)/python tools/editables.py $(VENV)/wheels >$(VENV)/wheels.log 2>&1 || { cat $(VENV)/wheels.log; exit 1; }
+	@$(PIP) install --no-compile -c constraints.txt $(VENV)/wheels/*.whl
+	@$(PIP) install --no-compile --no-deps --force-reinstall $(VENV)/wheels/*.whl
 	@touch $@
 
 $(INSTALLED): $(RUNNABLE)
