@@ -26,7 +26,7 @@ def archive(options: argparse.Namespace) -> int:
 def _opened(words: list[str], most: int) -> list[Path]:
     if len(words) > most:
         raise RequestError(
-            "too many archives", where="contactlab archive", got=" ".join(words), allowed=f"at most {most}"
+            "too many archives", where="archive", got=" ".join(words), allowed=f"at most {most}"
         )
     found = [Path(word) / FILE if Path(word).is_dir() else Path(word) for word in words or ["."]]
     for path in found:
@@ -65,7 +65,7 @@ def _rows(kept: Archive) -> Table:
 def _merge(words: list[str]) -> int:
     """Copy everything of the second archive into the first."""
     if len(words) != 2:
-        raise RequestError("two archives are merged", where="contactlab archive merge", got=len(words), allowed="A B")
+        raise RequestError("two archives are merged", where="archive merge", got=len(words), allowed="A B")
     into, other = _opened(words, 2)
     with Archive(into) as kept:
         came = kept.take(other)

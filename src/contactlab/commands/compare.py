@@ -7,13 +7,13 @@ import json
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
 from contactlab.commands.interruption import INTERRUPTED
-from contactlab.errors import RequestError
+from contactlab.errors import RequestError, SceneError, did_you_mean
 from contactlab.run.folders import results_folder
 
 
 def compare(options: argparse.Namespace) -> int:
     """Run the combinations and print their table; failed rows are results: the status is 0 unless all failed."""
-    from contactlab.accuracy.study import find_case_study
+    from contactlab.accuracy.study import bundled_case_studies, find_case_study
 
     cases = find_case_study(options.scene)
     if cases is not None:
@@ -24,7 +24,15 @@ def compare(options: argparse.Namespace) -> int:
         raise RequestError(
             "only a study of cases has a quick form", where="--quick", got=options.scene, allowed="accuracy"
         )
-    return _compare_scene(options)
+    try:
+        return _compare_scene(options)
+    except SceneError as error:
+        studies = bundled_case_studies()
+        if error.where != options.scene:  # something inside of it is wrong
+            raise
+        allowed = f"{error.allowed}; or a study of cases: {', '.join(studies)}"
+        hint = did_you_mean(options.scene, studies) or error.hint
+        raise RequestError(error.problem, where=error.where, got=error.got, allowed=allowed, hint=hint) from error
 
 
 def _compare_scene(options: argparse.Namespace) -> int:

@@ -29,7 +29,7 @@ def _argcomplete() -> Any:
         import argcomplete
     except ModuleNotFoundError as missing:
         raise RequestError(
-            "completion needs the library argcomplete, which is not installed", where="contactlab completion",
+            "completion needs the library argcomplete, which is not installed", where="completion",
             hint="pip install argcomplete",
         ) from missing  # fmt: skip
     return argcomplete

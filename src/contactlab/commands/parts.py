@@ -39,7 +39,7 @@ def _found(name: str, registry: Registry) -> list[Offer]:
         names = list(dict.fromkeys(offer.part.name for offer in registry.parts()))
         raise PartError(
             "no part of this name is installed",
-            where="contactlab parts",
+            where="parts",
             got=name,
             allowed="a name that contactlab parts lists, or KIND.NAME",
             hint=did_you_mean(bare, names) or registry.missing_from(bare),

@@ -40,7 +40,7 @@ def _print_scene(name: str, found: dict[str, Path], as_json: bool) -> int:
     if name not in found:
         names = ", ".join(found)
         raise SceneError(
-            "there is no such bundled scene", where="contactlab scenes", got=name, allowed=names,
+            "there is no such bundled scene", where="scenes", got=name, allowed=names,
             hint=did_you_mean(name, found),
         )  # fmt: skip
     if as_json:
@@ -93,7 +93,7 @@ def new_scene(options: argparse.Namespace) -> int:
     name = options.name.removesuffix(".toml")
     if not NAME.fullmatch(Path(name).name):
         allowed = "letters, digits, . _ + and -, a folder before it where wanted"
-        raise RequestError("not a usable name", where="contactlab new-scene", got=options.name, allowed=allowed)
+        raise RequestError("not a usable name", where="new-scene", got=options.name, allowed=allowed)
     registry = registry_with(options.files)
     source, shown = find_scene(options.source, registry)
     load_scene(options.source, registry)  # what is wrong with it is told here, and not at the first run of the copy

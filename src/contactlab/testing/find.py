@@ -128,12 +128,12 @@ def _nothing(target: str, kind: str, registry: Registry, offers: Sequence[Offer]
         return PartError("; ".join(b.reason for b in broken), where=target)
     if Path(target).is_dir():
         return RequestError(
-            "no parts in this folder", where="contactlab check", got=target,
+            "no parts in this folder", where="check", got=target,
             allowed="a package with pyproject.toml, or Python files with hooks",
         )  # fmt: skip
     names = sorted({o.part.name for o in registry.parts()} | {o.origin.distribution for o in registry.parts()})
     return RequestError(
-        "no part, file, folder or distribution of this name", where="contactlab check", got=target,
+        "no part, file, folder or distribution of this name", where="check", got=target,
         allowed="the name of a part (contactlab parts), a Python file, a folder, or an installed distribution",
         hint=registry.missing_from(target) or did_you_mean(target, names),
     )  # fmt: skip

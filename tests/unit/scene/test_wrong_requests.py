@@ -160,6 +160,7 @@ def test_a_file_that_is_no_scene(
         (["run", "disc-on-block", "--with", "no_such_part.py"], ["no_such_part.py", "no such file"]),
         (["explain", "disc-on-block", "--set", "level=0"], ["key level", ">= 1"]),
         (["compare", "disc-on-blok"], ['"disc-on-block"']),
+        (["compare", "acuracy"], ["no such scene", "a study of cases: accuracy, demo", 'did you mean "accuracy"?']),
         (["compare", "disc-on-block", "--vary", "level=2"], ["--vary level", "list"]),
         (["compare", "disc-on-block", "--vary", "level=[]"], ["--vary level", "empty"]),
         (["compare", "disc-on-block", "--vary", "contacts.0.algorithm=[mortar-p7]"], ["mortar-p7", "mortar-p1"]),
