@@ -25,9 +25,7 @@ def archive(options: argparse.Namespace) -> int:
 
 def _opened(words: list[str], most: int) -> list[Path]:
     if len(words) > most:
-        raise RequestError(
-            "too many archives", where="archive", got=" ".join(words), allowed=f"at most {most}"
-        )
+        raise RequestError("too many archives", where="archive", got=" ".join(words), allowed=f"at most {most}")
     found = [Path(word) / FILE if Path(word).is_dir() else Path(word) for word in words or ["."]]
     for path in found:
         if not path.is_file():
