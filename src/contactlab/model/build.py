@@ -82,10 +82,15 @@ def _built(scene: Scene, registry: Registry) -> Model:
     )
     model.start.mirror = _mirror(scene, bodies, reference)
     model.internal_force(0.0)
+    if model.explicit and effects:
+        from contactlab.model.loading.effect_rates import effect_rates
+
+        size, times = float(np.ptp(reference, axis=0).max()), (0.0, timing.end or timing.ramp)
+        model.effect_rates = effect_rates(effects, state, mass, size, model.stable_step(), times)
     if model.explicit and any(plan.start.overlap == "ramp" for plan in plans):
         from contactlab.model.contact.initial_gap import check_ramp_steps
 
-        check_ramp_steps(plans, timing.ramp, scene.time.step or scene.time.fraction * model.stable_step())
+        check_ramp_steps(plans, timing.ramp, scene.time.step or model.step_within(scene.time.fraction))
     return model
 
 

@@ -15,6 +15,7 @@ from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.bodies.stable_step import StableStep
 from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.model.history import History
+from contactlab.model.loading.effect_rates import NO_EFFECTS, EffectRates
 from contactlab.model.loading.loading import Loading
 from contactlab.model.loading.supports import Prescribed
 from contactlab.model.momentum import start_of
@@ -31,7 +32,8 @@ class Model(ABC):
 
     Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator, the loading and the
     times of the run. `updates` are the bound block calls of all bodies. `seconds` counts the wall time spent on
-    stresses and internal forces. Whoever sees something doubtful adds it to `warnings`. `way_followed` is False once a
+    stresses and internal forces. Whoever sees something doubtful adds it to `warnings`. `effect_rates` are those that
+    explicit steps have to follow. `way_followed` is False once a
     step has skipped what the end does not depend on: work along the path is not known then. `start` is what the end is
     compared with.
     """
@@ -51,6 +53,7 @@ class Model(ABC):
     timing: Timing
     history: History
     warnings: Warnings = field(default_factory=Warnings)
+    effect_rates: EffectRates = NO_EFFECTS
     way_followed: bool = True
 
     explicit: ClassVar[bool]
@@ -103,10 +106,15 @@ class Model(ABC):
         return self.loading.external_force(time, out)
 
     def stable_step(self) -> float:
-        """Largest explicit step [s] at the present geometry."""
+        """Largest explicit step [s] of the bodies at the present geometry, without effects."""
         if self._limits is None:
             self._limits = [StableStep(forces, self.position) for forces in self.forces]
         return min(limit.limit(self.position) for limit in self._limits)
+
+    def step_within(self, fraction: float) -> float:
+        """`fraction` of the stable step of the bodies [s], or less where effects need it."""
+        stable = self.stable_step()
+        return min(fraction * stable, self.effect_rates.limit(stable))
 
     @property
     def step_limits(self) -> tuple[StableStep, ...]:

@@ -79,12 +79,13 @@ class ContactGuard:
 
     def _chatters(self, changes: int, conditions: int, last: int) -> None:
         pair = next(p for p in reversed(self.pairs) if p.first_slot <= last)
+        by_itself = "; sliding with friction flutters by itself where damping is small" if pair.friction else ""
         stop(
             self.model,
             f"{pair.name} chatters: {changes} of {conditions} contact conditions opened or closed in the last "
             f"step, more than {FLICKER:.0%} in each of {CHATTER} steps, among them that of "
             f"{self._slave_node(pair, last - pair.first_slot)}",
-            f"try {self.shorter}, some damping, or the other side as slave",
+            f"try {self.shorter}, some damping, or the other side as slave{by_itself}",
         )
 
     def check_numbers(self) -> None:

@@ -44,9 +44,9 @@ class Schedule:
         self.settled = False
 
     def _first_step(self) -> float:
-        stable = self.model.stable_step()
         if self.fixed is None:
-            return self._even(self.fraction_of_limit * stable)
+            return self._even(self.model.step_within(self.fraction_of_limit))
+        stable = self.model.step_within(1.0)
         if self.fixed > ROUND_OFF * stable:
             raise SceneError(
                 "the fixed step is longer than the stable one, and the run would diverge",
@@ -66,11 +66,10 @@ class Schedule:
 
     def adapt(self) -> None:
         """Shorten the step when the stable one has become shorter."""
-        stable = self.model.stable_step()
         if self.fixed is not None:
-            self._judge_fixed(stable)
+            self._judge_fixed(self.model.step_within(1.0))
             return
-        safe = self.fraction_of_limit * stable
+        safe = self.model.step_within(self.fraction_of_limit)
         if safe < SHORTEST * self.first:
             stop(
                 self.model,
@@ -101,9 +100,11 @@ class Schedule:
         return max(1, round((timing.end if timing.end is not None else timing.ramp + timing.period) / self.first))
 
     def _smallest(self) -> str:
-        """Name the cell that sets the stable step."""
+        """Name what sets the stable step: a cell, and effects where they shorten it by a tenth or more."""
         limit = min(self.model.step_limits, key=lambda limit: limit.latest)
-        return f"cell {limit.cell} of body {limit.body.name}"
+        cell = f"cell {limit.cell} of body {limit.body.name}"
+        effects = self.model.effect_rates.limit(limit.latest) < 0.9 * limit.latest
+        return f"effects (springs, damping) and {cell}" if effects else cell
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:

@@ -28,17 +28,18 @@ class BlockOnIncline(Case):
 
     The scene turned to a level plane must give the same path, and a block thrown along it stops after v/(mu g).
     `span` [s] is the time over which it is watched, after the weight has come; `cells` along the block, half as many
-    across it.
+    across it. Of four, linear multipliers of the thrown block end at rest with a shear that alternates by 6 %, of six
+    or more by less than the 5 % that are allowed.
     """
 
     mu: float = 0.3
     span: float = 0.05
-    cells: int = 4
+    cells: int = 6
 
     title: ClassVar[str] = "block on an incline"
     source: ClassVar[str] = "Coulomb: a = g (sin 20 - mu cos 20)"
     family: ClassVar[str] = "friction"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"mu": (0.1, 0.2, 0.3, 0.36), "cells": (2, 4)}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"mu": (0.1, 0.2, 0.3, 0.36), "cells": (4, 6)}
     demands: ClassVar[frozenset[str]] = frozenset({"friction", "explicit"})
     integrators: ClassVar[tuple[str, ...]] = ("central-difference",)
     elements: ClassVar[tuple[str, ...]] = ("q1", "q1-fbar")

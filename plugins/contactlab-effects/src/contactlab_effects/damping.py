@@ -19,7 +19,7 @@ class VibrationDamping(Effect):
     They take neither linear nor angular momentum, so that a body falls, slides and turns freely while its
     vibrations die out as exp(-rate t / 2). A mode of circular frequency w is critically damped by rate = 2 w.
 
-    rate   [1/s]; a tenth of the inverse stable step is the most that does not disturb the steps
+    rate   [1/s]; above a third of the inverse stable step of the bodies it makes explicit steps shorter
     on     bodies that are damped; empty: all
     until  end of the damping [s]
     """

@@ -1,0 +1,103 @@
+"""What explicit steps have to follow beside the bodies: stiffness and damping of effects, by differences.
+
+An effect is a function of positions and velocities that nobody has told us more about. Small motions of all nodes show
+the largest eigenvalues of its stiffness and of its damping over the masses (power iteration, in the masses' norm).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactlab.api import Floats, State
+
+ITERATIONS = 12  # the norm grows towards the largest eigenvalue: 1 % below it where its neighbours are a third lower
+SMALL = 1e-6  # of the model's size: central differences of smooth forces then err by 1e-10 or so
+MARGIN = 1.05  # on what effects take from a step: eigenvalues are found from below
+NOISE = 1e-9  # of the bodies' rates: what differences of constant forces leave by round-off
+
+
+@dataclass(frozen=True)
+class EffectRates:
+    """Largest eigenvalues of all effects, summed.
+
+    square   of M^-1 K [1/s2], whatever the sign of K
+    damping  of M^-1 C [1/s]
+    """
+
+    square: float = 0.0
+    damping: float = 0.0
+
+    def limit(self, bodies: float) -> float:
+        """Largest stable step [s] with effects, `bodies` [s] without.
+
+        Velocities that effects see are half a step back. A mode with (w, c) in steps of central differences,
+        z^2 - (2 - w^2 dt^2 - c dt) z + 1 - c dt = 0, is stable while w^2 dt^2 / 4 + c dt / 2 <= 1 (z = -1).
+        """
+        a, b = bodies**-2 + MARGIN * self.square / 4.0, MARGIN * self.damping / 2.0
+        return float(2.0 / (b + np.sqrt(b * b + 4.0 * a)))
+
+
+NO_EFFECTS = EffectRates()
+
+
+def effect_rates(
+    effects: Sequence[Callable[[float, Floats], None]],
+    state: State,
+    mass: Floats,
+    size: float,
+    bodies: float,
+    times: Iterable[float],
+) -> EffectRates:
+    """Rates of the effects at the present state, the largest of those at `times` [s].
+
+    mass (N,) [t], size of the model [mm], stable step of the bodies [s]
+    """
+    square = damping = 0.0
+    own = 4.0 / bodies**2
+    for effect in effects:
+        probe = _Probe(effect, mass)
+        square += _kept(max(probe.largest(time, state["displacement"], SMALL * size) for time in times), own)
+        damping += _kept(max(probe.largest(time, state["velocity"], SMALL * size / bodies) for time in times), own**0.5)
+    return EffectRates(square, damping)
+
+
+def _kept(found: float, of_bodies: float) -> float:
+    """A rate, or none where it is round-off; a force that is not finite is the run's to name."""
+    return found if np.isfinite(found) and found > NOISE * of_bodies else 0.0
+
+
+class _Probe:
+    """Changes of one effect's forces over the masses; nodes of rigid surfaces have none and do not move."""
+
+    def __init__(self, effect: Callable[[float, Floats], None], mass: Floats) -> None:
+        self.effect, self.mass = effect, mass[:, None]
+        self.moving = self.mass > 0.0
+        self.start = np.where(self.moving, np.random.default_rng(1).choice([-1.0, 1.0], size=(len(mass), 2)), 0.0)
+
+    def largest(self, time: float, field: Floats, step: float) -> float:
+        """Largest eigenvalue of -M^-1 dF/d(field) by modulus."""
+        motion, found = self.start, 0.0
+        before = field.copy()
+        try:
+            for _ in range(ITERATIONS):
+                change = np.zeros_like(before)
+                for side in (1.0, -1.0):
+                    forces = np.zeros_like(before)
+                    field[:] = before + side * step * motion
+                    self.effect(time, forces)
+                    change += side * forces
+                change = np.divide(change / (2.0 * step), self.mass, out=np.zeros_like(change), where=self.moving)
+                length = self._norm(change)
+                if not 0.0 < length < np.inf:
+                    return found if length == 0.0 else length
+                # motions have entries of about one, so that steps are what they were chosen to be
+                found, motion = length / self._norm(motion), change / np.abs(change).max()
+        finally:
+            field[:] = before
+        return found
+
+    def _norm(self, motion: Floats) -> float:
+        return float(np.sqrt(np.sum(self.mass * motion**2)))
