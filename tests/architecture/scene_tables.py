@@ -46,7 +46,7 @@ TABLES: dict[str, type[Any]] = {
     "A value in time: `{ ramp = ..., to = ... }`": Ramp,
     "A rotation in time: `turn = { to = ..., about = ... }`": Turn,
     "`[[loads]]`": Load,
-    "What varies from place to place: `profile = { by = ... }`": Profile,
+    "What varies from place to place, by a `profile`": Profile,
     "`[record]`": Record,
     "The top of a study": Study,
     "`[pareto]` of a study": Pareto,
