@@ -13,11 +13,12 @@ from contactlab.commands.common import add_row, console, number, parse_settings,
 from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
-    from contactlab.explain.explain import Explanation
+    from contactlab.explain.explain import Explanation, Overview
     from contactlab.prices.foreseen import Bill, EffectPrice
     from contactlab.scene.scene import Scene
 
 NOTHING = 0.005  # of the cost of a run: a price that is told as 0
+SHORTENED = 0.9  # of the stable step of the bodies: usual steps are as long, and effects make them shorter
 LITTLE = 0.05  # s at the start: about what two starts differ by
 KEY = re.compile(r"(?P<table>[a-z]+)\.(?P<name>[\w-]+)(\.(?P<rest>[\w.]+))?")
 
@@ -135,12 +136,22 @@ def overview(explanation: Explanation, spare: Sequence[str], command: str, price
     return shown
 
 
+def _stable(s: Overview) -> str:
+    """The stable step in words, and what effects have to do with it; nothing where there is none."""
+    if s.stable_step != s.stable_step:
+        return ""
+    shortened = s.stable_step < SHORTENED * s.bodies_step
+    effects = f" by the effects, {number(s.bodies_step)} s without" if shortened else ""
+    return f" (the stable one is {number(s.stable_step)} s{effects})"
+
+
 def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
     s = e.scene
     size = f"{number(s.cells)} cells, {number(s.nodes)} nodes, {number(s.quadrature_points)} quadrature points"
     yield "size", size + (f", {number(s.contact_multipliers)} multipliers" if s.contact_multipliers else "")
-    stable = f" (the stable one is {number(s.stable_step)} s)" if s.stable_step == s.stable_step else ""
-    of = f"{number(s.step)} s{stable}" if s.steps_follow == "time" else f"{number(s.step)}, parts of {s.steps_follow}"
+    of = f"{number(s.step)} s{_stable(s)}"
+    if s.steps_follow != "time":
+        of = f"{number(s.step)}, parts of {s.steps_follow}"
     yield "steps", f"about {number(s.estimated_steps)} of {of}"
     yield "history", together(s.history)
     if s.contact_forces:

@@ -47,7 +47,10 @@ class Imported(NamedTuple):
 
 @dataclass(frozen=True)
 class Overview:
-    """Single numbers: sizes (`array_bytes` in bytes), steps, and seconds. Nan where nobody tried."""
+    """Single numbers: sizes (`array_bytes` in bytes), steps, and seconds. Nan where nobody tried.
+
+    `stable_step` [s] is that of the run, `bodies_step` that of its bodies without effects.
+    """
 
     name: str
     nodes: int
@@ -55,6 +58,7 @@ class Overview:
     quadrature_points: int
     contact_multipliers: int
     stable_step: float
+    bodies_step: float
     step: float
     steps_follow: str
     estimated_steps: int
@@ -101,7 +105,8 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
         cells=sum(len(body.cells) for body in model.bodies),
         quadrature_points=sum(len(body.cells) * body.points for body in model.bodies),
         contact_multipliers=model.state["multipliers"].shape[1] if "multipliers" in model.state else 0,
-        stable_step=model.stable_step() if model.explicit else math.nan,
+        stable_step=model.step_within(1.0) if model.explicit else math.nan,
+        bodies_step=model.stable_step() if model.explicit else math.nan,
         step=schedule.dt,
         steps_follow=schedule.parameter,
         estimated_steps=steps,

@@ -91,3 +91,14 @@ def test_modules_of_outside_packages_are_listed_with_their_plugin(strip: None) -
 )
 def test_keys_that_differ_in_one_name_are_told_together(keys: str, told: str) -> None:
     assert together(keys) == told
+
+
+def test_steps_that_effects_shorten_are_told() -> None:
+    def steps(name: str, **changes: object) -> str:
+        scene = load_scene(name).with_(changes)
+        return dict(_lines(explain(scene, scene.registry, run_trial(scene)), ()))["steps"]
+
+    coarse = steps("block-on-incline", **{"bodies.block.mesh.cells": [2, 1]})  # strongly damped for its size
+    assert " s by the effects, " in coarse
+    assert coarse.endswith(" s without)")
+    assert "effects" not in steps("disc-on-block")
