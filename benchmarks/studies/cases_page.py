@@ -98,6 +98,8 @@ def allowed(row: Row) -> str:
         return "reported"
     if not least:
         return f"<= {most}"
+    if not most:
+        return f">= {least}"
     return f"+-{most}" if least == f"-{most}" else f"{least} to {most}"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -86,7 +87,8 @@ def _built(scene: Scene, registry: Registry) -> Model:
         from contactlab.model.loading.effect_rates import effect_rates
 
         size, times = float(np.ptp(reference, axis=0).max()), (0.0, timing.end or timing.ramp)
-        model.effect_rates = effect_rates(effects, state, mass, size, model.stable_step(), times)
+        rates = effect_rates(effects, state, mass, size, model.stable_step(), times)
+        model.loading = replace(model.loading, rates=rates)
     if model.explicit and any(plan.start.overlap == "ramp" for plan in plans):
         from contactlab.model.contact.initial_gap import check_ramp_steps
 

@@ -15,7 +15,6 @@ from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.bodies.stable_step import StableStep
 from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.model.history import History
-from contactlab.model.loading.effect_rates import NO_EFFECTS, EffectRates
 from contactlab.model.loading.loading import Loading
 from contactlab.model.loading.supports import Prescribed
 from contactlab.model.momentum import start_of
@@ -32,8 +31,7 @@ class Model(ABC):
 
     Fields of `contactlab.api.Equations`, and beside them the bodies, the state, the integrator, the loading and the
     times of the run. `updates` are the bound block calls of all bodies. `seconds` counts the wall time spent on
-    stresses and internal forces. Whoever sees something doubtful adds it to `warnings`. `effect_rates` are those that
-    explicit steps have to follow. `way_followed` is False once a
+    stresses and internal forces. Whoever sees something doubtful adds it to `warnings`. `way_followed` is False once a
     step has skipped what the end does not depend on: work along the path is not known then. `start` is what the end is
     compared with.
     """
@@ -53,7 +51,6 @@ class Model(ABC):
     timing: Timing
     history: History
     warnings: Warnings = field(default_factory=Warnings)
-    effect_rates: EffectRates = NO_EFFECTS
     way_followed: bool = True
 
     explicit: ClassVar[bool]
@@ -114,7 +111,7 @@ class Model(ABC):
     def step_within(self, fraction: float) -> float:
         """`fraction` of the stable step of the bodies [s], or less where effects need it."""
         stable = self.stable_step()
-        return min(fraction * stable, self.effect_rates.limit(stable))
+        return min(fraction * stable, self.loading.rates.limit(stable))
 
     @property
     def step_limits(self) -> tuple[StableStep, ...]:

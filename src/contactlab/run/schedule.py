@@ -103,7 +103,7 @@ class Schedule:
         """Name what sets the stable step: a cell, and effects where they shorten it by a tenth or more."""
         limit = min(self.model.step_limits, key=lambda limit: limit.latest)
         cell = f"cell {limit.cell} of body {limit.body.name}"
-        effects = self.model.effect_rates.limit(limit.latest) < 0.9 * limit.latest
+        effects = self.model.loading.rates.limit(limit.latest) < 0.9 * limit.latest
         return f"effects (springs, damping) and {cell}" if effects else cell
 
     @property

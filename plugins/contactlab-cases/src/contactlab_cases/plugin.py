@@ -84,6 +84,7 @@ CASES = (
     ("bouncing-bar", "bouncing_bar:BouncingBar", "bouncing bar", "Doyen, Ern & Piperno 2011"),
     ("two-bars", "two_bars:TwoBars", "two bars that exchange their momentum", "de Saint-Venant 1867"),
     ("block-on-incline", "block_on_incline:BlockOnIncline", "block on an incline", "Coulomb"),
+    ("sliding-flutter", "sliding_flutter:SlidingFlutter", "block that flutters as it slides", "Martins et al. 1995"),
     ("corner-slide", "corner_slide:CornerSlide", "slide over a corner", ""),
     ("vertex-to-vertex", "vertex_to_vertex:VertexToVertex", "two squares, corner on corner", "Wriggers 2006"),
     ("initial-overlap", "initial_overlap:InitialOverlap", "initial overlap and gap", ""),

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from contactlab.api import Floats
+from contactlab.model.loading.effect_rates import NO_EFFECTS, EffectRates
 from contactlab.model.loading.supports import SupportedSet
 
 
@@ -16,11 +17,13 @@ class Loading:
     supports  one per edge set or rigid surface that is held, in the order of the scene
     loads     calls (time, out) that add the forces [N] of a load or an effect to `out` (N, 2)
     effects   those of them that belong to effects
+    rates     of the effects, which explicit steps have to follow
     """
 
     supports: tuple[SupportedSet, ...]
     loads: tuple[Callable[[float, Floats], None], ...]
     effects: tuple[Callable[[float, Floats], None], ...]
+    rates: EffectRates = NO_EFFECTS
 
     def external_force(self, time: float, out: Floats) -> bool:
         """Fill `out` (N, 2) with the forces [N] of all loads at `time` [s]; False where the scene has none."""

@@ -93,5 +93,5 @@ def test_a_stiff_effect_shortens_steps_instead_of_ending_the_run(effect: dict[st
 def test_effects_that_steps_follow_anyway_change_no_step() -> None:
     scene = contactlab.load_scene("dropped-block")  # gravity and damping
     model = build(scene, scene.registry)
-    assert model.effect_rates.damping == pytest.approx(float(scene.effects[1]["rate"]), rel=1e-6)
+    assert model.loading.rates.damping == pytest.approx(float(scene.effects[1]["rate"]), rel=1e-6)
     assert model.step_within(0.9) == 0.9 * model.stable_step()
