@@ -21,7 +21,7 @@ from contactlab_mortar.segments import halves_of
 @section
 def average_normals(sides, given, averaged):
     """Fill the averaged inward normals (m, 2); returns whether the `given` ones are the same everywhere."""
-    inward_normals(sides.slave_at, sides.slave.segments, sides.slave.node_segments, averaged)
+    inward_normals(sides.slave_at, sides.slave.segments, averaged)
     for k in range(given.shape[0]):
         if given[k, 0] != averaged[k, 0] or given[k, 1] != averaged[k, 1]:
             return False

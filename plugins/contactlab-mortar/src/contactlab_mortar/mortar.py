@@ -102,7 +102,7 @@ class _Mortar(ContactAlgorithm):
         """Averaged slave normals, turned to point away from the master; with their own overlaps at vertices."""
         slave_normals, vertices = late("contactlab_mortar.normals"), late("contactlab_mortar.vertices")
         slave, at = view.slave, view.at
-        slave_normals.inward_normals(at.slave, slave.segments, slave.node_segments, out)
+        slave_normals.inward_normals(at.slave, slave.segments, out)
         arrays = pieces.multiplier, pieces.master, pieces.T
         if vertices.turn_at_vertices(count, arrays, (slave.segments, slave.node_segments), at.slave, at.master, out):
             super().normals(view, pieces, count, out)

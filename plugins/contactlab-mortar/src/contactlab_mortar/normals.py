@@ -4,22 +4,31 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.api.compiled.kernel import kernel, section
 
 
 @kernel
-def inward_normals(positions, segments, node_segments, normals):
-    """Averaged slave normals (m, 2), length-weighted and turned inward; returns the longest segment [mm]."""
-    normal, length = np.empty((segments.shape[0], 2)), np.empty(segments.shape[0])
-    segment_normals(positions, segments, normal, length)
-    nodal_normals(node_segments, normal, length, normals)
+def inward_normals(positions, segments, normals):
+    """Averaged slave normals (m, 2), length-weighted and turned inward; returns the longest segment [mm].
+
+    The average of the normals of two edges by their lengths is the sum of the edges, turned and scaled.
+    """
     for i in range(normals.shape[0]):
-        normals[i, 0], normals[i, 1] = -normals[i, 0], -normals[i, 1]
+        normals[i, 0], normals[i, 1] = 0.0, 0.0
     longest = 0.0
-    for s in range(length.size):
-        longest = max(longest, length[s])
-    return longest
+    for s in range(segments.shape[0]):
+        a, b = segments[s, 0], segments[s, 1]
+        x, y = positions[b, 0] - positions[a, 0], positions[b, 1] - positions[a, 1]
+        longest = max(longest, x * x + y * y)
+        normals[a, 0] -= y
+        normals[a, 1] += x
+        normals[b, 0] -= y
+        normals[b, 1] += x
+    for i in range(normals.shape[0]):
+        x, y = normals[i, 0], normals[i, 1]
+        size = 1.0 / np.sqrt(x * x + y * y)
+        normals[i, 0], normals[i, 1] = x * size, y * size
+    return np.sqrt(longest)
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.api.compiled.kernel import point
-from contactlab_mortar.projection import edge_vector, master_parameter, opening, slave_parameter
+from contactlab_mortar.projection import edge_vector, master_parameter, slave_parameter
 
 # cosines by which normals are opposed: flanks of a corner, below the first, are no partners; from the second on
 # segments count in full, in between by a weight that grows evenly: one that turns joins without a jump
@@ -16,14 +16,12 @@ SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry
 
 
 class Overlap(NamedTuple):
-    """Part of a slave segment that sees a master segment: xi, eta and gap [mm] where it begins and where it ends."""
+    """Part of a slave segment that sees a master segment: xi and eta where it begins and where it ends."""
 
     low: float
     high: float
     eta_low: float
     eta_high: float
-    gap_low: float
-    gap_high: float
 
 
 @point
@@ -66,17 +64,16 @@ def overlap_between(first, second, slave, master):
     """Overlap where the ends of the master segment are seen from `first` and `second`; empty: see `is_empty`."""
     low, high = _ends(first, second)
     if not high - low > SMALLEST:
-        return Overlap(1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return Overlap(1.0, 0.0, 0.0, 0.0)
     eta_low, eta_high = _seen(low, first, second, slave, master), _seen(high, first, second, slave, master)
-    gap_low, gap_high = opening(low, eta_low, slave, master), opening(high, eta_high, slave, master)
-    return Overlap(low, high, eta_low, eta_high, gap_low, gap_high)
+    return Overlap(low, high, eta_low, eta_high)
 
 
 @point
 def overlap(slave, master):
     """Overlap of two segments, empty where they do not face each other."""
     if not facing(slave, master) > 0.0:
-        return Overlap(1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+        return Overlap(1.0, 0.0, 0.0, 0.0)
     first = slave_parameter(slave, master.cx, master.cy)
     second = slave_parameter(slave, master.dx, master.dy)
     return overlap_between(first, second, slave, master)

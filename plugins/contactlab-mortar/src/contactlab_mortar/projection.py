@@ -46,7 +46,12 @@ def slave_segment(s, at, segments, inward):
 @point
 def master_segment(m, at, segments):
     """Segment m of the master at positions (l, 2)."""
-    i, j = segments[m, 0], segments[m, 1]
+    return segment_between(segments[m, 0], segments[m, 1], at)
+
+
+@point
+def segment_between(i, j, at):
+    """The master segment from node i to node j."""
     return MasterSegment(at[i, 0], at[i, 1], at[j, 0], at[j, 1])
 
 
@@ -59,6 +64,15 @@ def edge_vector(master):
 @point
 def slave_parameter(slave, px, py):
     """xi of the slave point that sees (px, py): the root that continues the flat case; nan if none."""
+    return parameter_beside(slave, 0, px, py)
+
+
+@point
+def parameter_beside(slave, side, px, py):
+    """`slave_parameter` of a point that is not seen from within: side = -1 before the start, 1 beyond the end.
+
+    Overlaps take of it only that it lies outside, so -2 or 2 stands for a root of that sign. 0: not known.
+    """
     ax, ay, ex, ey, nx, ny, mx, my = slave
     rx, ry = ax - px, ay - py
     constant = rx * ny - ry * nx
@@ -67,6 +81,8 @@ def slave_parameter(slave, px, py):
     root = linear * linear - 4.0 * square * constant
     if root < 0.0:
         return np.nan
+    if side * constant * linear < 0.0:
+        return 2.0 * side
     return -2.0 * constant / (linear + np.copysign(np.sqrt(root), linear))
 
 

@@ -9,36 +9,62 @@ from contactlab.api.compiled.unpack import unpack
 from contactlab_mortar.integrals import integrate, integrate_straight
 from contactlab_mortar.normals import inward_normals
 from contactlab_mortar.overlap import facing, is_empty, overlap, overlap_between
-from contactlab_mortar.projection import master_segment, slave_parameter, slave_segment
+from contactlab_mortar.projection import (
+    across,
+    master_segment,
+    opening,
+    parameter_beside,
+    segment_between,
+    slave_segment,
+)
 from contactlab_mortar.tables import MortarTable
 from contactlab_mortar.vertices import turn_at_vertices
+
+NONE = np.uint32(0xFFFFFFFF)  # no node. Numbers without sign spare the test for places counted from the end
 
 
 @point
 def _tilt(slave, length):
     """Largest slope of the field of normals against the segment's own normal."""
-    tx, ty, nx, ny = slave.ex / length, slave.ey / length, slave.nx, slave.ny
+    ex, ey, nx, ny, least = slave.ex, slave.ey, slave.nx, slave.ny, 1e-3 * length
     ox, oy = nx + slave.mx, ny + slave.my
-    a = abs(nx * tx + ny * ty) / max(abs(nx * ty - ny * tx), 1e-3)
-    b = abs(ox * tx + oy * ty) / max(abs(ox * ty - oy * tx), 1e-3)
-    return max(a, b)
+    a, upright = abs(nx * ex + ny * ey), max(abs(nx * ey - ny * ex), least)
+    b, beyond = abs(ox * ex + oy * ey), max(abs(ox * ey - oy * ex), least)
+    return max(a * beyond, b * upright) / (upright * beyond)
 
 
 @point
-def _beside(slave, length, px, py):
-    """How far (px, py) lies along the slave segment from its start, and how far away from its line."""
-    tx, ty, x, y = slave.ex / length, slave.ey / length, px - slave.ax, py - slave.ay
-    return x * tx + y * ty, abs(x * ty - y * tx)
+def _side(slave, tilt, px, py):
+    """-1 for a point before where any normal of the slave segment leads, 1 for one beyond, else 0."""
+    x, y, square = px - slave.ax, py - slave.ay, slave.ex * slave.ex + slave.ey * slave.ey
+    along, reach = x * slave.ex + y * slave.ey, tilt * abs(x * slave.ey - y * slave.ex) + 1e-9 * square
+    return -1 if along < -reach else (1 if along > square + reach else 0)
 
 
 @point
-def _passes(found, length, starts, ends):
+def _farthest(found, slave, master):
+    """Square of the larger distance [mm^2] of both segments at the ends of an overlap: no gap or depth exceeds it."""
+    x, y = across(found.low, found.eta_low, slave, master)
+    u, v = across(found.high, found.eta_high, slave, master)
+    return max(x * x + y * y, u * u + v * v)
+
+
+@point
+def _least_gap(found, slave, master):
+    """The smaller gap [mm] of both ends of an overlap."""
+    low, high = opening(found.low, found.eta_low, slave, master), opening(found.high, found.eta_high, slave, master)
+    return min(low, high)
+
+
+@point
+def _passes(found, slave, master, length, chain):
     """Whether the end of a chain slips past the end of the other: deeper behind it by twice what both overlap.
 
-    That is the far flank of a corner whose near flank carries the contact.
+    That is the far flank of a corner whose near flank carries the contact. chain = whether it starts, ends here
     """
-    at_end = (starts and found.low == 0.0) or (ends and found.high == 1.0)
-    return at_end and -min(found.gap_low, found.gap_high) > 2.0 * (found.high - found.low) * length
+    if (chain[0] and found.low == 0.0) or (chain[1] and found.high == 1.0):
+        return -_least_gap(found, slave, master) > 2.0 * (found.high - found.low) * length
+    return False
 
 
 @point
@@ -111,33 +137,35 @@ def _pieces_of(table, s, reach, depth, space, begin):
     starts = sides.slave.node_segments[sides.slave.segments[s, 0], 0] < 0
     ends = sides.slave.node_segments[sides.slave.segments[s, 1], 1] < 0
     length = np.sqrt(slave.ex * slave.ex + slave.ey * slave.ey)
-    tilt, slack = _tilt(slave, length), 1e-9 * length
+    tilt = _tilt(slave, length)
     # neighbours on the master share a node: where it lies and from where it is seen is worked out once
-    last, seen, parameter, d_along, d_away = -1, -1, 0.0, 0.0, 0.0
+    segments, at, near = sides.master.segments, sides.master_at, min(reach, depth) ** 2
+    last, seen, parameter, d_side = NONE, NONE, 0.0, 0
     for z in range(sides.start[s], sides.start[s + 1]):
-        m = sides.candidates[z]
-        first_node, second_node = sides.master.segments[m, 0], sides.master.segments[m, 1]
-        master = master_segment(m, sides.master_at, sides.master.segments)
-        c_along, c_away = d_along, d_away
-        if last != first_node:
-            c_along, c_away = _beside(slave, length, master.cx, master.cy)
-        d_along, d_away = _beside(slave, length, master.dx, master.dy)
-        last = second_node
-        # beside the slave segment, beyond where any of its normals leads
-        beyond = tilt * max(c_away, d_away) + slack
-        if max(c_along, d_along) < -beyond or min(c_along, d_along) > length + beyond:
+        m = np.uint32(sides.candidates[z])
+        i, j = np.uint32(segments[m, 0]), np.uint32(segments[m, 1])
+        c_side = d_side if i == last else _side(slave, tilt, at[i, 0], at[i, 1])
+        d_side = _side(slave, tilt, at[j, 0], at[j, 1])
+        last = j
+        if c_side * d_side > 0:
             continue
+        master = segment_between(i, j, at)
         weight = facing(slave, master)
         if not weight > 0.0:
             continue
-        first = parameter if seen == first_node else slave_parameter(slave, master.cx, master.cy)
-        second = slave_parameter(slave, master.dx, master.dy)
-        seen, parameter = second_node, second
+        first = parameter if i == seen else parameter_beside(slave, c_side, master.cx, master.cy)
+        second = parameter_beside(slave, d_side, master.dx, master.dy)
+        seen, parameter = j, second
         found = overlap_between(first, second, slave, master)
-        least = min(found.gap_low, found.gap_high)
-        if is_empty(found) or least < -depth or _passes(found, length, starts, ends):
+        if is_empty(found) or _passes(found, slave, master, length, (starts, ends)):
             continue
-        close = close or least <= reach
+        if _farthest(found, slave, master) <= near:
+            close = True  # the usual case, without the roots and quotients of gaps
+        else:
+            gap = _least_gap(found, slave, master)
+            if gap < -depth:
+                continue
+            close = close or gap <= reach
         _put_piece(table, s, m, found, weight * length, space, count)
         count += 1
     return count if close else begin
@@ -154,7 +182,7 @@ def mortar_pieces(bound, reach, depth, linear, vertices):
     table = unpack(bound, MortarTable)
     sides, pieces = table.sides, table.pieces
     slave = sides.slave
-    depth *= inward_normals(sides.slave_at, slave.segments, slave.node_segments, pieces.normal)
+    depth *= inward_normals(sides.slave_at, slave.segments, pieces.normal)
     count = 0
     for s in range(slave.segments.shape[0]):
         if sides.start[s] < sides.start[s + 1]:

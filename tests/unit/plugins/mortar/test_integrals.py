@@ -27,21 +27,21 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(12)
 def integrated(interval, length, halves, linear, p, out):
     """`integrate` for callers from Python."""
     low, high, first, last = interval
-    integrate(Overlap(low, high, first, last, 0.0, 0.0), length, halves, linear, p, out)
+    integrate(Overlap(low, high, first, last), length, halves, linear, p, out)
 
 
 @kernel
 def straight(interval, length, linear, p, out):
     """`integrate_straight` for callers from Python."""
     low, high, first, last = interval
-    integrate_straight(Overlap(low, high, first, last, 0.0, 0.0), length, linear, p, out)
+    integrate_straight(Overlap(low, high, first, last), length, linear, p, out)
 
 
 @kernel
 def changed(interval, length, halves, linear, change, p, out):
     """`integrate_changes` for callers from Python."""
     low, high, first, last = interval
-    integrate_changes(Overlap(low, high, first, last, 0.0, 0.0), length, halves, linear, change, p, out)
+    integrate_changes(Overlap(low, high, first, last), length, halves, linear, change, p, out)
 
 
 def by_points(interval, length, sizes, halves, linear):  # type: ignore[no-untyped-def]

@@ -13,7 +13,7 @@ from contactlab.testing.surfaces import curved
 def test_inward_normals_are_averages_weighted_by_length() -> None:
     at = curved()
     x, segments, out = at.nodes[at.slave.nodes], at.slave.segments, np.zeros((len(at.slave.nodes), 2))
-    longest = inward_normals(x, segments, at.slave.node_segments, out)
+    longest = inward_normals(x, segments, out)
     edge = x[segments[:, 1]] - x[segments[:, 0]]
     expected = np.zeros_like(out)
     for (i, j), (ex, ey) in zip(segments, edge, strict=True):

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from contactlab_mortar.projection import MasterSegment, SlaveSegment, master_parameter, opening, slave_parameter
+from contactlab_mortar.projection import (
+    MasterSegment,
+    SlaveSegment,
+    master_parameter,
+    opening,
+    parameter_beside,
+    slave_parameter,
+)
 
 ROUND_OFF = 1e-12
 
@@ -46,6 +53,21 @@ def test_the_slave_point_that_sees_a_point_is_the_way_back(seed: int) -> None:
         assert slave_parameter(slave, *seen) == pytest.approx(xi, abs=1e-10)
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_a_point_beside_is_seen_from_outside_on_its_own_side(seed: int) -> None:
+    """With the side told, which spares the root, overlaps begin and end where they do without."""
+    slave, master = drawn(seed)
+    for xi in (-0.9, -0.2, 1.1, 1.7):
+        c, f = np.array(master[:2]), np.array(master[2:]) - master[:2]
+        seen, side = c + master_parameter(xi, slave, master) * f, -1 if xi < 0.0 else 1
+        assert np.clip(parameter_beside(slave, side, *seen), 0.0, 1.0) == np.clip(
+            slave_parameter(slave, *seen), 0.0, 1.0
+        )
+        assert parameter_beside(slave, side, *seen) == 2.0 * side
+        # a side that the root does not confirm is not taken for one
+        assert parameter_beside(slave, -side, *seen) == slave_parameter(slave, *seen)
+
+
 def test_with_one_normal_it_is_the_foot_of_the_perpendicular() -> None:
     assert slave_parameter(SlaveSegment(0.0, 0.0, 2.0, 0.0, 0.0, -1.0, 0.0, 0.0), 0.5, -3.0) == pytest.approx(
         0.25, abs=ROUND_OFF
@@ -54,4 +76,6 @@ def test_with_one_normal_it_is_the_foot_of_the_perpendicular() -> None:
 
 def test_a_point_that_no_normal_reaches_has_no_parameter() -> None:
     """The quadratic -2 - xi^2 = 0 of this point has no root."""
-    assert np.isnan(slave_parameter(SlaveSegment(0.0, 0.0, 1.0, 0.0, 1.0, -1.0, -2.0, -1.0), -1.0, -1.0))
+    slave = SlaveSegment(0.0, 0.0, 1.0, 0.0, 1.0, -1.0, -2.0, -1.0)
+    assert np.isnan(slave_parameter(slave, -1.0, -1.0))
+    assert np.isnan(parameter_beside(slave, -1, -1.0, -1.0))
