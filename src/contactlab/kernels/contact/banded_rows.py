@@ -19,10 +19,33 @@ def fill_columns(count, multiplier, nodes, values, owner, out):
 
     Returns 0, or the width that out.weight lacks.
     """
-    start, end, weight = out
+    start, end, weight = out.start, out.end, out.weight
     width, rows = multiplier.shape[1], nodes.shape[1]
     for k in range(start.size):
         start[k], end[k] = 2147483647, 0
+    if width == rows == 2:  # the common case, as constants: without inner loops
+        _reach(count, 2, 2, multiplier, nodes, owner, out)
+    else:
+        _reach(count, width, rows, multiplier, nodes, owner, out)
+    needed = 0
+    for k in range(start.size):
+        needed = max(needed, end[k] - start[k])
+    if needed > weight.shape[1]:
+        return needed
+    for k in range(start.size):
+        for i in range(needed):
+            weight[k, i] = 0.0
+    if width == rows == 2:
+        _sum(count, 2, 2, multiplier, nodes, values, owner, out)
+    else:
+        _sum(count, width, rows, multiplier, nodes, values, owner, out)
+    return 0
+
+
+@section
+def _reach(count, width, rows, multiplier, nodes, owner, out):
+    """Widen the stretch of each kept multiplier to the nodes of its contributions."""
+    start, end = out.start, out.end
     for p in range(count):
         low, high = nodes[p, 0], nodes[p, 0]
         for i in range(1, rows):
@@ -31,14 +54,12 @@ def fill_columns(count, multiplier, nodes, values, owner, out):
             k = owner[multiplier[p, j]]
             if k >= 0:
                 start[k], end[k] = min(start[k], low), max(end[k], high + 1)
-    needed = 0
-    for k in range(start.size):
-        needed = max(needed, end[k] - start[k])
-    if needed > weight.shape[1]:
-        return needed
-    for k in range(start.size):
-        for i in range(end[k] - start[k]):
-            weight[k, i] = 0.0
+
+
+@section
+def _sum(count, width, rows, multiplier, nodes, values, owner, out):
+    """Add the contributions to the weights of the kept multipliers."""
+    start, weight = out.start, out.weight
     for p in range(count):
         for j in range(width):
             k = owner[multiplier[p, j]]
@@ -46,7 +67,6 @@ def fill_columns(count, multiplier, nodes, values, owner, out):
                 shift = start[k]
                 for i in range(rows):
                     weight[k, nodes[p, i] - shift] += values[p, i, j]
-    return 0
 
 
 @kernel

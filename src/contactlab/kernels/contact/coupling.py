@@ -172,24 +172,6 @@ def solve_pivots(c, values):
         values[k] /= c.pivot[k]
 
 
-@section
-def solve_transposed(c, values):
-    """Overwrite values (k, 2) by T^-T values."""
-    for i in range(c.kept[0]):
-        k = c.order[i]
-        p = c.previous[k]
-        for x in range(2):
-            if p >= 0:
-                values[k, x] -= c.upper[p] * values[p, x]
-            values[k, x] /= c.pivot[k]
-    for i in range(c.kept[0] - 1, -1, -1):
-        k = c.order[i]
-        n = c.next[k]
-        if n >= 0:
-            for x in range(2):
-                values[k, x] -= c.lower[n] / c.pivot[k] * values[n, x]
-
-
 @kernel
 def unmerged(owner, D, T, count):
     """Whether every multiplier is kept as it is or dropped, and D is T: slave weights are then the identity."""
