@@ -72,13 +72,18 @@ def _number(count, rows, number, found):
     entries = rows.start[count]
     columns = number_nodes(rows.node[:entries], number, found, 0)
     nodes = number_nodes(rows.own[:count], number, found, columns)
-    local, own, once = np.empty(entries, np.int32), np.empty(count, np.int32), 0
+    local, row, own, once = np.empty(entries, np.int32), np.zeros(entries + 1, np.int32), np.empty(count, np.int32), 0
     for z in range(entries):
         local[z] = number[rows.node[z]]
+    # every entry with its row: where loops over the few entries of a row end, no processor foresees
+    for i in range(1, count):
+        row[rows.start[i]] += 1
+    for z in range(1, entries):
+        row[z] += row[z - 1]
     for i in range(count):
         own[i] = number[rows.own[i]] if rows.own[i] >= 0 else -1
         once += own[i] >= 0
-    return Touched(local, own), nodes, columns, once
+    return Touched(local, row[:entries], own), nodes, columns, once
 
 
 @kernel

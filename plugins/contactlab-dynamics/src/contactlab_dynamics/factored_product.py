@@ -23,10 +23,11 @@ WIDEST = 24  # conditions to either side; wider bands cost more than going throu
 class Touched(NamedTuple):
     """The L nodes that rows touch, numbered among themselves.
 
-    local (z,) node of each entry, own (k,) the slave node that each row weighs by one beside, -1 for none
+    local, row (z,) node and row of each entry; own (k,) the slave node that each row weighs by one beside, -1 for none
     """
 
     local: Ints
+    row: Ints
     own: Ints
 
 
@@ -88,7 +89,7 @@ def _finish(rows, wx, wy, out):
 @kernel
 def spread(rows, touched, y, carried, nodal):
     """Nodal forces R^T y on the touched nodes, (L, 2). `carried` (2, k) is scratch."""
-    local, own, normal = touched.local, touched.own, rows.normal
+    local, row, own, normal = touched.local, touched.row, touched.own, rows.normal
     for n in range(nodal.shape[0]):
         nodal[n, 0], nodal[n, 1] = 0.0, 0.0
     cx, cy = carried[0], carried[1]
@@ -98,11 +99,10 @@ def spread(rows, touched, y, carried, nodal):
         if n >= 0:
             nodal[n, 0] += y[i] * normal[i, 0]
             nodal[n, 1] += y[i] * normal[i, 1]
-        x, y_ = cx[i], cy[i]
-        for z in range(rows.start[i], rows.start[i + 1]):
-            n = local[z]
-            nodal[n, 0] += rows.weight[z] * x
-            nodal[n, 1] += rows.weight[z] * y_
+    for z in range(local.size):
+        n, i = local[z], row[z]
+        nodal[n, 0] += rows.weight[z] * cx[i]
+        nodal[n, 1] += rows.weight[z] * cy[i]
 
 
 @kernel
@@ -171,41 +171,46 @@ def product(rows, touched, compliances, y, scratch, out):
 
 @kernel
 def band_of(rows, touched, soft, nodes):
-    """B C B^T by diagonals for the first `nodes` touched ones, those of B: (1 or 2, diagonals, k).
+    """B C B^T by diagonals for the first `nodes` touched ones, those of B: (1 or 2, diagonals, k and zeros behind).
 
     Diagonals from -h to h and what fills their number up to a multiple of four: h = diagonals / 2 - 1. One layer
     where all nodes give way alike in x and y; none where the band were too wide.
     """
-    count = touched.own.size
-    first, last = np.full(nodes, -1), np.zeros(nodes, np.int64)
-    entering = np.zeros((nodes, WIDEST + 1))
-    half, layers = 1, 1
-    for i in range(count):
-        for z in range(rows.start[i], rows.start[i + 1]):
-            n = touched.local[z]
-            if soft[n, 0] == 0.0 and soft[n, 1] == 0.0:
-                continue  # of nodes that cannot move anything goes
-            if first[n] < 0:
-                first[n] = i
-            reach = i - first[n]
-            if reach > WIDEST:
-                return np.empty((0, 4, count))
-            entering[n, reach] += rows.weight[z]
-            last[n], half = i, max(half, reach)
+    count, local, row, weight = touched.own.size, touched.local, touched.row, rows.weight
+    first, last, half, layers = np.empty(nodes, np.int32), np.empty(nodes, np.int32), 1, 1
+    for z in range(local.size):
+        last[local[z]] = row[z]
+    for z in range(local.size - 1, -1, -1):
+        first[local[z]] = row[z]
+    for n in range(nodes):
+        if soft[n, 0] == 0.0 and soft[n, 1] == 0.0:
+            first[n] = -1  # of nodes that cannot move anything goes
+        else:
+            half = max(half, last[n] - first[n])
             if soft[n, 0] != soft[n, 1]:
                 layers = 2
+    if half > WIDEST:
+        return np.empty((0, 4, count))
+    # weights of each node in its first row and those after, as many for every node as any has: loops of one length
+    width = half + 1
+    entering = np.zeros((nodes, width))
+    for z in range(local.size):
+        n = local[z]
+        if first[n] >= 0:
+            entering[n, row[z] - first[n]] += weight[z]
     half |= 1
-    band = np.zeros((layers, 2 * half + 2, count))
+    band = np.zeros((layers, 2 * half + 2, count + width))
     for c in range(layers):
         for n in range(nodes):
-            if first[n] < 0:
+            begin = first[n]
+            if begin < 0:
                 continue
-            begin, size = first[n], last[n] - first[n] + 1
-            for k in range(size):
+            for k in range(width):
                 w = soft[n, c] * entering[n, k]
-                band[c, half, begin + k] += w * entering[n, k]
-                for j in range(k + 1, size):
-                    value = w * entering[n, j]
-                    band[c, half + j - k, begin + k] += value
-                    band[c, half - j + k, begin + j] += value
+                for j in range(k, width):
+                    band[c, half + j - k, begin + k] += w * entering[n, j]
+        for d in range(1, half + 1):
+            below, above = band[c, half - d], band[c, half + d]
+            for i in range(count - d):
+                below[i + d] = above[i]
     return band
