@@ -109,6 +109,13 @@ def length_rates(slave, master, weight, out):
 
 
 @section
+def _grow(integral, p, change):
+    """What the integrals (p, w, 2) of piece p grow by with the logarithm of its length, into change[2]: themselves."""
+    for i in range(change.shape[1]):
+        change[2, i, 0], change[2, i, 1] = integral[p, i, 0], integral[p, i, 1]
+
+
+@section
 def piece_changes(table, p, s, m, space, rates, out):
     """Changes of piece p by three numbers into out = dD (3, w, 2), dM (3, r, 2), dT (3, 2, 2), their rates (3, 6, 2).
 
@@ -128,5 +135,7 @@ def piece_changes(table, p, s, m, space, rates, out):
         xi, eta = end_change(end, slave, master, found)
         change = (xi, 0.0, eta, 0.0) if end == 0 else (0.0, xi, 0.0, eta)
         integrate_changes(found, weight * length, halves, space[0], change, end, out)
-    out[0][2], out[1][2], out[2][2] = pieces.D[p], pieces.M[p], pieces.T[p]
+    _grow(pieces.D, p, out[0])
+    _grow(pieces.M, p, out[1])
+    _grow(pieces.T, p, out[2])
     length_rates(slave, master, weight, rates[2])

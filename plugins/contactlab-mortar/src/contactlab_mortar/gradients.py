@@ -50,7 +50,7 @@ def mortar_gradients(bound, count, linear, vertices):
         s, m = segments[p, 0], segments[p, 1]
         piece_changes(table, p, s, m, (linear, vertices), rates, changes)
         six_nodes(s, m, sides, out.node[p])
-        out.multiplier[p] = pieces.multiplier[p]
+        out.multiplier[p, 0], out.multiplier[p, 1] = pieces.multiplier[p, 0], pieces.multiplier[p, 1]
         out.value[p] = 0.0
         for z in range(3):
             _weighted(table, p, z, changes, weighted)
