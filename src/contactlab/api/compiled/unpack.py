@@ -1,23 +1,71 @@
-"""The arrays of a `BoundArrays` inside a kernel. Imports numba when it is imported."""
+"""The arrays of a `BoundArrays` inside a kernel. Imports numba when it is imported.
+
+A table is an address there, and a field of it an array that is read from the table where it is named. As a tuple of all
+its arrays a table of twenty would be a value of 150 words, which every statement that names it copies and takes apart.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
+from llvmlite import ir
 from numba import from_dtype, types
-from numba.extending import intrinsic
+from numba.core.typing.templates import AttributeTemplate
+from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
 
-from contactlab.api.compiled.bound_arrays import ADDRESS_BITS, DTYPES, members
+from contactlab.api.compiled.bound_arrays import ADDRESS_BITS, DTYPES, layout_of, members
 
 __all__ = ["unpack"]
 
 STALE = "bound arrays: their BoundArrays object is gone; keep it as long as its address is used"
+HEAD = 5
+"""Words of an array before its shape: owner, parent, size, bytes per entry, address."""
+WORD = ir.IntType(64)
+
+
+class Table(types.Type):
+    """The type of a table inside a kernel: the address of its first array."""
+
+    def __init__(self, table: type) -> None:
+        self.table = table
+        super().__init__(f"{table.__module__}.{table.__qualname__}")
+
+    @property
+    def key(self) -> type:
+        """Tables of one class are of one type, which is all that numba has to compare."""
+        return self.table
+
+
+@register_model(Table)
+class _TableModel(models.PrimitiveModel):
+    def __init__(self, dmm: Any, fe_type: Any) -> None:
+        super().__init__(dmm, fe_type, WORD.as_pointer())
+
+
+@infer_getattr
+class _TableFields(AttributeTemplate):
+    key = Table
+
+    def generic_resolve(self, table: Any, name: str) -> Any:  # type: ignore[override]
+        held = members(table.table).get(name)
+        if held is None:
+            return None  # numba says that there is no such field
+        return _array(held) if isinstance(held, str) else Table(held)
+
+
+@lower_getattr_generic(Table)
+def _field(context: Any, builder: Any, table: Any, value: Any, name: str) -> Any:
+    held = members(table.table)
+    before = list(held)[: list(held).index(name)]
+    words = sum(_words(word) for field in before for word in _layout(held[field]).split())
+    place, found = builder.gep(value, [WORD(words)]), held[name]
+    return _load(context, builder, found, place) if isinstance(found, str) else place
 
 
 @intrinsic(prefer_literal=True)
 def unpack(typingctx: Any, address: Any, layout: Any) -> Any:
-    """The arrays bound at `address`, as a tuple; as a named tuple where `layout`, a constant, is a table.
+    """The arrays bound at `address`, as a tuple; with names where `layout`, a constant, is a table.
 
     `layout` is the one that the arrays were bound with. Raises ValueError where their `BoundArrays` object is gone.
     """
@@ -26,31 +74,57 @@ def unpack(typingctx: Any, address: Any, layout: Any) -> Any:
         return None
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        word = args[0].type
-        where = builder.and_(args[0], word((1 << ADDRESS_BITS) - 1))
-        alive = builder.load(builder.inttoptr(where, word.as_pointer()))
+        where = builder.and_(args[0], WORD((1 << ADDRESS_BITS) - 1))
+        place = builder.inttoptr(where, WORD.as_pointer())
+        alive = builder.load(place)
         with builder.if_then(builder.icmp_unsigned("!=", alive, args[0]), likely=False):
             context.call_conv.return_user_exc(builder, ValueError, (STALE,))
-        arrays = builder.add(where, word(8))
-        return builder.load(builder.inttoptr(arrays, context.get_value_type(found).as_pointer()))
+        place = builder.gep(place, [WORD(1)])
+        if isinstance(found, Table):
+            return place
+        arrays = []
+        for word in layout.literal_value.split():
+            arrays.append(_load(context, builder, word, place))
+            place = builder.gep(place, [WORD(_words(word))])
+        return context.make_tuple(builder, found, arrays)
 
     return found(types.int64, layout), codegen
 
 
 def _type_of(layout: Any) -> Any:
     if isinstance(layout, types.StringLiteral):
-        return _tuple([_array(word) for word in layout.literal_value.split()])
-    return _table(layout.instance_class) if isinstance(layout, types.NamedTupleClass) else None
+        return types.BaseTuple.from_types(tuple(_array(word) for word in layout.literal_value.split()))
+    return Table(layout.instance_class) if isinstance(layout, types.NamedTupleClass) else None
 
 
-def _table(table: type) -> Any:
-    held = members(table).values()
-    return _tuple([_array(one) if isinstance(one, str) else _table(one) for one in held], table)
+def _layout(held: str | type) -> str:
+    return held if isinstance(held, str) else layout_of(held)
 
 
-def _tuple(held: list[Any], table: type | None = None) -> Any:
-    return types.BaseTuple.from_types(tuple(held), table)
+def _words(word: str) -> int:
+    return HEAD + 2 * int(word[1])
 
 
 def _array(word: str) -> Any:
     return types.Array(from_dtype(np.dtype(DTYPES[word[0]])), int(word[1]), "C")
+
+
+def _load(context: Any, builder: Any, word: str, place: Any) -> Any:
+    """The array at a place of a table. It has no owner: whoever bound it keeps it, so references are not counted."""
+
+    def read(number: int) -> Any:
+        loaded = builder.load(builder.gep(place, [WORD(number)]))
+        loaded.set_metadata("invariant.load", builder.module.add_metadata([]))  # kernels do not write to tables
+        return loaded
+
+    made = ir.Constant(context.get_value_type(_array(word)), None)
+    size, shape = np.dtype(DTYPES[word[0]]).itemsize, [read(HEAD + d) for d in range(int(word[1]))]
+    data = builder.inttoptr(read(4), made.type.elements[4])
+    for entry, value in ((2, read(2)), (3, WORD(size)), (4, data)):
+        made = builder.insert_value(made, value, entry)
+    stride = WORD(size)
+    for d in range(len(shape) - 1, -1, -1):
+        made = builder.insert_value(made, shape[d], [5, d])
+        made = builder.insert_value(made, stride, [6, d])
+        stride = builder.mul(stride, shape[d])
+    return made

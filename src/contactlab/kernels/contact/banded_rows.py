@@ -72,7 +72,7 @@ def _sum(count, width, rows, multiplier, nodes, values, owner, out):
 @kernel
 def _combine(k, other, factor, scale, rows, scratch):
     """Row k becomes scale * (row k - factor * row other); returns 0 or the width it lacks."""
-    start, end, weight = rows
+    start, end, weight = rows.start, rows.end, rows.weight
     low, high = start[other], end[other]
     cut = CUT / abs(factor * scale) if factor != 0.0 else 0.0
     if factor == 0.0:

@@ -19,7 +19,7 @@ FAR = 1e300  # gap of a multiplier that is not kept
 @section
 def weigh(k, column, at, sign, x, y):
     """x and y plus sign times the weighted sum of positions `at` over column k."""
-    start, end, weight = column
+    start, end, weight = column.start, column.end, column.weight
     begin = start[k]
     for z in range(begin, end[k]):
         w = sign * weight[k, z - begin]
@@ -115,7 +115,7 @@ def allow_constant_motion(count, bound_rows, current, predicted, velocity, last_
 
 @section
 def _write_column(k, column, sign, numbers, at, node, weight):
-    start, end, values = column
+    start, end, values = column.start, column.end, column.weight
     for z in range(start[k], end[k]):
         w = values[k, z - start[k]]
         if w != 0.0:

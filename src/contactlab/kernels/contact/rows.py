@@ -11,7 +11,7 @@ from contactlab.kernels.contact.tables import PairTable
 @section
 def _write(k, side, sign, numbers, normal, at, rows):
     """Entries of one side of condition k; returns the next free entry."""
-    start, end, weight = side
+    start, end, weight = side.start, side.end, side.weight
     nx, ny = sign * normal[0], sign * normal[1]
     shift = start[k]
     for z in range(start[k], end[k]):
@@ -137,7 +137,8 @@ def flexibilities(bound, nodal, out):
         k = c.order[i]
         total = 0.0
         for side in range(2):
-            start, end, weight = pair.weights.slave if side == 0 else pair.weights.master
+            weights = pair.weights.slave if side == 0 else pair.weights.master
+            start, end, weight = weights.start, weights.end, weights.weight
             nodes = pair.places.slave if side == 0 else pair.places.master
             for z in range(start[k], end[k]):
                 w, n = weight[k, z - start[k]], nodes[z]

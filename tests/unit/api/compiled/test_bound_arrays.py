@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
 import weakref
 from typing import NamedTuple
 
+import numba
 import numpy as np
 import pytest
 
@@ -84,6 +86,39 @@ def test_tables_have_names_inside_kernels_and_hold_tables() -> None:
     assert second.weight[1, 1] == 7.0
     with pytest.raises(TypeError, match="needed: contiguous i1"):
         BoundArrays(Outer, np.full(1, 3.0), first, Inner(first.weight, np.zeros(4)))
+
+
+@kernel
+def misspelt(bound):
+    """Asks for a field that there is not."""
+    return unpack(bound, Outer).third
+
+
+def test_a_field_that_a_table_has_not_is_an_error_when_the_kernel_is_compiled() -> None:
+    with pytest.raises(numba.TypingError, match="third"):
+        misspelt(0)
+
+
+@kernel
+def larger(bound, second):
+    """Total of one of two inner tables, chosen when the kernel runs, whose array is passed from hand to hand."""
+    table = unpack(bound, Outer)
+    chosen = table.second if second else table.first
+    kept, total = chosen.weight, 0.0
+    for i in range(kept.shape[0]):
+        kept = chosen.weight
+        for j in range(kept.shape[1]):
+            total += kept[i, j]
+    return total
+
+
+def test_tables_can_be_chosen_between_and_no_reference_to_their_arrays_is_counted() -> None:
+    weights = np.full((2, 3), 1.0), np.full((2, 3), 2.0)
+    first, second = (Inner(weight, np.zeros(1, np.int32)) for weight in weights)
+    bound = BoundArrays(Outer, np.zeros(1), first, second)
+    before = [sys.getrefcount(weight) for weight in weights]
+    assert (larger(bound.address, False), larger(bound.address, True)) == (6.0, 12.0)
+    assert [sys.getrefcount(weight) for weight in weights] == before
 
 
 class Owner:
