@@ -5,13 +5,13 @@ Kernels take contiguous arrays, write into the outputs that they are given and a
 `kernel`  for loops over blocks of cells or nodes. A division by zero gives inf or nan as in NumPy (a check would
           prevent vectorisation); multiply-add contraction is allowed, reassociation is not, so results do not
           depend on the block size; the interpreter lock is released; machine code is cached on disk. A kernel
-          whose name begins with an underscore is called by other kernels only: it has no entry point for Python,
-          which saves a third of the compile time.
+          whose name begins with an underscore is called by other kernels only.
 `table_kernel`  for kernels on the arrays of a table (`unpack`). They do not count references to arrays and cannot
-          create any: numba counts whenever it takes an array out of a table, which costs more than a short loop.
-          Whoever bound the arrays keeps them alive.
-`point`   for functions of a single point that kernels call: always inlined, and without an entry point for Python.
-`section` for parts of a long kernel: they are not compiled by themselves.
+          create any. Whoever bound the arrays keeps them alive.
+`point`   for functions of a single point that kernels call: always inlined.
+`section` for parts of a long kernel: always inlined, too.
+
+What a kernel calls is compiled within it and never by itself: points, sections, and its own copy of other kernels.
 """
 
 from __future__ import annotations
@@ -20,16 +20,16 @@ import gc
 from collections.abc import Callable
 from functools import cached_property
 from time import thread_time
-from typing import Any
+from typing import Any, cast
 
 import numba
 import numpy as np
-from numba import njit, types
+from numba import types
 from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
 from contactlab.api.compiled.cache import cache_folder
-from contactlab.api.compiled.library import KernelCompiler
+from contactlab.api.compiled.library import InlinedCompiler, KernelCompiler, PartCompiler
 from contactlab.api.compiled.locks import kernel_locked
 from contactlab.api.compiled.stored import KernelCache
 from contactlab.api.compiled.without_blas import import_array_functions
@@ -38,13 +38,12 @@ __all__ = ["exp", "kernel", "log", "point", "power", "section", "summation", "ta
 
 import_array_functions()
 
-_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
-
-
-# said explicitly: otherwise a kernel would take this option from the first kernel that calls it
+_OPTIONS: dict[str, Any] = {
+    "error_model": "numpy", "fastmath": {"contract"}, "nogil": True, "no_cfunc_wrapper": True,
+    "no_cpython_wrapper": True,
+}  # fmt: skip
+# said explicitly: otherwise a part would take this option from the first kernel that calls it
 _COUNTED: dict[str, Any] = {**_OPTIONS, "_nrt": True}
-_ENTRY: dict[str, Any] = {"no_cfunc_wrapper": True}
-_NO_ENTRY: dict[str, Any] = {**_ENTRY, "no_cpython_wrapper": True}
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -65,19 +64,29 @@ def summation(function: Callable[..., Any]) -> Callable[..., Any]:
     return _compiled(function, {**_COUNTED, "fastmath": {"contract", "reassoc"}})
 
 
+def point(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a function of a single point, inlined into every kernel that calls it."""
+    return _dispatcher(Inlined, function, _COUNTED)
+
+
+def section(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a part of a long kernel, inlined into it like a `point`."""
+    return point(function)
+
+
 def _compiled(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
+    if function.__name__.startswith("_"):
+        return _dispatcher(Part, function, options)
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(function.__code__.co_filename)
     try:
-        if function.__name__.startswith("_"):
-            return _dispatcher(_InnerKernel, function, {**_NO_ENTRY, **options}, cached=True)
-        return _dispatcher(Kernel, function, {**_ENTRY, **options}, cached=True)
+        return _dispatcher(Kernel, function, options, cached=True)
     finally:
         numba.config.CACHE_DIR = before
 
 
 def _dispatcher(
-    kind: type[CPUDispatcher], function: Callable[..., Any], options: dict[str, Any], cached: bool = False
+    kind: type[Kernel | Part], function: Callable[..., Any], options: dict[str, Any], cached: bool = False
 ) -> Callable[..., Any]:
     """A dispatcher of the given class, else as `njit` makes it; the function itself where numba is switched off."""
     if numba.config.DISABLE_JIT:
@@ -85,16 +94,11 @@ def _dispatcher(
     made = kind(
         py_func=function,
         targetoptions={"nopython": True, "boundscheck": None, **options},
-        pipeline_class=KernelCompiler,
+        pipeline_class=kind.compiler,
     )
     if cached:
-        made._cache = KernelCache(function)
+        made._cache = KernelCache(function)  # type: ignore[union-attr]
     return made
-
-
-def point(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Compile a function of a single point, inlined into every kernel that calls it."""
-    return _dispatcher(_Inner, function, {"forceinline": True, **_NO_ENTRY, **_OPTIONS})
 
 
 class Compilation:
@@ -132,7 +136,19 @@ COMPILATION = Compilation()
 
 
 class Kernel(CPUDispatcher):
-    """Dispatcher that treats literal arguments as plain numbers, so that a new literal causes no compilation."""
+    """A kernel as Python calls it. Kernels that call it call its `part`."""
+
+    compiler = KernelCompiler
+
+    @cached_property
+    def part(self) -> Part:
+        """The same function for other kernels: machine code of its own is made when Python calls it, and not before."""
+        made = _dispatcher(Part, self.py_func, {name: self.targetoptions[name] for name in _COUNTED})
+        return cast(Part, made)
+
+    @property
+    def _numba_type_(self) -> Any:
+        return types.Dispatcher(self.part)
 
     def compile(self, sig: Any) -> Any:
         """Called at the first call with arguments of new types."""
@@ -140,30 +156,32 @@ class Kernel(CPUDispatcher):
         with kernel_locked(self), COMPILATION:
             return super().compile(sig)
 
-    def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Called where another kernel calls this one."""
-        return super().get_call_template([types.unliteral(argument) for argument in args], kws)
 
+class Part(CPUDispatcher):
+    """A function that kernels call: compiled within each of them, without an entry point for Python.
 
-class _Inner(CPUDispatcher):
-    """Compiled for kernels, without an entry point for Python; it gets one when Python calls it after all."""
+    It gets one when Python calls it after all. Literal arguments are plain numbers: a new one causes no compilation.
+    """
+
+    compiler = PartCompiler
 
     @cached_property
     def with_entry(self) -> Callable[..., Any]:
         """The same function compiled with an entry point for Python."""
-        return _dispatcher(Kernel, self.py_func, {**_ENTRY, **_COUNTED})
+        return _dispatcher(Kernel, self.py_func, _COUNTED)
 
     def __call__(self, *arguments: Any, **named: Any) -> Any:
         return self.with_entry(*arguments, **named)
 
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Called where a kernel calls this function."""
+        return super().get_call_template([types.unliteral(argument) for argument in args], kws)
 
-class _InnerKernel(_Inner, Kernel):
-    """A kernel that other kernels call, and Python only now and then."""
 
+class Inlined(Part):
+    """A function that is inlined wherever it is called."""
 
-def section(function: Callable[..., Any]) -> Callable[..., Any]:
-    """A part of a long kernel as a function of its own: inlined into its callers, never compiled by itself."""
-    return njit(inline="always", **_OPTIONS)(function)
+    compiler = InlinedCompiler
 
 
 @intrinsic

@@ -58,9 +58,46 @@ def test_no_copy_of_a_callee_is_seen_from_outside() -> None:
     (compiled,) = quartered.overloads.values()  # type: ignore[attr-defined]
     linkages = {function.linkage for function in compiled.library.get_defined_functions()}
     assert Linkage.linkonce_odr not in linkages
-    # but callers of this one may still drop theirs for equal ones within themselves
-    shared = {function.linkage for function in compiled.library._get_module_for_linking().functions}
-    assert Linkage.linkonce_odr in shared
+
+
+def test_what_a_kernel_calls_has_no_machine_code_and_no_place_in_the_cache(tmp_path: Path) -> None:
+    """One file of machine code for the kernel that Python called; the other one gets its own when Python calls it."""
+    (tmp_path / "sums.py").write_text(SOURCE)
+    for call, stored in (("twice", ["twice"]), ("total", ["total", "twice"])):
+        program = f"import numpy as np, sums; sums.{call}(np.ones(3), np.zeros(1))"
+        subprocess.run(
+            [sys.executable, "-c", program], cwd=tmp_path, check=True,
+            env={"PATH": "", "CONTACTLAB_CACHE": str(tmp_path / "cache")},
+        )  # fmt: skip
+        files = sorted((tmp_path / "cache").rglob("*.nbc"))
+        assert [path.name.split(".")[1].split("-")[0] for path in files] == stored
+
+
+RAISES = """
+from contactlab.api.compiled.kernel import kernel, point
+
+@point
+def checked(x):
+    if x < 0.0:
+        raise ValueError("below zero", x)
+    return x
+
+@kernel
+def passed(x):
+    return checked(x) + 1.0
+"""
+
+
+def test_an_error_of_a_part_carries_its_numbers_also_from_the_cache(tmp_path: Path) -> None:
+    """What it is made of in Python lies in the environment of the part, of which the kernel has a copy."""
+    (tmp_path / "raises.py").write_text(RAISES)
+    program = "import raises\ntry:\n    raises.passed(-2.5)\nexcept ValueError as error:\n    print(error.args)"
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True, check=True,
+            env={"PATH": "", "CONTACTLAB_CACHE": str(tmp_path / "cache")},
+        )  # fmt: skip
+        assert done.stdout.strip() == "('below zero', -2.5)"
 
 
 def test_a_kernel_from_the_cache_works_alone_and_after_its_callee(tmp_path: Path) -> None:
