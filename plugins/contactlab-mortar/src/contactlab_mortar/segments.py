@@ -34,11 +34,16 @@ def _tilt(slave, length):
 
 
 @point
-def _side(slave, tilt, px, py):
+def _beside(slave, px, py):
+    """How far (px, py) lies along the slave segment from its start, and how far from its line, times its length."""
+    x, y = px - slave.ax, py - slave.ay
+    return x * slave.ex + y * slave.ey, abs(x * slave.ey - y * slave.ex)
+
+
+@point
+def _side(along, square, beyond):
     """-1 for a point before where any normal of the slave segment leads, 1 for one beyond, else 0."""
-    x, y, square = px - slave.ax, py - slave.ay, slave.ex * slave.ex + slave.ey * slave.ey
-    along, reach = x * slave.ex + y * slave.ey, tilt * abs(x * slave.ey - y * slave.ex) + 1e-9 * square
-    return -1 if along < -reach else (1 if along > square + reach else 0)
+    return -1 if along < -beyond else (1 if along > square + beyond else 0)
 
 
 @point
@@ -137,16 +142,22 @@ def _pieces_of(table, s, reach, depth, space, begin):
     starts = sides.slave.node_segments[sides.slave.segments[s, 0], 0] < 0
     ends = sides.slave.node_segments[sides.slave.segments[s, 1], 1] < 0
     length = np.sqrt(slave.ex * slave.ex + slave.ey * slave.ey)
-    tilt = _tilt(slave, length)
+    tilt, square = _tilt(slave, length), length * length
     # neighbours on the master share a node: where it lies and from where it is seen is worked out once
     segments, at, near = sides.master.segments, sides.master_at, min(reach, depth) ** 2
-    last, seen, parameter, d_side = NONE, NONE, 0.0, 0
+    last, seen, parameter, d_along, d_away = NONE, NONE, 0.0, 0.0, 0.0
     for z in range(sides.start[s], sides.start[s + 1]):
         m = np.uint32(sides.candidates[z])
         i, j = np.uint32(segments[m, 0]), np.uint32(segments[m, 1])
-        c_side = d_side if i == last else _side(slave, tilt, at[i, 0], at[i, 1])
-        d_side = _side(slave, tilt, at[j, 0], at[j, 1])
+        c_along, c_away = d_along, d_away
+        if i != last:
+            c_along, c_away = _beside(slave, at[i, 0], at[i, 1])
+        d_along, d_away = _beside(slave, at[j, 0], at[j, 1])
         last = j
+        # beside the slave segment, both ends beyond where normals lead to the farther one. Where normals lean by more
+        # than 90 degrees it decides, too: a bound for each end by itself would pass over flanks that a corner presses
+        beyond = tilt * max(c_away, d_away) + 1e-9 * square
+        c_side, d_side = _side(c_along, square, beyond), _side(d_along, square, beyond)
         if c_side * d_side > 0:
             continue
         master = segment_between(i, j, at)
