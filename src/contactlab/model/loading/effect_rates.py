@@ -16,6 +16,7 @@ from contactlab.api import Floats, State
 ITERATIONS = 12  # the norm grows towards the largest eigenvalue: 1 % below it where its neighbours are a third lower
 SMALL = 1e-6  # of the model's size: central differences of smooth forces then err by 1e-10 or so
 MARGIN = 1.05  # on what effects take from a step: eigenvalues are found from below
+WIDE, JUMP = 10.0, 3.0  # a jump of forces looks a tenth as stiff in a motion ten times as wide, a spring just as stiff
 NOISE = 1e-9  # of the bodies' rates: what differences of constant forces leave by round-off
 
 
@@ -78,26 +79,30 @@ class _Probe:
         self.start = np.where(self.moving, np.random.default_rng(1).choice([-1.0, 1.0], size=(len(mass), 2)), 0.0)
 
     def largest(self, time: float, field: Floats, step: float) -> float:
-        """Largest eigenvalue of -M^-1 dF/d(field) by modulus."""
+        """Largest eigenvalue of -M^-1 dF/d(field) by modulus; 0 where forces jump and have no derivative."""
         motion, found = self.start, 0.0
-        before = field.copy()
+        for _ in range(ITERATIONS):
+            change = self._change(time, field, step, motion)
+            length = self._norm(change)
+            if not 0.0 < length < np.inf:
+                return 0.0
+            last, found = motion, length / self._norm(motion)
+            motion = change / np.abs(change).max()  # entries of about one: steps are what they were chosen to be
+        wide = self._norm(self._change(time, field, WIDE * step, last)) / self._norm(last)
+        return found if found < JUMP * wide else 0.0
+
+    def _change(self, time: float, field: Floats, step: float, motion: Floats) -> Floats:
+        """Change of the forces over the masses (N, 2) per unit of a motion (N, 2)."""
+        before, change = field.copy(), np.zeros_like(field)
         try:
-            for _ in range(ITERATIONS):
-                change = np.zeros_like(before)
-                for side in (1.0, -1.0):
-                    forces = np.zeros_like(before)
-                    field[:] = before + side * step * motion
-                    self.effect(time, forces)
-                    change += side * forces
-                change = np.divide(change / (2.0 * step), self.mass, out=np.zeros_like(change), where=self.moving)
-                length = self._norm(change)
-                if not 0.0 < length < np.inf:
-                    return found if length == 0.0 else length
-                # motions have entries of about one, so that steps are what they were chosen to be
-                found, motion = length / self._norm(motion), change / np.abs(change).max()
+            for side in (1.0, -1.0):
+                forces = np.zeros_like(before)
+                field[:] = before + side * step * motion
+                self.effect(time, forces)
+                change += side * forces
         finally:
             field[:] = before
-        return found
+        return np.divide(change / (2.0 * step), self.mass, out=np.zeros_like(change), where=self.moving)
 
     def _norm(self, motion: Floats) -> float:
         return float(np.sqrt(np.sum(self.mass * motion**2)))

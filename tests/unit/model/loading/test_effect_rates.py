@@ -53,6 +53,15 @@ def test_the_stiffest_node_counts_and_rigid_surfaces_do_not() -> None:
     assert most / 1.05 < rates(springs, mass).square <= most * (1.0 + 1e-9)
 
 
+def test_forces_that_jump_have_no_rate() -> None:
+    """Dry friction at rest: by differences it would be the stiffer the smaller they are, and steps without end."""
+
+    def drag(state: State) -> object:
+        return lambda time, force: force.__isub__(4.0 * np.sign(state["velocity"]))
+
+    assert rates(drag, np.full(20, 2e-3)) == EffectRates()
+
+
 @pytest.mark.parametrize(("square", "damping"), [(0.0, 800.0), (4e6, 0.0), (2e6, 3000.0)])
 def test_central_differences_stay_bounded_up_to_the_limit_and_not_beyond(square: float, damping: float) -> None:
     limit = EffectRates(square / 1.05, damping / 1.05).limit(BODIES)  # without the margin
