@@ -74,12 +74,22 @@ def _quadrature_areas(mesh: Mesh, element: Element) -> Floats:
 
 def outer_edges(cells: Ints, element: Element) -> Ints:
     """Straight segments (e, 2) of the sides that belong to one of the `cells` (n, a) only, the body on their left."""
+    return segments_of(outer_sides(cells, element)[0])
+
+
+def outer_sides(cells: Ints, element: Element) -> tuple[Ints, Ints]:
+    """Sides (s, b) that belong to one of the `cells` (n, a) only: start, end, inner nodes; and the cell of each."""
     sides = np.concatenate([cells[:, list(edge)] for edge in element.edges])
     low, high = np.sort(sides[:, :2].astype(np.int64), axis=1).T
     _, number, count = np.unique(low * (high.max(initial=0) + 1) + high, return_inverse=True, return_counts=True)
-    outer = sides[count[number.ravel()] == 1]
-    path = [0, *range(2, outer.shape[1]), 1]
-    return np.concatenate([outer[:, [a, b]] for a, b in pairwise(path)])
+    outer = np.flatnonzero(count[number.ravel()] == 1)
+    return sides[outer], (outer % len(cells)).astype(np.int32)
+
+
+def segments_of(sides: Ints) -> Ints:
+    """Straight segments (e, 2) between neighbouring nodes of sides (s, b): start, end, inner nodes."""
+    path = [0, *range(2, sides.shape[1]), 1]
+    return np.concatenate([sides[:, [a, b]] for a, b in pairwise(path)])
 
 
 def surface_from_edges(edges: Ints) -> Surface:

@@ -9,9 +9,11 @@ import numpy as np
 from contactlab.api import Element, Floats, Material, Mesh, MeshSource
 from contactlab.meshing.checks import check_mesh
 from contactlab.meshing.mesh import moved, nodal_measure
+from contactlab.meshing.slits import check_closed
 from contactlab.model.bodies.body import Body
 from contactlab.model.bodies.checked_parts import refuse_wrong_speeds, refuse_wrong_tables
 from contactlab.model.loading.edge_sets import with_parts
+from contactlab.scene.checks import split_target
 from contactlab.scene.reading import refused_later
 
 if TYPE_CHECKING:
@@ -47,7 +49,15 @@ def _body(scene: Scene, registry: Registry, name: str, spec: BodySpec, material:
     mesh = moved(_meshed(source, element, scene.level, where), spec.rotate, spec.shift)
     mesh = with_parts(mesh, spec.sets, scene.where(f"bodies.{name}.sets"))
     check_mesh(mesh, element, where)
+    check_closed(mesh, element, _joined_sets(scene, name), where)
     return Body(name, element, material, mesh, first, len(mesh.nodes), (mesh.cells + first).astype(np.int32))
+
+
+def _joined_sets(scene: Scene, body: str) -> list[tuple[list[str], list[str]]]:
+    """Edge sets of a body that are slave and master of one contact, for each contact."""
+    split = [tuple(map(split_target, side)) for contact in scene.contacts for side in contact.targets]
+    own = [[edges for name, edges in side if name == body] for side in split]
+    return list(zip(own[::2], own[1::2], strict=True))
 
 
 def _meshed(source: MeshSource, element: Element, level: int, where: Where) -> Mesh:
