@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import atexit
+import contextlib
 import gc
 import os
 import sys
@@ -32,6 +33,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         gc.set_threshold(500_000, 20, 20)
         atexit.register(gc.freeze)
         warnings.formatwarning = _worded
+        # what the program starts looks for modules where this one does, and not in the folder it is called in
+        os.environ["PYTHONSAFEPATH"] = "1"
+        for stream in (sys.stdout, sys.stderr):
+            with contextlib.suppress(AttributeError):  # a stream that was closed or replaced
+                stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
     try:
         status = _run(words)
         sys.stdout.flush()

@@ -15,6 +15,14 @@ EXPECTED = re.compile(r"argument (?P<name>[^:]+): expected .*argument", re.DOTAL
 REQUIRED = re.compile(r"the following arguments are required: (?P<name>.*)", re.DOTALL)
 
 
+def _is_text(word: str) -> bool:
+    """Whether a word is UTF-8; bytes of the command line that are not come as halves of characters."""
+    try:
+        return b"\0" not in word.encode()
+    except UnicodeEncodeError:
+        return False
+
+
 def usage_of(parser: argparse.ArgumentParser) -> str:
     """What may be typed, on one line."""
     return " ".join(parser.format_usage().removeprefix("usage: ").replace("[-h] ", "").split())
@@ -50,6 +58,12 @@ class CommandLine(argparse.ArgumentParser):
 
     def read(self, words: Sequence[str]) -> argparse.Namespace:
         """What the words say. Raises RequestError; with the options of the command where it takes no such word."""
+        for word in words:
+            if not _is_text(word):
+                raise RequestError(
+                    "a word has characters that no file can keep", got=ascii(word), allowed="UTF-8 text without NUL",
+                    hint="" if "\0" in word else "if it looks right, set PYTHONUTF8=1",
+                )  # fmt: skip
         options, left = self.parse_known_args(words)
         if left:
             self._refuse(left, words)

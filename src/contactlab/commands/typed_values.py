@@ -7,13 +7,16 @@ import argparse
 
 def positive(text: str) -> int:
     """A whole number of at least 1."""
-    try:
-        number = int(text)
-    except ValueError:
-        number = 0
-    if number < 1:
-        raise argparse.ArgumentTypeError(f"got {text}, allowed: a whole number >= 1")
+    number = _whole(text)
+    if number is None or number < 1:
+        raise argparse.ArgumentTypeError(f"got {text[:40]}, allowed: a whole number >= 1")
     return number
+
+
+def _whole(text: str) -> int | None:
+    """The whole number that is written; None for other text and for more than 18 digits."""
+    digits = text.strip().removeprefix("+")
+    return int(digits) if digits.isdecimal() and len(digits) <= 18 else None
 
 
 def share(text: str) -> float:
@@ -40,6 +43,7 @@ def seconds(text: str) -> float:
 
 def step(text: str) -> int:
     """A whole number of at least 0."""
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"got {text}, allowed: a whole number >= 0")
-    return int(text)
+    number = _whole(text)
+    if number is None:
+        raise argparse.ArgumentTypeError(f"got {text[:40]}, allowed: a whole number >= 0")
+    return number

@@ -76,7 +76,7 @@ class TrialRun:
 def run_trial(scene: Scene) -> TrialRun:
     """Make the first steps of `scene`. Raises SimulationFailure where they fail."""
     request = pickle.dumps((sys.path, pickle.dumps(scene)))
-    done = subprocess.run([sys.executable, "-c", _FAR_END], input=request, capture_output=True, check=False)
+    done = subprocess.run([sys.executable, "-P", "-c", _FAR_END], input=request, capture_output=True, check=False)
     if done.returncode:
         _build_here(scene)
         last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no word"]

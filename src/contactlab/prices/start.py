@@ -56,7 +56,7 @@ def _kinds(base: Scene) -> Iterator[dict[str, Any]]:
 def _whole_run(changes: Mapping[str, Any]) -> tuple[float, float]:
     """CPU time [s] and memory [MiB] of a run in a process of its own, without its steps and arrays."""
     with TemporaryDirectory() as folder:
-        words = [sys.executable, "-c", _FAR_END, str(FILE), str(Path(folder) / "run"), json.dumps(changes)]
+        words = [sys.executable, "-P", "-c", _FAR_END, str(FILE), str(Path(folder) / "run"), json.dumps(changes)]
         done = subprocess.run(words, capture_output=True, text=True, check=False)
         if done.returncode:
             last = done.stderr.strip().splitlines()[-1:] or ["no word"]

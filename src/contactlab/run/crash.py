@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import faulthandler
+import json
 import subprocess
 import sys
 import tempfile
@@ -21,7 +22,7 @@ def told_if_it_crashes(folder: Path, scene: str) -> Iterator[None]:
     trace = tempfile.NamedTemporaryFile("w", prefix="contactlab-", suffix=".txt", delete=False)  # noqa: SIM115
     before = faulthandler.is_enabled()
     faulthandler.enable(trace)
-    words = [sys.executable, "-I", "-S", crash_watch.__file__, str(folder.absolute()), scene, trace.name]
+    words = [sys.executable, "-I", "-S", crash_watch.__file__, str(folder.absolute()), json.dumps(scene), trace.name]
     watch = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL)
     try:
         yield

@@ -1,7 +1,8 @@
 """The process beside a run that tells how it died, where it could not do so itself; imports the standard library alone.
 
 Its standard input is a pipe from the run: a byte, and all is well; an end without one, and the run is gone.
-Arguments: the folder of the run, the scene's name, and the file into which `faulthandler` writes.
+Arguments: the folder of the run, the scene's name as JSON (which any encoding can pass), and the file into which
+`faulthandler` writes.
 """
 
 from __future__ import annotations
@@ -47,4 +48,4 @@ def described(text: str) -> str:
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    main(sys.argv[1], json.loads(sys.argv[2]), sys.argv[3])

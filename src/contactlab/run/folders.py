@@ -125,13 +125,13 @@ def made_folder(folder: Path) -> Path:
     """`folder`, made if need be, whatever it holds. Raises RequestError where it cannot be a folder."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
+    except (OSError, ValueError) as error:  # ValueError: NUL in the name
         raise _unusable(folder, error) from error
     return folder
 
 
-def _unusable(folder: Path, error: OSError) -> RequestError:
-    reason = (error.strerror or str(error)).lower()
+def _unusable(folder: Path, error: OSError | ValueError) -> RequestError:
+    reason = (getattr(error, "strerror", None) or str(error)).lower()
     return RequestError(
         f"no results can be written here: {reason}", where=f"results folder {folder}", allowed="a folder"
     )

@@ -11,6 +11,9 @@ from contactlab.errors import SceneError, did_you_mean, show
 NAMED_LISTS = ("contacts", "supports", "loads")
 """Lists of tables whose entries can be reached by their `name`, too."""
 
+DIGITS = 10
+"""Digits of the number of an entry; Python refuses to read thousands of them."""
+
 Switch = Callable[[str, Mapping[str, Any], str], dict[str, Any]]
 """(key path, old part, new name) -> the new part, with what it keeps of the old one."""
 
@@ -124,7 +127,7 @@ def _put(holder: Any, path: list[str], value: object) -> None:
 
 def _index(entries: list[Any], name: str, path: list[str]) -> int:
     """Position in a list; one past its end adds an entry."""
-    if name.isdecimal() and int(name) <= len(entries):
+    if name.isdecimal() and len(name) < DIGITS and int(name) <= len(entries):
         return int(name)
     raise SceneError(
         "the list has no such entry",

@@ -11,6 +11,8 @@ from typing import Any, get_args
 from contactlab.errors import Location, SceneError, Where, did_you_mean
 from contactlab.scene.accepts import in_words
 
+LARGEST = 2**63 - 1  # TOML's largest integer
+
 
 def choice(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> Any:
     """The member of a Literal that was written. Raises SceneError where it is none."""
@@ -28,12 +30,23 @@ def scalar(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> An
     allowed = in_words(limits.get("options", hint), limits)
     if hint in (int, float):
         return _number(hint, value, where, limits, allowed)
+    if isinstance(value, str | Path):
+        _check_characters(str(value), where)
     if hint is Path and isinstance(value, str | Path):
         return _path(value, where)
     if isinstance(hint, type) and isinstance(value, hint):
         return value
     tip = "write true or false without quotes" if hint is bool and isinstance(value, str) else ""
     raise SceneError("wrong type", where=where, got=value, allowed=allowed, hint=tip)
+
+
+def _check_characters(text: str, where: Where) -> None:
+    """Raise SceneError for what no file can keep: NUL, and halves of characters (bytes that are not UTF-8)."""
+    bad = next((c for c in text if c == "\0" or "\ud800" <= c <= "\udfff"), None)
+    if bad is not None:
+        raise SceneError(
+            f"no file can keep the character {bad!a}", where=where, got=ascii(text), allowed="UTF-8 text without NUL"
+        )
 
 
 def _path(value: str | Path, where: Where) -> Path:
@@ -51,6 +64,8 @@ def _number(hint: type, value: Any, where: Where, limits: Mapping[str, Any], all
         number = math.inf
     if hint is float and not math.isfinite(number):
         raise SceneError("the number is not finite", where=where, got=value, allowed=allowed)
+    if hint is int and abs(number) > LARGEST:
+        raise SceneError("the number is out of bounds", where=where, got=value, allowed=f"{allowed}, below 2^63")
     if not _within(number, limits):
         raise SceneError("the number is out of bounds", where=where, got=value, allowed=allowed)
     return typing.cast("float | int", number)

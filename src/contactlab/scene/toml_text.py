@@ -14,6 +14,7 @@ from contactlab.errors import Location, SceneError
 _AT_LINE = re.compile(r"^(?P<what>.*?) \(at (?:line (?P<line>\d+), column (?P<column>\d+)|end of document)\)$")
 _HEADER = re.compile(r"\s*(?P<open>\[\[?)\s*(?P<key>[^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"\s*(?P<key>[A-Za-z0-9_\"'. -]+?)\s*=")
+_ENDLESS = re.compile(r"[0-9_]{4300}")
 _DELIMITERS = ('"""', "'''")
 
 
@@ -52,6 +53,12 @@ def parse_toml(text: str, shown: str) -> dict[str, Any]:
     except RecursionError as error:
         got = f"{len(text)} characters"
         raise SceneError("this is nested too deeply", where=shown, got=got, allowed="a scene in TOML") from error
+    except ValueError as error:  # Python reads no integer of more than 4300 digits
+        line = next((n for n, row in enumerate(text.splitlines(), 1) if _ENDLESS.search(row)), 0)
+        where = f"{shown}, line {line}" if line else shown
+        raise SceneError(
+            "the integer has too many digits", where=where, got=str(error), allowed="numbers below 1e19"
+        ) from error
 
 
 _HINTS = {
@@ -147,6 +154,10 @@ def parse_value(text: str, where: str) -> Any:
             found = tomllib.loads(f"value = {candidate}")
         except (tomllib.TOMLDecodeError, RecursionError):
             continue
+        except ValueError as error:  # an integer of more than 4300 digits
+            raise SceneError(
+                "the integer has too many digits", where=where, got=text, allowed="numbers below 1e19"
+            ) from error
         if set(found) == {"value"}:
             return found["value"]
     if text.lstrip()[:1] in ("[", "{", '"', "'"):

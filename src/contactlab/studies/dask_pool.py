@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import pickle
 import uuid
 from collections.abc import Callable
@@ -112,6 +113,7 @@ class DaskPool(Pool):
 
 def _own_cluster(jobs: int) -> Any:
     """Workers of one thread each, seen by this machine alone."""
+    os.environ["PYTHONSAFEPATH"] = "1"  # its processes do not look for modules in the folder they are started in
     return distributed.LocalCluster(
         n_workers=jobs, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address=None
     )

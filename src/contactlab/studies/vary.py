@@ -150,14 +150,13 @@ def _starred(path: list[str], data: Any, key: str) -> list[str]:
         return [".".join(path)]
     place = path.index("*")
     for name in path[:place]:
-        data = data[int(name)] if isinstance(data, list) and name.isdecimal() else _entry(data, name)
+        data = _entry(data, name)
     names = [str(n) for n in range(len(data))] if isinstance(data, list) else list(data or ())
     if not names:
         raise RequestError("there is nothing that * could stand for", where=key, got=".".join(path[:place]) or "*",
                            allowed="a table or list of the scene: bodies.*.element, contacts.*.algorithm")  # fmt: skip
     return [
-        full for name in names for full in _starred_from(path, place, name, data[int(name)] if isinstance(data, list)
-                                                         else data[name], key)
+        full for name in names for full in _starred_from(path, place, name, _entry(data, name), key)
     ]  # fmt: skip
 
 
@@ -167,4 +166,6 @@ def _starred_from(path: list[str], place: int, name: str, inner: Any, key: str) 
 
 
 def _entry(data: Any, name: str) -> Any:
+    if isinstance(data, list):
+        data = {str(number): entry for number, entry in enumerate(data)}
     return data.get(name) if isinstance(data, Mapping) else None

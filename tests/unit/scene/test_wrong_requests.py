@@ -10,7 +10,10 @@ from pathlib import Path
 import pytest
 
 from contactlab.cli import main
-from contactlab.scene.scene import bundled_scenes
+from contactlab.commands.arguments import COMMANDS
+from contactlab.errors import RequestError, SceneError
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import bundled_scenes, load_scene
 
 SCENE = bundled_scenes()["disc-on-block"].read_text()
 
@@ -125,8 +128,11 @@ def test_a_wrong_scene(
         (b"\x00\x01\x02\x03", ["no TOML"]),
         (b"", ['"integrator" is missing']),
         (b"a = " + b"[" * 5000, ["nested too deeply"]),
+        (b"name = 'x'\nlevel = " + b"9" * 4301, ["line 2", "too many digits"]),
+        (SCENE.replace("format = 1", f"format = 1\nlevel = 0x{'f' * 4000}").encode(), ["4816 digits", "below 2^63"]),
+        (SCENE.replace('units = "mm', 'units = "\\u0000mm').encode(), ["key units", "line 5", "NUL", "x00mm"]),
     ],
-    ids=["binary", "picture", "control characters", "empty", "nested"],
+    ids=["binary", "picture", "control characters", "empty", "nested", "digits", "hexadecimal digits", "NUL"],
 )
 def test_a_file_that_is_no_scene(
     content: bytes, words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
@@ -178,6 +184,49 @@ def test_a_wrong_command_line(
     for word in words:
         assert word in message
     assert not list(Path("runs").glob("*"))
+
+
+DIGITS = "9" * 4301
+"""One more than Python reads as a decimal number."""
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+@pytest.mark.parametrize("word", ["a\0b", "\udcff"], ids=["NUL", "not UTF-8"])
+def test_a_word_that_no_file_can_keep(command: str, word: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """After every command, as the only word and as the value of an option."""
+    for words in ([word], ["--set", f"source={word}"], ["--out", word]):
+        assert ascii(word)[1:-1] in refused([command, *words], capsys)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["run", "two-bars", "--set", f"level={DIGITS}"],
+        ["explain", "two-bars", "--set", f"bodies.left.mesh.x=[0, {DIGITS}]"],
+        ["run", "two-bars", "--set", f"contacts.{DIGITS}.swap=true"],
+        ["compare", "two-bars", "--vary", f"level=[{DIGITS}]"],
+        ["compare", "two-bars", "--vary", f"contacts.{DIGITS}.*=[1]"],
+        ["compare", "two-bars", "--repeat", DIGITS],
+        ["matrix", "--jobs", DIGITS],
+        ["calibrate", "--rounds", DIGITS],
+        ["choose", "two-bars", "--search", DIGITS],
+        ["choose", "two-bars", "--error", DIGITS],
+        ["view", "two-bars", "--step", DIGITS],
+        ["check", "coulomb", "--set", f"mu={DIGITS}"],
+    ],
+    ids=lambda words: f"{words[0]} {words[-1][:12]}",
+)
+def test_an_integer_that_python_does_not_read(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert "999" in refused(words, capsys)
+
+
+def test_numbers_and_texts_of_python_are_looked_at_as_well(tmp_path: Path) -> None:
+    scene = load_scene("two-bars")
+    for changes, key in (({"level": 10**5000}, "level"), ({"source": "\0"}, "source"), ({"name": "\udcff"}, "name")):
+        with pytest.raises(SceneError, match=f"(?s){key}.*(file can keep|below 2.63)"):
+            scene.with_(changes)
+    with pytest.raises(RequestError, match="embedded null"):
+        simulate(scene, out=f"{tmp_path}/\0")
 
 
 @pytest.mark.parametrize(

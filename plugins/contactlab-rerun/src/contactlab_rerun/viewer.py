@@ -172,7 +172,7 @@ def _program() -> list[str]:
     if spec is None or spec.origin is None:
         raise RuntimeError("the program rerun is not there; it comes with rerun-sdk")
     program = Path(spec.origin).with_name("rerun")
-    return [str(program)] if program.exists() else [sys.executable, "-m", "rerun_cli"]
+    return [str(program)] if program.exists() else [sys.executable, "-P", "-m", "rerun_cli"]
 
 
 def _free_port() -> int:
