@@ -63,7 +63,7 @@ class TestRun:
         assert "results in runs/disc-on-block-001" in shown.out
         assert "results in runs/disc-on-block-002" in shown.out
         assert "finished" in shown.out
-        assert "CPU time of the steps" in shown.out
+        assert "peak force" in shown.out
         for number in ("001", "002"):
             left = {path.name for path in Path(f"runs/disc-on-block-{number}").iterdir()}
             assert {"scene.toml", "summary.json", "contact.csv", "history.csv"} <= left

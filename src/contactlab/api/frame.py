@@ -109,6 +109,11 @@ class ContactLayout:
     master_nodes: Ints
     master_segments: Ints
 
+    @property
+    def title(self) -> str:
+        """The contact's name in the scene, or its sides if it has none: "disc.arc on block.top"."""
+        return self.label if self.label != self.name else f"{self.slave} on {self.master}"
+
 
 @dataclass(frozen=True)
 class Layout:

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
 from contactlab.commands.interruption import INTERRUPTED
 from contactlab.errors import RequestError, SceneError, did_you_mean
 from contactlab.run.folders import results_folder
 
+if TYPE_CHECKING:
+    from contactlab.parts.registry import Registry
+    from contactlab.studies.table import Table
+
 
 def compare(options: argparse.Namespace) -> int:
-    """Run the combinations and print their table; failed rows are results: the status is 0 unless all failed."""
+    """Run the combinations and print their table; failed rows are results: the status is 1 if no run finished."""
     from contactlab.accuracy.study import bundled_case_studies, find_case_study
 
     cases = find_case_study(options.scene)
@@ -38,8 +45,7 @@ def compare(options: argparse.Namespace) -> int:
 def _compare_scene(options: argparse.Namespace) -> int:
     """Compare the runs of one scene."""
     from contactlab.comparison import compare as run_all
-    from contactlab.reports.breakdown_table import print_breakdown
-    from contactlab.reports.table import print_table
+    from contactlab.reports.table import failed_alike, failure
     from contactlab.studies.resume import resume_line
     from contactlab.studies.study import parse_vary
 
@@ -50,7 +56,8 @@ def _compare_scene(options: argparse.Namespace) -> int:
     with results_folder(options.out, name, options.resume) as folder:
         try:
             result = run_all(
-                options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes, progress=True,
+                options.scene, vary, out=folder, jobs=options.jobs, registry=registry, changes=changes,
+                progress=not options.quiet,
                 effects=options.effects, resume=options.resume, time_limit=options.time_limit,
                 scheduler=options.scheduler, repeat=options.repeat,
                 reference=options.reference,
@@ -71,11 +78,27 @@ def _compare_scene(options: argparse.Namespace) -> int:
             )
             console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
             return INTERRUPTED
+    status = 0 if any(row.finished for row in result.rows) else 1
     if options.json:
         print_json({"folder": str(folder), **json.loads((folder / "table.json").read_text(encoding="utf-8"))})
-        return 0 if any(row.complete for row in result.rows) else 1
+    elif options.quiet:
+        for rows in failed_alike(result):
+            print(f"contactlab: {failure(rows)}", file=sys.stderr)
+    else:
+        _print(result, folder, registry, options)
+    return status
+
+
+def _print(result: Table, folder: Path, registry: Registry, options: argparse.Namespace) -> None:
+    from contactlab.reports.breakdown_table import print_breakdown
+    from contactlab.reports.table import print_table
+    from contactlab.reports.table_details import every_number, where_the_time_went
+
     shown = console()
     (print_table if result.breakdown is None else print_breakdown)(result, shown)
+    if options.verbose:
+        shown.print(every_number(result, shown.width))
+    if options.profile:
+        shown.print(where_the_time_went(result))
     shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)
     print_how_to_look(folder, registry, shown)
-    return 0 if any(row.complete for row in result.rows) else 1

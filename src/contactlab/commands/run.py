@@ -6,7 +6,7 @@ import argparse
 import shlex
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from contactlab.run.folders import results_folder
 from contactlab.scene.scene import Scene, load_scene
 
 if TYPE_CHECKING:
+    from contactlab.results.results import Results
     from contactlab.run.simulation import Progress
 
 EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
@@ -22,7 +23,7 @@ EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the scene, show how it goes, print a short table."""
+    """Run the scene with a progress bar and print a summary."""
     from contactlab.results.result_file import FILE, RESUMABLE
     from contactlab.run.crash import told_if_it_crashes
     from contactlab.run.interruption import Interrupted
@@ -30,24 +31,36 @@ def run(options: argparse.Namespace) -> int:
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
-    with results_folder(options.out, scene.name, options.resume) as folder, shown_progress(scene) as progress:
+    shown = nullcontext() if options.quiet else shown_progress(scene)
+    with results_folder(options.out, scene.name, options.resume) as folder, shown as progress:
         try:
             with told_if_it_crashes(folder, scene.name):
                 results = simulate(scene, out=folder, registry=registry, progress=progress, resume=options.resume)
         except Interrupted as stop:
             results = stop.results
-    # libraries that draw tables are needed now, and not before the first step
-    from contactlab.reports.run import print_run
-
     if options.json:
         print_json({"folder": str(folder), **results.summary})
         return EXIT_STATUS.get(results.status, 1)
+    if options.quiet:
+        _print_problems(results)
+        return EXIT_STATUS.get(results.status, 1)
+    # libraries that draw tables are needed now, and not before the first step
+    from contactlab.reports.run import print_run
+
     out = console()
-    print_run(results, scene.data, out)
+    print_run(results, scene.data, out, options.verbose, options.profile)
     print_how_to_look(folder, registry, out)
     if results.status in RESUMABLE and (folder / FILE).exists():
         out.print(f"go on with: {resume_line(options, folder)}", markup=False, highlight=False, soft_wrap=True)
     return EXIT_STATUS.get(results.status, 1)
+
+
+def _print_problems(results: Results) -> None:
+    """Failure and warnings on standard error: all that a quiet run prints."""
+    if results.status != "finished":
+        print(f"contactlab: {results.status}: {results.reason}", file=sys.stderr)
+    for warning in results.warnings:
+        print(f"contactlab: warning ({warning.code}): {warning.text}", file=sys.stderr)
 
 
 def resume_line(options: argparse.Namespace, folder: Path) -> str:

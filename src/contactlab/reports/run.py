@@ -1,205 +1,148 @@
-"""The table of a single run: how it ended, forces, contact, energies, cost."""
+"""What a reader sees first of a single run: how it ended, peak pressure and force, steps, warnings."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from rich import box
 from rich.console import Console, Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
 from contactlab.api.drawing.units import Units
-from contactlab.reports.numbers import percent, significant
+from contactlab.reports.numbers import significant
+from contactlab.results.peaks import final_force, peak_force, peak_pressure
 from contactlab.results.results import Results
-from contactlab.results.summary import THE_END_ONLY
-from contactlab.studies.measure_run import reaction_against_pressure
-from contactlab.studies.measures import mirror_asymmetry
-from contactlab.studies.profile import FoldedSurfaceError, Profile
+from contactlab.studies.measure_run import driven_support
 
-Line = tuple[str, str, str]
-"""What, how much, in which unit."""
+MOST = 3
+"""Contacts that are listed; of more the one with the highest pressure."""
+
+THE_END = "at the end"
+CLEARLY = 0.999
+"""Ratio of two values below which both are shown."""
 
 _STYLES = {"finished": "bold green", "not-converged": "bold yellow"}
 
 
-def print_run(results: Results, scene: Mapping[str, Any], console: Console | None = None) -> None:
-    """Print the table of a run; `scene` is its TOML data with defaults."""
+def print_run(
+    results: Results,
+    scene: Mapping[str, Any],
+    console: Console | None = None,
+    verbose: bool = False,
+    profile: bool = False,
+) -> None:
+    """Print the summary of a run; `scene` is its TOML data with defaults.
+
+    verbose  adds forces, contacts and energies; profile where the time went
+    """
     console = console or Console()
     console.print(render_run(results, scene))
+    if verbose or profile:
+        from contactlab.reports.run_details import render_details
+
+        console.print(render_details(results, scene, verbose, profile))
     if results.folder is not None:
         console.print(f"results in {results.folder}", markup=False, highlight=False, soft_wrap=True)
 
 
 def render_run(results: Results, scene: Mapping[str, Any]) -> RenderableType:
-    """Status, reason, and the numbers that tell whether to trust the run."""
+    """Status and reason, five lines of numbers, and the text of each warning."""
     summary = results.summary
     status = Text.assemble((str(summary.get("scene", "")), "bold"), ": ", (results.status, _style(results.status)))
     reason = [Text(results.reason)] if results.reason else []
-    return Group(status, *reason, _draw(_groups(results, scene)), *_warnings(results))
-
-
-def _warnings(results: Results) -> list[Text]:
-    """What the run says against itself, with what to try."""
-    return [Text.assemble((f"warning ({warning.code}): ", "bold yellow"), warning.text) for warning in results.warnings]
+    lines = Table.grid(padding=(0, 2))
+    lines.add_column(style="bold", no_wrap=True)
+    lines.add_column()
+    for name, text in _lines(results, scene):
+        lines.add_row(Text(name), Text(text))
+    return Group(status, *reason, lines, *_warnings(results))
 
 
 def _style(status: str) -> str:
     return _STYLES.get(status, "bold red")
 
 
-def _draw(groups: Mapping[str, list[Line]]) -> Table:
-    table = Table(box=box.SIMPLE_HEAD, show_header=False, pad_edge=False)
-    table.add_column(style="bold")
-    table.add_column()
-    table.add_column(justify="right")
-    table.add_column(style="dim")
-    for name, lines in groups.items():
-        for number, line in enumerate(lines):
-            last = number == len(lines) - 1
-            table.add_row(Text(name if number == 0 else ""), *map(Text, line), end_section=last)
-    return table
+def _lines(results: Results, scene: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    units = Units.of_label(scene.get("units"))
+    yield from _named("peak pressure", _pressures(results, units))
+    yield from _named("peak force", _force(results, scene, units))
+    yield "steps", _steps(results.summary)
+    codes = list(dict.fromkeys(warning.code for warning in results.warnings))
+    yield "warnings", f"{len(codes)}: {', '.join(codes)}" if codes else "none"
 
 
-def _groups(results: Results, scene: Mapping[str, Any]) -> dict[str, list[Line]]:
-    summary, units = results.summary, Units.of_label(scene.get("units"))
-    groups = {
-        "run": list(_run_lines(summary, units)),
-        "supports": list(_support_lines(summary, scene, units)),
-        **{name: list(_contact_lines(name, results, scene, units)) for name in summary.get("contacts", {})},
-        "energy": list(_energy_lines(summary.get("balance", {}), units)),
-        "cost": list(_cost_lines(summary.get("cost", {}))),
-    }
-    return {name: lines for name, lines in groups.items() if lines}
+def _named(name: str, texts: Sequence[str]) -> Iterator[tuple[str, str]]:
+    for number, text in enumerate(texts):
+        yield name if number == 0 else "", text
 
 
-def _run_lines(summary: Mapping[str, Any], units: Units) -> Iterator[Line]:
-    steps, sweeps = summary.get("steps", 0), summary.get("contact_sweeps", 0)
-    yield "steps", f"{steps:,}".replace(",", " "), ""
-    if summary.get("contacts"):
-        yield "sweeps per step", significant(sweeps / max(1, steps), 3), ""
+def _pressures(results: Results, units: Units) -> list[str]:
+    summary, titles = results.summary, {contact.name: contact.title for contact in results.layout.contacts}
+    peaks = {name: peak for name in titles if (peak := peak_pressure(summary, name)) is not None}
+    highest = sorted(peaks, key=lambda name: -peaks[name]["value"])
+    more = f" (highest of {len(peaks)} contacts)" if len(peaks) > MOST else ""
+    texts = []
+    for name in peaks if not more else highest[:1]:
+        peak, end = peaks[name], number(summary["contacts"].get(name, {}).get("max_pressure"))
+        text = f"{_with_unit(peak['value'], units.pressure)}, {titles[name]}, {moment(peak, summary, units)}"
+        if end < CLEARLY * peak["value"]:
+            text += f"; {THE_END} {_with_unit(end, units.pressure)}"
+        texts.append(text + more)
+    return texts
+
+
+def _force(results: Results, scene: Mapping[str, Any], units: Units) -> list[str]:
+    """The largest force of the driven support; without supports, of the first contact."""
+    summary = results.summary
+    reactions = {on: np.asarray(force, float) for on, force in summary.get("reactions", {}).items()}
+    on = driven_support(scene, reactions) or next(iter(summary.get("contacts", {})), "")
+    peak, end = peak_force(summary, on), final_force(summary, on)
+    if peak is None or end is None:
+        return []
+    text = f"{_with_unit(peak['value'], units.line_force)}, {on}, {moment(peak, summary, units)}"
+    return [f"{text}{'' if text.endswith(THE_END) else f'; {THE_END}'} ({vector(end, ', ')})"]
+
+
+def moment(peak: Mapping[str, Any], summary: Mapping[str, Any], units: Units) -> str:
+    """When something was: at the end, at a share of the load (statics), or at a time."""
+    if peak["step"] == summary.get("steps"):
+        return THE_END
+    if summary.get("reached", {}).get("of") == "load":
+        return f"at {100.0 * peak['share']:.0f} % of the load"
+    return f"at t = {_with_unit(peak['time'], units.time, 3)}"
+
+
+def _steps(summary: Mapping[str, Any]) -> str:
+    cost, steps = summary.get("cost", {}), summary.get("steps", 0)
+    text = f"{steps:,}".replace(",", " ")
     if summary.get("iterations"):
-        yield "iterations per step", significant(summary["iterations"] / max(1, steps), 3), ""
-    if summary.get("history", {}).get("curve") == THE_END_ONLY:
-        yield "the way to the end", "not in equilibrium: history.csv is no force-displacement curve", ""
-    for level in summary.get("nested", ()):
-        yield f"level {level['level']} before", f"{level['iterations']} iterations", ""
-    for key, value in summary.get("resolved", {}).items():
-        unit = f"1/{units.time}" if key == "damping" else units.time
-        yield f"{key}, chosen", significant(float(value), 4), unit
-
-
-def _support_lines(summary: Mapping[str, Any], scene: Mapping[str, Any], units: Units) -> Iterator[Line]:
-    reactions = summary.get("reactions", {})
-    for on, force in reactions.items():
-        yield f"reaction of {on}", _vector(force), units.line_force
-    mismatch = _float(summary.get("reaction_mismatch"))
-    if mismatch == mismatch:
-        yield "sum of reactions over the largest", percent(mismatch), "%"
-    vectors = {on: np.asarray(force, float) for on, force in reactions.items()}
-    for name, contact in summary.get("contacts", {}).items():
-        number, integral = int(name.rpartition(".")[2]), np.asarray(contact["pressure_integral"], float)
-        share = reaction_against_pressure(scene, vectors, number, integral)
-        if share == share:
-            yield f"reaction against pressure of {name}", percent(share), "%"
-
-
-def _contact_lines(name: str, results: Results, scene: Mapping[str, Any], units: Units) -> Iterator[Line]:
-    contact = results.summary["contacts"][name]
-    yield "force on the slave", _vector(contact["resultant"]), units.line_force
-    yield "integral of its pressure", _vector(contact["pressure_integral"]), units.line_force
-    yield "largest pressure", significant(_float(contact["max_pressure"]), 5), units.pressure
-    side = contact.get("penetrating_side")
-    yield (
-        "deepest penetration" + (f" (by the {side})" if side else ""),
-        _short(contact["max_penetration"]),
-        units.length,
-    )
-    if "cone_violation" in contact:
-        yield "violation of the contact cone", _short(abs(contact["cone_violation"])), ""
-    if contact.get("stiffness"):
-        least, most = (significant(_float(value), 3) for value in contact["stiffness"])
-        yield "stiffness that statuses are decided by", f"{least} to {most}", f"{units.line_force}/{units.length}"
-    if scene.get("symmetry") == "x":
-        yield "mirror asymmetry of the pressure", percent(_asymmetry(results, name)), "%"
-
-
-def _asymmetry(results: Results, name: str) -> float:
-    try:
-        return mirror_asymmetry(Profile.of_curve(results.contact[name].last))
-    except (FoldedSurfaceError, LookupError):
-        return float("nan")
-
-
-def _energy_lines(balance: Mapping[str, Any], units: Units) -> Iterator[Line]:
-    names = {"kinetic": "kinetic", "stored": "stored", "internal": "work of stresses", "external": "work of supports"}
-    names |= {"damping": "lost to damping", "friction": "lost to friction", "plastic": "lost to plastic flow"}
-    for key, name in names.items():
-        # no work is known where the way was not followed
-        if balance.get(key) or (key in ("kinetic", "stored", "internal", "external") and balance.get(key) is not None):
-            yield name, significant(_float(balance.get(key)), 5), units.line_energy
-    kinetic, internal = _float(balance.get("kinetic")), abs(_float(balance.get("internal")))
-    if internal > 0.0:
-        yield "kinetic over work of stresses", _short(kinetic / internal), ""
-    if balance.get("ledger_error") is not None:
-        yield "energy error: ledger", _short(balance["ledger_error"]), ""
-    if balance.get("stored_against_work") is not None:
-        yield "energy error: stored against work", _short(balance["stored_against_work"]), ""
-
-
-def _cost_lines(cost: Mapping[str, Any]) -> Iterator[Line]:
-    total, wall = _float(cost.get("run_cpu_s")), _float(cost.get("run_wall_s"))
-    yield "CPU time of the steps", significant(total, 3), "s"
+        text += f", {significant(summary['iterations'] / max(1, steps), 2)} iterations each,"
+    wall, compiling = number(cost.get("run_wall_s")), number(cost.get("compile_s"))
     if wall == wall:
-        yield f"wall time of the steps{why_apart(total, wall)}", significant(wall, 3), "s"
-    phases = cost.get("phases", {})
-    whole = sum(phases.values())
-    for name, seconds in phases.items():
-        if whole > 0.0:
-            yield f"  of it {name}", percent(seconds / whole), "%"
-            for what, parts in cost.get("parts", {}).get(name, {}).items():
-                for part, time in parts.items():
-                    yield f"    {what}{part_label(part)}", percent(time / whole), "%"
-    for key, name in (("compile_s", "  of it compiling and loading kernels"), ("build_s", "building the model")):
-        if key in cost:
-            yield name, significant(_float(cost[key]), 2), "s"
-    if "peak_memory_mib" in cost:
-        yield "memory at most", significant(_float(cost["peak_memory_mib"]), 3), "MiB"
+        text += f" in {significant(wall, 3)} s"
+        if compiling > 0.2 * wall:
+            text += f", {significant(compiling, 2)} s of it to compile or load kernels"
+    return text
 
 
-APART = 2.0
-"""Ratio of wall and CPU time from which on a word is due."""
+def _with_unit(value: object, unit: str, digits: int = 5) -> str:
+    return f"{significant(number(value), digits)} {unit}".rstrip()
 
 
-def why_apart(cpu: float, wall: float) -> str:
-    """What may be behind wall and CPU times that differ much."""
-    if wall > APART * cpu:
-        return f" ({wall / max(cpu, 1e-9):.1f} times CPU: others were at work on the machine, or files were waited for)"
-    if cpu > APART * wall:
-        return f" (CPU is {cpu / max(wall, 1e-9):.1f} times that: several threads were at work)"
-    return ""
+def _warnings(results: Results) -> list[Text]:
+    """Warnings of this run, each with its value and limit."""
+    return [Text.assemble((f"warning ({warning.code}): ", "bold yellow"), warning.text) for warning in results.warnings]
 
 
-def part_label(part: str) -> str:
-    """A part of a phase; its distribution is told where it is not the project's own."""
-    name, _, package = part.partition(" (")
-    if name == "contactlab":
-        return ""
-    return f": {name}" if not package or package.startswith("contactlab") else f": {part}"
-
-
-def _vector(force: Iterable[float]) -> str:
+def vector(force: Sequence[float], between: str = "  ") -> str:
     """Components to five figures of the largest: what is smaller is round-off and shown as 0."""
     values = [float(component) for component in force]
     largest = max(map(abs, values), default=0.0)
-    return "  ".join(significant(v if abs(v) > 1e-7 * largest else 0.0, 5) for v in values)
+    return between.join(significant(v if abs(v) > 1e-7 * largest else 0.0, 5) for v in values)
 
 
-def _short(value: object) -> str:
-    return significant(_float(value), 2)
-
-
-def _float(value: Any) -> float:
+def number(value: Any) -> float:
+    """A number of a summary; null is NaN."""
     return float("nan") if value is None else float(value)

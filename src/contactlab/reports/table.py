@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -21,7 +22,9 @@ WIDTH = 140
 """Columns of text that the usual table needs."""
 
 USUAL = (
+    "peak_force",
     "reaction",
+    "peak_pressure",
     "reaction_against_pressure",
     "pressure_error",
     "swap_asymmetry",
@@ -29,7 +32,6 @@ USUAL = (
     "sideways_force",
     "max_penetration",
     "steps",
-    "sweeps",
     "cpu_s",
 )
 
@@ -37,7 +39,7 @@ ESSENTIAL = ("pressure_error", "reaction_error", "cpu_s")
 """Error and cost: the last to go where there is little room."""
 
 _SHORT = {
-    "reaction_against_pressure": "reaction\nvs ∫p",
+    "reaction_against_pressure": "reaction\nvs pressure",
     "pressure_error": "p error\nL2",
     "largest_pressure_error": "largest\np error",
     "swap_asymmetry": "swap\nasym. S",
@@ -47,12 +49,18 @@ _SHORT = {
     "oscillation": "oscill.\nO",
     "turning_points": "turning\npoints",
     "mirror_asymmetry": "mirror\nasym.",
-    "sideways_force": "lateral\nforce",
+    "sideways_force": "sideways\nforce",
     "max_pressure": "max\npressure",
+    "peak_force": "peak\nforce",
+    "peak_force_time": "time of\npeak force",
+    "peak_pressure": "peak\npressure",
+    "peak_pressure_time": "time of\npeak pressure",
     "max_penetration": "max\npenetr.",
     "kinetic_share": "kinetic/\ninternal",
     "sweeps": "sweeps\n/step",
 }
+
+_NUMBER = re.compile(r"[-+]?\d+(\.\d+)?(e[-+]?\d+)?")
 
 _RAISED = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 
@@ -111,18 +119,34 @@ def _least_important_first(columns: Sequence[_Shown]) -> list[_Shown]:
 
 
 def _nothing_finished(table: Table) -> list[Text]:
-    """The first thing to know where it is so: there is nothing to compare."""
+    """The first thing to know if it is so: there is nothing to compare."""
     if any(row.complete for row in table.rows):
         return []
-    kinds = ", ".join(f"{row.status}: {row.reason}" for row in {row.reason: row for row in table.rows}.values())
-    return [Text(f"not one of {len(table)} runs came to its end; {kinds}", style="bold red")]
+    return [Text(f"not one of {len(table)} runs finished; the reasons are below the table", style="bold red")]
+
+
+def failed_alike(table: Table) -> list[list[Row]]:
+    """Runs that did not finish, in groups whose statuses and reasons differ in numbers alone."""
+    groups: dict[tuple[str, str], list[Row]] = {}
+    for row in table.failed:
+        groups.setdefault((row.status, _NUMBER.sub("#", row.reason)), []).append(row)
+    return list(groups.values())
+
+
+def failure(rows: Sequence[Row]) -> str:
+    """One sentence about runs that failed alike, with the reason of the first."""
+    first = rows[0]
+    if len(rows) == 1:
+        return f"{_who(first)}, {first.status}: {first.reason}"
+    algorithms = ", ".join(dict.fromkeys(row.algorithm for row in rows))
+    return f"{len(rows)} runs alike ({algorithms}), {first.status}; {_who(first)}: {first.reason}"
 
 
 def _columns(table: Table) -> tuple[list[_Shown], list[str]]:
     """All columns in the order of the table, and titles of measures that no run has."""
     units = Units.of_label(table.scene.get("units"))
     keys = list(dict.fromkeys(key for row in table.rows for key in row.choices))
-    numbers = {row.name: number for number, row in enumerate(table.failed, start=1)}
+    numbers = {row.name: n for n, rows in enumerate(failed_alike(table), start=1) for row in rows}
     words = {"algorithm": [row.algorithm for row in table.rows], "slave": [row.slave for row in table.rows]}
     words |= {key: [str(row.choices.get(key, "")) for row in table.rows] for key in keys}
     words["level"] = [str(row.level) for row in table.rows]
@@ -170,17 +194,15 @@ def _status(row: Row, number: int | None) -> Text:
 def _notes(table: Table, same: Sequence[_Shown], left_out: Sequence[_Shown], empty: Sequence[str]) -> list[Text]:
     constants = ", ".join(f"{c.title} {c.cells[0].plain} {c.unit}".strip() for c in same)
     notes = [Text(f"in every row: {constants}")] if same else []
-    notes += [
-        Text.assemble((f"{number} ".translate(_RAISED), "bold"), f"{_who(row)}, {row.status}: {row.reason}")
-        for number, row in enumerate(table.failed, start=1)
-    ]
+    for number, rows in enumerate(failed_alike(table), start=1):
+        notes.append(Text.assemble((f"{number} ".translate(_RAISED), "bold"), failure(rows)))
     notes += _warnings(table)
     notes.append(_reference_note(table))
     if empty:
         notes.append(Text("no run has: " + ", ".join(empty), style="dim"))
     if left_out:
         titles = ", ".join(column.title for column in left_out)
-        notes.append(Text(f"not shown for lack of width: {titles}", style="dim"))
+        notes.append(Text(f"not shown for lack of width: {titles} (--verbose, table.csv)", style="dim"))
     return notes
 
 
@@ -209,4 +231,4 @@ def _reference_note(table: Table) -> Text:
         why = next((note for row in table.rows for note in row.notes), "no run has a pressure")
         return Text(f"no pressure error: {why}", style="dim")
     known = percent(reference.pressure_uncertainty)
-    return Text(f"reference: {reference.title}; its pressure is known to {known} %", style="dim")
+    return Text(f"reference: {reference.title}; uncertainty of its pressure {known} %", style="dim")

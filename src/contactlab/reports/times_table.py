@@ -9,7 +9,7 @@ from typing import Any
 
 from contactlab.reports.html import plain_table, section
 from contactlab.reports.numbers import percent, significant
-from contactlab.reports.run import part_label, why_apart
+from contactlab.reports.run_details import part_label, why_apart
 from contactlab.studies.table import Table
 
 _TEXT = (
@@ -19,11 +19,23 @@ _TEXT = (
 )
 
 
+HEADS = ("run", "phase", "part", "share, %", "seconds")
+
+
 def times_section(table: Table) -> str:
-    """A row for every phase and part of every run that left a summary; empty where none did."""
-    rows = [line for row in table.rows for line in _rows(row.name, _cost(table.folder, row.name))]
-    heads = ("run", "phase", "part", "share, %", "seconds")
-    return section("Where the time went", _TEXT + plain_table(heads, rows, texts=3)) if rows else ""
+    """The table, folded away; empty if no run left a summary."""
+    rows = times_rows(table)
+    if not rows:
+        return ""
+    folded = (
+        f"<details><summary>{len(table)} runs, phase by phase</summary>{plain_table(HEADS, rows, texts=3)}</details>"
+    )
+    return section("Where the time went", _TEXT + folded)
+
+
+def times_rows(table: Table) -> list[tuple[str, ...]]:
+    """A row for every phase and part of every run that left a summary."""
+    return [line for row in table.rows for line in _rows(row.name, _cost(table.folder, row.name))]
 
 
 def _cost(folder: Path | None, name: str) -> Mapping[str, Any]:
@@ -40,7 +52,7 @@ def _rows(name: str, cost: Mapping[str, Any]) -> Iterator[tuple[str, ...]]:
     if not whole > 0.0:
         return
     apart = why_apart(float(cost.get("run_cpu_s", 0.0)), float(cost.get("run_wall_s", 0.0)))
-    yield name, "all steps" + apart, "", "100", significant(whole, 3)
+    yield name, "all steps" + (f" ({apart})" if apart else ""), "", "100", significant(whole, 3)
     for phase, seconds in phases.items():
         yield "", phase, "", percent(seconds / whole), significant(seconds, 3)
         for what, parts in cost.get("parts", {}).get(phase, {}).items():

@@ -15,6 +15,7 @@ from contactlab.errors import ContactlabWarning, SimulationFailure, one_line
 from contactlab.model.model import Model
 from contactlab.results.files import HistoryFile, IterationFile, plain, write_contacts, write_summary
 from contactlab.results.frame import frame_of
+from contactlab.results.peaks import Peaks
 from contactlab.results.results import ContactHistory, Results
 from contactlab.results.sample import Sample
 
@@ -30,7 +31,8 @@ class Journal:
 
     `wanted` names the recordings that want every step's scalars ("steps"), the contact record ("contact_steps"), states
     after iterations ("iterates") and all of the last steps ("last_steps"); `plan` says which steps the contact record
-    has. With `past`, an interrupted run is taken up where it was saved.
+    has. With `past`, an interrupted run is taken up where it was saved. `share` is the fraction of the run that is
+    done at a time [s].
     """
 
     def __init__(
@@ -42,7 +44,9 @@ class Journal:
         history_file: HistoryFile | None = None,
         past: Results | None = None,
         plan: RecordPlan | None = None,
+        share: Callable[[float], float] = float,
     ) -> None:
+        self.share = share
         self.model, self.layout = model, layout
         self.folder = history_file.folder if history_file is not None else None
         self.recordings = dict(recordings)
@@ -52,6 +56,7 @@ class Journal:
         self.iterations: list[IterationRow] = []
         self.iteration_file: IterationFile | None = None
         self.last: Sample | None = None
+        self.peaks = Peaks(layout, model.explicit)
         self.full = False
         self.wanted = wanted
         self.samplers: list[StepSampler | ContactSampler] = []
@@ -89,6 +94,7 @@ class Journal:
         """Store a sample of the present state, and give recorders a frame of it."""
         row = sample.scalars()
         self.rows.append(row)
+        self.peaks.frame(row)
         self.last = sample
         for name, report in sample.contacts.items():
             self.contact[name].times.append(sample.time)
@@ -130,7 +136,7 @@ class Journal:
         """Let the recordings keep what a restart needs."""
         if self.recordings:
             self._flush()
-            written = plain(summary)
+            written = self._written(summary)
             self._tell("save", lambda recording: recording.save(memory, written))
 
     def finish(self, summary: Mapping[str, Any]) -> Results:
@@ -138,17 +144,20 @@ class Journal:
 
         A run whose last state finds no room on the disk has failed: it can be taken up there.
         """
-        written, full = plain(summary), self.full
-        reasons = [
-            *(why for s in self.samplers for why in self._quietly("steps", lambda _, s=s: s.flush())),  # type: ignore[misc]
-            *self._quietly("close", lambda recording: recording.close(written)),
-        ]
+        full = self.full
+        reasons = [why for s in self.samplers for why in self._quietly("steps", lambda _, s=s: s.flush())]  # type: ignore[misc]
+        written = self._written(summary)
+        reasons += self._quietly("close", lambda recording: recording.close(written))
         if reasons and not full:
             written |= {"status": "failed", "reason": reasons[0]}
         self._write_files(written)
         return self._results(written)
 
     # --- inside -----------------------------------------------------------------------------------
+
+    def _written(self, summary: Mapping[str, Any]) -> dict[str, Any]:
+        """The summary as it is stored, with the peaks of all steps handed on so far."""
+        return plain(summary) | {"peaks": plain(self.peaks.as_data(self.share))}
 
     def _every_step_sampler(self) -> StepSampler:
         from contactlab.results.steps import StepSampler
@@ -185,12 +194,20 @@ class Journal:
         for name, history in self.contact.items():
             history.times, history.curves = list(past.contact[name].times), list(past.contact[name].curves)
         self.events, self.iterations = list(past.events), list(past.iterations)
+        for row in self.rows:
+            self.peaks.frame(row)
+        for scalars in past.step_blocks():
+            self.peaks.steps(scalars)
+        for record in past.contact_step_blocks():
+            self.peaks.contact_steps(record)
 
     def _steps(self, block: Floats) -> None:
+        self.peaks.steps(block)
         for name in self.wanted["steps"] & self.recordings.keys():
             self._one(name, "steps", lambda recording: recording.steps(block))
 
     def _contact_steps(self, block: Mapping[str, np.ndarray]) -> None:
+        self.peaks.contact_steps(block)
         for name in self.wanted["contact_steps"] & self.recordings.keys():
             self._one(name, "contact_steps", lambda recording: recording.contact_steps(block))
 

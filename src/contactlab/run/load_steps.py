@@ -150,6 +150,10 @@ class LoadSchedule(Schedule):
             )
         return StepStatus.gave_up.value
 
+    def share(self, time: float) -> float:
+        """How much of the loading is done at a time [s], 0 to 1; where the end is open, of its ramp."""
+        return min(1.0, self.path.fraction(time))
+
     def adapt(self) -> None:
         """Do nothing: only its convergence limits an implicit step."""
 

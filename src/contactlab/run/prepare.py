@@ -66,7 +66,7 @@ def prepare_run(
         "last_steps": frozenset(name for name, recorder in working.items() if recorder.every_field),
     }
     if folder is None:
-        run.journal = Journal(model, layout, {}, wanted)
+        run.journal = Journal(model, layout, {}, wanted, share=run.schedule.share)
         return run
     plan = _record_plan(scene, layout, steps) if wanted["contact_steps"] else None
     memory = sum(array.nbytes for array in run.saved().values())
@@ -82,7 +82,7 @@ def prepare_run(
     past = _take_up(run, layout, folder) if resume else None
     write_scene(folder, layout.scene)
     recordings = open_recordings(recorders, folder, layout, past)
-    run.journal = Journal(model, layout, recordings, wanted, claimed, past, plan)
+    run.journal = Journal(model, layout, recordings, wanted, claimed, past, plan, run.schedule.share)
     run.plan = plan
     if iterates is not None:
         record_iterates(run, iterates, scene.record)

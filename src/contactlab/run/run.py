@@ -253,6 +253,7 @@ class Run:
         """Gather the content of `summary.json`, as if the run ended now."""
         journal = self.journal
         summary = summarise(journal.layout, self.model, journal.last, status, reason, self.counts, self.clock)
+        summary["reached"] = self.schedule.reached()
         summary["warnings"] = [warning.as_data() for warning in self.model.warnings]
         if self.counts.steps == self.first_step:
             # taken up and not stepped yet: what a step leaves in the model beside the state is not there

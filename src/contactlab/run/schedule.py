@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -178,8 +178,18 @@ class Schedule:
         return max(m for m, _ in self.samples), max(k for _, k in self.samples)
 
     def fraction(self) -> float:
-        """How much of the run is done, 0 to 1; a run that waits to settle counts its ramp."""
-        return min(1.0, self.state.time / (self.timing.end or self.timing.ramp))
+        """How much of the run is done, 0 to 1."""
+        return self.share(self.state.time)
+
+    def share(self, time: float) -> float:
+        """How much of the run is done at a time [s], 0 to 1; a run that waits to settle counts its ramp."""
+        return min(1.0, time / (self.timing.end or self.timing.ramp))
+
+    def reached(self) -> dict[str, Any]:
+        """Where the run is: time [s], and the share of the loading (statics) or of time that is done."""
+        time = self.state.time
+        of = "time" if self.model.integrator.inertia else "load"
+        return {"time": time, "share": self.share(time), "of": of}
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""

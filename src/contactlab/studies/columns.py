@@ -28,6 +28,14 @@ class Column:
 
 MEASURES: Final = (
     Column("reaction", "reaction", "line_force", "Force of the driven support on its body.", 5),
+    Column(
+        "peak_force",
+        "peak force",
+        "line_force",
+        "Largest force of the driven support, else of the contact; at the end if only that is in equilibrium.",
+        5,
+    ),
+    Column("peak_force_time", "time of peak force", "time", "When the peak force acts.", 4),
     Column("reaction_error", "reaction error", "share", "Reaction against the reference's, relative.", 2, "small"),
     Column(
         "reaction_against_pressure",
@@ -107,11 +115,19 @@ MEASURES: Final = (
         "small",
     ),
     Column("sideways_force", "sideways force", "", "Horizontal over vertical contact force.", 2, "small"),
-    Column("max_pressure", "max pressure", "pressure", "Largest nodal value of the multiplier.", 4),
+    Column(
+        "peak_pressure",
+        "peak pressure",
+        "pressure",
+        "Largest nodal value of the multiplier on the way; of the end if only that is in equilibrium.",
+        4,
+    ),
+    Column("peak_pressure_time", "time of peak pressure", "time", "When the peak pressure acts.", 4),
+    Column("max_pressure", "max pressure", "pressure", "Largest nodal value of the multiplier at the end.", 4),
     Column("max_penetration", "max penetration", "length", "Deepest node of either surface.", 2, "small"),
     Column("kinetic_share", "kinetic/internal", "", "Kinetic energy over the work of stresses at the end.", 2, "small"),
     Column("steps", "steps", "", "Accepted time or load steps.", 0),
-    Column("sweeps", "sweeps per step", "", "Sweeps of the contact solver per step, on average.", 3),
+    Column("sweeps", "sweeps per step", "", "Gauss-Seidel iterations of the contact solver per step, on average.", 3),
     Column("cpu_s", "CPU", "s", "CPU time of the steps, without compiling or loading kernels.", 3, "small"),
     Column("wall_s", "wall", "s", "Wall time of the same.", 3),
     Column("memory_mib", "memory", "MiB", "Largest memory of the process so far, earlier runs in it included.", 4),

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api.arrays import Floats
+from contactlab.results.peaks import peak_force, peak_pressure
 from contactlab.results.results import ContactCurve
 from contactlab.studies import measures as m
 from contactlab.studies.profile import FoldedSurfaceError, Profile
@@ -64,11 +65,18 @@ def _forces(scene: Mapping[str, Any], summary: Mapping[str, Any], contact: int) 
     reactions = {on: np.asarray(force, float) for on, force in summary.get("reactions", {}).items()}
     facts = summary.get("contacts", {}).get(f"contacts.{contact}", {})
     resultant, integral = (_vector(facts.get(name)) for name in ("resultant", "pressure_integral"))
+    driven = driven_support(scene, reactions)
+    force = peak_force(summary, driven or f"contacts.{contact}") or {}
+    pressure = peak_pressure(summary, f"contacts.{contact}") or {}
     return {
-        "reaction": _length(reactions.get(driven_support(scene, reactions))),
+        "reaction": _length(reactions.get(driven)),
+        "peak_force": _float(force.get("value")),
+        "peak_force_time": _float(force.get("time")),
         "reaction_mismatch": _float(summary.get("reaction_mismatch")),
         "reaction_against_pressure": reaction_against_pressure(scene, reactions, contact, integral),
         "sideways_force": _quotient(abs(resultant[0]), abs(resultant[1])),
+        "peak_pressure": _float(pressure.get("value")),
+        "peak_pressure_time": _float(pressure.get("time")),
         "max_pressure": _float(facts.get("max_pressure")),
         "max_penetration": _largest_penetration(summary),
     }
@@ -134,10 +142,11 @@ def _largest_penetration(summary: Mapping[str, Any]) -> float:
 
 def _costs(summary: Mapping[str, Any]) -> Measures:
     cost, balance = summary.get("cost", {}), summary.get("balance", {})
-    steps = _float(summary.get("steps"))
+    steps, sweeps = _float(summary.get("steps")), _float(summary.get("contact_sweeps"))
+    solved_with_the_bodies = sweeps == 0.0 and summary.get("iterations")
     return {
         "steps": steps,
-        "sweeps": _quotient(_float(summary.get("contact_sweeps")), steps),
+        "sweeps": math.nan if solved_with_the_bodies else _quotient(sweeps, steps),
         "cpu_s": without_compilation(cost, "run_cpu_s"),
         "wall_s": without_compilation(cost, "run_wall_s"),
         "memory_mib": _float(cost.get("peak_memory_mib")),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from contactlab.api.recorder import Recorder
 from contactlab.errors import ContactlabError, ContactlabWarning, RequestError, did_you_mean, one_line
+from contactlab.results.inventory import flat
 from contactlab.results.load import load_results
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
@@ -128,7 +129,7 @@ def runs_of(folder: Path, names: Iterable[str] | None = None) -> dict[str, Resul
 
 def titled_runs(runs: Mapping[str, Results]) -> dict[str, Results]:
     """The runs by algorithm and slave, and by every other key of the scene in which they differ."""
-    scenes = {name: _flat(parse_toml(results.layout.scene, "scene.toml")) for name, results in runs.items()}
+    scenes = {name: flat(parse_toml(results.layout.scene, "scene.toml")) for name, results in runs.items()}
     keys = dict.fromkeys(key for scene in scenes.values() for key in scene)
     different = [key for key in keys if _differs(key, scenes.values())]
     titled: dict[str, Results] = {}
@@ -157,12 +158,3 @@ def _title(results: Results, scene: Mapping[str, Any], different: Iterable[str])
             name = key.removesuffix(".use").rpartition(".")[2]
             shown.append(f"{name} {scene.get(key, 'none')}")
     return ", ".join(shown)
-
-
-def _flat(data: Any, key: str = "") -> dict[str, Any]:
-    """Flatten nested tables to values by dotted key."""
-    if isinstance(data, Mapping):
-        return {k: v for name, value in data.items() for k, v in _flat(value, f"{key}.{name}".strip(".")).items()}
-    if isinstance(data, list) and data and all(isinstance(item, Mapping) for item in data):
-        return {k: v for i, item in enumerate(data) for k, v in _flat(item, f"{key}.{i}").items()}
-    return {key: data}

@@ -13,10 +13,13 @@ from rich.console import Console
 
 from contactlab.api import RunWarning
 from contactlab.api.drawing.units import Units
+from contactlab.api.frame import ContactLayout, Layout
 from contactlab.reports.findings import findings, sentence, span
 from contactlab.reports.numbers import percent, significant, uncertain
 from contactlab.reports.run import render_run
+from contactlab.reports.run_details import render_details
 from contactlab.reports.table import USUAL, WIDTH, print_table, render
+from contactlab.reports.table_details import every_number
 from contactlab.results.results import ContactCurve, ContactHistory, Results
 from contactlab.studies.table import Row, Table
 
@@ -126,7 +129,7 @@ class TestComparison:
 
     def test_a_measure_that_no_run_has_is_named_and_not_drawn(self, table: Table) -> None:
         text = " ".join(shown(render(table)).split())
-        assert "no run has: reaction vs pressure" in text
+        assert "no run has: peak force, peak pressure, reaction vs pressure" in text
 
     def test_a_pipe_gets_the_whole_table(self, table: Table) -> None:
         file = io.StringIO()
@@ -147,6 +150,10 @@ class TestComparison:
         assert span((2.0, 2.0), "s") == "2.0 s"
 
 
+SCENE = {"units": "mm N s t", "symmetry": "x", "contacts": [{"slave": "upper.bottom", "master": "lower.top"}],
+         "supports": [{"on": "upper.top", "uy": {"to": -0.1}}]}  # fmt: skip
+
+
 class TestSingleRun:
     @pytest.fixture
     def results(self) -> Results:
@@ -155,54 +162,111 @@ class TestSingleRun:
         curve = ContactCurve(x, x, zero, p, zero, p, zero, np.ones(21, np.int32), np.zeros(21, np.int32))
         summary = {
             "scene": "squeeze", "status": "not-converged", "reason": "it rings",
-            "steps": 12000, "contact_sweeps": 30000,
+            "steps": 12000, "contact_sweeps": 30000, "reached": {"time": 0.5, "share": 0.5, "of": "load"},
             "resolved": {"ramp": 1e-5, "damping": 2e5}, "reaction_mismatch": 0.01,
             "reactions": {"lower.bottom": [0.0, 99.0], "upper.top": [1e-12, -100.0]},
             "contacts": {"contacts.0": {"resultant": [0.0, 100.0], "pressure_integral": [0.0, 99.5],
                                         "max_pressure": 3.0, "max_penetration": 1e-5, "penetrating_side": "master"}},
+            "peaks": {"reactions": {"upper.top": {"value": 130.0, "vector": [0.0, -130.0], "step": 7000, "time": 0.33,
+                                                  "share": 0.331}},
+                      "contacts": {"contacts.0": {"pressure": {"value": 3.5, "step": 12000, "time": 0.5, "share": 0.5},
+                                                  "force": {"value": 130.0, "step": 7000}}}},
             "balance": {"kinetic": 0.002, "stored": 2.0, "internal": 2.0, "external": 2.1, "damping": 0.1,
                         "friction": 0.0, "ledger_error": 1e-13},
             "warnings": [{"code": "slower-loading", "value": 0.02, "limit": 0.01, "key": "time.ramp",
                           "text": "kinetic energy is 2 times the limit; be slower"}],
-            "cost": {"run_cpu_s": 2.0, "phases": {"elements": 1.5, "contact": 0.5}, "build_s": 0.1},
+            "cost": {"run_cpu_s": 2.0, "run_wall_s": 2.5, "phases": {"elements": 1.5, "contact": 0.5}, "build_s": 0.1},
         }  # fmt: skip
         history = {"contacts.0": ContactHistory([0.0], [curve])}
-        return Results(summary, {}, history, np.zeros((0, 2)), np.zeros((0, 2)), {}, {}, Path("runs/squeeze-001"))
+        no_nodes = np.zeros(0, np.int32)
+        contact = ContactLayout("contacts.0", "contacts.0", "mortar-p0", "upper.bottom", "lower.top", "",
+                                no_nodes, no_nodes, no_nodes, no_nodes)  # fmt: skip
+        layout = Layout(
+            "", "squeeze", "mm N s t", np.zeros((0, 2)), (), (contact,), ("upper.top",), {}, {}, (), False, 1
+        )
+        empty = np.zeros((0, 2))
+        return Results(summary, layout, history, history, empty, empty, {}, {}, folder=Path("runs/squeeze-001"))
+
+    def test_five_lines(self, results: Results) -> None:
+        lines = [line.rstrip() for line in shown(render_run(results, SCENE), 80).splitlines()]
+        assert lines == [
+            "squeeze: not-converged",
+            "it rings",
+            "peak pressure  3.5000 MPa, upper.bottom on lower.top, at the end; at the end",
+            "               3.0000 MPa",
+            "peak force     130.00 N/mm, upper.top, at 33 % of the load; at the end (0,",
+            "               -100.00)",
+            "steps          12 000 in 2.50 s",
+            "warnings       1: slower-loading",
+            "warning (slower-loading): kinetic energy is 2 times the limit; be slower",
+        ]
+
+    def test_of_many_contacts_the_highest_is_shown(self, results: Results) -> None:
+        peaks = {f"contacts.{k}": {"pressure": {"value": 1.0 + k % 3, "step": 3, "share": 0.2}} for k in range(6)}
+        contacts = [replace(results.layout.contacts[0], name=name, label=name, slave=f"b{name}") for name in peaks]
+        results.layout = replace(results.layout, contacts=tuple(contacts))
+        results.summary["peaks"]["contacts"] = peaks
+        (line,) = (line for line in shown(render_run(results, SCENE)).splitlines() if "pressure" in line)
+        assert "3.0000 MPa, bcontacts.2 on lower.top, at 20 % of the load (highest of 6 contacts)" in line
 
     @pytest.mark.parametrize(
         "words",
         [
-            ("squeeze", "not-converged"),
-            ("it rings",),
             ("steps", "12 000"),
-            ("sweeps per step", "2.5"),
+            ("Gauss-Seidel iterations per step", "2.5"),
             ("reaction of upper.top", "0  -100", "N/mm"),  # 1e-12 beside 100 is round-off
-            ("sum of reactions", "1.0", "%"),
-            ("reaction against pressure of contacts.0", "0.50", "%"),
-            ("deepest penetration (by the master)", "1.0e-5", "mm"),
+            ("peak, at 33 % of the load", "0  -130", "N/mm"),
+            ("force imbalance", "1.0", "%"),
+            ("reaction vs pressure of contacts.0", "0.50", "%"),
+            ("max penetration, by the master", "1.0e-5", "mm"),
             ("mirror asymmetry", "%"),
-            ("kinetic over work of stresses", "0.0010"),
-            ("energy error: ledger", "1.0e-13"),
+            ("kinetic / work of stresses", "0.0010"),
+            ("error of the energy balance", "1.0e-13"),
             ("CPU time of the steps", "2.00", "s"),
-            ("of it elements", "75", "%"),
-            ("of it contact", "25", "%"),
-            ("damping, chosen", "200000", "1/s"),
-            ("warning (slower-loading):", "kinetic energy is 2 times the limit; be slower"),
+            ("elements", "75", "%"),
+            ("contact", "25", "%"),
+            ("time.damping, chosen", "200000", "1/s"),
         ],
     )
-    def test_what_a_reader_wants_to_know(self, results: Results, words: tuple[str, ...]) -> None:
-        scene = {
-            "units": "mm N s t",
-            "symmetry": "x",
-            "contacts": [{"slave": "upper.bottom", "master": "lower.top"}],
-        }
-        lines = shown(render_run(results, scene)).splitlines()
+    def test_all_else_on_request(self, results: Results, words: tuple[str, ...]) -> None:
+        lines = shown(render_details(results, SCENE, verbose=True, profile=True), 80).splitlines()
         assert any(all(word in line for word in words) for line in lines)
+
+    def test_values_stand_beside_their_names_however_long_a_remark_is(self, results: Results) -> None:
+        results.summary |= {"history": {"curve": "the end only"}}
+        results.summary["cost"]["run_wall_s"] = 9.0
+        text = shown(render_details(results, SCENE, verbose=True, profile=True), 140)
+        assert "time.history = true" in text
+        assert "4.5 times the CPU time" in " ".join(text.split())
+        assert max(len(line.rstrip()) for line in text.splitlines() if "N/mm" in line) <= 80
 
 
 def test_a_comparison_in_which_nothing_finished_says_so_first(table: Table) -> None:
     lost = replace(table, rows=[replace(row, status="failed", reason="out of room") for row in table.rows])
     first = shown(render(lost)).splitlines()[0]
-    assert first.startswith(f"not one of {len(lost)} runs came to its end; failed: out of room")
+    assert first.startswith(f"not one of {len(lost)} runs finished")
     assert sentence(lost).startswith("Not one of 4 runs")
     assert "not one" not in shown(render(table))
+
+
+def test_runs_that_failed_alike_are_one_line(table: Table) -> None:
+    reasons = [f"Stopped at {k + 60} % of the load, near (20.{k}, -0.4): stuck" for k in range(6)]
+    rows = [replace(row, status="not-converged", reason=text) for row, text in zip(table.rows, reasons, strict=True)]
+    text = " ".join(shown(render(replace(table, rows=rows))).split())
+    assert text.count("stuck") == 1
+    assert (
+        "¹ 6 runs alike (alpha, beta), not-converged; alpha, slave disc, level 2: Stopped at 60 % of the load" in text
+    )
+    other = [*rows[:-1], replace(rows[-1], reason="the process was killed by SIGKILL")]
+    text = " ".join(shown(render(replace(table, rows=other))).split())
+    assert "¹ 5 runs alike" in text
+    assert "² beta, slave block, level 4, not-converged: the process was killed" in text
+
+
+def test_all_numbers_of_a_comparison_fit_a_narrow_terminal(table: Table) -> None:
+    text = shown(every_number(table, 80), 80)
+    assert max(map(len, text.splitlines())) <= 80
+    for column in ("reaction", "pressure error", "CPU", "steps"):
+        assert any(line.strip().startswith(f"{column} ") for line in text.splitlines())
+    for row in table.failed:
+        assert row.reason in " ".join(text.split())
