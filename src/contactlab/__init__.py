@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from contactlab.comparison import compare
     from contactlab.errors import ContactlabError
+    from contactlab.meshing.arrays import mesh
     from contactlab.parts.from_python import use
     from contactlab.results.load import load_results
     from contactlab.run.interruption import Interrupted
     from contactlab.run.simulation import simulate
     from contactlab.scene.scene import Scene, load_scene
+    from contactlab.studies.load_table import load_table
 
 __version__ = "0.1.0"
 
@@ -30,6 +32,8 @@ __all__ = [
     "compare",
     "load_results",
     "load_scene",
+    "load_table",
+    "mesh",
     "simulate",
     "use",
 ]
@@ -41,6 +45,8 @@ _HOMES = {
     "compare": "contactlab.comparison",
     "load_results": "contactlab.results.load",
     "load_scene": "contactlab.scene.scene",
+    "load_table": "contactlab.studies.load_table",
+    "mesh": "contactlab.meshing.arrays",
     "simulate": "contactlab.run.simulation",
     "use": "contactlab.parts.from_python",
 }

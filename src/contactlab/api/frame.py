@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Literal, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Protocol
 
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
 from contactlab.views import view
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 OPEN, STICK, SLIP = 0, 1, 2
 """States of a slave node; frictionless contact counts as slip."""
@@ -61,13 +66,15 @@ class ContactCurve:
         closed, most = int(np.count_nonzero(self.state)), float(np.max(self.pressure, initial=0.0))
         return f"ContactCurve({len(self.s)} nodes, {closed} closed, pressure up to {most:.4g})"
 
-    def plot(self, units: str = "") -> Any:
-        """A matplotlib figure of pressure and shear along the slave; `units` is the label of a scene."""
-        return view("pictures.curve_figure")(self, units)
+    def plot(self, units: str = "", ax: Axes | None = None) -> Figure:
+        """Draw pressure and shear along the slave; `units` is the label of a scene, `ax` matplotlib axes."""
+        figure: Figure = view("curves.curve_figure")(self, units, ax)
+        return figure
 
-    def to_frame(self) -> Any:
-        """A pandas frame with a row for each slave node."""
-        return view("frames.curve_frame")(self)
+    def to_frame(self) -> pd.DataFrame:
+        """Give a pandas frame with a row for each slave node."""
+        frame: pd.DataFrame = view("frames.curve_frame")(self)
+        return frame
 
 
 @dataclass(frozen=True)

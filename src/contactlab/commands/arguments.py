@@ -166,6 +166,26 @@ def _describe_view(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _describe_plot(command: argparse.ArgumentParser) -> None:
+    command.add_argument("path", metavar="DIR", help="folder of a run or a comparison")
+    command.add_argument(
+        "what", choices=("force", "pressure", "stress", "animation"),
+        help="force against displacement, pressure along the slave, a field on the bodies, or its animation",
+    )  # fmt: skip
+    command.add_argument("--out", metavar="FILE", help=".png, .svg, .pdf; .gif, .mp4 (default: in DIR)")
+    command.add_argument("--on", metavar="NAME", help="force: a support or contact; pressure: a contact")
+    command.add_argument(
+        "--component", choices=("x", "y", "magnitude"), help="of the force (default: along the motion)"
+    )
+    command.add_argument("--field", default="von_mises", metavar="NAME", help="field to draw (default: von_mises)")
+    command.add_argument("--frame", type=step, metavar="N", help="stored frame of stress (default: the last one)")
+    command.add_argument(
+        "--stride", type=positive, default=1, metavar="N", help="animation: every Nth frame (default: 1)"
+    )
+    command.add_argument("--flat", action="store_true", help="one colour per cell instead of nodal averages")
+    command.add_argument("--runs", nargs="+", metavar="NAME", default=[], help="runs of a comparison (default: all)")
+
+
 def _describe_explain(command: argparse.ArgumentParser) -> None:
     _add_scene(command)
     command.add_argument(
@@ -299,6 +319,11 @@ GROUPS: dict[str, Commands] = {
             _describe_compare,
             "run every combination of values: accuracy against cost",
             "contactlab.commands.compare:compare",
+        ),
+        "plot": (
+            _describe_plot,
+            "draw force curves, pressures, stresses or an animation",
+            "contactlab.commands.plot:plot",
         ),
         "view": (
             _describe_view,

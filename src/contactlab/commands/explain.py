@@ -197,13 +197,14 @@ def together(keys: str) -> str:
 def _costs(e: Explanation) -> str:
     """Shares of the wall time of a step, and a word where that is far from its CPU time."""
     from contactlab.reports.numbers import percent
-    from contactlab.reports.run import part_label, why_apart
+    from contactlab.reports.run_details import part_label, why_apart
 
     wall = e.scene.wall_seconds_per_step
     rest = max(0.0, wall - sum(cost.seconds for cost in e.costs))
     told = [f"{cost.what}{part_label(cost.part)} {percent(cost.seconds / wall)} %" for cost in e.costs]
     told.append(f"rest {percent(rest / wall)} %")
-    return f"{', '.join(told)} of {number(1e6 * wall)} µs by the clock{why_apart(e.scene.seconds_per_step, wall)}"
+    apart = why_apart(e.scene.seconds_per_step, wall)
+    return f"{', '.join(told)} of {number(1e6 * wall)} µs wall time{f', {apart}' if apart else ''}"
 
 
 def _packages(e: Explanation) -> Iterator[str]:

@@ -50,7 +50,7 @@ class MeshFile(MeshSource):
     def mesh(self, element: Element, level: int) -> Mesh:
         """The file's cells with the nodes of `element`; ValueError says what keeps it from being a plane quad mesh."""
         check_file_size(self.path)
-        quads = _quads(_read(self.path), self.cells, self.scale)
+        quads = quads_of(_read(self.path), self.cells, self.scale)
         check_refined_size(len(quads.cells), level)
         return refined(quads, element, level)
 
@@ -73,7 +73,8 @@ def _read(path: Path) -> Any:
         ) from error
 
 
-def _quads(file: Any, group: str, scale: float) -> Quads:
+def quads_of(file: Any, group: str, scale: float) -> Quads:
+    """The cells and edge sets in what meshio made of a file; ValueError says what is wrong with them."""
     points = _plane(np.asarray(file.points, np.float64)) * scale
     cells = _counter_clockwise(points, _inside(_chosen_cells(file, group), len(points)))
     sides = _Sides(cells)

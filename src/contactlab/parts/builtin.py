@@ -17,6 +17,7 @@ def contactlab_parts() -> list[Part]:
         Part("mesh", "disc", "contactlab.meshing:Disc", "full disc"),
         Part("mesh", "ring", "contactlab.meshing:Ring", "ring, or the part of it between two angles"),
         Part("mesh", "file", "contactlab.meshing:MeshFile", "mesh of quadrilaterals that meshio reads"),
+        Part("mesh", "arrays", "contactlab.meshing:MeshArrays", "mesh from arrays, kept in the scene: contactlab.mesh"),
         Part(
             "recorder",
             "vtkhdf",

@@ -14,6 +14,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from contactlab.api.drawing.colours import REFERENCE, Style
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note, span_at_least
+from contactlab.reports.notebook.canvas import figure_of
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.series import series_of, series_styles
 from contactlab.studies.table import Row, Table
@@ -26,13 +27,13 @@ _LEAST_RANGE = 5.0  # of an axis, largest over least
 _FAR_BELOW = 0.4  # of the lowest error drawn: where the reference's own error needs no room in the plot
 
 
-def cost_figure(table: Table) -> Figure:
+def cost_figure(table: Table, ax: Axes | None = None) -> Figure:
     """One line per series and slave, a marker per level; runs that did not finish are marked, not dropped."""
     chosen = series_styles(table.rows)
     slaves = list(dict.fromkeys(row.slave for row in table.rows))
     with house_style():
-        figure = Figure(figsize=(8.6, 5.0), layout="constrained")
-        axes = figure.subplots()
+        figure = Figure(figsize=(8.6, 5.0), layout="constrained") if ax is None else figure_of(ax)
+        axes = figure.subplots() if ax is None else ax
         drawn = [row for row in table.rows if _drawable(row)]
         for line in _lines(drawn):
             _draw_line(axes, line, chosen[series_of(line[0], table.rows)], slaves.index(line[0].slave))
@@ -110,7 +111,7 @@ def _draw_uncertainty(axes: Axes, table: Table) -> None:
         return
     low, high = axes.get_ylim()
     if known < _FAR_BELOW * low:
-        text = f"the reference itself is known to {percent(known)} %"
+        text = f"uncertainty of the reference {percent(known)} %"
         axes.text(0.99, 0.01, text, transform=axes.transAxes, ha="right", va="bottom", color=MUTED, fontsize=8.5)
         return
     bottom = min(low, 0.7 * known)

@@ -24,6 +24,17 @@ class Finding:
     cpu_s: tuple[float, float]
 
 
+COUNTS = ("no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve")
+
+
+def heading(table: Table) -> str:
+    """The name of the study and how many algorithms it compares: "Disc on block: three contact algorithms"."""
+    count = len({row.algorithm for row in table.main})
+    if count < 2:
+        return table.study.name
+    return f"{table.study.name}: {COUNTS[count] if count < len(COUNTS) else count} contact algorithms"
+
+
 def findings(table: Table) -> list[Finding]:
     """A finding per algorithm, in the order of the study."""
     names = dict.fromkeys(row.algorithm for row in table.main)
@@ -78,7 +89,7 @@ def _most_accurate(table: Table, rows: Sequence[Row]) -> str:
         return f" The pressure is most accurate with {who}: {error} % from the reference in {cost}."
     known = table.reference.pressure_uncertainty if table.reference is not None else 0.0
     return (
-        f" {len(alike)} of them are equally accurate as far as the reference can tell, which is known to "
+        f" {len(alike)} of them are equally accurate within the uncertainty of the reference, "
         f"{percent(known)} %: {span(_range(row['pressure_error'] for row in alike), '%')} from it. The cheapest of "
         f"these is {who}: {cost}."
     )

@@ -11,7 +11,8 @@ from contactlab.api.drawing.colours import Style, styles
 from contactlab.reports.body_plot import body_figure, shown_row
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.figures import save
-from contactlab.reports.findings import Finding, findings, sentence, span
+from contactlab.reports.findings import Finding, findings, heading, sentence, span
+from contactlab.reports.force_plot import force_figure, has_curves
 from contactlab.reports.html import (
     document,
     facts_list,
@@ -24,6 +25,7 @@ from contactlab.reports.html import (
 from contactlab.reports.numbers import percent, uncertain
 from contactlab.reports.page_table import runs_table
 from contactlab.reports.pressure_plot import is_map, pressure_figure
+from contactlab.reports.tex import table_tex
 from contactlab.reports.times_table import times_section
 from contactlab.studies.agreement import Agreement, agreements
 from contactlab.studies.reference import Reference
@@ -31,7 +33,7 @@ from contactlab.studies.table import Table
 
 
 def write_report(table: Table, folder: Path) -> None:
-    """Write `report.html` and the plots (SVG and PNG) into the folder."""
+    """Write `report.html`, `table.tex` and the plots (SVG and PNG) into the folder."""
     if table.breakdown is not None:
         from contactlab.reports.breakdown_page import write_breakdown_report
 
@@ -41,11 +43,14 @@ def write_report(table: Table, folder: Path) -> None:
     for name, figure in figures.items():
         save(figure, folder, name)
     (folder / "report.html").write_text(page(table, figures), encoding="utf-8")
+    (folder / "table.tex").write_text(table_tex(table), encoding="utf-8")
 
 
 def draw(table: Table) -> dict[str, Figure]:
     """Draw all figures; returns them by the name of their files."""
     figures = {"pressure": pressure_figure(table)}
+    if has_curves(table):
+        figures["force"] = force_figure(table)
     if any(row["pressure_error"] > 0.0 for row in table.rows):
         figures["error-against-cost"] = cost_figure(table)
     bodies = body_figure(table)
@@ -60,22 +65,27 @@ def page(table: Table, figures: dict[str, Figure]) -> str:
         _cards(table, chosen),
         figure_section(figures, "pressure", "Contact pressure", _MAP if is_map(table) else _PRESSURE),
         section("All runs", runs_table(table, chosen) + _notes(table)),
+        figure_section(figures, "force", "Force against displacement", _FORCE, narrow=True),
         figure_section(figures, "error-against-cost", "What accuracy costs", _COST, narrow=True),
-        times_section(table),
-        _agreement(table),
         figure_section(figures, "bodies", "The deformed bodies", _bodies_caption(table), narrow=True),
+        _agreement(table),
+        times_section(table),
         _reference(table.reference, table),
         scene_section(table),
         machine_section(table),
         _glossary(table),
     ]
-    return document(table.study.name, sections)
+    return document(heading(table), sections)
 
 
 _PRESSURE = (
     "Grey: the reference. Markers are the nodal values of the multiplier, joined by their linear interpolant, over the "
     "deformed position. A dashed line belongs to a run that did not finish; its last frame is shown. "
     "The errors are relative L2 distances from the reference."
+)
+_FORCE = (
+    "A line per run, along the motion of the driven support: a positive force resists it. Colours are algorithms, line "
+    "styles all other choices. Thin lines: dynamic runs, whose final state alone is in equilibrium."
 )
 _MAP = (
     "A line per run, pressure as colour over the deformed position; a reference is the last line. A run that did not "
@@ -92,7 +102,7 @@ def _head(table: Table) -> str:
     source = table.scene.get("source", "")
     where = f" ({escape(source)})" if source else ""
     return (
-        f"<header>\n<h1>{escape(table.study.name)}</h1>\n"
+        f"<header>\n<h1>{escape(heading(table))}</h1>\n"
         f'<p class="lead">Scene <code>{escape(str(table.scene.get("name", table.study.scene)))}</code>{where}. '
         f"{escape(sentence(table))}</p>\n</header>"
     )

@@ -11,11 +11,15 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import REFERENCE, Style, styles
 from contactlab.api.drawing.units import Units
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
+from contactlab.reports.force_plot import label_of
+from contactlab.reports.notebook.canvas import figure_of
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.pressure_map import PANELS, pressure_map
+from contactlab.reports.series import series_of, series_styles
 from contactlab.studies.reference import Reference
 from contactlab.studies.table import Row, Table
 from contactlab.studies.varied_text import varied_text
@@ -74,6 +78,26 @@ def pressure_figure(table: Table) -> Figure:
     return figure
 
 
+def pressures_in(table: Table, axes: Axes) -> Figure:
+    """All runs and the reference in axes of the caller; returns their figure."""
+    rows = table.main
+    units, chosen = Units.of_label(table.scene.get("units")), series_styles(table.rows)
+    with house_style():
+        if table.reference is not None:
+            _draw_reference(axes, table.reference)
+        for row in rows:
+            if row.curve is not None and len(row.curve.x):
+                style = chosen[series_of(row, table.rows)]
+                axes.plot(*_line(row), color=style.colour, marker=style.marker,
+                          markersize=2.6, linewidth=1.2, linestyle="-" if row.finished else _DASHES,
+                          label=label_of(row, rows))  # fmt: skip
+        _limits(axes, rows, table.reference)
+        axes.set_xlabel(f"deformed position x{_in(units.length)}")
+        axes.set_ylabel(f"pressure{_in(units.pressure)}")
+        axes.legend(fontsize=8.0)
+    return figure_of(axes)
+
+
 def _legend(figure: Figure, table: Table) -> None:
     entries: list[Patch | Line2D] = []
     if table.reference is not None:
@@ -103,10 +127,8 @@ def _panel(axes: Axes, row: Row | None, reference: Reference | None, style: Styl
         note(axes, "not run")
         return
     if row.curve is not None and len(row.curve.x):
-        order = np.argsort(row.curve.x, kind="stable")
         axes.plot(
-            row.curve.x[order],
-            row.curve.pressure[order],
+            *_line(row),
             color=style.colour,
             marker=style.marker,
             markersize=2.6,
@@ -115,6 +137,14 @@ def _panel(axes: Axes, row: Row | None, reference: Reference | None, style: Styl
             clip_on=True,
         )
     _write_result(axes, row)
+
+
+def _line(row: Row) -> tuple[Floats, Floats]:
+    """Position and pressure of the pressed part; of all nodes along the chain if that folds over itself."""
+    assert row.curve is not None
+    if row.profile is None:
+        return row.curve.x, row.curve.pressure
+    return row.profile.x, row.profile.value
 
 
 def _draw_reference(axes: Axes, reference: Reference) -> None:

@@ -14,6 +14,7 @@ from rich.text import Text
 
 from contactlab.api.drawing.units import Units
 from contactlab.api.warning import RunWarning
+from contactlab.reports.findings import heading
 from contactlab.reports.numbers import heading_unit, percent, quantity
 from contactlab.studies.columns import Column
 from contactlab.studies.table import Row, Table
@@ -169,7 +170,7 @@ def _draw(table: Table, columns: Sequence[_Shown]) -> RichTable:
         padding=(0, 1),
         collapse_padding=True,
         pad_edge=False,
-        title=Text(table.study.name),
+        title=Text(heading(table)),
         title_justify="left",
     )
     for column in columns:
@@ -229,6 +230,6 @@ def _reference_note(table: Table) -> Text:
     reference = table.reference
     if reference is None:
         why = next((note for row in table.rows for note in row.notes), "no run has a pressure")
-        return Text(f"no pressure error: {why}", style="dim")
+        return Text(f"pressure error not computed: {why} (--reference finest makes one)", style="dim")
     known = percent(reference.pressure_uncertainty)
     return Text(f"reference: {reference.title}; uncertainty of its pressure {known} %", style="dim")

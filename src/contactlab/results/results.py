@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,7 +13,16 @@ from contactlab.api.arrays import Floats, Ints
 from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout
 from contactlab.api.warning import RunWarning
 from contactlab.results.contact_blocks import blocks_of
+from contactlab.results.named import Named
 from contactlab.views import view
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyvista as pv
+    import xarray as xr
+    from matplotlib.animation import FuncAnimation
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["ContactCurve", "ContactHistory", "Results"]
 
@@ -95,6 +104,10 @@ class Results:
     watched: dict[str, dict[str, Floats]] = field(default_factory=dict)
     lost: Sequence[str] = ()
 
+    def __post_init__(self) -> None:
+        self.history = Named.of("history column", self.history)
+        self.contact = Named.of("contact", self.contact)
+
     @property
     def status(self) -> str:
         """finished, diverged, not-converged, refused, interrupted or failed."""
@@ -129,10 +142,9 @@ class Results:
     def steps(self) -> Mapping[str, Floats]:
         """Scalars of every step by name, each (steps,); empty without files. Read anew at every call."""
         blocks = list(self.step_blocks())
-        if not blocks:
-            return {}
-        values = np.concatenate(blocks)
-        return {name: values[:, i] for i, name in enumerate(self.layout.steps)}
+        values = np.concatenate(blocks) if blocks else np.zeros((0, 0))
+        columns = {name: values[:, i] for i, name in enumerate(self.layout.steps)} if blocks else {}
+        return Named.of("scalar of steps", columns, 'they are kept in files: simulate(scene, out="runs/mine")')
 
     @property
     def step_count(self) -> int:
@@ -161,29 +173,59 @@ class Results:
     def _repr_html_(self) -> str:
         return str(view("html.results_html")(self))
 
-    def plot(self, field: str = "von_mises", frame: int = -1) -> Any:
-        """A matplotlib figure of the deformed bodies, coloured by a field, at a stored frame (the last one).
+    def plot(self, field: str = "von_mises", frame: int = -1, ax: Axes | None = None, flat: bool = False) -> Figure:
+        """Draw the deformed bodies with supports and loads, coloured by a field, at a stored frame (the last one).
 
-        Fields: von_mises, pressure (hydrostatic), stress_xx, stress_yy, stress_zz, stress_xy, displacement and velocity
-        and their _x and _y, and what the laws remember, such as plastic_strain. Raises RequestError for another one.
+        Fields: von_mises, pressure (hydrostatic), stress_xx, stress_yy, stress_zz, stress_xy, principal_1 to
+        principal_3, displacement and velocity and their _x and _y, and internal variables such as plastic_strain.
+        Nodal averages are shown, or with `flat` the mean of each cell. `ax`: matplotlib axes to draw into. Raises
+        RequestError for another field or frame.
         """
-        return view("pictures.field_figure")(self, field, frame)
+        figure: Figure = view("pictures.field_figure")(self, field, frame, ax, flat)
+        return figure
 
-    def animate(self, field: str = "von_mises", stride: int = 1) -> Any:
-        """A matplotlib animation of every `stride`th stored frame; in a notebook show `to_jshtml()` of it."""
-        return view("pictures.field_animation")(self, field, stride)
+    def plot_force(self, on: str = "", component: str = "", ax: Axes | None = None) -> Figure:
+        """Draw force against displacement.
 
-    def to_frame(self) -> Any:
-        """`history` as a pandas frame, time as index."""
-        return view("frames.history_frame")(self)
+        on         a support, "clip.root", or a contact; default: the support that moves most
+        component  of the force: "x", "y" or "magnitude"; default: along the motion
+        """
+        figure: Figure = view("curves.force_figure")(self, on, component, ax)
+        return figure
 
-    def to_xarray(self) -> Any:
-        """All that is stored over time as an xarray data set: histories, contact curves, fields."""
-        return view("frames.results_dataset")(self)
+    def plot_pressure(self, contact: str = "", ax: Axes | None = None) -> Figure:
+        """Draw pressure and shear along the slave at the last stored frame, of one contact or of all."""
+        figure: Figure = view("curves.pressure_figure")(self, contact, ax)
+        return figure
 
-    def mesh(self, frame: int = -1) -> Any:
-        """The deformed cells and their fields at a stored frame as a PyVista mesh."""
-        return view("grid.grid")(self, frame)
+    def animate(
+        self, field: str = "von_mises", stride: int = 1, ax: Axes | None = None, flat: bool = False
+    ) -> FuncAnimation:
+        """Animate every `stride`th stored frame.
+
+        `animation.save("clip.gif")` writes a file (mp4 needs ffmpeg); `to_jshtml()` is for notebooks.
+        """
+        animation: FuncAnimation = view("pictures.field_animation")(self, field, stride, ax, flat)
+        return animation
+
+    def to_frame(self) -> pd.DataFrame:
+        """Give `history` as a pandas frame, time as index; units are in `attrs["units"]`."""
+        frame: pd.DataFrame = view("frames.history_frame")(self)
+        return frame
+
+    def to_xarray(self) -> xr.Dataset:
+        """Give all that is stored over time as an xarray data set with units: histories, contact curves, fields."""
+        data: xr.Dataset = view("frames.results_dataset")(self)
+        return data
+
+    def mesh(self, frame: int = -1) -> pv.UnstructuredGrid:
+        """Give the deformed cells at a stored frame as a PyVista mesh.
+
+        Point data: displacement, velocity, contact_pressure, contact_shear, contact_state (NaN off the slaves).
+        Cell data: stress, von_mises, principal_1 to principal_3, pressure, internal variables, body.
+        """
+        grid: pv.UnstructuredGrid = view("grid.grid")(self, frame)
+        return grid
 
     def view(self) -> Any:
         """The timeline in the viewer: inline where a notebook can show it, else in a window of its own."""

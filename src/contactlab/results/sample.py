@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -18,7 +19,8 @@ class Sample:
     """What `history.csv` and the contact curves hold of one instant; no fields.
 
     prescribed: mean displacement of each support [mm]; reactions: force (2,) [N] of each support on
-    its body; contacts by "contacts.0"; sweeps: mean per step since the last sample
+    its body; contacts by "contacts.0"; sweeps: mean per step since the last sample; share: of the loading (statics) or
+    of time that is done, 0 to 1
     """
 
     number: int
@@ -29,6 +31,7 @@ class Sample:
     energies: dict[str, float]
     contacts: dict[str, ContactReport]
     sweeps: float
+    share: float
 
     def scalars(self) -> dict[str, float]:
         """The scalars of this instant: one row of `history.csv`."""
@@ -47,11 +50,11 @@ class Sample:
                 f"{name}.active": contact.active,
                 f"{name}.sticking": contact.sticking,
             }
-        return row | {"sweeps": self.sweeps}
+        return row | {"sweeps": self.sweeps, "share": self.share}
 
 
-def take_sample(model: Model, number: int, sweeps: float) -> Sample:
-    """The sample of the model's present state; the model goes on as if nobody had looked."""
+def take_sample(model: Model, number: int, sweeps: float, share: float = math.nan) -> Sample:
+    """The sample of the model's present state, which does not change by it."""
     state, displacement = model.state, model.state["displacement"]
     return Sample(
         number=number,
@@ -62,6 +65,7 @@ def take_sample(model: Model, number: int, sweeps: float) -> Sample:
         energies=energies(model),
         contacts=_contacts(model),
         sweeps=sweeps,
+        share=share,
     )
 
 

@@ -133,7 +133,7 @@ class Run:
         began, counts, last = perf_counter(), self.counts, self.journal.last_step
         mean = (counts.sweeps - counts.sweeps_stored) / max(1, self.model.state.step - last)
         counts.sweeps_stored = counts.sweeps
-        self.journal.add(take_sample(self.model, self.journal.frames, mean))
+        self.journal.add(take_sample(self.model, self.journal.frames, mean, self.schedule.fraction()))
         self.monitor.examine_frame()
         self.tell_warnings()
         if self.last_steps is not None:
@@ -151,7 +151,9 @@ class Run:
     def _look_again(self) -> None:
         """Sample a run that was taken up at its very last frame."""
         if self.journal.last is None and self.journal.frames:
-            self.journal.last = take_sample(self.model, self.journal.frames - 1, self.journal.rows[-1]["sweeps"])
+            row = self.journal.rows[-1]
+            share = self.schedule.fraction()
+            self.journal.last = take_sample(self.model, self.journal.frames - 1, row["sweeps"], share)
 
     def conclude(self) -> None:
         """Verdicts on a run whose time is over. Raises SimulationFailure where its answer is none."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from contactlab.errors import Location, SceneError, did_you_mean
 from contactlab.parts.registry import Registry, default_registry
@@ -19,6 +19,10 @@ from contactlab.scene.overrides import changed
 from contactlab.scene.reading import read_table
 from contactlab.scene.toml_text import read_toml, write_toml
 from contactlab.views import view
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -79,23 +83,25 @@ class Scene:
     def _repr_html_(self) -> str:
         return str(view("html.scene_html")(self))
 
-    def plot(self) -> Any:
-        """A matplotlib figure of the meshes before the run."""
-        return view("pictures.scene_figure")(self)
+    def plot(self, ax: Axes | None = None) -> Figure:
+        """Draw the meshes before the run, with contact sides, supports and loads."""
+        figure: Figure = view("scene_picture.scene_figure")(self, ax)
+        return figure
 
     def where(self, key: str) -> Location:
         """The place of a dotted key, for errors."""
         return self.origin.at(key)
 
-    def with_(self, changes: Mapping[str, Any]) -> Scene:
-        """A scene with other values at dotted keys, checked anew.
+    def with_(self, changes: Mapping[str, Any] | None = None, **keys: Any) -> Scene:
+        """Give the scene other values at dotted keys and check it: `with_({"contacts.0.swap": True}, level=2)`.
 
         Keys need not be written yet: {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}. A contact
         or support with a name answers to it: "contacts.tool.swap". Where another part is named, the
         fields of the old one are dropped, but for those that both parts require.
         """
-        data, keys = changed(self.data, changes, self._is_part, self._switched)
-        origin = dataclasses.replace(self.origin, overrides=self.origin.overrides | set(keys))
+        changes = {**(changes or {}), **keys}
+        data, found = changed(self.data, changes, self._is_part, self._switched)
+        origin = dataclasses.replace(self.origin, overrides=self.origin.overrides | set(found))
         return Scene.from_data(data, origin, self.registry)
 
     def _is_part(self, path: str) -> bool:

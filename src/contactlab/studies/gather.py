@@ -61,6 +61,8 @@ def row_of(plan: Plan, job: Job, outcome: Outcome, named: Source | None) -> Row:
         curve=outcome.curve,
         shapes=outcome.shapes,
         refines=job.refines,
+        history=outcome.history,
+        path=str(outcome.summary.get("history", {}).get("curve", "")),
     )
 
 

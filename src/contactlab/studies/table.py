@@ -9,7 +9,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from contactlab.api.arrays import Floats
 from contactlab.api.warning import RunWarning
+from contactlab.results.named import Named
 from contactlab.results.results import ContactCurve
 from contactlab.studies.columns import BY_NAME, MEASURES, Column
 from contactlab.studies.profile import FoldedSurfaceError, Profile
@@ -17,6 +19,10 @@ from contactlab.studies.shape import Shape
 from contactlab.views import view
 
 if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from contactlab.studies.cost_breakdown import CostBreakdown
     from contactlab.studies.reference import Reference
     from contactlab.studies.study import Study
@@ -47,6 +53,8 @@ class Row:
     curve      last contact curve, None if the run left none
     shapes     deformed bodies by name
     refines    True for a run that is only there for the error at another level
+    history    columns of its `history.csv` by name
+    path       what its stored states are: "in time", "quasi-static", or "the end only" (`contactlab.results.summary`)
     """
 
     name: str
@@ -66,6 +74,8 @@ class Row:
     curve: ContactCurve | None = None
     shapes: Mapping[str, Shape] = field(default_factory=dict)
     refines: bool = False
+    history: Mapping[str, Floats] = field(default_factory=dict)
+    path: str = ""
 
     @property
     def finished(self) -> bool:
@@ -88,8 +98,8 @@ class Row:
             return None
 
     def __getitem__(self, name: str) -> Any:
-        """A value by the name of its column in `table.csv`."""
-        return self.record()[name]
+        """A value by the name of its column in `table.csv`. Raises KeyError with the nearest name."""
+        return Named.of("column", self.record())[name]
 
     def __repr__(self) -> str:
         return f"Row({self.name}: {self.status}{f', {self.reason}' if self.reason else ''})"
@@ -144,17 +154,33 @@ class Table:
     def _repr_html_(self) -> str:
         return str(view("html.table_html")(self))
 
-    def plot_cost(self) -> Any:
-        """A matplotlib figure of error against CPU time."""
-        return view("html.cost_plot")(self)
+    def plot_cost(self, ax: Axes | None = None) -> Figure:
+        """Draw error against CPU time."""
+        figure: Figure = view("html.cost_plot")(self, ax)
+        return figure
 
-    def plot_pressures(self) -> Any:
-        """A matplotlib figure of the contact pressure of every run beside the reference."""
-        return view("html.pressure_plot")(self)
+    def plot_pressures(self, ax: Axes | None = None) -> Figure:
+        """Draw the contact pressure of every run and the reference: a panel per run, or all in the axes `ax`."""
+        figure: Figure = view("html.pressure_plot")(self, ax)
+        return figure
 
-    def to_frame(self) -> Any:
-        """A pandas frame with a row for each run."""
-        return view("frames.table_frame")(self)
+    def plot_force(self, on: str = "", component: str = "", ax: Axes | None = None) -> Figure:
+        """Draw force against displacement of every run in one plot.
+
+        on         a support or contact; default: the support that moves most
+        component  of the force: "x", "y" or "magnitude"; default: along the motion
+        """
+        figure: Figure = view("html.force_plot")(self, on, component, ax)
+        return figure
+
+    def to_frame(self) -> pd.DataFrame:
+        """Give a pandas frame with a row for each run."""
+        frame: pd.DataFrame = view("frames.table_frame")(self)
+        return frame
+
+    def to_latex(self) -> str:
+        """Give the table as a LaTeX `tabular`, as in `table.tex`."""
+        return str(view("texts.table_latex")(self))
 
     def __iter__(self) -> Iterator[Row]:
         return iter(self.rows)

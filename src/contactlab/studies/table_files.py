@@ -12,6 +12,7 @@ from typing import Any
 
 from contactlab.studies.agreement import agreements
 from contactlab.studies.cost_breakdown import CostBreakdown
+from contactlab.studies.reference import Reference
 from contactlab.studies.table import Row, Table
 
 
@@ -44,6 +45,9 @@ def _write_json(table: Table, path: Path) -> None:
         "format": 1,
         "study": table.study.as_data(),
         "reference": table.reference.name if table.reference else None,
+        "reference_curve": _reference(table.reference),
+        "scene": table.scene_text,
+        "further": [asdict(column) for column in table.further],
         "wall_s": _number(table.wall_s),
         "agreement": [_plain(asdict(item)) for item in agreements(table.rows)],
         **({"bill": _breakdown(table.breakdown)} if table.breakdown is not None else {}),
@@ -54,7 +58,26 @@ def _write_json(table: Table, path: Path) -> None:
 
 def _row(row: Row) -> dict[str, Any]:
     warnings = [_plain(warning.as_data()) for warning in row.warnings]
-    return {**_plain(row.record()), "warnings": warnings, "parts": _plain(row.parts), "refines": row.refines}
+    kept = {
+        "path": row.path, "choices": dict(row.choices), "notes": list(row.notes), "varied": list(row.varied),
+        "measures": list(row.measures), "system": list(row.system),
+    }  # fmt: skip
+    return {
+        **_plain(row.record()), "warnings": warnings, "parts": _plain(row.parts), "refines": row.refines, "kept": kept,
+    }  # fmt: skip
+
+
+def _reference(reference: Reference | None) -> dict[str, Any] | None:
+    """All of a reference, so that a comparison can be read back wherever it came from."""
+    if reference is None:
+        return None
+    scalars = {name: _plain(scalar) for name, scalar in reference.scalars.items()}
+    return {
+        "name": reference.name, "title": reference.title, "origin": reference.origin, "level": reference.level,
+        "window": reference.window, "scalars": scalars, "error_estimate": _plain(reference.error_estimate),
+        "x": reference.profile.x.tolist(), "pressure": reference.profile.value.tolist(),
+        "spread": reference.spread.tolist(),
+    }  # fmt: skip
 
 
 def _breakdown(breakdown: CostBreakdown) -> dict[str, Any]:

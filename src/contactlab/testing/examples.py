@@ -42,6 +42,8 @@ USUAL: dict[str, Any] = {
     "width": 1.2,
     "left": 0.6,
     "right": 0.9,
+    "content": "eNqrVirIz8wrKVayio420DPQAeJYnWhDOMsIzgLJGsJlDeGyIFasjlJyak4OxBQdQx0THWOQOh0jHVMd"
+    "E5BscSrIimqlkvwCoBpjoAJToGhOaloJRItxbGxtLQDG/SSQ",
 }
 """Values for fields without a default, in mm N s t."""
 

@@ -10,7 +10,7 @@ from types import ModuleType
 
 import numpy as np
 import pytest
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import PolyCollection, TriMesh
 from matplotlib.figure import Figure
 
 import contactlab
@@ -22,9 +22,10 @@ from contactlab.matrix.run import Matrix
 from contactlab.parts.registry import default_registry
 from contactlab.reports.figures import house_style
 from contactlab.reports.notebook.bar import notebook_bar
+from contactlab.reports.notebook.canvas import label_places
 from contactlab.reports.notebook.fields import moment_of, names_of, values_of
 from contactlab.reports.notebook.libraries import library
-from contactlab.reports.notebook.pictures import _colour_bar, _frame_of, _label
+from contactlab.reports.notebook.pictures import colour_bar, frame_of
 from contactlab.results.precision import SHOWN
 from contactlab.results.results import Results
 from contactlab.scene.scene import bundled_scenes, load_scene
@@ -68,8 +69,18 @@ class TestScene:
     def test_the_picture_has_each_body_and_both_sides(self) -> None:
         figure = load_scene("disc-on-block").plot()
         (axes,) = figure.axes
-        assert {text.get_text() for text in axes.texts} == {"disc", "block"}
+        assert {text.get_text() for text in axes.texts} - {""} == {"disc", "block"}
         assert {text.get_text() for text in axes.get_legend().get_texts()} == {"slave", "master"}
+        lines = [c for c in axes.collections if c.get_label() in ("slave", "master")]
+        assert [line.get_label() for line in lines] == ["master", "slave"]  # the later one lies above
+        assert lines[0].get_linewidth()[0] > lines[1].get_linewidth()[0]
+
+    def test_supports_and_loads_are_drawn(self) -> None:
+        (axes,) = load_scene("disc-on-block").plot().axes
+        tips = {line.get_marker() for line in axes.lines}
+        assert {5, 6} <= tips  # held along x and along y
+        (arrow,) = (text for text in axes.texts if getattr(text, "arrow_patch", None) is not None)  # the disc's way
+        assert arrow.xy[1] < arrow.xyann[1]
 
     def test_a_rigid_surface_does_not_make_the_bodies_small(self) -> None:
         (axes,) = load_scene("block-on-incline").plot().axes
@@ -124,11 +135,11 @@ class TestResults:
 
     def test_a_title_above_wide_axes_with_colours_is_not_cut_off(self) -> None:
         with house_style():
-            figure, axes = _frame_of([np.array([[-0.924, -0.3], [0.924, 0.442]])])
+            figure, axes = frame_of([np.array([[-0.924, -0.3], [0.924, 0.442]])])
             drawn = axes.add_collection(PolyCollection([[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]], array=np.zeros(1)))
             drawn.set_clim(0.0, 3900.0)
-            _colour_bar(figure, axes, drawn, "von Mises stress [MPa]")
-            _label(axes, "mm N s t", "")
+            colour_bar(figure, axes, drawn, "von Mises stress [MPa]")
+            label_places(axes, "mm N s t", "")
             title = axes.set_title("disc-on-block")
         figure.savefig(io.BytesIO(), dpi=100)
         assert title.get_window_extent().y1 <= figure.bbox.y1 - 1.0
@@ -142,6 +153,61 @@ class TestResults:
         film._draw_was_started = True
         film._draw_frame(1)
         assert film._fig.axes[0].collections
+
+    def test_smooth_by_default_and_flat_on_request(self, results: Results) -> None:
+        smooth, flat = (results.plot(flat=flat).axes[0].collections[0] for flat in (False, True))
+        assert isinstance(smooth, TriMesh)
+        assert isinstance(flat, PolyCollection)
+        assert len(flat.get_array()) == len(results.cells["disc"])
+
+    def test_everything_is_drawn_into_the_axes_of_the_caller(self, results: Results) -> None:
+        curve = results.contact["contacts.0"].last
+        draw = (
+            results.plot, results.plot_force, results.plot_pressure, curve.plot,
+            load_scene("disc-on-block").plot,
+        )  # fmt: skip
+        figure = Figure()
+        places = figure.subplots(2, 3).ravel()
+        for method, axes in zip(draw, places, strict=False):
+            assert method(ax=axes) is figure
+            assert axes.has_data()
+        film = results.animate(ax=places[-1])
+        film._draw_was_started = True
+        assert film._fig is figure
+
+    def test_the_curve_of_a_support(self, results: Results) -> None:
+        """The disc goes down by 0.02: force and displacement along the motion are positive."""
+        (axes,) = results.plot_force("disc.top").axes
+        x, y = axes.lines[0].get_data()
+        assert x == pytest.approx(-results.history["disc.top.uy"])
+        assert y == pytest.approx(-results.history["disc.top.fy"])
+        assert axes.get_xlabel() == "displacement of disc.top along -y [mm]"
+        assert axes.get_ylabel() == "force of disc.top along -y [N/mm]"
+        (other,) = results.plot_force("block.bottom", component="magnitude").axes
+        assert other.lines[0].get_ydata() == pytest.approx(
+            np.hypot(results.history["block.bottom.fx"], results.history["block.bottom.fy"])
+        )
+        with pytest.raises(RequestError, match=r'did you mean "disc\.top"'):
+            results.plot_force("disc.tp")
+
+    def test_a_wrong_name_gets_the_nearest_one(self, results: Results) -> None:
+        with pytest.raises(KeyError, match=r'did you mean "contacts\.0"'):
+            results.contact["contact.0"]
+        with pytest.raises(KeyError, match=r'did you mean "disc\.top\.fy"'):
+            results.history["disc.top.fz"]
+        with pytest.raises(KeyError, match=r'did you mean "energy\.kinetic"'):
+            results.steps["energy.kinetc"]
+        without = Results(**{**vars(results), "step_source": ()})
+        with pytest.raises(KeyError, match="they are kept in files"):
+            without.steps["energy.kinetic"]
+
+    def test_units_go_along(self, results: Results) -> None:
+        units = results.to_frame().attrs["units"]
+        assert (units["disc.top.fy"], units["disc.top.uy"], units["energy.kinetic"]) == ("N/mm", "mm", "mJ/mm")
+        data = results.to_xarray()
+        assert data["contacts.0.pressure"].attrs["units"] == "MPa"
+        assert data["disc.stress_xx"].attrs["units"] == "MPa"
+        assert data["displacement"].attrs["units"] == "mm"
 
     def test_frames_of_pandas(self, results: Results) -> None:
         history = results.to_frame()
@@ -170,6 +236,21 @@ class TestResults:
         assert results.mesh()["von_mises"] == pytest.approx(
             np.concatenate(list(values_of(results, moment_of(results), "von_mises").values()))
         )
+
+    def test_a_mesh_has_contact_fields_and_principal_stresses(self, results: Results) -> None:
+        mesh, curve = results.mesh(), results.contact["contacts.0"].last
+        (contact,) = results.layout.contacts
+        pressure = mesh.point_data["contact_pressure"]
+        assert pressure[contact.slave_nodes] == pytest.approx(curve.pressure)
+        assert np.isnan(np.delete(pressure, contact.slave_nodes)).all()
+        assert mesh.point_data["contact_state"][contact.slave_nodes] == pytest.approx(curve.state)
+        stress = np.asarray(mesh.cell_data["stress"])
+        full = np.zeros((len(stress), 3, 3))
+        full[:, 0, 0], full[:, 1, 1], full[:, 2, 2], full[:, 0, 1] = stress.T
+        full[:, 1, 0] = full[:, 0, 1]
+        exact = np.linalg.eigvalsh(full)[:, ::-1]
+        for k in range(3):
+            assert mesh.cell_data[f"principal_{k + 1}"] == pytest.approx(exact[:, k], abs=1e-9 * np.abs(exact).max())
 
 
 class TestTable:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from contactlab.api.drawing.colours import STYLES, styles
+from contactlab.api.drawing.colours import STYLES, style_of, styles
 from contactlab.reports.body_plot import body_figure, outline
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.pressure_plot import pressure_figure
@@ -23,16 +23,20 @@ def texts(axes: Axes) -> str:
 
 
 class TestColours:
-    def test_a_name_has_its_colour_in_every_company(self) -> None:
-        alone = styles(["mortar-p0"])["mortar-p0"]
-        assert styles(["mortar-p1", "mortar-p0", "node-on-segment"])["mortar-p0"] == alone
+    def test_a_name_keeps_its_colour_whoever_is_beside_it(self) -> None:
+        alone = styles(["node-on-segment"])["node-on-segment"].colour
+        for others in (["mortar-p0", "mortar-p1"], ["my-mortar", "mortar-p1"], [f"a{k}" for k in range(30)]):
+            assert styles([*others, "node-on-segment"])["node-on-segment"].colour == alone
 
-    def test_up_to_six_names_differ_in_colour_and_marker(self) -> None:
-        chosen = styles([f"algorithm-{k}" for k in range(len(STYLES))]).values()
-        assert len({style.colour for style in chosen}) == len({style.marker for style in chosen}) == len(STYLES)
+    def test_usual_names_have_different_colours(self) -> None:
+        names = ["mortar-p0", "mortar-p1", "mortar-dual", "node-on-segment", "gauss-point", "nitsche", "barrier",
+                 "midplane", "my-mortar", "my-contact", "gauss-mortar"]  # fmt: skip
+        assert len({style_of(name).colour for name in names}) == len(names)
 
-    def test_more_names_share_rather_than_fail(self) -> None:
-        assert len(styles([f"a{k}" for k in range(20)])) == 20
+    def test_up_to_eight_names_have_different_markers_and_many_have_different_styles(self) -> None:
+        assert len({style.marker for style in styles([f"algorithm-{k}" for k in range(8)]).values()}) == 8
+        chosen = styles([f"a{k}" for k in range(20)]).values()
+        assert len(set(chosen)) == 20
 
     def test_the_order_is_that_of_the_names(self) -> None:
         assert list(styles(["z", "a", "m", "a"])) == ["z", "a", "m"]

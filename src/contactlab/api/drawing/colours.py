@@ -1,16 +1,16 @@
 """The colours of all pictures: of algorithms, of the states of a slave node, of fields.
 
-An algorithm has one colour and one marker, the same in every report, plot and recording.
-The colours are those of Okabe and Ito ("Color universal design", 2008) that stand out on white and
-on black; readers with any colour vision can distinguish them, and markers do so in grey. No
-algorithm is named here: a name always leads to the same colour.
+An algorithm has one colour, the same in every report, plot and recording: it follows from the name alone. The first
+six colours are those of Okabe and Ito ("Color universal design", 2008) that stand out on white and on black; the others
+were chosen as far from these and from each other as possible, also for readers without red or green cones. Markers
+distinguish lines in grey, and names whose colours happen to be equal.
 """
 
 from __future__ import annotations
 
-import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass
+from hashlib import blake2b
 from typing import Final
 
 
@@ -40,6 +40,16 @@ STYLES: Final = (
     Style("#E69F00", "v"),  # orange
     Style("#56B4E9", "P"),  # sky blue
 )
+"""Styles of a few things beside each other."""
+
+PALETTE: Final = (
+    *(style.colour for style in STYLES), "#873741", "#6C407F", "#5CB572", "#B2548D", "#804300", "#D98941", "#BF5546",
+    "#006768", "#7F99EF", "#708500",
+)  # fmt: skip
+"""Colours of names."""
+
+MARKERS: Final = ("o", "s", "D", "^", "v", "P", "X", "*")
+
 REFERENCE: Final = "#8A8F98"
 """Grey of reference solutions."""
 
@@ -56,32 +66,29 @@ FIELD: Final = (
 """From the lowest value of a field to the highest, evenly spaced: "cividis" by Nunez, Anderton and Renslow (2018),
 which reads the same for all readers and in grey."""
 
-_SALT: Final = 1818  # any number gives fixed colours; this one keeps common names apart
+_SALT: Final = (1352049).to_bytes(
+    4, "big"
+)  # any number gives fixed colours; with this one usual names have different ones
+
+
+def style_of(name: str) -> Style:
+    """The style of an algorithm."""
+    number = blake2b(name.encode(), digest_size=2, salt=_SALT).digest()[0] % len(PALETTE)
+    return Style(PALETTE[number], MARKERS[number % len(MARKERS)])
 
 
 def styles(names: Iterable[str]) -> dict[str, Style]:
-    """A style for each of the names that appear together; equal styles only beyond six names.
+    """A style for each of the names that appear together, in their order. A name always has its own colour.
 
-    A name keeps its own style unless an alphabetically earlier one in the same picture holds it.
-    The result is in the order of the names as given.
+    Alphabetically later names get the next marker that is free, or else the next that is free with their colour.
     """
     names = list(dict.fromkeys(names))
-    taken: dict[int, str] = {}
     chosen: dict[str, Style] = {}
     for name in sorted(names):
-        slot = _free_slot(_own_slot(name), taken)
-        taken[slot] = name
-        chosen[name] = STYLES[slot]
+        own = style_of(name)
+        first = MARKERS.index(own.marker)
+        every = [Style(own.colour, marker) for marker in (*MARKERS[first:], *MARKERS[:first])]
+        markers, taken = {style.marker for style in chosen.values()}, set(chosen.values())
+        free = [style for style in every if style.marker not in markers] or [s for s in every if s not in taken]
+        chosen[name] = free[0] if free else own
     return {name: chosen[name] for name in names}
-
-
-def _own_slot(name: str) -> int:
-    return zlib.crc32(f"{_SALT}:{name}".encode()) % len(STYLES)
-
-
-def _free_slot(slot: int, taken: dict[int, str]) -> int:
-    for step in range(len(STYLES)):
-        candidate = (slot + step) % len(STYLES)
-        if candidate not in taken:
-            return candidate
-    return slot

@@ -20,7 +20,25 @@ def history_frame(results: Results) -> Any:
     """`history.csv`: a row per stored frame, its time as index."""
     pandas = library("pandas", "to_frame")
     frame = pandas.DataFrame(results.history)
+    units = Units.of_label(results.layout.units)
+    frame.attrs["units"] = {name: unit for name in frame if (unit := unit_of(name, units))}
     return frame.set_index("time") if "time" in frame else frame
+
+
+def unit_of(column: str, units: Units) -> str:
+    """The unit of a column of `history.csv`, of a curve or of a field; empty without one."""
+    last = column.rpartition(".")[2]
+    if column.startswith("energy."):
+        return "" if last == "error" else units.line_energy
+    if last in ("ux", "uy", "s", "x", "y", "gap", "max_penetration", "position", "displacement"):
+        return units.length
+    if last in ("fx", "fy"):
+        return units.line_force
+    if last in ("pressure", "shear", "nodal_pressure", "max_pressure", "von_mises") or last.startswith("stress_"):
+        return units.pressure
+    if last == "velocity":
+        return f"{units.length}/{units.time}" if units.length else ""
+    return units.time if last == "time" else ""
 
 
 def curve_frame(curve: ContactCurve) -> Any:
@@ -50,6 +68,9 @@ def results_dataset(results: Results) -> Any:
     if len(results.frames):
         data |= _fields(results)
     units = Units.of_label(results.layout.units)
+    data = {
+        name: (*entry, {"units": unit}) if (unit := unit_of(name, units)) else entry for name, entry in data.items()
+    }
     attributes = {"scene": results.layout.title, "units": results.layout.units, "status": results.status}
     coordinates = {"time": ("time", times, {"units": units.time}), "component": ["x", "y"]}
     return xarray.Dataset(data, coordinates, attributes)

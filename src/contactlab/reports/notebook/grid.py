@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.errors import ContactlabError
 from contactlab.parts.registry import default_registry
-from contactlab.reports.notebook.fields import moment_of
+from contactlab.reports.notebook.fields import PRINCIPAL, moment_of, of_stress
 from contactlab.reports.notebook.libraries import library
 from contactlab.results.cell_types import connectivity
 from contactlab.results.results import Results
@@ -28,14 +28,32 @@ def grid(results: Results, frame: int) -> Any:
     made.point_data["displacement"] = _in_space(moment.displacement)
     if len(moment.velocity):
         made.point_data["velocity"] = _in_space(moment.velocity)
+    made.point_data.update(contact_fields(results, frame))
     bodies = results.layout.bodies
     names = dict.fromkeys(name for body in bodies for name in moment.cells[body.name])
     for name in names:
         made.cell_data[name] = np.concatenate([_field(moment.cells[body.name], name) for body in bodies])
+    stress = np.concatenate([moment.cells[body.name]["stress"] for body in bodies])
+    for name in ("pressure", *PRINCIPAL):
+        made.cell_data[name] = of_stress(stress, name)
     made.cell_data["body"] = np.repeat(np.arange(len(bodies)), [len(body.cells) for body in bodies])
     made.field_data["bodies"] = [body.name for body in bodies]
     made.field_data["time"] = [moment.time]
     return made
+
+
+def contact_fields(results: Results, frame: int) -> dict[str, Any]:
+    """Pressure, shear and state (0 open, 1 stick, 2 slip) at the slave nodes of all contacts, NaN at other nodes."""
+    fields = {"contact_pressure": "pressure", "contact_shear": "shear", "contact_state": "state"}
+    found = {name: np.full(len(results.nodes), np.nan) for name in fields} if results.layout.contacts else {}
+    for contact in results.layout.contacts:
+        curves = results.contact[contact.name].curves
+        if not curves:
+            continue
+        for name, quantity in fields.items():
+            before = found[name][contact.slave_nodes]
+            found[name][contact.slave_nodes] = np.nan_to_num(before) + getattr(curves[frame], quantity)
+    return found
 
 
 def _in_space(vectors: Any) -> Any:

@@ -7,12 +7,18 @@ from collections.abc import Callable, Iterable, Mapping
 from html import escape
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from contactlab.matrix.run import Matrix
 from contactlab.reports.cost_plot import cost_figure
-from contactlab.reports.notebook import pictures
+from contactlab.reports.force_plot import force_figure
+from contactlab.reports.notebook.canvas import Plot
+from contactlab.reports.notebook.curves import curve_figure
+from contactlab.reports.notebook.pictures import field_figure
+from contactlab.reports.notebook.scene_picture import scene_figure
 from contactlab.reports.notebook.texts import results_facts, scene_facts
 from contactlab.reports.numbers import heading_unit, quantity
-from contactlab.reports.pressure_plot import pressure_figure
+from contactlab.reports.pressure_plot import pressure_figure, pressures_in
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
 from contactlab.studies.columns import BY_NAME
@@ -27,7 +33,7 @@ COLOURS = {"met": "#1a7f4b", "missed": "#9a5b00", "failed": "#b42318", "silent":
 
 def scene_html(scene: Scene) -> str:
     """A picture of the meshes, what the scene consists of, and all of it as TOML to be unfolded."""
-    picture = _picture(lambda: pictures.scene_figure(scene))
+    picture = _picture(lambda: scene_figure(scene))
     whole = f"<details><summary>TOML</summary><pre>{escape(scene.toml())}</pre></details>"
     return _block(f"Scene {escape(scene.name)}", _facts(scene_facts(scene)), picture, whole)
 
@@ -38,13 +44,13 @@ def results_html(results: Results) -> str:
     reason = facts.pop("reason", "")
     said = [f'<div style="{FAULT}">{escape(reason)}</div>'] if reason else []
     said += [f'<div style="{WARNING}"><b>{escape(w.code)}</b>: {escape(w.text)}</div>' for w in results.warnings]
-    shown = [_picture(lambda: pictures.field_figure(results, "von_mises", -1))]
+    shown = [_picture(lambda: field_figure(results, "von_mises", -1))]
     for contact in results.layout.contacts[:2]:
         curves = results.contact[contact.name].curves
         if curves:
-            heading = f"<p><b>{escape(contact.name)}</b>: {escape(contact.slave)} on {escape(contact.master)}</p>"
+            heading = f"<p><b>{escape(contact.title)}</b></p>"
             last = curves[-1]
-            drawn = _picture(lambda last=last: pictures.curve_figure(last, results.layout.units))  # type: ignore[misc]
+            drawn = _picture(lambda last=last: curve_figure(last, results.layout.units))  # type: ignore[misc]
             shown.append(heading + drawn)
     title = f"{escape(results.layout.title)}: {escape(results.status)}"
     return _block(title, *said, _facts(facts), *shown)
@@ -69,19 +75,25 @@ def table_html(table: Table) -> str:
     return _block(escape(table.study.name), _table(heads, rows), *said, drawn)
 
 
-def cost_plot(table: Table) -> Any:
+def cost_plot(table: Table, ax: Any = None) -> Any:
     """Pressure error against CPU time."""
-    return shown(cost_figure(table))
+    return shown(cost_figure(table, ax))
 
 
-def pressure_plot(table: Table) -> Any:
-    """The contact pressure of every run beside the reference."""
-    return shown(pressure_figure(table))
+def pressure_plot(table: Table, ax: Any = None) -> Any:
+    """The contact pressure of every run and the reference."""
+    return shown(pressure_figure(table) if ax is None else pressures_in(table, ax))
+
+
+def force_plot(table: Table, on: str, component: str, ax: Any = None) -> Any:
+    """Force against displacement of every run."""
+    return shown(force_figure(table, on, component, ax))
 
 
 def shown(figure: Any) -> Any:
-    """The same figure as one that shows itself in a notebook."""
-    figure.__class__ = pictures.Plot
+    """The same figure as one that shows itself in a notebook; the caller's own stays what it is."""
+    if type(figure) is Figure and figure.canvas.manager is None:
+        figure.__class__ = Plot
     return figure
 
 

@@ -1,9 +1,9 @@
-"""Figures of scenes, fields and contact curves."""
+"""Figures and animations of fields on the deformed bodies."""
 
 from __future__ import annotations
 
-import io
-from collections.abc import Iterable, Mapping
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,210 +12,235 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
 
-from contactlab.api.arrays import Floats
-from contactlab.api.drawing.colours import FIELD, REFERENCE, STYLES
+from contactlab.api.arrays import Floats, Ints
+from contactlab.api.drawing.colours import FIELD
 from contactlab.api.drawing.units import Units
-from contactlab.api.frame import ContactCurve
+from contactlab.errors import ContactlabError
 from contactlab.reports.body_plot import outline
 from contactlab.reports.figures import FAINT, INK, MUTED, house_style
-from contactlab.reports.notebook.fields import Moment, moment_of, title_of, values_of
+from contactlab.reports.notebook.canvas import WIDTH, Plot, canvas, figure_of, label_places
+from contactlab.reports.notebook.conditions import draw_conditions, scene_of
+from contactlab.reports.notebook.fields import Moment, moment_of, nodal_values_of, title_of, values_of
+from contactlab.results.nodal import corners_of
 from contactlab.results.results import Results
-from contactlab.scene.scene import Scene
 from contactlab.studies.shape import Shape
 
-WIDTH = 7.6  # inches
-BODIES = ("#dfe6ee", "#efe5d8", "#e2ecdf", "#ece0ea", "#f0e9c9", "#d9ebec")
-"""Pale colours of bodies in pictures of scenes."""
+COLOURS = LinearSegmentedColormap.from_list("field", FIELD)
+PAUSE = 80  # ms between two pictures of an animation
+
+Limits = tuple[float, float]
 
 
-class Plot(Figure):
-    """A figure that shows itself in a notebook, whether or not pyplot is used there."""
-
-    def savefig(self, *arguments: Any, **settings: Any) -> None:
-        """Write the figure. Its layout takes two passes: after one alone, a title above wide axes may be cut off."""
-        with house_style():
-            self.draw_without_rendering()
-            super().savefig(*arguments, **settings)
-
-    def _repr_png_(self) -> bytes:
-        buffer = io.BytesIO()
-        self.savefig(buffer, format="png", dpi=110)
-        return buffer.getvalue()
-
-
-def field_figure(results: Results, name: str, frame: int) -> Figure:
-    """The deformed bodies coloured by a field."""
+def field_figure(results: Results, name: str, frame: int, ax: Axes | None = None, flat: bool = False) -> Figure:
+    """The deformed bodies coloured by a field: nodal averages, or one colour per cell if `flat`."""
     moment = moment_of(results, frame)
-    values = values_of(results, moment, name)
+    values = _values(results, moment, name, flat)
     with house_style():
-        figure, axes = _frame_of([_of_bodies(results, moment)])
-        shown = _colour(axes, results, moment, values, _limits([values]))
-        _colour_bar(figure, axes, shown, title_of(name, Units.of_label(results.layout.units)))
-        _label(axes, results.layout.units, f"{results.layout.title}, t = {moment.time:.4g} {_time(results)}".rstrip())
+        figure, axes = frame_of([_of_bodies(results, moment)], ax)
+        shown = draw_field(axes, results, moment, values, limits_of([values]))
+        colour_bar(figure, axes, shown, title_of(name, Units.of_label(results.layout.units)))
+        _conditions(axes, results, moment)
+        label_places(axes, results.layout.units, f"{results.layout.title}, {when(results, moment)}")
     return figure
 
 
-def field_animation(results: Results, name: str, stride: int) -> FuncAnimation:
+def field_animation(
+    results: Results, name: str, stride: int, ax: Axes | None = None, flat: bool = False
+) -> FuncAnimation:
     """All stored frames, every `stride`th one, with the same colours and axes in all of them."""
     moments = [moment_of(results, k) for k in range(0, len(results.frames), stride)] or [moment_of(results)]
-    values = [values_of(results, moment, name) for moment in moments]
-    limits = _limits(values)
     with house_style():
-        figure, axes = _frame_of([_of_bodies(results, moment) for moment in moments])
-        shown = _colour(axes, results, moments[0], values[0], limits)
-        _colour_bar(figure, axes, shown, title_of(name, Units.of_label(results.layout.units)))
+        figure, axes = frame_of([_of_bodies(results, moment) for moment in moments], ax)
+        draw = animated(axes, results, moments, name, flat, results.layout.title)
+        units = Units.of_label(results.layout.units)
+        colour_bar(figure, axes, draw(0)[0], title_of(name, units))
+    return FuncAnimation(figure, draw, frames=len(moments), interval=PAUSE)
 
-    def draw(number: int) -> Iterable[Any]:
-        for artist in [*axes.collections]:
+
+def animated(
+    axes: Axes, results: Results, moments: Sequence[Moment], name: str, flat: bool, title: str,
+    limits: Limits | None = None,
+) -> Any:  # fmt: skip
+    """A function that draws the moment of a number anew and returns its artists, the coloured ones first."""
+    values = [_values(results, moment, name, flat) for moment in moments]
+    within = limits or limits_of(values)
+    before: list[Any] = []
+
+    def draw(number: int) -> list[Any]:
+        for artist in before:
             artist.remove()
-        _colour(axes, results, moments[number], values[number], limits)
-        title = f"{results.layout.title}, t = {moments[number].time:.4g} {_time(results)}".rstrip()
-        _label(axes, results.layout.units, title)
-        return axes.collections
+        known = set(axes.collections)
+        moment = moments[min(number, len(moments) - 1)]
+        shown = draw_field(axes, results, moment, values[min(number, len(moments) - 1)], within)
+        before[:] = [artist for artist in axes.collections if artist not in known]
+        label_places(axes, results.layout.units, _wrapped(title, when(results, moment)))
+        return [shown, *(artist for artist in before if artist is not shown)]
 
-    return FuncAnimation(figure, draw, frames=len(moments), interval=80)
+    return draw
 
 
-def curve_figure(curve: ContactCurve, units: str = "") -> Figure:
-    """Pressure and shear along the slave, open nodes in grey, a line per chain."""
-    names = Units.of_label(units)
+def fields_figure(runs: Mapping[str, Results], name: str, frame: int, flat: bool = False) -> Figure:
+    """The same field of several runs beside each other, with common colours and axes."""
+    moments = {title: moment_of(results, frame) for title, results in runs.items()}
+    values = {title: _values(results, moments[title], name, flat) for title, results in runs.items()}
+    limits = limits_of(list(values.values()))
     with house_style():
-        figure = Plot(figsize=(WIDTH, 3.2), layout="constrained")
-        axes = figure.subplots()
-        for number in np.unique(curve.chain):
-            here = curve.chain == number
-            label = number == curve.chain.min()
-            _line(axes, curve.s[here], curve.pressure[here], 0, "pressure" if label else "")
-            if np.any(curve.shear != 0.0):
-                _line(axes, curve.s[here], curve.shear[here], 1, "shear" if label else "")
-        still = curve.state == 0
-        axes.plot(curve.s[still], curve.pressure[still], "o", color=REFERENCE, markersize=3.2, label="open")
-        axes.axhline(0.0, color=FAINT, linewidth=0.8, zorder=0)
-        axes.set_xlabel("arc length of the slave" + (f" [{names.length}]" if names.length else ""))
-        axes.set_ylabel("traction" + (f" [{names.pressure}]" if names.pressure else ""))
-        axes.legend()
+        figure, places = _grid(runs, moments.values())
+        for (title, results), axes in zip(runs.items(), places, strict=False):
+            shown = draw_field(axes, results, moments[title], values[title], limits)
+            label_places(axes, results.layout.units, _wrapped(title, when(results, moments[title])))
+        units = Units.of_label(next(iter(runs.values())).layout.units)
+        colour_bar(figure, places, shown, title_of(name, units))
     return figure
 
 
-def _line(axes: Axes, x: Floats, y: Floats, style: int, label: str) -> None:
-    colour, marker = STYLES[style].colour, STYLES[style].marker
-    axes.plot(x, y, color=colour, marker=marker, markersize=3, linewidth=1.3, label=label or None)
-
-
-def scene_figure(scene: Scene) -> Figure:
-    """The meshes of a scene before the run, with rigid surfaces and the sides of its contacts."""
-    from contactlab.model.bodies.build_bodies import build_bodies
-    from contactlab.model.loading.rigid import build_rigid
-
-    bodies = build_bodies(scene, scene.registry)
-    rigid = build_rigid(scene, bodies) if scene.rigid else ()
+def fields_animation(runs: Mapping[str, Results], name: str, stride: int, flat: bool = False) -> FuncAnimation:
+    """Several runs beside each other; one with fewer frames stays at its last."""
+    moments = {title: [moment_of(r, k) for k in range(0, len(r.frames), stride)] for title, r in runs.items()}
+    ends = [_values(results, moments[title][-1], name, flat) for title, results in runs.items()]
+    limits = limits_of(ends)
     with house_style():
-        figure, axes = _frame_of([body.mesh.nodes for body in bodies])
-        for number, body in enumerate(bodies):
-            corners = body.mesh.nodes[body.mesh.cells[:, :4]]
-            colour = BODIES[number % len(BODIES)]
-            axes.add_collection(PolyCollection(list(corners), facecolor=colour, edgecolor="#b9c0c8", linewidths=0.4))
-            axes.add_collection(LineCollection(list(outline(Shape(corners, np.zeros(0)))), colors=INK, linewidths=1.0))
-            middle = corners.reshape(-1, 2)
-            x, y = (0.5 * (middle.min(axis=0) + middle.max(axis=0))).tolist()
-            axes.text(x, y, body.name, ha="center", va="center")
-        limits = axes.get_xlim(), axes.get_ylim()
-        for surface in rigid:
-            axes.plot(*surface.points.T, color=MUTED, linewidth=2.0)
-        _contacts(axes, scene, {body.name: body.mesh for body in bodies})
-        axes.set_xlim(*limits[0])
-        axes.set_ylim(*limits[1])
-        _label(axes, scene.units, scene.name)
-    return figure
+        figure, places = _grid(runs, [moment for several in moments.values() for moment in several])
+        each = [
+            animated(axes, results, moments[title], name, flat, title, limits)
+            for (title, results), axes in zip(runs.items(), places, strict=False)
+        ]
+        shown = [draw(0)[0] for draw in each]
+        units = Units.of_label(next(iter(runs.values())).layout.units)
+        colour_bar(figure, places, shown[0], title_of(name, units))
+
+    def all_of_them(number: int) -> list[Any]:
+        return [artist for draw in each for artist in draw(number)]
+
+    return FuncAnimation(figure, all_of_them, frames=max(map(len, moments.values())), interval=PAUSE)
 
 
-def _contacts(axes: Axes, scene: Scene, meshes: Mapping[str, Any]) -> None:
-    """Slave sides in the first colour, master sides in the second."""
-    drawn: set[str] = set()
-    for contact in scene.contacts:
-        for side, label, style in zip(contact.targets, ("slave", "master"), STYLES[:2], strict=True):
-            for target in side:
-                body, _, edges = target.partition(".")
-                if body not in meshes:
-                    continue
-                mesh = meshes[body]
-                lines = mesh.nodes[mesh.edges[edges][:, :2]] if edges in mesh.edges else np.zeros((0, 2, 2))
-                axes.add_collection(LineCollection(list(lines), colors=style.colour, linewidths=2.2,
-                                                   label=None if label in drawn else label))  # fmt: skip
-                drawn.add(label)
-    if drawn:
-        axes.legend(loc="best", fontsize=8.5)
+def _grid(runs: Mapping[str, Results], moments: Iterable[Moment]) -> tuple[Figure, list[Axes]]:
+    """Axes for each run, with room for all positions."""
+    points = np.concatenate([moment.position for moment in moments])
+    width, height = np.maximum(np.ptp(points, axis=0), 1e-9)
+    wide = 1 if len(runs) == 1 or width > 2.5 * height * len(runs) else 2 if len(runs) < 5 else 3
+    high = -(-len(runs) // wide)
+    each = 9.0 / wide
+    tall = float(np.clip(each * height / width, 1.4, 5.0)) + 0.6
+    figure = Plot(figsize=(10.0, min(14.0, tall * high)), layout="constrained")
+    places = list(figure.subplots(high, wide, sharex=True, sharey=True, squeeze=False).ravel())
+    low, high_ = points.min(axis=0), points.max(axis=0)
+    for axes in places:
+        _limit(axes, low, high_)
+    for axes in places[len(runs) :]:
+        axes.set_visible(False)
+    return figure, places[: len(runs)]
 
 
-def _frame_of(positions: Iterable[Floats]) -> tuple[Figure, Axes]:
-    """A figure whose axes have room for all positions."""
+def _wrapped(title: str, moment: str) -> str:
+    return textwrap.fill(f"{title}, {moment}", 44)
+
+
+def when(results: Results, moment: Moment) -> str:
+    """The share of the load in statics, else the time."""
+    if results.summary.get("reached", {}).get("of") == "load" and moment.share == moment.share:
+        return f"{100.0 * moment.share:.0f} % of the load"
+    return f"t = {moment.time:.4g} {Units.of_label(results.layout.units).time}".rstrip()
+
+
+def _values(results: Results, moment: Moment, name: str, flat: bool) -> dict[str, Floats]:
+    return values_of(results, moment, name) if flat else nodal_values_of(results, moment, name)
+
+
+def frame_of(positions: Iterable[Floats], ax: Axes | None = None) -> tuple[Figure, Axes]:
+    """Make axes with room for all positions, and their figure."""
     points = np.concatenate(list(positions))
     low, high = points.min(axis=0), points.max(axis=0)
     width, height = np.maximum(high - low, 1e-3 * np.max(high - low))
-    figure = Plot(figsize=(WIDTH, float(np.clip((WIDTH - 1.6) * height / width + 0.9, 2.2, 6.5))), layout="constrained")
-    axes = figure.subplots()
-    margin = 0.04 * max(width, height)
+    figure, axes = canvas(ax, float(np.clip((WIDTH - 1.6) * height / width + 0.9, 2.2, 6.5)))
+    _limit(axes, low, high)
+    return figure, axes
+
+
+def _limit(axes: Axes, low: Floats, high: Floats) -> None:
+    margin = 0.06 * float(np.max(high - low))
     axes.set_xlim(low[0] - margin, high[0] + margin)
     axes.set_ylim(low[1] - margin, high[1] + margin)
     axes.set_aspect("equal")
     axes.grid(False)
-    return figure, axes
 
 
-def _limits(fields: list[dict[str, Floats]]) -> tuple[float, float]:
+def limits_of(fields: Sequence[Mapping[str, Floats]]) -> Limits:
     """Ends of the colours: a corner singularity must not leave the rest in the dark."""
-    last = np.concatenate([*fields[-1].values()])
-    every = np.concatenate([values for field in fields for values in field.values()])
+    last = _known(fields[-1].values())
+    every = _known(values for field in fields for values in field.values())
     low, high = float(np.percentile(every, 0.25)), float(np.percentile(last, 99.75))
     low = 0.0 if 0.0 <= low < 0.3 * high else low
     return (low, high) if high > low else (low, low + max(abs(low), 1.0) * 1e-6)
 
 
-def _colour(
-    axes: Axes, results: Results, moment: Moment, values: Mapping[str, Floats], limits: tuple[float, float]
-) -> PolyCollection:
-    colours, found = LinearSegmentedColormap.from_list("field", FIELD), []
+def _known(fields: Iterable[Floats]) -> Floats:
+    values = np.concatenate(list(fields))
+    return np.asarray(values[np.isfinite(values)])
+
+
+def draw_field(axes: Axes, results: Results, moment: Moment, values: Mapping[str, Floats], limits: Limits) -> Any:
+    """Draw the bodies; returns the artist of the first coloured one."""
+    found = []
     for name, cells in results.cells.items():
-        corners = moment.position[cells[:, :4]]
-        drawn = PolyCollection(list(corners), facecolor="#eceef1")
-        if name in values:
-            drawn = PolyCollection(list(corners), array=values[name], cmap=colours, edgecolors="face", linewidths=0.2)
-            drawn.set_clim(*limits)
+        corners = moment.position[corners_of(cells)]
+        if name not in values:
+            axes.add_collection(PolyCollection(list(corners), facecolor="#eceef1"))
+        elif len(values[name]) == len(cells) != len(moment.position):
+            drawn = PolyCollection(list(corners), array=values[name], cmap=COLOURS, edgecolors="face", linewidths=0.2)
+            axes.add_collection(drawn)
             found.append(drawn)
-        axes.add_collection(drawn)
+        else:
+            x, y = moment.position.T
+            mesh = Triangulation(x, y, triangles_of(cells))
+            smooth = np.nan_to_num(values[name])  # nodes of other bodies, which no triangle has
+            found.append(axes.tripcolor(mesh, smooth, shading="gouraud", cmap=COLOURS, rasterized=True))
         axes.add_collection(LineCollection(list(outline(Shape(corners, np.zeros(0)))), colors=INK, linewidths=1.0))
+    for drawn in found:
+        drawn.set_clim(*limits)
     for lines in _rigid_lines(results, moment):
         axes.add_collection(LineCollection(lines, colors=MUTED, linewidths=2.0))
     return found[0]
 
 
+def triangles_of(cells: Ints) -> Ints:
+    """Triangles (k, 3) that cover the cells."""
+    corners = corners_of(cells)
+    return corners if corners.shape[1] == 3 else np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
+
+
 def _of_bodies(results: Results, moment: Moment) -> Floats:
     """Positions of the nodes that belong to cells: rigid surfaces may reach far beyond."""
-    own = np.unique(np.concatenate([cells.ravel() for cells in results.cells.values()]))
-    return np.asarray(moment.position[own])
+    return np.asarray(moment.position[_own_nodes(results)])
+
+
+def _own_nodes(results: Results) -> Ints:
+    return np.unique(np.concatenate([cells.ravel() for cells in results.cells.values()]))
 
 
 def _rigid_lines(results: Results, moment: Moment) -> Iterable[list[Floats]]:
     """Segments of masters that no body has."""
-    own = np.unique(np.concatenate([cells.ravel() for cells in results.cells.values()]))
+    own = _own_nodes(results)
     for contact in results.layout.contacts:
         if not np.isin(contact.master_nodes, own).any():
             yield list(moment.position[contact.master_nodes][contact.master_segments])
 
 
-def _colour_bar(figure: Figure, axes: Axes, shown: PolyCollection, title: str) -> None:
+def _conditions(axes: Axes, results: Results, moment: Moment) -> None:
+    """Supports and loads, if the scene and its meshes can still be read."""
+    try:
+        scene, bodies = scene_of(results)
+    except (ContactlabError, OSError, ValueError):
+        return
+    draw_conditions(axes, scene, bodies, moment.position)
+
+
+def colour_bar(figure: Figure, axes: Any, shown: Any, title: str) -> None:
+    """Draw the colour bar of what is shown beside the axes."""
+    figure = figure if not isinstance(axes, Axes) else figure_of(axes)
     bar = figure.colorbar(shown, ax=axes, shrink=0.85, pad=0.02)
     bar.set_label(title, color=MUTED)
     bar.outline.set_edgecolor(FAINT)
-
-
-def _label(axes: Axes, units: str, title: str) -> None:
-    length = Units.of_label(units).length
-    axes.set_xlabel(f"x [{length}]" if length else "x")
-    axes.set_ylabel(f"y [{length}]" if length else "y")
-    axes.set_title(title)
-
-
-def _time(results: Results) -> str:
-    return Units.of_label(results.layout.units).time

@@ -55,8 +55,9 @@ def results_facts(results: Results) -> dict[str, str]:
     summary, units = results.summary, Units.of_label(results.layout.units)
     frames = len(results.history.get("time", ()))
     facts = {"reason": results.reason, "steps": f"{summary.get('steps', 0)}, {frames} frames stored"}
+    titles = {contact.name: contact.title for contact in results.layout.contacts}
     for name, contact in list(summary.get("contacts", {}).items())[:4]:
-        facts[name] = _contact(contact, units)
+        facts[titles.get(name, name)] = _contact(contact, units)
     for on, force in list(summary.get("reactions", {}).items())[:4]:
         facts[f"reaction of {on}"] = f"{_pair(force)} {units.line_force}".rstrip()
     cost = summary.get("cost", {})
@@ -84,6 +85,13 @@ def table_text(table: Table) -> str:
         for r in table.rows
     ]
     return _columns(f"Table of {len(table)} runs: {table.study.name}", heads, rows)
+
+
+def table_latex(table: Table) -> str:
+    """The table as `table.tex` has it."""
+    from contactlab.reports.tex import table_tex
+
+    return table_tex(table)
 
 
 def matrix_text(matrix: Matrix) -> str:

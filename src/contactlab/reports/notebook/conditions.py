@@ -1,0 +1,92 @@
+"""Supports and loads as engineers draw them: triangles where nodes are held, arrows where something moves or pushes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from contactlab.api.arrays import Floats, Ints
+from contactlab.api.drawing.colours import STYLES
+from contactlab.errors import Location
+from contactlab.parts.registry import default_registry
+from contactlab.reports.figures import INK, MUTED
+from contactlab.results.results import Results
+from contactlab.scene.scene import Scene
+from contactlab.scene.toml_text import parse_toml
+
+if TYPE_CHECKING:
+    from contactlab.model.bodies.body import Body
+
+MARKS = 12  # of one support at most
+ARROWS = 9  # of one load at most
+LOAD = STYLES[4].colour
+
+
+def scene_of(results: Results) -> tuple[Scene, tuple[Body, ...]]:
+    """The scene of a run and its bodies, from what the run kept. Raises what reading them raises."""
+    from contactlab.model.bodies.build_bodies import build_bodies
+
+    registry = default_registry()
+    where = Location("scene.toml", folder=str(results.folder.resolve()) if results.folder else "")
+    scene = Scene.from_data(parse_toml(results.layout.scene, "scene.toml"), where, registry)
+    return scene, build_bodies(scene, registry)
+
+
+def draw_conditions(axes: Axes, scene: Scene, bodies: tuple[Body, ...], position: Floats) -> None:
+    """Draw all supports and loads of the scene at nodes (N, 2)."""
+    from contactlab.model.loading.edge_sets import edge_set, nodes_of
+
+    size = max(np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim()))
+    for number, support in enumerate(scene.supports):
+        nodes = nodes_of(bodies, support.on, scene.where(f"supports.{number}"))
+        _draw_support(axes, support, position[_thinned(nodes, position, MARKS)], 0.09 * size)
+    for number, load in enumerate(scene.loads):
+        _, edges = edge_set(bodies, load.on, scene.where(f"loads.{number}"))
+        _draw_load(axes, load, position[edges[:, :2]], 0.07 * size)
+
+
+def _thinned(nodes: Ints, position: Floats, most: int) -> Ints:
+    """At most so many of the nodes, evenly along the longer side of where they lie."""
+    axis = int(np.argmax(np.ptp(position[nodes], axis=0)))
+    ordered = nodes[np.argsort(position[nodes, axis], kind="stable")]
+    return ordered[np.unique(np.linspace(0, len(ordered) - 1, min(most, len(ordered))).round().astype(int))]
+
+
+def _draw_support(axes: Axes, support: Any, places: Floats, length: float) -> None:
+    style = {"linestyle": "", "markersize": 5.0, "markerfacecolor": "white", "markeredgecolor": MUTED, "zorder": 4}
+    for value, marker in ((support.ux, 5), (support.uy, 6)):  # carets with their tips at the node
+        if value is not None:
+            axes.plot(*places.T, marker=marker, **style)
+    direction = np.array([_motion(support.ux), _motion(support.uy)])
+    if direction.any():
+        _arrow(axes, places.mean(axis=0), length * direction / np.hypot(*direction), INK)
+
+
+def _motion(value: Any) -> float:
+    """Where a prescribed displacement goes: its value at the end, 0 of one that is held."""
+    return 0.0 if value is None else float(value) if isinstance(value, int | float) else float(value.to)
+
+
+def _draw_load(axes: Axes, load: Any, ends: Floats, length: float) -> None:
+    """Arrows against the surface for a pressure, along a traction, and along the edge for a shear."""
+    chosen = ends[np.unique(np.linspace(0, len(ends) - 1, min(ARROWS, len(ends))).round().astype(int))]
+    tangent = chosen[:, 1] - chosen[:, 0]
+    tangent = tangent / np.hypot(*tangent.T)[:, None]
+    inward = np.column_stack([-tangent[:, 1], tangent[:, 0]])
+    for value, direction in (
+        (load.pressure, inward), (load.shear, tangent),
+        (load.tx, np.broadcast_to([1.0, 0.0], inward.shape)), (load.ty, np.broadcast_to([0.0, 1.0], inward.shape)),
+    ):  # fmt: skip
+        sign = np.sign(_motion(value))
+        for middle, along in zip(chosen.mean(axis=1), sign * direction, strict=True):
+            if sign:
+                _arrow(axes, middle - length * along, length * along, LOAD)
+
+
+def _arrow(axes: Axes, start: Floats, along: Floats, colour: str) -> None:
+    properties: Mapping[str, Any] = {"arrowstyle": "-|>", "color": colour, "linewidth": 1.2, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", xy=tuple(start + along), xytext=tuple(start), arrowprops=dict(properties), zorder=5,
+                  annotation_clip=False)  # fmt: skip

@@ -1,0 +1,73 @@
+"""The meshes of a scene before the run, with contact sides, rigid surfaces, supports and loads."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
+
+from contactlab.api.drawing.colours import STYLES
+from contactlab.reports.body_plot import outline
+from contactlab.reports.figures import INK, MUTED, house_style
+from contactlab.reports.notebook.canvas import label_places
+from contactlab.reports.notebook.conditions import draw_conditions
+from contactlab.reports.notebook.pictures import frame_of
+from contactlab.results.nodal import corners_of
+from contactlab.scene.scene import Scene
+from contactlab.studies.shape import Shape
+
+BODIES = ("#dfe6ee", "#efe5d8", "#e2ecdf", "#ece0ea", "#f0e9c9", "#d9ebec")
+"""Pale colours of bodies."""
+SIDES = (("master", STYLES[1].colour, 4.0), ("slave", STYLES[0].colour, 1.8))
+"""What is drawn of a contact, in this order: sides that touch lie on each other, and both must be seen."""
+
+
+def scene_figure(scene: Scene, ax: Axes | None = None) -> Figure:
+    """Draw the scene."""
+    from contactlab.model.bodies.build_bodies import build_bodies
+    from contactlab.model.loading.rigid import build_rigid
+
+    bodies = build_bodies(scene, scene.registry)
+    rigid = build_rigid(scene, bodies) if scene.rigid else ()
+    with house_style():
+        figure, axes = frame_of([body.mesh.nodes for body in bodies], ax)
+        for number, body in enumerate(bodies):
+            corners = body.mesh.nodes[corners_of(body.mesh.cells)]
+            colour = BODIES[number % len(BODIES)]
+            axes.add_collection(PolyCollection(list(corners), facecolor=colour, edgecolor="#b9c0c8", linewidths=0.4))
+            axes.add_collection(LineCollection(list(outline(Shape(corners, np.zeros(0)))), colors=INK, linewidths=1.0))
+            middle = corners.reshape(-1, 2)
+            x, y = (0.5 * (middle.min(axis=0) + middle.max(axis=0))).tolist()
+            axes.text(x, y, body.name, ha="center", va="center")
+        limits = axes.get_xlim(), axes.get_ylim()
+        for surface in rigid:
+            axes.plot(*surface.points.T, color=MUTED, linewidth=2.0)
+        _contacts(axes, scene, {body.name: body.mesh for body in bodies})
+        draw_conditions(axes, scene, bodies, np.concatenate([body.mesh.nodes for body in bodies]))
+        axes.set_xlim(*limits[0])
+        axes.set_ylim(*limits[1])
+        label_places(axes, scene.units, scene.name)
+    return figure
+
+
+def _contacts(axes: Axes, scene: Scene, meshes: Mapping[str, Any]) -> None:
+    """Master sides as wide lines, slave sides as narrow ones above them."""
+    drawn: set[str] = set()
+    for label, colour, width in SIDES:
+        for contact in scene.contacts:
+            slaves, masters = contact.targets
+            for target in masters if label == "master" else slaves:
+                body, _, edges = target.partition(".")
+                if body not in meshes or edges not in meshes[body].edges:
+                    continue
+                mesh = meshes[body]
+                lines = list(mesh.nodes[mesh.edges[edges][:, :2]])
+                named = None if label in drawn else label
+                axes.add_collection(LineCollection(lines, colors=colour, linewidths=width, label=named))
+                drawn.add(label)
+    if drawn:
+        axes.legend(loc="best", fontsize=8.5)

@@ -1,0 +1,135 @@
+"""A comparison read back from its folder."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.api.frame import ContactCurve
+from contactlab.api.warning import RunWarning
+from contactlab.errors import RequestError, one_line
+from contactlab.results.load import load_results
+from contactlab.scene.toml_text import parse_toml
+from contactlab.studies.columns import BY_NAME, Column
+from contactlab.studies.cost_breakdown import CostBreakdown, EffectCost
+from contactlab.studies.profile import Profile
+from contactlab.studies.recordings import RUNS
+from contactlab.studies.reference import Reference
+from contactlab.studies.shape import shapes_of
+from contactlab.studies.study import study_from
+from contactlab.studies.table import Row, Table
+
+T = TypeVar("T")
+
+
+def load_table(folder: str | Path) -> Table:
+    """The table of the comparison in `folder`, equal to what `compare` gave back.
+
+    Curves and bodies are those of the run folders that were kept. Raises RequestError if there is no comparison.
+    """
+    folder = Path(folder)
+    path = folder / "table.json"
+    if not path.is_file():
+        raise RequestError(
+            "the folder holds no comparison", where=str(folder), allowed="a folder with table.json",
+            hint="load_results reads a single run" if (folder / "summary.json").is_file() else "",
+        )  # fmt: skip
+    try:
+        return _table(json.loads(path.read_text(encoding="utf-8")), folder)
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise RequestError(f"the comparison cannot be read: {one_line(error)}", where=str(path)) from error
+
+
+def _table(data: Mapping[str, Any], folder: Path) -> Table:
+    study = study_from(
+        data["study"], str(folder / "table.json"), measures=[*BY_NAME, *data["study"].get("measures", ())]
+    )
+    rows = [_row(row, study.contact, folder / RUNS / row["name"]) for row in data["rows"]]
+    text = str(data.get("scene", ""))
+    further = [Column(**column) for column in data.get("further", ())]
+    return Table(
+        rows, study, _reference(data.get("reference_curve")), parse_toml(text, "scene.toml") if text else {}, text,
+        _number(data.get("wall_s")), folder, _breakdown(data.get("bill")), False, further,
+    )  # fmt: skip
+
+
+def _row(data: Mapping[str, Any], contact: str, folder: Path) -> Row:
+    results, kept = _or_nothing(lambda: load_results(folder)), data["kept"]
+    return Row(
+        name=data["name"],
+        algorithm=data["algorithm"],
+        slave=data["slave"],
+        level=data["level"],
+        varied={key: data[key] for key in kept["varied"]},
+        status=data["status"],
+        reason=data["reason"],
+        measures={name: _number(data[name]) for name in kept["measures"]},
+        notes=kept["notes"],
+        warnings=[RunWarning.from_data(warning) for warning in data["warnings"]],
+        system={key: data[key] for key in kept["system"]},
+        parts=data["parts"],
+        reference=data["reference"],
+        choices=kept["choices"],
+        curve=_curve(folder, contact),
+        shapes=shapes_of(results) if results is not None and results.restartable else {},
+        refines=data["refines"],
+        history=_history(folder),
+        path=kept["path"],
+    )
+
+
+def _or_nothing(read: Callable[[], T]) -> T | None:
+    """What is read; None if the files were not kept or are damaged."""
+    try:
+        return read()
+    except (RequestError, OSError, KeyError, ValueError):
+        return None
+
+
+def _history(folder: Path) -> dict[str, Floats]:
+    path = folder / "history.csv"
+    if not path.is_file():
+        return {}
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {name: np.array([_number(row[name] or None) for row in rows]) for name in rows[0]} if rows else {}
+
+
+def _curve(folder: Path, contact: str) -> ContactCurve | None:
+    path = folder / "contact.csv"
+    if not path.is_file():
+        return None
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["contact"] == contact]
+    if not rows:
+        return None
+    columns = {name: np.array([float(row[name]) for row in rows]) for name in ContactCurve.COLUMNS}
+    return ContactCurve(**columns | {name: columns[name].astype(np.int32) for name in ("state", "chain")})
+
+
+def _reference(data: Mapping[str, Any] | None) -> Reference | None:
+    if data is None:
+        return None
+    profile = Profile(np.array(data["x"], float), np.array(data["pressure"], float))
+    rest = {name: data[name] for name in ("name", "title", "origin", "scalars", "error_estimate", "level")}
+    window = tuple(data["window"]) if data["window"] else None
+    return Reference(profile=profile, spread=np.array(data["spread"], float), window=window, **rest)
+
+
+def _breakdown(data: Mapping[str, Any] | None) -> CostBreakdown | None:
+    if data is None:
+        return None
+    whole = {name: math.nan if value is None else value for name, value in data.items() if name != "prices"}
+    effects = [EffectCost(**{k: math.nan if v is None else v for k, v in cost.items()}) for cost in data["prices"]]
+    return CostBreakdown(**whole, effects=effects)
+
+
+def _number(value: Any) -> float:
+    return math.nan if value is None else float(value)

@@ -1,0 +1,92 @@
+"""`contactlab plot`: every kind of picture of a run and of a comparison, and what is refused."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+import contactlab
+from contactlab.cli import main
+
+SMALL = {
+    "bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "supports.1.uy.to": -0.02, "level": 1,
+    "integrator": "newton", "integrator.steps": 4, "time.history": True, "record.frames": 4,
+    "record.recorders": ["vtkhdf"],
+}  # fmt: skip
+HEADS = {".png": b"\x89PNG", ".pdf": b"%PDF", ".gif": b"GIF8", ".svg": b"<?xml"}
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    place = tmp_path_factory.mktemp("plot")
+    scene = contactlab.load_scene("disc-on-block").with_(SMALL)
+    contactlab.simulate(scene, out=place / "run")
+    contactlab.compare(scene, {"contacts.0.swap": [False, True]}, out=place / "two", jobs=1, progress=False)
+    return {"run": place / "run", "two": place / "two"}
+
+
+@pytest.mark.parametrize("which", ["run", "two"])
+@pytest.mark.parametrize(
+    ("what", "suffix"), [("force", ".pdf"), ("pressure", ".svg"), ("stress", ".png"), ("animation", ".gif")]
+)
+def test_every_kind_of_picture(
+    folders: dict[str, Path], which: str, what: str, suffix: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = folders[which] / f"{what}-there{suffix}"
+    assert main(["plot", str(folders[which]), what, "--out", str(file)]) == 0
+    assert file.read_bytes().startswith(HEADS[suffix])
+    assert capsys.readouterr().out == f"{what}: {file}\n"
+
+
+def test_a_picture_without_a_name_lies_beside_the_results(folders: dict[str, Path]) -> None:
+    assert main(["plot", str(folders["run"]), "force", "--on", "disc.top"]) == 0
+    assert (folders["run"] / "force.png").read_bytes().startswith(HEADS[".png"])
+
+
+def test_frames_fields_and_runs_are_chosen(folders: dict[str, Path]) -> None:
+    run, two = str(folders["run"]), str(folders["two"])
+    assert main(["plot", run, "stress", "--field", "principal_3", "--frame", "1", "--flat"]) == 0
+    (name, *_) = (path.name for path in (folders["two"] / "runs").iterdir())
+    assert main(["plot", two, "stress", "--runs", name]) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["force", "--out", "x.gif"], ".pdf"),
+        (["animation", "--out", "x.png"], ".gif"),
+        (["force", "--on", "disc.tp"], 'did you mean "disc.top"'),
+        (["stress", "--field", "vonmises"], 'did you mean "von_mises"'),
+        (["stress", "--frame", "99"], "there is no such frame"),
+        (["force", "--out", "nowhere/x.png"], "there is no such folder"),
+        (["forse"], 'did you mean "force"'),
+    ],
+)
+def test_wrong_requests(
+    folders: dict[str, Path], words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["plot", str(folders["run"]), *words]) == 2
+    assert said in capsys.readouterr().err
+
+
+def test_a_film_without_ffmpeg_names_gif(
+    folders: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    assert main(["plot", str(folders["run"]), "animation", "--out", str(tmp_path / "x.mp4")]) == 2
+    said = capsys.readouterr().err
+    assert "ffmpeg" in said
+    assert ".gif" in said
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="no ffmpeg here")
+def test_a_film(folders: dict[str, Path], tmp_path: Path) -> None:
+    assert main(["plot", str(folders["run"]), "animation", "--out", str(tmp_path / "x.mp4")]) == 0
+    assert b"ftyp" in (tmp_path / "x.mp4").read_bytes()[:16]
+
+
+def test_an_empty_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["plot", str(tmp_path), "force"]) == 2
+    assert "results.vtkhdf" in capsys.readouterr().err
