@@ -58,7 +58,7 @@ class Element(ABC):
     lumping  how the mass becomes diagonal: "row-sum" (integral of each shape function),
              "hrz" (Hinton, Rock & Zienkiewicz: consistent diagonal scaled to the total) or
              "quadrature" (nodal quadrature, for elements whose nodes are Lobatto points)
-    locks    True: too stiff for nearly incompressible materials; runs in which this matters warn of it
+    locks    True: too stiff where plastic flow keeps the volume; runs in which it flows warn of it
     without  effects of this element ("quadratic shape functions"), each with the element that leaves it out
     beyond   effects that this element leaves out, each with the element that has it
     """

@@ -5,34 +5,20 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import RunWarning
-from contactlab.missing_effects.missing_effect import Detectors, Known, needed, per_cent
+from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.model import Model
 
-POISSON = 0.49
 FLOW = 0.01  # equivalent plastic strain, well beyond elastic strains: volume-preserving flow rules the deformation
 PLASTIC = "equivalent_plastic_strain"
 
 
 def locking_detectors(scene: object, model: Model) -> Detectors:
-    """Detectors for bodies of elements that lock: by the law's Poisson ratio, and by plastic flow."""
+    """Detectors for bodies of elements that lock whose law yields: such flow keeps the volume."""
     del scene
     for forces in model.forces:
-        body = forces.body
-        if not body.element.locks:
-            continue
-        ratio = poisson(body)
-        if ratio > POISSON:
-            yield Known(_locks(body, ratio, POISSON, f"Poisson's ratio is {ratio:.4g}"))
-        elif PLASTIC in body.material.history_names:
+        if forces.body.element.locks and PLASTIC in forces.body.material.history_names:
             yield PlasticFlow(forces)
-
-
-def poisson(body: Body) -> float:
-    """Poisson's ratio of the undeformed material, from its wave speeds: (c_s/c_p)^2 = (1 - 2 nu)/(2 - 2 nu)."""
-    dilatational, shear = body.material.wave_speeds()
-    ratio = (shear / dilatational) ** 2
-    return (1.0 - 2.0 * ratio) / (2.0 - 2.0 * ratio)
 
 
 class PlasticFlow:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.api import Floats
+from contactlab.missing_effects.bending import bending_detectors
 from contactlab.missing_effects.locking import locking_detectors
+from contactlab.missing_effects.missing_effect import Detector
 from contactlab.missing_effects.overlap import overlap_detectors
 from contactlab.missing_effects.quasi_static import quasi_static_detectors
 from contactlab.missing_effects.sides import side_detectors
@@ -19,6 +21,7 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 DETECTORS = (strain_detectors, locking_detectors, quasi_static_detectors, side_detectors, overlap_detectors)
+AT_THE_END = (bending_detectors,)  # their energies are small in early frames, and shares of them mean nothing there
 KEY = "looks"  # in checkpoints: files keep their names
 
 
@@ -27,12 +30,23 @@ class EffectMonitor:
 
     def __init__(self, scene: Scene, model: Model) -> None:
         self.warnings = model.warnings
-        self.detectors = [detector for found in DETECTORS for detector in found(scene, model)]
+        self.early, self.late = (
+            [detector for found in kinds for detector in found(scene, model)] for kinds in (DETECTORS, AT_THE_END)
+        )
+        self.detectors = [*self.early, *self.late]
 
     def examine_frame(self) -> None:
-        """Let every detector take in the present state, and add what it warns of."""
+        """Let every detector take in the present state, and add warnings of the state so far."""
         for detector in self.detectors:
             detector.update()
+        self._add(self.early)
+
+    def judge(self) -> None:
+        """Add warnings of the whole run, when it is over."""
+        self._add(self.late)
+
+    def _add(self, detectors: list[Detector]) -> None:
+        for detector in detectors:
             warning = detector.warning()
             if warning is not None:
                 self.warnings.add(warning)

@@ -145,6 +145,7 @@ class Run:
         known = list(self.model.warnings) if self.journal.last is None else []
         self._look_again()
         self.guards.judge(self.journal.last)
+        self.monitor.judge()
         # conditions made again differ in their last digits from those of the step, of which the saved warnings speak
         self.model.warnings.keep(known)
 

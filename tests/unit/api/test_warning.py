@@ -10,7 +10,7 @@ from pathlib import Path
 from contactlab.api import RunWarning, Warnings
 
 ROOT = Path(__file__).parents[3]
-MAKERS = {"Invariant": 1, "RunWarning": 0, "needed": 0, "_slower": 2}
+MAKERS = {"Invariant": 1, "RunWarning": 0, "needed": 0, "_slower": 2, "advice": 0}
 """Functions that make a warning, and the place of the code among their arguments."""
 
 
@@ -59,8 +59,9 @@ def codes_in(path: Path) -> set[str]:
     """Codes of all warnings that a file makes."""
     found = set()
     for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MAKERS and node.args:
-            code = node.args[MAKERS[node.func.id]]
+        name = getattr(node.func, "id", getattr(node.func, "attr", "")) if isinstance(node, ast.Call) else ""
+        if isinstance(node, ast.Call) and name in MAKERS and node.args:
+            code = node.args[MAKERS[name]]
             if isinstance(code, ast.Constant):
                 found.add(str(code.value))
     return found

@@ -85,7 +85,7 @@ SEEDED: dict[str, tuple[str, dict[str, Any], str]] = {
         "plasticity", stretched(LIMITED, 0.02), r"its yield stress is 15",
     ),
     "Poisson's ratio near one half": (
-        "locking", stretched({"use": "neo-hookean", **ELASTIC, "poisson": 0.495}, 0.01), r"ratio is 0\.495",
+        "locking", stretched({"use": "neo-hookean", **ELASTIC, "poisson": 0.495}, 0.01), r"about [34]\d % too small",
     ),
     "plastic flow": ("locking", stretched(PLASTIC, 0.04), r"plastic strain.* reaches"),
     "a fast quasi-static run": ("slower-loading", squeezed(5.0 * WAVE), r"kinetic energy reaches"),

@@ -1,0 +1,132 @@
+"""How often each warning is right: the table of docs/warnings.md, from archives of matrices.
+
+    contactlab matrix --full --out runs/full && python benchmarks/studies/warning_rates.py runs/full
+    python benchmarks/studies/warning_rates.py runs/full --cells locking      # the cells of one warning
+
+An alarm counts as right if the finished cell misses a known number: a measure of its case, or an invariant other than
+the one that the warning reports. A cell lacks a warning if it misses a number for which its case accepts the warning,
+and carries none of those that the case accepts.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import case_rows
+import kept_rows
+
+from contactlab.archive.archive import Archive
+from contactlab.matrix.plan import Cell, Request
+from contactlab.parts.registry import default_registry
+
+HERE = Path(__file__).parent
+PAGE = HERE.parents[1] / "docs" / "warnings.md"
+STORED = HERE / "warning_rates.csv"
+BEGIN, END = "<!-- rates -->\n", "<!-- end of rates -->"
+KEYS = ("code", "alarms", "right", "lacking", "mortars", "nodes")
+NODES = "node-on-segment"
+
+
+@dataclass
+class Judged:
+    """A finished cell: the codes that it carries, the measures that it misses, and the codes accepted for each."""
+
+    label: str
+    contact: str
+    codes: frozenset[str]
+    missed: dict[str, frozenset[str]] = field(default_factory=dict)
+
+    def right(self, code: str) -> bool:
+        """Whether something is missed beside what the warning reports of itself."""
+        return any(accepted != {code} for accepted in self.missed.values())
+
+    @property
+    def lacking(self) -> frozenset[str]:
+        """Codes of which one should have been there."""
+        found = [accepted for accepted in self.missed.values() if accepted and not accepted & self.codes]
+        return frozenset().union(*found)
+
+
+def judged(folder: Path) -> Iterator[Judged]:
+    """All finished cells of an archive, the newest of each configuration."""
+    planned = case_rows.asked(Request(full=True))
+    seen = set()
+    with Archive(folder / "archive.sqlite", write=False) as archive:
+        for found in archive.cells():
+            key = case_rows.key_of(found)
+            if key in seen or key not in planned or found["status"] != "finished":
+                continue
+            seen.add(key)
+            records = [archive.record(run, None) for run in found["runs"]]
+            codes = frozenset(code for record in records if record is not None for code in record.warnings)
+            told = {i["name"]: i["code"] for r in records if r is not None for i in r.summary.get("invariants", ())}
+            yield Judged(", ".join(filter(None, key)), found["contact"], codes, _missed(found, planned[key], told))
+
+
+def _missed(found: dict[str, Any], cell: Cell, told: dict[str, str]) -> dict[str, frozenset[str]]:
+    case, setup = cell.case(default_registry()), cell.setup
+    accepted = {measure.name: frozenset(measure.codes) for measure in case.measures(setup)}
+    names = [m["measure"] for m in found["measures"] if m["verdict"] in ("missed", "silent")]
+    return {name: accepted.get(name, frozenset({told[name]} if name in told else ())) for name in names}
+
+
+def rates(cells: list[Judged]) -> list[dict[str, str]]:
+    """A row for each code that some cell carries or lacks."""
+    alarms, right, lacking, by_kind = Counter[str](), Counter[str](), Counter[str](), Counter[tuple[str, bool]]()
+    for cell in cells:
+        alarms.update(cell.codes)
+        right.update(code for code in cell.codes if cell.right(code))
+        lacking.update(cell.lacking)
+        by_kind.update((code, cell.contact == NODES) for code in cell.codes)
+    return [
+        {"code": code, "alarms": str(alarms[code]), "right": str(right[code]), "lacking": str(lacking[code]),
+         "mortars": str(by_kind[code, False]), "nodes": str(by_kind[code, True])}
+        for code in sorted({*alarms, *lacking})
+    ]  # fmt: skip
+
+
+def table(rows: list[dict[str, str]]) -> str:
+    """The table as Markdown."""
+    head = "| code | finished cells that carry it | of these miss a number | share | lack it |\n|---|---|---|---|---|\n"
+    text = ""
+    for row in rows:
+        alarms, right = int(row["alarms"]), int(row["right"])
+        share = f"{right / alarms:.0%}" if alarms else ""
+        text += f"| `{row['code']}` | {alarms} | {right} | {share} | {row['lacking']} |\n"
+    return head + text
+
+
+def page(rows: list[dict[str, str]]) -> str:
+    """docs/warnings.md with the table put in."""
+    head, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+    return f"{head}{BEGIN}{table(rows)}{END}{rest.partition(END)[2]}"
+
+
+def main() -> None:
+    """Read archives, print or write the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="of a matrix")
+    parser.add_argument("--cells", metavar="CODE", help="print the cells that carry or lack this warning")
+    parser.add_argument("--write", action="store_true", help="write docs/warnings.md and keep the rows")
+    options = parser.parse_args()
+    found = list(judged(options.folder))
+    if options.cells:
+        for cell in found:
+            if options.cells in cell.codes | cell.lacking:
+                kind = "lacks" if options.cells in cell.lacking else "right" if cell.right(options.cells) else "false"
+                print(f"{kind:6} {cell.label}; missed: {', '.join(cell.missed) or 'nothing'}; {sorted(cell.codes)}")
+        return
+    rows = rates(found)
+    print(f"{len(found)} finished cells\n{table(rows)}")
+    if options.write:
+        kept_rows.write(STORED, KEYS, rows)
+        PAGE.write_text(page(rows), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
