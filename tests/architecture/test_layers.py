@@ -21,7 +21,7 @@ CORE = ROOT / "src" / "contactlab"
 LAYERS = (
     ("errors",),
     ("api", "views"),
-    ("kernels", "meshing"),
+    ("formulas", "kernels", "meshing"),
     ("parts", "scene"),
     ("model",),
     ("results",),

@@ -21,6 +21,7 @@ from contactlab.api.enforcement import (
     Rows,
     Solve,
 )
+from contactlab.api.formulas import formula
 from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout, StoredRun
 from contactlab.api.friction import FrictionBound, FrictionLaw
 from contactlab.api.function import Function
@@ -50,6 +51,7 @@ from contactlab.api.recorder import Recorder, Recording
 from contactlab.api.reference import ReferenceSolution, Scalar, Solution
 from contactlab.api.state import WORK, State
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
+from contactlab.api.tensors import UNIT, Tensor, Vector
 from contactlab.api.warning import RunWarning, Warnings
 from contactlab.api.watch import Memory, StepView, Watch
 
@@ -57,6 +59,7 @@ __all__ = [
     "BLOCK_CELLS",
     "CONTRACT_VERSION",
     "KINDS",
+    "UNIT",
     "WORK",
     "XX",
     "XY",
@@ -140,6 +143,9 @@ __all__ = [
     "StoredRun",
     "Surface",
     "SurfacePositions",
+    "Tensor",
+    "Vector",
     "Warnings",
     "Watch",
+    "formula",
 ]

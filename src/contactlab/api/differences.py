@@ -30,6 +30,17 @@ def tangent_by_differences(law: Material, gradient: Floats, history: Floats, dt:
         tangent[:, j] = (high - low) / (2.0 * STEP)
 
 
+def speeds_at_rest(law: Material) -> tuple[float, float]:
+    """Dilatational and shear speed [mm/s] from the tangent of an undeformed point of an isotropic law."""
+    finite, history = law.kinematics == "finite", np.zeros((law.history_size, 1))
+    gradient, tangent = np.array([[1.0], [0.0], [0.0], [1.0]]) * finite, np.empty((4, 4, 1))
+    law.tangent(gradient, history, 0.0, tangent)
+    # a "finite" law is given F^-1, whose change is minus the strain
+    moduli = (-1.0 if finite else 1.0) * tangent[[0, 3], [0, 1], 0]
+    dilatational, shear = np.sqrt(moduli / law.density)
+    return float(dilatational), float(shear)
+
+
 def stiffening_of_waves(law: Material, gradient: Floats, out: Floats) -> None:
     """Fill out (P,) with the modulus of the fastest wave over that at rest, for a "finite" law without history.
 

@@ -5,11 +5,16 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 from contactlab.api.arrays import Floats
+from contactlab.api.formulas import array_method, formulas_of, install
 
 Kinematics = Literal["small", "finite", "rate"]
+
+_FORMULAS = ("stress", "energy", "dissipation")
+_KINEMATICS: dict[str, Kinematics] = {"F": "finite", "H": "small", "G": "rate"}
+_ARGUMENTS = (*_KINEMATICS, "history", "dt", "p")
 
 
 class Material(ABC):
@@ -43,6 +48,19 @@ class Material(ABC):
     isotropic: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {}
     beyond: ClassVar[Mapping[str, str]] = {}
+    has_energy: ClassVar[bool] = False
+
+    def __init_subclass__(cls, **named: Any) -> None:
+        super().__init_subclass__(**named)
+        install(cls, Material, _FORMULAS, _ARGUMENTS, "contactlab.formulas.laws")
+        stress = formulas_of(cls).get("stress")
+        if stress is None:
+            return
+        cls.kinematics = next(kind for name, kind in _KINEMATICS.items() if name in stress.arguments)
+        cls.has_energy = cls.has_energy or "energy" in formulas_of(cls)
+        for name in ("tangent", "wave_speeds"):
+            if getattr(cls, name) is getattr(Material, name):
+                setattr(cls, name, array_method(getattr(Material, name), "contactlab.formulas.laws", name))
 
     @abstractmethod
     def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
@@ -53,9 +71,14 @@ class Material(ABC):
         `dt` [s] is the step that led here (0 before the first step).
         """
 
-    @abstractmethod
     def wave_speeds(self) -> tuple[float, float]:
-        """Dilatational and shear speed [mm/s] of the undeformed material; they set the stable step."""
+        """Dilatational and shear speed [mm/s] of the undeformed material; they set the stable step.
+
+        The default finds them from the tangent at rest.
+        """
+        from contactlab.api.differences import speeds_at_rest
+
+        return speeds_at_rest(self)
 
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
         """Fill out (P,) with a bound of the fastest wave's modulus at each point, over that of `wave_speeds` at rest.
@@ -93,8 +116,6 @@ class Material(ABC):
         "small" laws: per undeformed volume. Only called on laws whose `has_energy` is true.
         """
         raise NotImplementedError(f"{type(self).__name__} declares no stored energy")
-
-    has_energy: ClassVar[bool] = False
 
     def elastic_limit(self) -> float:
         """Von Mises stress [MPa] beyond which the material would yield, but the law does not; inf where it has none.

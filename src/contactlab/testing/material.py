@@ -6,6 +6,7 @@ import numpy as np
 
 from contactlab.api import Floats, Material
 from contactlab.api.differences import tangent_by_differences
+from contactlab.api.formulas import formulas_of
 from contactlab.testing import material_flow, material_states
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.material_waves import stiffening_bounds_the_waves
@@ -117,6 +118,24 @@ def tangent_is_the_derivative(law: Material) -> None:
         f"tangent against differences: {bad} of {POINTS} points differ by up to {error.max():.1e} of "
         f"the moduli, allowed {allowed:.0e} at all but {few}",
     )
+
+
+def formulas_are_what_runs(law: Material) -> None:
+    """Formulas give in plain Python what they give compiled, and what a method by hand in their place gives."""
+    if not formulas_of(type(law)):
+        raise NotApplicable("the law has no formulas")
+    from contactlab.formulas import laws
+
+    few = POINTS // 4
+    gradient, history = gradients(law, few, STRAIN), some_history(law, few)
+    given, new = respond(law, gradient, history)
+    size = max(modulus(law), float(np.abs(given).max()))
+    for how, called in (("compiled", laws.stress), ("in plain Python", laws.stress_in_python)):
+        stress, after = np.full_like(given, np.nan), np.full_like(new, np.nan)
+        called(law, gradient, history, DT, stress, after)
+        # a different order of the same sums, some of which cancel
+        agree(stress, given, 1e-12 * size, f"stress of the formula {how}, against the method")
+        agree(after, new, 1e-11 * max(1.0, float(np.abs(new).max(initial=0.0))), f"history of the formula {how}")
 
 
 def rate_is_declared(law: Material) -> None:
@@ -247,6 +266,7 @@ CHECKS: tuple[Check, ...] = (
     speeds_belong_to_the_tangent,
     objectivity,
     tangent_is_the_derivative,
+    formulas_are_what_runs,
     rate_is_declared,
     energy_is_positive,
     energy_belongs_to_the_stress,

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+from contactlab.api import formula
 
 
 class Lame(NamedTuple):
@@ -30,6 +32,12 @@ def check_elastic(young: float, poisson: float, density: float, yield_stress: fl
 def elastic_limit(yield_stress: float | None) -> float:
     """A yield stress [MPa] that an elastic law was told of; inf for none."""
     return math.inf if yield_stress is None else yield_stress
+
+
+@formula
+def lame(p: Any) -> Any:
+    """Lame's constants lambda and mu [MPa] of an isotropic solid with p.young and p.poisson, in formulas."""
+    return p.young * p.poisson / ((1.0 + p.poisson) * (1.0 - 2.0 * p.poisson)), p.young / (2.0 * (1.0 + p.poisson))
 
 
 @cache

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Floats, Kinematics, Material
-from contactlab.api.compiled.late import late
-from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
+from contactlab.api import Floats, Material, Tensor, formula
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, lame, lame_constants
 
 
 @dataclass(frozen=True)
@@ -32,7 +31,6 @@ class Hypoelastic(Material):
     density: float
     yield_stress: float | None = None
 
-    kinematics: ClassVar[Kinematics] = "rate"
     history_size: ClassVar[int] = 4
     history_names: ClassVar[tuple[str, ...]] = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")
     without: ClassVar[Mapping[str, str]] = {"finite strain": "linear-elastic"}
@@ -45,26 +43,32 @@ class Hypoelastic(Material):
         """The yield stress [MPa]; inf where none is given."""
         return elastic_limit(self.yield_stress)
 
-    def wave_speeds(self) -> tuple[float, float]:
-        """Speeds at zero stress [mm/s]."""
-        return elastic_wave_speeds(self.young, self.poisson, self.density)
-
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
         """Tension stiffens like a string, and the turning of a stress adds at most its principal difference."""
         mean, radius = 0.5 * (stress[0] + stress[1]), np.hypot(0.5 * (stress[0] - stress[1]), stress[3])
         _, shear = lame_constants(self.young, self.poisson)
         out[:] = 1.0 + (np.maximum(mean + radius, 0.0) + 2.0 * radius) / shear
 
-    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
-        """sigma = R (R sigma_old R^T + lambda tr(d) I + 2 mu d) R^T, R R = Q; `gradient`: increment at mid-step."""
-        if new_history is not history:
-            new_history[:] = history
-        late("contactlab_solids.hypoelastic_kernels").stress(
-            gradient, new_history, stress, *lame_constants(self.young, self.poisson)
+    @formula
+    def stress(G: Any, history: Any, p: Any) -> Any:
+        """sigma = R (R sigma_old R^T + lambda tr(d) I + 2 mu d) R^T, R R = Q; `G`: increment at mid-step.
+
+        G is referred to the middle of the step, so that with d = sym G and w = skew G the rotation
+        Q = (I - w/2)^-1 (I + w/2) is exact for a rigid rotation of any angle below 180 degrees. Hooke's increment
+        belongs to the middle of the step: added at its end it would be first order only.
+        """
+        first, shear = lame(p)
+        h = 0.25 * (G.xy - G.yx)
+        scale = 1.0 / (1.0 + h * h)
+        c, s = (1.0 - h * h) * scale, 2.0 * h * scale  # of twice half the angle: what turns a stress half the way
+        trace = G.xx + G.yy
+        mean = 0.5 * (history.stress_xx + history.stress_yy) + (first + shear) * trace
+        half, shearing = 0.5 * (history.stress_xx - history.stress_yy), history.stress_xy
+        half, shearing = (
+            c * half + s * shearing + shear * (G.xx - G.yy),
+            c * shearing - s * half + shear * (G.xy + G.yx),
         )
-
-    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
-        """d(stress row)/d(row of the increment gradient at mid-step), (4, 4, P)."""
-        from contactlab_solids import hypoelastic_kernels
-
-        hypoelastic_kernels.tangent(gradient, history, tangent, *lame_constants(self.young, self.poisson))
+        half, shearing = c * half + s * shearing, c * shearing - s * half
+        zz = history.stress_zz + first * trace
+        stress = Tensor(mean + half, shearing, shearing, mean - half, zz)
+        return stress, (mean + half, mean - half, zz, shearing)

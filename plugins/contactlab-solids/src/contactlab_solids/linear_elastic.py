@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from contactlab.api import Floats, Kinematics, Material
-from contactlab.api.compiled.late import late
-from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
+from contactlab.api import UNIT, Material, formula
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, lame
 
 
 @dataclass(frozen=True)
@@ -26,8 +25,6 @@ class LinearElastic(Material):
     density: float
     yield_stress: float | None = None
 
-    kinematics: ClassVar[Kinematics] = "small"
-    has_energy: ClassVar[bool] = True
     beyond: ClassVar[Mapping[str, str]] = {"finite strain": "neo-hookean", "plasticity": "linear-hardening"}
 
     def __post_init__(self) -> None:
@@ -37,25 +34,15 @@ class LinearElastic(Material):
         """The yield stress [MPa]; inf where none is given."""
         return elastic_limit(self.yield_stress)
 
-    def wave_speeds(self) -> tuple[float, float]:
-        """Dilatational and shear speed [mm/s]."""
-        return elastic_wave_speeds(self.young, self.poisson, self.density)
-
-    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+    @formula
+    def stress(H: Any, p: Any) -> Any:
         """Compute sigma = lambda tr(eps) I + 2 mu eps."""
-        late("contactlab_solids.kernels").linear_elastic(gradient, stress, *lame_constants(self.young, self.poisson))
+        first, shear = lame(p)
+        return first * H.trace() * UNIT + 2.0 * shear * H.symmetric()
 
-    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
-        """Fill in Hooke's constants, the same at every point."""
-        lame, shear = lame_constants(self.young, self.poisson)
-        tangent[:] = 0.0
-        tangent[:3, 0] = tangent[:3, 3] = lame
-        tangent[0, 0] += 2.0 * shear
-        tangent[1, 3] += 2.0 * shear
-        tangent[3, 1] = tangent[3, 2] = shear
-
-    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+    @formula
+    def energy(H: Any, p: Any) -> Any:
         """W = lambda/2 tr(eps)^2 + mu eps : eps per undeformed volume."""
-        lame, shear = lame_constants(self.young, self.poisson)
-        xx, yy, xy = gradient[0], gradient[3], 0.5 * (gradient[1] + gradient[2])
-        energy[:] = 0.5 * lame * (xx + yy) ** 2 + shear * (xx**2 + yy**2 + 2.0 * xy**2)
+        first, shear = lame(p)
+        strain, trace = H.symmetric(), H.trace()
+        return 0.5 * first * trace * trace + shear * strain.dot(strain)

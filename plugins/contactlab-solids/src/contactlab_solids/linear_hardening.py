@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Floats, Kinematics, Material
+from contactlab.api import Floats, Material, formula
 from contactlab.api.compiled.late import late
 from contactlab_solids import j2
-from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
+from contactlab_solids.elastic_constants import check_elastic
+
+PLASTIC = 3  # history row
 
 
 @dataclass(frozen=True)
@@ -31,10 +33,8 @@ class LinearHardening(Material):
     yield_stress: float
     hardening: float = 0.0
 
-    kinematics: ClassVar[Kinematics] = "finite"
     history_size: ClassVar[int] = 4
     history_names: ClassVar[tuple[str, ...]] = j2.HISTORY
-    has_energy: ClassVar[bool] = True
     implicit_euler: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {"plasticity": "neo-hookean"}
 
@@ -45,10 +45,6 @@ class LinearHardening(Material):
         if not self.hardening >= 0.0:
             raise ValueError(f"hardening: got {self.hardening}, allowed: a slope >= 0 [MPa] (softening is refused)")
 
-    def wave_speeds(self) -> tuple[float, float]:
-        """Elastic speeds [mm/s]."""
-        return elastic_wave_speeds(self.young, self.poisson, self.density)
-
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
         """Bounds of the elastic moduli, as yielding only softens."""
         j2.stiffening(gradient, stress, j2.moduli(self.young, self.poisson), out)
@@ -57,33 +53,35 @@ class LinearHardening(Material):
         """Yield stress [MPa] after an equivalent plastic strain."""
         return np.asarray(self.yield_stress + self.hardening * plastic_strain)
 
-    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+    @formula
+    def flow(plastic: Any, p: Any) -> Any:
+        """Yield stress [MPa] and its slope."""
+        return p.yield_stress + p.hardening * plastic, p.hardening
+
+    @formula
+    def stress(F: Any, history: Any, flow: Any, p: Any) -> Any:
+        """Elastic trial and radial return."""
+        return j2.returned(F, history, flow, p)
+
+    def stress_by_hand(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """Elastic trial and radial return for `gradient`, which is F^-1."""
+        # 4 to 9 times faster: series for roots and logarithms, vectorised
         j2_kernels = late("contactlab_solids.j2_kernels")
         if new_history is not history:
             new_history[:] = history
         constants, flow = j2.moduli(self.young, self.poisson), (self.yield_stress, self.hardening)
-        if j2.elastic_trial(gradient, new_history, stress, constants, (*flow, j2.PLASTIC)):
+        if j2.elastic_trial(gradient, new_history, stress, constants, (*flow, PLASTIC)):
             arguments = (gradient, new_history, stress, *constants, *flow)
             if j2_kernels.linear_return(*arguments):
                 j2_kernels.far_linear_return(*arguments)
 
-    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
-        """d(stress row)/d(row of F^-1), (4, 4, P)."""
-        from contactlab_solids import j2_tangent
-
-        ended, spare = np.empty_like(history), np.empty((4, gradient.shape[1]))
-        self.stress(gradient, history, dt, spare, ended)
-        step = ended[j2.PLASTIC] - history[j2.PLASTIC]
-        slope = np.full_like(step, self.hardening)
-        j2_tangent.tangent(gradient, history, step, slope, tangent, *j2.moduli(self.young, self.poisson))
-
-    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+    @formula
+    def energy(F: Any, history: Any, p: Any) -> Any:
         """Elastic energy per current volume."""
-        j2.energy(gradient, history, j2.moduli(self.young, self.poisson), energy)
+        return j2.stored(F, history, p)
 
-    def dissipation(self, gradient: Floats, history: Floats, dissipation: Floats) -> None:
+    @formula
+    def dissipation(F: Any, history: Any, p: Any) -> Any:
         """Plastic work so far, integral of sigma_y d(ep), per current volume."""
-        plastic = history[j2.PLASTIC]
-        density = (self.yield_stress + 0.5 * self.hardening * plastic) * plastic
-        j2.per_current_volume(gradient, density, dissipation)
+        plastic = history.equivalent_plastic_strain
+        return (p.yield_stress + 0.5 * p.hardening * plastic) * plastic / F.det()

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Floats, Kinematics, Material
+from contactlab.api import UNIT, Floats, Material, formula
 from contactlab.api.compiled.late import late
-from contactlab_solids.elastic_constants import check_elastic, elastic_limit, elastic_wave_speeds, lame_constants
+from contactlab_solids.elastic_constants import check_elastic, elastic_limit, lame, lame_constants
 
 
 @dataclass(frozen=True)
@@ -28,8 +29,6 @@ class NeoHookean(Material):
     density: float
     yield_stress: float | None = None
 
-    kinematics: ClassVar[Kinematics] = "finite"
-    has_energy: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {"finite strain": "linear-elastic"}
     beyond: ClassVar[Mapping[str, str]] = {"plasticity": "linear-hardening"}
 
@@ -39,10 +38,6 @@ class NeoHookean(Material):
     def elastic_limit(self) -> float:
         """The yield stress [MPa]; inf where none is given."""
         return elastic_limit(self.yield_stress)
-
-    def wave_speeds(self) -> tuple[float, float]:
-        """Speeds at small strain [mm/s]."""
-        return elastic_wave_speeds(self.young, self.poisson, self.density)
 
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
         """Spatial moduli are lambda/J and (mu - lambda ln J)/J; tension adds its largest principal stress."""
@@ -55,18 +50,21 @@ class NeoHookean(Material):
         shear_now = (shear - lame * log_j) * inverse_j + tension
         np.maximum(np.maximum(shear_now / shear, inverse_j), 1e-3, out=out)
 
-    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
-        """sigma = [mu (b - I) + lambda ln J I]/J with b = F F^T; `gradient` is F^-1."""
+    @formula
+    def stress(F: Any, p: Any) -> Any:
+        """sigma = [mu (b - I) + lambda ln J I]/J with b = F F^T."""
+        first, shear = lame(p)
+        J = F.det()
+        return (shear * (F @ F.T() - UNIT) + first * math.log(J) * UNIT) / J
+
+    def stress_by_hand(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+        """Compute the stress of the formula."""
+        # 1.6 times faster: F^-1, which it is given, takes one division less
         late("contactlab_solids.kernels").neo_hookean(gradient, stress, *lame_constants(self.young, self.poisson))
 
-    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
-        """d(stress row)/d(row of F^-1), (4, 4, P)."""
-        from contactlab_solids import kernels
-
-        kernels.neo_hookean_tangent(gradient, tangent, *lame_constants(self.young, self.poisson))
-
-    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+    @formula
+    def energy(F: Any, p: Any) -> Any:
         """W/J, the energy per current volume."""
-        from contactlab_solids import kernels
-
-        kernels.neo_hookean_energy(gradient, energy, *lame_constants(self.young, self.poisson))
+        first, shear = lame(p)
+        J, log_j = F.det(), math.log(F.det())
+        return (0.5 * shear * ((F @ F.T()).trace() - 3.0 - 2.0 * log_j) + 0.5 * first * log_j * log_j) / J

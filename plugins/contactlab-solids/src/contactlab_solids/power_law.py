@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import Floats, Kinematics, Material
+from contactlab.api import Floats, Material, formula
 from contactlab.api.compiled.late import late
 from contactlab_solids import j2
-from contactlab_solids.elastic_constants import check_elastic, elastic_wave_speeds
+from contactlab_solids.elastic_constants import check_elastic
 
 RISE = 4  # history row: yield stress less that of the start
 
@@ -37,10 +37,8 @@ class PowerLaw(Material):
     prestrain: float
     exponent: float
 
-    kinematics: ClassVar[Kinematics] = "finite"
     history_size: ClassVar[int] = 5
     history_names: ClassVar[tuple[str, ...]] = (*j2.HISTORY, "yield_stress_rise")
-    has_energy: ClassVar[bool] = True
     implicit_euler: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {"plasticity": "neo-hookean"}
 
@@ -53,10 +51,6 @@ class PowerLaw(Material):
         if not 0.0 <= self.exponent <= 1.0:
             raise ValueError(f"exponent: got {self.exponent}, allowed: 0 (no hardening) to 1 (linear)")
 
-    def wave_speeds(self) -> tuple[float, float]:
-        """Elastic speeds [mm/s]."""
-        return elastic_wave_speeds(self.young, self.poisson, self.density)
-
     def stiffening(self, gradient: Floats, stress: Floats, out: Floats) -> None:
         """Bounds of the elastic moduli, as yielding only softens."""
         j2.stiffening(gradient, stress, j2.moduli(self.young, self.poisson), out)
@@ -65,8 +59,21 @@ class PowerLaw(Material):
         """Yield stress [MPa] after an equivalent plastic strain."""
         return np.asarray(self.strength * (self.prestrain + np.asarray(plastic_strain)) ** self.exponent)
 
-    def stress(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+    @formula
+    def flow(plastic: Any, p: Any) -> Any:
+        """Yield stress [MPa] and its slope."""
+        strength = p.strength * (p.prestrain + plastic) ** p.exponent
+        return strength, p.exponent * strength / (p.prestrain + plastic)
+
+    @formula
+    def stress(F: Any, history: Any, flow: Any, p: Any) -> Any:
+        """Elastic trial and radial return."""
+        stress, new = j2.returned(F, history, flow, p)
+        return stress, (*new, flow(new[3], p)[0] - flow(0.0, p)[0])
+
+    def stress_by_hand(self, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
         """Elastic trial and radial return for `gradient`, which is F^-1."""
+        # 12 times faster: series for roots, powers and logarithms, vectorised
         j2_kernels = late("contactlab_solids.j2_kernels")
         if new_history is not history:
             new_history[:] = history
@@ -78,25 +85,15 @@ class PowerLaw(Material):
 
     def complete_history(self, history: Floats) -> None:
         """The rise of the yield stress follows from the plastic strain."""
-        history[RISE] = self.flow_stress(history[j2.PLASTIC]) - self.strength * self.prestrain**self.exponent
+        history[RISE] = self.flow_stress(history[3]) - self.strength * self.prestrain**self.exponent
 
-    def tangent(self, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
-        """d(stress row)/d(row of F^-1), (4, 4, P)."""
-        from contactlab_solids import j2_tangent
-
-        ended, spare = np.empty_like(history), np.empty((4, gradient.shape[1]))
-        self.stress(gradient, history, dt, spare, ended)
-        plastic = ended[j2.PLASTIC]
-        slope = self.exponent * self.flow_stress(plastic) / (self.prestrain + plastic)
-        step = plastic - history[j2.PLASTIC]
-        j2_tangent.tangent(gradient, history, step, slope, tangent, *j2.moduli(self.young, self.poisson))
-
-    def energy(self, gradient: Floats, history: Floats, energy: Floats) -> None:
+    @formula
+    def energy(F: Any, history: Any, p: Any) -> Any:
         """Elastic energy per current volume."""
-        j2.energy(gradient, history, j2.moduli(self.young, self.poisson), energy)
+        return j2.stored(F, history, p)
 
-    def dissipation(self, gradient: Floats, history: Floats, dissipation: Floats) -> None:
+    @formula
+    def dissipation(F: Any, history: Any, p: Any) -> Any:
         """Plastic work so far, integral of sigma_y d(ep), per current volume."""
-        plastic, power = history[j2.PLASTIC], self.exponent + 1.0
-        density = self.strength / power * ((self.prestrain + plastic) ** power - self.prestrain**power)
-        j2.per_current_volume(gradient, density, dissipation)
+        power, plastic = p.exponent + 1.0, p.prestrain + history.equivalent_plastic_strain
+        return p.strength / power * (plastic**power - p.prestrain**power) / F.det()

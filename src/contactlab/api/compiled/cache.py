@@ -16,7 +16,7 @@ from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[2]
-KERNELS = PACKAGE / "kernels"
+KERNELS, TEMPLATES = PACKAGE / "kernels", PACKAGE / "formulas"
 
 
 def cache_root() -> Path:
@@ -33,7 +33,8 @@ def source_hash(folder: Path) -> str:
     """Hash of all Python sources below `folder` and of the core's kernels, in a fixed order."""
     digest = hashlib.sha256()
     digest.update(f"{sys.version} numba {importlib.metadata.version('numba')}".encode())
-    core = [*KERNELS.rglob("*.py"), *Path(__file__).resolve().parent.glob("*.py")]
+    api = Path(__file__).resolve().parents[1]
+    core = [*KERNELS.rglob("*.py"), *TEMPLATES.rglob("*.py"), *(api / "compiled").glob("*.py"), api / "tensors.py"]
     for file in sorted({*core, *folder.rglob("*.py")}):
         digest.update(file.name.encode())
         digest.update(file.read_bytes())

@@ -56,6 +56,11 @@ def table_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     return _compiled(function, {**_OPTIONS, "_nrt": False})
 
 
+def formula_kernel(kind: type[Kernel], function: Callable[..., Any]) -> Callable[..., Any]:
+    """A kernel of a class derived from `Kernel`."""
+    return _compiled(function, _COUNTED, kind)
+
+
 def summation(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a kernel whose sums may be taken in any order, as wide as the processor can add.
 
@@ -74,13 +79,15 @@ def section(function: Callable[..., Any]) -> Callable[..., Any]:
     return point(function)
 
 
-def _compiled(function: Callable[..., Any], options: dict[str, Any]) -> Callable[..., Any]:
+def _compiled(
+    function: Callable[..., Any], options: dict[str, Any], kind: type[Kernel] | None = None
+) -> Callable[..., Any]:
     if function.__name__.startswith("_"):
         return _dispatcher(Part, function, options)
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(function.__code__.co_filename)
     try:
-        return _dispatcher(Kernel, function, options, cached=True)
+        return _dispatcher(kind or Kernel, function, options, cached=True)
     finally:
         numba.config.CACHE_DIR = before
 

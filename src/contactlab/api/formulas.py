@@ -1,0 +1,123 @@
+"""Formulas: small functions of numbers that an author writes once.
+
+A formula takes and returns numbers, tuples of numbers, and the vectors, tensors and named tuples that the core hands to
+it; it knows no arrays. In the body of a part it makes the array method of its name: the core compiles it for numbers
+and for dual numbers, which differentiate it, and loops over points or segments. With `CONTACTLAB_PYTHON=1` in the
+environment it runs as plain Python, under a debugger if need be.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+from collections.abc import Callable, Iterable
+from functools import cached_property, update_wrapper, wraps
+from typing import Any
+
+from contactlab.api.compiled.late import late
+
+__all__ = ["Formula", "array_method", "formula", "formulas_of", "in_python", "install"]
+
+
+class Formula:
+    """A function of numbers; see `formula`."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function: Any = function
+        update_wrapper(self, function)
+        if next(iter(self.arguments), "") == "self":
+            raise TypeError(f"{function.__qualname__}: a formula takes no self; its parameters are fields of p")
+
+    def __call__(self, *arguments: Any) -> Any:
+        """In plain Python, of floats or dual numbers."""
+        return self.plain(*arguments)
+
+    @cached_property
+    def plain(self) -> Any:
+        """The function with functions of numbers in place of those of `math` and NumPy, which take floats alone."""
+        from contactlab.api.compiled.formulas import plain
+
+        return plain(self.function)
+
+    @cached_property
+    def arguments(self) -> tuple[str, ...]:
+        """Names of its arguments: what the core hands to it."""
+        return tuple(inspect.signature(self.function).parameters)
+
+    @property
+    def place(self) -> str:
+        """File and line."""
+        code = self.function.__code__
+        return f"{code.co_filename}:{code.co_firstlineno}"
+
+    @property
+    def _numba_type_(self) -> Any:
+        """Called by numba where a kernel calls the formula."""
+        from contactlab.api.compiled.formulas import compiled_point
+
+        return compiled_point(self.function)._numba_type_
+
+    def __reduce__(self) -> str:
+        return str(self.function.__qualname__)
+
+
+def formula(function: Callable[..., Any]) -> Any:
+    """Declare a formula, in the body of a part or beside it as a help for other formulas.
+
+    It may use + - * / ** and comparisons, `min`, `max`, `abs`, the functions of `math`, `if`, loops, tuples, other
+    formulas and plain functions of the same kind. Its arguments are named: a part says what it wants to know by name.
+    At a kink, as of `min` or an `if`, the derivative is that of the side on which the values are.
+    """
+    return Formula(function)
+
+
+def formulas_of(kind: type) -> dict[str, Formula]:
+    """The formulas of a part by name, those of its base classes included."""
+    found: dict[str, Formula] = {}
+    for base in reversed(kind.__mro__):
+        found.update(vars(base).get("__formulas__", {}))
+    return found
+
+
+def install(kind: type, root: type, names: Iterable[str], allowed: Iterable[str], methods: str) -> None:
+    """Put array methods in place of the formulas among `names` in the body of a part, and note all formulas.
+
+    Formulas of other names are for these: an argument that has such a name is that formula. A method `NAME_by_hand` of
+    the part is the array method of the formula NAME, because it is faster; derivatives still come from the formula.
+
+    allowed  names that the arguments may have besides
+    methods  module that has a function of each name, called with the part and the arguments of the method
+    root     the abstract class: what follows from a formula is not put over what an author gives
+    """
+    found = {name: value for name, value in vars(kind).items() if isinstance(value, Formula)}
+    allowed = {*allowed, *found, *formulas_of(kind)} - set(names)
+    for name in found.keys() & set(names):
+        value = found[name]
+        unknown = [argument for argument in value.arguments if argument not in allowed]
+        if unknown:
+            raise TypeError(
+                f"{kind.__name__}.{name}: got the argument {unknown[0]}, allowed: {', '.join(sorted(allowed))} "
+                f"({value.place})"
+            )
+        by_hand = getattr(kind, f"{name}_by_hand", None)
+        setattr(kind, name, by_hand or array_method(getattr(root, name), methods, name))
+    kind.__formulas__ = found  # type: ignore[attr-defined]
+
+
+def array_method(like: Callable[..., Any], module: str, name: str) -> Callable[..., Any]:
+    """A method of a part that calls the function `name` of a module, imported when it is first called."""
+
+    function: Any = None
+
+    def method(self: Any, *arguments: Any) -> Any:
+        nonlocal function
+        if function is None:
+            function = getattr(late(module), name)
+        return function(self, *arguments)
+
+    return wraps(like, assigned=("__name__", "__doc__", "__annotations__"), updated=())(method)
+
+
+def in_python() -> bool:
+    """Whether formulas are to run as plain Python."""
+    return os.environ.get("CONTACTLAB_PYTHON", "") not in ("", "0")

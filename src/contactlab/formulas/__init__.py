@@ -1,0 +1,1 @@
+"""Templates of kernels, in which formulas of parts are put."""

@@ -1,0 +1,166 @@
+"""Laws from formulas: stress, tangent, energy and wave speeds of a material.
+
+A law's formulas name what they want to know:
+
+    F       deformation gradient, a `Tensor` with zz = 1: the law is "finite"
+    H       displacement gradient du/dX, a `Tensor` with zz = 0: the law is "small"
+    G       gradient of the displacement increment at the middle of the step: the law is of "rate" form
+    history what the law remembers, named by `history_names`: of the last accepted step where `stress` is asked for
+    dt      length of the step [s]
+    p       the numbers among the fields of the law
+
+`stress` gives the Cauchy stress, a `Tensor`; a law with history gives (stress, new), `new` in the order of
+`history_names`. `energy` and `dissipation` give a number per current volume (per undeformed volume of "small" laws).
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections import namedtuple
+from dataclasses import fields
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Floats, Material
+from contactlab.api.compiled.formulas import Slot, copied, made, plain
+from contactlab.api.formulas import formulas_of
+from contactlab.api.mathematics import seeds
+from contactlab.api.tensors import Tensor
+from contactlab.formulas import law_kernels as points
+
+
+class _Kernels:
+    """The kernels of one class of laws, each made when it is first called."""
+
+    def __init__(self, kind: type[Material]) -> None:
+        self.kind, self.formulas = kind, formulas_of(kind)
+        self.memory: Any = namedtuple("Memory", kind.history_names) if kind.history_size else None
+        remembers = self.memory is not None or "dt" in self.formulas["stress"].arguments
+        self.template = points.step if remembers else points.stress
+        self.numbers = tuple(field.name for field in fields(kind) if str(field.type) in _NUMBERS)  # type: ignore[arg-type]
+        self.parameters: Any = namedtuple("Parameters", self.numbers)  # type: ignore[misc]
+
+    @cached_property
+    def stress(self) -> Any:
+        return self._made(self.template, "stress")
+
+    @cached_property
+    def tangent(self) -> Any:
+        return self._made(points.tangent, "stress")
+
+    @cached_property
+    def energy(self) -> Any:
+        return self._made(points.density, "energy")
+
+    @cached_property
+    def dissipation(self) -> Any:
+        return self._made(points.density, "dissipation")
+
+    def called(self, name: str) -> Any:
+        """The formula, called with all that a law's formula may ask for; a stress without history gets an empty one."""
+        found = self.formulas[name]
+        given = ", ".join(_GIVEN.get(name, name) for name in found.arguments)
+        source = f"def law(measure, history, dt, p):\n    return formula({given})"
+        names: dict[str, Any] = {"formula": found.function, "__name__": found.function.__module__}
+        names |= {name: self.formulas[name] for name in found.arguments if name not in _GIVEN}
+        exec(source + (", ()" if name == "stress" and self.memory is None else ""), names)
+        return names["law"]
+
+    def given(self, name: str) -> dict[Slot, Any]:
+        """What is put into templates for a formula."""
+        return {
+            points.FORMULA: self.called(name),
+            points.MEASURE: points.finite if self.kind.kinematics == "finite" else points.small,
+            points.MEMORY: points.nothing if self.memory is None else points.remembered,
+            points.STORED: self.memory,
+            points.PARAMETERS: self.parameters,
+        }
+
+    def _made(self, template: Any, name: str) -> Any:
+        return made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", self.given(name))
+
+
+_NUMBERS = {f"{kind}{rest}" for kind in ("float", "int", "bool") for rest in ("", " | None")}
+_NUMBERS |= {str(kind) for kind in (float, int, bool)}
+_GIVEN = {"F": "measure", "H": "measure", "G": "measure", "history": "history", "dt": "dt", "p": "p"}
+ARGUMENTS = tuple(_GIVEN)
+_of_class = cache(_Kernels)
+
+
+class _Bound:
+    """The kernels of the class of a law, and the law's numbers (p, 1)."""
+
+    def __init__(self, law: Material) -> None:
+        self.kernels = _of_class(type(law))
+        values = [np.nan if (x := getattr(law, name)) is None else float(x) for name in self.kernels.numbers]
+        self.values = np.array(values).reshape(-1, 1)
+        self.remembers = self.kernels.template is points.step
+
+    @cached_property
+    def stress(self) -> Any:
+        """The kernel of the stress."""
+        return self.kernels.stress
+
+
+_bound: dict[int, _Bound] = {}
+
+
+def _of(law: Material) -> _Bound:
+    """What belongs to a law, as long as it lives."""
+    found = _bound.get(id(law))
+    if found is None:
+        found = _bound[id(law)] = _Bound(law)
+        weakref.finalize(law, _bound.pop, id(law), None)
+    return found
+
+
+def stress(law: Material, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats) -> None:
+    """`Material.stress`."""
+    bound = _of(law)
+    if not bound.remembers:
+        bound.stress(gradient, stress, bound.values)
+        return
+    if new_history is not history:
+        new_history[:] = history
+    bound.stress(gradient, stress, bound.values, new_history, dt)
+
+
+def stress_in_python(
+    law: Material, gradient: Floats, history: Floats, dt: float, stress: Floats, new_history: Floats
+) -> None:
+    """The same by formulas that are not compiled."""
+    bound = _of(law)
+    new_history[:] = history
+    copied(points.step, bound.kernels.given("stress"))(gradient, stress, bound.values, new_history, dt)
+
+
+def tangent(law: Material, gradient: Floats, history: Floats, dt: float, tangent: Floats) -> None:
+    """`Material.tangent`."""
+    bound = _of(law)
+    bound.kernels.tangent(gradient, history, dt, tangent, bound.values)
+
+
+def energy(law: Material, gradient: Floats, history: Floats, energy: Floats) -> None:
+    """`Material.energy`."""
+    bound = _of(law)
+    bound.kernels.energy(gradient, history, energy, bound.values)
+
+
+def dissipation(law: Material, gradient: Floats, history: Floats, dissipation: Floats) -> None:
+    """`Material.dissipation`."""
+    bound = _of(law)
+    bound.kernels.dissipation(gradient, history, dissipation, bound.values)
+
+
+def wave_speeds(law: Material) -> tuple[float, float]:
+    """`Material.wave_speeds`, from the derivative of the stress at rest; points.nothing is compiled for it."""
+    kernels, values = _of(law).kernels, _of(law).values
+    finite = law.kinematics == "finite"
+    a, b, c, d = seeds([1.0, 0.0, 0.0, 1.0] if finite else [0.0] * 4)
+    rest = Tensor(a, b, c, d, 1.0 if finite else 0.0)
+    history = kernels.memory(*np.zeros(law.history_size).tolist()) if kernels.memory is not None else ()
+    found, _ = plain(kernels.called("stress"))(rest, history, 0.0, kernels.parameters(*values[:, 0].tolist()))
+    moduli = found.xx.derivatives[0], found.xy.derivatives[1]
+    return tuple(float(np.sqrt(modulus / law.density)) for modulus in moduli)  # type: ignore[return-value]
