@@ -29,6 +29,7 @@ class ContactReport:
     kept_work          [mJ] sum of y_n times its overlap: what closing the overlaps of pressed conditions would take
     most_negative      lowest multiplier over the highest
     active, sticking   nodes with a force; of these, nodes below their friction bound
+    largest            [N] largest y_n
     """
 
     curve: ContactCurve
@@ -43,6 +44,7 @@ class ContactReport:
     most_negative: float
     active: int
     sticking: int
+    largest: float = 0.0
 
     def force_error(self, integral: Floats) -> float:
         """How far an integral of the tractions (2,) [N] is from the nodal forces, over them; 0 where they are none."""
@@ -92,6 +94,7 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
         covered_integral=_integral(pair, seen, pressure, shear, _covered(pair, seen)),
         max_penetration=depth,
         penetrating_side=side,
+        largest=largest,
         cone_violation=float(
             max((-normal_force).max(initial=0.0), (np.abs(tangential_force) - bound).max(initial=0.0)) / largest
         ),

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import WORK, Floats
+from contactlab.api.arrays import Flags
 from contactlab.model.momentum import momenta
 from contactlab.results.chain_ends import angle_at_ends, turn_at_ends
+from contactlab.results.facets import cusps
 from contactlab.results.reaction_balance import reaction_mismatch
-from contactlab.results.saw_tooth import largest_turn, pressed_depth, saw_tooth
-from contactlab.results.strain_scale import energy_of_strain
+from contactlab.results.saw_tooth import largest_turn, pressed_depth, pressure_saw, saw_tooth
+from contactlab.results.strain_scale import energy_of_strain, force_of_strain
 
 if TYPE_CHECKING:
     from contactlab.model.contact.pair import ContactPair
@@ -28,6 +30,8 @@ EXACT = 1e-9  # of the largest: sums that are zero by construction
 STEPWISE = 0.02  # load steps: work between two of them is a trapezoid; steps that follow their loads keep 1e-3
 SPREAD = 0.01  # nodes on segments: forces act along the master's normals, pressures along the slave's
 PARTLY = 0.05  # multipliers beyond an edge of cover stand for less length than their segments have
+SMALL_SHEAR = 0.05  # of the pressure: teeth of a smaller shear are judged by that
+NOTHING = 1e-12  # strain of the round-off of positions, as for reactions
 PLAIN = 1e-5  # of a contact force: what is left on nearly flat sides whose segments or tractions differ
 END_TURNS = 0.5  # of that angle at the end of a chain: linear multipliers take a quarter of it, constant ones a sixth
 TURNS = 4.0  # times the square of the angle between segments: an eighth of it for equal ones, more where lengths differ
@@ -72,11 +76,15 @@ class Invariant:
         return cls(**{**data, "value": value, "limit": limit})
 
 
-def invariants(model: Model, sample: Sample) -> list[Invariant]:
-    """All that can be judged of a run at its last `sample`: energy, momenta, symmetry, and each contact by itself."""
-    found = [*_energy(model, sample), *_momentum(model), *_symmetry(model)]
+def invariants(model: Model, sample: Sample, largest_force: float = 0.0) -> list[Invariant]:
+    """All that can be judged of a run at its last `sample`: energy, momenta, symmetry, and each contact by itself.
+
+    largest_force  [N] of the run, beside which forces at its end may be round-off
+    """
+    scale = max(largest_force, force_of_strain(model, NOTHING))
+    found = [*_energy(model, sample), *_momentum(model, scale), *_symmetry(model)]
     for pair in model.contact.pairs if model.contact is not None else ():
-        found += _contact(pair, sample.contacts[pair.name])
+        found += _contact(pair, sample.contacts[pair.name], scale, cusps(pair, model.reference))
         found += _kept_overlap(model, pair, sample)
     return found
 
@@ -105,12 +113,12 @@ def _energy(model: Model, sample: Sample) -> Iterator[Invariant]:
         )  # fmt: skip
 
 
-def _momentum(model: Model) -> Iterator[Invariant]:
+def _momentum(model: Model, scale: float) -> Iterator[Invariant]:
     """Contact acts equally on both sides; and where nothing acts from outside, momenta are those of the start."""
     if model.contact is not None:
         force, x = model.state["contact_force"], model.position
         total = float(np.hypot(*force.T).sum())
-        if total > 0.0:
+        if total > ROUND * scale:
             arm = total * max(pair.size for pair in model.contact.pairs)
             torque = float((x[:, 0] * force[:, 1] - x[:, 1] * force[:, 0]).sum())
             yield Invariant(
@@ -169,17 +177,19 @@ def _symmetry(model: Model) -> Iterator[Invariant]:
 # --- one contact ------------------------------------------------------------------------------------
 
 
-def _contact(pair: ContactPair, report: ContactReport) -> Iterator[Invariant]:
-    curve, pressure = report.curve, report.curve.pressure
+def _contact(pair: ContactPair, report: ContactReport, scale: float, sharp: Flags) -> Iterator[Invariant]:
+    """What holds of one contact; `scale` [N] is the largest force of the run, `sharp` (m,) nodes at kinks."""
+    curve, largest = report.curve, report.largest
+    pull = report.cone_violation * largest / max(largest, scale)
     yield Invariant(
-        "pull of a contact node over the largest push", "contact-pull", pair.name, report.cone_violation, ROUND,
+        "pull of a contact node over the largest push", "contact-pull", pair.name, pull, ROUND,
         "nodal forces push and friction keeps its bound, but for the solver's residual",
     )  # fmt: skip
-    if not pressure.max(initial=0.0) > 0.0:
-        return
+    if not largest > ROUND * scale:
+        return  # residuals of the solver, of which nothing holds
     if np.any(report.resultant):
         limit, why = _promised(pair, report)
-        apart = report.force_error(report.pressure_integral)
+        apart = report.force_error(report.covered_integral)
         yield Invariant("resultant against integral of the pressure", "pressure-integral", pair.name, apart, limit, why)
     depth = report.max_penetration / pair.size
     allowed = DEEP + (pressed_depth(curve) + _overlap(pair)) / pair.size
@@ -188,12 +198,13 @@ def _contact(pair: ContactPair, report: ContactReport) -> Iterator[Invariant]:
         "the depth of facets, overlaps of the start that count as none, and what weak conditions leave between nodes",
     )  # fmt: skip
     yield Invariant(
-        "saw-tooth of the pressure", "pressure-saw", pair.name, saw_tooth(curve, curve.pressure), SAW,
+        "saw-tooth of the pressure", "pressure-saw", pair.name, pressure_saw(curve, sharp), SAW,
         "a pressure that alternates from node to node is none of the bodies'",
     )  # fmt: skip
     if np.any(curve.shear):
+        least = SMALL_SHEAR * float(curve.pressure.max())
         yield Invariant(
-            "saw-tooth of the shear", "shear-saw", pair.name, saw_tooth(curve, curve.shear), SHEAR_SAW,
+            "saw-tooth of the shear", "shear-saw", pair.name, saw_tooth(curve, curve.shear, sharp, least), SHEAR_SAW,
             "a shear that alternates from node to node where all stick or all slip is none of the bodies'",
         )  # fmt: skip
 

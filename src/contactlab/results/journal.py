@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -84,6 +85,12 @@ class Journal:
     def last_step(self) -> int:
         """Step of the last stored frame."""
         return int(self.rows[-1]["step"]) if self.rows else 0
+
+    @property
+    def largest_force(self) -> float:
+        """Largest force [N] of a support or a contact at any stored frame."""
+        pairs = [name.removesuffix(".fx") for name in (self.rows[0] if self.rows else {}) if name.endswith(".fx")]
+        return max((math.hypot(row[f"{on}.fx"], row[f"{on}.fy"]) for row in self.rows for on in pairs), default=0.0)
 
     @property
     def frames(self) -> int:

@@ -5,24 +5,32 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import ContactCurve, Floats, Ints
+from contactlab.api.arrays import Flags
+from contactlab.results.facets import CORNER
 
-CORNER = 0.6
-"""Angle [rad] between segments above which a node is a corner, and no part of a curve."""
+
+def pressure_saw(curve: ContactCurve, cusps: Flags | None = None) -> float:
+    """The larger saw-tooth of nodal pressures, and of multipliers where they do not overshoot at an edge of contact."""
+    return max(saw_tooth(curve, curve.nodal_pressure, cusps), saw_tooth(curve, curve.pressure, cusps, beside=2))
 
 
-def saw_tooth(curve: ContactCurve, values: Floats) -> float:
-    """What of `values` (m,) alternates where the surface is pressed, over their largest magnitude.
+def saw_tooth(
+    curve: ContactCurve, values: Floats, cusps: Flags | None = None, least: float = 0.0, beside: int = 1
+) -> float:
+    """What of `values` (m,) alternates where the surface is pressed, over their largest magnitude, or over `least`.
 
     Second differences of a smooth function have one sign from node to node, but for where it turns, and those of a
     step change it once; those of a saw-tooth change it every time. So the smallest of three neighbours of alternating
-    sign counts, a quarter of which is the height of the teeth; root of the mean square over the nodes that have pressed
-    neighbours of their own state. Kinks between sticking and slipping nodes count for nothing.
+    sign counts, a quarter of which is the height of the teeth; root of the mean square over the nodes that are looked
+    at: those with pressed neighbours of their own state, so many `beside` on either side. Kinks between sticking and
+    slipping nodes count for nothing. A cusp of the exact pressure looks like a tooth: nodes beside one of the `cusps`
+    (m,) count for nothing either.
     Nodes that alone are pressed, between pressed ones two or three nodes off, are teeth by half of their value.
     """
-    largest = float(np.abs(values).max(initial=0.0))
+    largest = max(float(np.abs(values).max(initial=0.0)), least)
     if largest == 0.0:
         return 0.0
-    heights, nodes = _heights(_inner(curve), values)
+    heights, nodes = _heights(_inner(curve, cusps, beside), values)
     alone = np.abs(values[_alone(curve)]) / 2.0
     count = max(1, nodes + len(alone))
     return float(np.sqrt(((heights**2).sum() + (alone**2).sum()) / count)) / largest
@@ -46,11 +54,16 @@ def _alone(curve: ContactCurve) -> Ints:
     return np.asarray(pressed[1:-1][near[:-1] & near[1:]], np.int32)
 
 
-def _inner(curve: ContactCurve) -> Ints:
-    """Pressed nodes between pressed nodes of the same state and chain."""
+def _inner(curve: ContactCurve, cusps: Flags | None, beside: int) -> Ints:
+    """Pressed nodes with so many of the same state and chain `beside` them, and no cusp among these."""
     state = np.where(curve.nodal_pressure > 0.0, curve.state, 0)
     same = (state[:-1] == state[1:]) & (curve.chain[:-1] == curve.chain[1:]) & (state[1:] > 0)
-    return np.asarray(np.flatnonzero(same[:-1] & same[1:]) + 1, np.int32)
+    if cusps is not None:
+        same &= ~(cusps[:-1] | cusps[1:])
+    if len(same) < 2 * beside:
+        return np.zeros(0, np.int32)
+    windows = np.lib.stride_tricks.sliding_window_view(same, 2 * beside)
+    return np.asarray(np.flatnonzero(windows.all(axis=1)) + beside, np.int32)
 
 
 def largest_turn(curve: ContactCurve) -> float:

@@ -82,9 +82,16 @@ class Counts:
 
 
 def summarise(
-    layout: Layout, model: Model, sample: Sample | None, status: str, reason: str, counts: Counts, clock: Clock
+    layout: Layout,
+    model: Model,
+    sample: Sample | None,
+    status: str,
+    reason: str,
+    counts: Counts,
+    clock: Clock,
+    largest_force: float = 0.0,
 ) -> dict[str, Any]:
-    """Gather everything of `summary.json` (docs/scene-format.md)."""
+    """Gather everything of `summary.json` (docs/scene-format.md); `largest_force` [N] of the run."""
     return {
         "format": FORMAT,
         "scene": layout.title,
@@ -106,7 +113,7 @@ def summarise(
         if sample is None
         else {name: _contact(c) | _derived(model, name) | _start(model, name) for name, c in sample.contacts.items()},
         "balance": {} if sample is None else _balance(sample),
-        "invariants": [] if sample is None else [one.as_data() for one in invariants(model, sample)],
+        "invariants": [] if sample is None else [one.as_data() for one in invariants(model, sample, largest_force)],
     }
 
 
@@ -132,6 +139,7 @@ def _contact(report: ContactReport) -> dict[str, Any]:
         "pressure_integral": list(report.pressure_integral),
         "intervals": report.intervals,
         "max_pressure": float(report.curve.pressure.max(initial=0.0)),
+        "max_nodal_pressure": float(report.curve.nodal_pressure.max(initial=0.0)),
         "max_penetration": report.max_penetration,
         "penetrating_side": report.penetrating_side,
         "cone_violation": report.cone_violation,

@@ -1,75 +1,75 @@
-"""Invariants that a run breaks, in words: what was seen, and what to try."""
+"""Invariants that a run breaks, in words: what happened, where, the number against its limit, and what to try."""
 
 from __future__ import annotations
 
 from contactlab.api import RunWarning
+from contactlab.model.model import Model
 from contactlab.results.invariants import Invariant
 
-SIDES = "try finer cells, the other side as slave (swap), or another algorithm"
+FINER = "refine the cells along both surfaces (level)"
 TEXTS: dict[str, tuple[str, str, str]] = {
-    "not-finite": ("integrator", "an energy of the last frame is not a number", "look at loads and laws"),
-    "ledger": ("integrator", "the works of all forces and the energies differ by {value} of the largest energy", ""),
+    "not-finite": ("integrator", "an energy of the last frame is not finite", "check loads and material models"),
+    "ledger": ("integrator.steps", "works of all forces and energies differ by {value} of the largest energy", ""),
     "unbalanced-reactions": (
         "integrator.tolerance", "reactions and loads are out of balance by {value} of the largest of them",
-        "ask for a smaller tolerance",
+        "reduce integrator.tolerance",
     ),
     "linear-momentum": (
-        "contacts.0.algorithm", "momentum is not kept: {name} is {value} of the sum of all magnitudes",
-        "the contact algorithm does not push both sides alike: try another",
+        "contacts.0.algorithm", "linear momentum is not conserved, {name}: {value} of the sum of magnitudes",
+        "use another contact algorithm: this one does not push both sides alike",
     ),
     "angular-momentum": (
-        "contacts.0.algorithm", "angular momentum is not kept: {name} is {value}",
-        "contact forces do not act along the line between the surfaces: try a mortar, or finer cells",
+        "contacts.0.algorithm", "angular momentum is not conserved, {name}: {value}",
+        "refine the cells, or use a mortar algorithm: contact forces do not act along the line between the surfaces",
     ),
     "asymmetry": (
-        "symmetry", "the scene is declared symmetric, and displacements differ by {value} of the largest one",
-        "take shorter steps, or the declaration out",
+        "symmetry", "displacements of a scene with symmetry = \"x\" differ by {value} of the largest one",
+        "take shorter steps, or take symmetry out if the scene has none",
     ),
     "contact-pull": (
-        "enforcement", "contact pulls, or friction is beyond its bound, by {value} of the largest contact force",
+        "enforcement", "contact pulls, or friction exceeds its bound, by {value} of the largest force of the run",
         "take shorter steps, or another enforcement",
     ),
     "pressure-integral": (
-        "algorithm", "the pressure over the slave adds up to a force that differs by {value} from the one that acts",
-        SIDES,
+        "algorithm", "integrated contact pressure and contact force differ by {value}",
+        f"{FINER}, or exchange slave and master (swap)",
     ),
-    "penetration": ("algorithm", "one side lies {value} of a segment deep in the other", SIDES),
+    "penetration": (
+        "algorithm", "penetration of one side is {value} of a segment length", f"{FINER}, or exchange slave and master "
+        "(swap)",
+    ),
     "kept-overlap": (
-        "swap", "pressed surfaces overlap, so that forces are too small: to close them would take {value} of the work "
-        "of the stresses",
-        "try the side with the shorter segments as slave (swap), finer cells of the slave, or forces = \"published\"",
+        "swap", "pressed surfaces overlap and contact forces are too small: closing the gaps would take {value} of the "
+        "work of the stresses",
+        "take the side with the shorter segments as slave (swap), or finer cells of the slave",
     ),
-    "pressure-saw": (
-        "swap", "the pressure alternates from node to node, by {value} of its largest value",
-        "try the other side as slave (swap), a mortar, or a master with finer cells",
-    ),
-    "shear-saw": (
-        "swap", "the shear alternates from node to node, by {value} of its largest value",
-        "try the other side as slave (swap), a mortar, or a master with finer cells",
-    ),
+    "pressure-saw": ("algorithm", "the pressure alternates from node to node by {value} of its largest value", ""),
+    "shear-saw": ("algorithm", "the shear alternates from node to node by {value} of its largest value", ""),
 }  # fmt: skip
-"""By code: key of the scene (of the contact, where there is one), what was seen, what to try."""
-
-LEDGER = {
-    True: ("time.fraction", "take shorter steps"),
-    False: (
-        "integrator.steps",
-        "a load that is there from the first step on does its work in one step, of which only both ends are known; "
-        "give loads a ramp, or take more steps (integrator.steps)",
-    ),
-}
-"""Key and cure of a ledger that does not close, of explicit and implicit runs."""
+"""By code: key of the scene (of the contact, where there is one), what was seen, what to try; "" where it depends."""
 
 
-def breach(one: Invariant, explicit: bool) -> RunWarning:
+def breach(one: Invariant, model: Model) -> RunWarning:
     """The warning of an invariant that is broken."""
     key, seen, cure = TEXTS[one.code]
-    if one.code == "ledger":
-        key, cure = LEDGER[explicit]
+    if one.code == "ledger" and model.explicit:
+        key = "time.fraction"
     key = f"{one.where}.{key}" if one.where else key
     told = seen.format(name=one.name, value=_share(one.value))
-    text = f"{one.where}{': ' if one.where else ''}{told} (allowed {_share(one.limit)}); {cure}"
+    text = f"{one.where}{': ' if one.where else ''}{told} (limit {_share(one.limit)}); {cure or _cure(one, model)}"
     return RunWarning(one.code, one.value, one.limit, key, text)
+
+
+def _cure(one: Invariant, model: Model) -> str:
+    if one.code == "ledger":
+        if model.explicit:
+            return "take shorter steps (time.fraction)"
+        at_once = "a load that is there from the first step on does its work in one step"
+        return f"{at_once}: give loads a ramp, or take more steps (integrator.steps)"
+    (pair,) = (pair for pair in model.contact.pairs if pair.name == one.where)  # type: ignore[union-attr]
+    if pair.method.passes_patch_test:
+        return f"{FINER}; forces are right, and nodal_pressure alternates less"
+    return f'write {one.where}.algorithm = "mortar-p1", or refine the master (level)'
 
 
 def _share(value: float) -> str:

@@ -61,9 +61,9 @@ class Guards:
         self.check()
         self.energy.check(last=True)
 
-    def judge(self, sample: Sample | None) -> None:
+    def judge(self, sample: Sample | None, largest_force: float) -> None:
         """Add what a finished run says of itself by its last sample; see `contactlab.run.judgement`."""
-        judge(self.model, sample, self.contact.closed)
+        judge(self.model, sample, self.contact.closed, largest_force)
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on, as arrays of a checkpoint."""

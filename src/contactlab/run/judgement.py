@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, RunWarning, Surface
+from contactlab.api import ContactCurve, Floats, Ints, RunWarning, Surface
 from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
-from contactlab.results.invariants import invariants
-from contactlab.results.saw_tooth import CORNER
+from contactlab.results.facets import cusps, facet_depths
+from contactlab.results.invariants import ROUND, invariants
 from contactlab.run.breaches import breach
 
 if TYPE_CHECKING:
@@ -22,37 +22,42 @@ WRONG = 0.25  # of the contact force: the pressure is that of another one
 FACETS = 0.05  # depth of facets over the approach: unlike meshes of a press fit then miss 2.5 % of its mean pressure
 FIT = 0.05  # segments: how far nodes of like meshes may have slid apart
 FEW_PAIRS = 250_000  # of points: comparing all takes some ms, importing a search tree a tenth of a second
+FEW = 6  # nodes: of a disc on a plane five or fewer press if its facets are as deep as FACETS of the approach
+PEAK = 0.1  # multipliers above nodal pressures: with 3 nodes in a Hertz contact 34 to 52 %, with 5 2 to 6 %
 ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 
 
-def judge(model: Model, sample: Sample | None, closed: Flags) -> None:
+def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: float = 0.0) -> None:
     """Add warnings to those of a finished run.
 
-    sample  the last one; closed (k,)  multipliers that pressed at any time. Raises SimulationFailure("not-converged")
-    where a pressure belongs to another force than the one that acts.
+    sample  the last one; closed (k,)  multipliers that pressed at any time; largest_force  [N] of the run. Raises
+    SimulationFailure("not-converged") where a pressure belongs to another force than the one that acts.
     """
     if sample is None:
         return
-    for one in invariants(model, sample):
+    for one in invariants(model, sample, largest_force):
         if one.broken:
-            model.warnings.add(breach(one, model.explicit))
+            model.warnings.add(breach(one, model))
     for pair in model.contact.pairs if model.contact is not None else ():
+        report = sample.contacts[pair.name]
         if not closed[pair.first_slot : pair.first_slot + pair.slots].any():
             _never_closed(model, pair)
-            continue
-        _judge_facets(model, pair)
-        _judge_friction(model, pair)
-    for name, report in sample.contacts.items():
-        _judge_pressure(name, report.force_error(report.covered_integral), sample.step)
+        elif report.largest > ROUND * largest_force:
+            _judge_facets(model, pair, report.curve)
+            _judge_peak(model, pair, report.curve)
+            _judge_friction(model, pair)
+            _judge_pressure(pair.name, report.force_error(report.covered_integral), sample.step)
 
 
 def _never_closed(model: Model, pair: ContactPair) -> None:
-    distance = float(_nearest(model.position[pair.slave.nodes], model.position[pair.master.nodes])[0].min())
+    apart, _ = _nearest(model.position[pair.slave.nodes], model.position[pair.master.nodes])
+    place = _place(model, model.position[pair.slave.nodes[apart.argmin()]])
     model.warnings.add(
         RunWarning(
-            "open-contact", distance, 0.0, pair.name,
-            f"{pair.name} never closed: at the end its nodes are {distance:.4g} apart at the nearest place; look at "
-            "what moves the bodies together, go on for longer, or take the contact out",
+            "open-contact", float(apart.min()), 0.0, pair.name,
+            f"{pair.name}: no force in any step; the nearest nodes of both sides are {apart.min():.4g} apart at the "
+            f"end, at {place}; check which way and how far supports and loads move the bodies, or take out "
+            "the contact",
         )
     )  # fmt: skip
 
@@ -91,10 +96,12 @@ def _judge_friction(model: Model, pair: ContactPair) -> None:
 # --- facets -----------------------------------------------------------------------------------------
 
 
-def _judge_facets(model: Model, pair: ContactPair) -> None:
+def _judge_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
     """How deep the facets of a curved pair are where it presses, against how far its surfaces came together there."""
     if pair.start_distance is not None:
         return  # what facets are deep by is no gap
+    if _few_between_open_ones(curve):
+        return  # of a disc on a plane the mean pressure is right to 1 % with three nodes; see `_judge_peak`
     force = model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]
     pressed = np.flatnonzero(force.reshape(pair.rows_per_node, -1).max(axis=0) > 0.0).astype(np.int32)
     if not len(pressed):
@@ -112,16 +119,64 @@ def _judge_facets(model: Model, pair: ContactPair) -> None:
     approach = float(np.abs(np.einsum("ni,ni->n", apart, _normals(pair.slave, model.position)[pressed])).max())
     if depth <= FACETS * approach or depth <= 1e-9 * pair.size:
         return
+    finer = _finer(depth / max(FACETS * approach, 1e-300))
+    low = f", the mean pressure of a fit is about {0.45 * depth / approach:.0%} too low" if depth <= approach else ""
     model.warnings.add(
         RunWarning(
             "coarse-facets", depth, FACETS * approach, "level",
-            f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, and the surfaces "
-            f"came together by {approach:.3g} there ({FACETS:.0%} of that is fine enough): the pressure of a "
-            f"fit is about {0.45 * depth / approach:.0%} too low in the mean, and swings from node to node; try "
-            f"cells that are {_finer(depth / max(FACETS * approach, 1e-300))} times finer along the "
-            "surfaces (level)",
+            f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, from "
+            f"{_place(model, model.position[slave[0]])} on, and the surfaces came together by {approach:.3g} (limit "
+            f"{FACETS:.0%} of that): the pressure swings from node to node{low}; take cells that are {finer} times "
+            "finer along both surfaces (level; from a mesh file, second-order cells or a finer mesh)",
         )
     )  # fmt: skip
+
+
+def _judge_peak(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
+    """Whether enough nodes carry the peak of a pressure that falls to zero on both sides of it.
+
+    Multipliers and nodal forces over the length that is covered are two pressures of the same forces, which agree
+    where the mesh resolves the pressure. A peak at an edge or below an apex has no limit, and is left alone.
+    """
+    peak = int(curve.nodal_pressure.argmax())
+    if cusps(pair, model.reference)[max(0, peak - 1) : peak + 2].any():
+        return
+    ends = np.flatnonzero((curve.nodal_pressure == 0.0) | (curve.chain != curve.chain[peak]))
+    before, after = ends[ends < peak], ends[ends > peak]
+    if not len(before) or not len(after) or not all(_opens(curve, int(k), peak) for k in (before[-1], after[0])):
+        return
+    first, last = int(before[-1]) + 1, int(after[0]) - 1
+    nodal, highest = float(curve.nodal_pressure[peak]), float(curve.pressure[first : last + 1].max())
+    if not highest > (1.0 + PEAK) * nodal:
+        return
+    place = _place(model, np.array([curve.x[peak], curve.y[peak]]))
+    carried = "1 node carries" if first == last else f"{last - first + 1} nodes carry"
+    model.warnings.add(
+        RunWarning(
+            "few-nodes", highest / nodal - 1.0, PEAK, f"{pair.name}.slave",
+            f"{pair.name}: {carried} the pressure around {place}, too few for its peak: "
+            f"multipliers reach {highest:.4g}, nodal pressures {nodal:.4g}, {highest / nodal - 1.0:.0%} apart "
+            f"(limit {PEAK:.0%}); take cells of the slave half as long there",
+        )
+    )  # fmt: skip
+
+
+def _few_between_open_ones(curve: ContactCurve) -> bool:
+    """Whether no chain is pressed over more than `FEW` nodes, and one of them is open beside those."""
+    open_beside = False
+    for number in np.unique(curve.chain):
+        chain = np.flatnonzero(curve.chain == number)
+        pressed = np.flatnonzero(curve.nodal_pressure[chain] > 0.0)
+        if len(pressed):
+            if np.ptp(pressed) >= FEW:
+                return False
+            open_beside |= bool(pressed[0] > 0 or pressed[-1] < len(chain) - 1)
+    return open_beside
+
+
+def _opens(curve: ContactCurve, node: int, beside: int) -> bool:
+    """Whether a node belongs to the chain of another one, and is apart from the master."""
+    return bool(curve.chain[node] == curve.chain[beside] and curve.gap[node] > 0.0)
 
 
 def _finer(ratio: float) -> str:
@@ -151,19 +206,11 @@ def _normals(surface: Surface, position: Floats) -> Floats:
     return np.asarray(total / np.maximum(np.hypot(*total.T), 1e-300)[:, None])
 
 
-def facet_depths(surface: Surface, reference: Floats) -> Floats:
-    """Distance (m,) [mm] of a smooth curve from its segments at each node that turn by an angle: L angle / 8."""
-    begin, end = (reference[surface.nodes[surface.segments[:, k]]] for k in range(2))
-    along = end - begin
-    length = np.hypot(*along.T)
-    into, out = surface.node_segments.T
-    inner = np.flatnonzero((into >= 0) & (out >= 0))
-    a, b = along[into[inner]], along[out[inner]]
-    angle = np.abs(np.arctan2(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0], np.einsum("ni,ni->n", a, b)))
-    depth = np.zeros(len(surface.nodes))
-    longest = np.maximum(length[into[inner]], length[out[inner]])
-    depth[inner] = np.where(angle < CORNER, longest * angle / 8.0, 0.0)
-    return depth
+def _place(model: Model, point: Floats) -> str:
+    """A position, without digits that are round-off of the size of the model."""
+    size = float(np.ptp(model.reference, axis=0).max())
+    x, y = (float(value) if abs(value) > 1e-9 * size else 0.0 for value in point)
+    return f"({x:.4g}, {y:.4g})"
 
 
 def _nearest(points: Floats, others: Floats) -> tuple[Floats, Ints]:

@@ -144,7 +144,7 @@ class Run:
         """Judge the end of the run; see `contactlab.run.judgement`."""
         known = list(self.model.warnings) if self.journal.last is None else []
         self._look_again()
-        self.guards.judge(self.journal.last)
+        self.guards.judge(self.journal.last, self.journal.largest_force)
         self.monitor.judge()
         # conditions made again differ in their last digits from those of the step, of which the saved warnings speak
         self.model.warnings.keep(known)
@@ -255,7 +255,8 @@ class Run:
     def summary(self, status: str, reason: str) -> dict[str, Any]:
         """Gather the content of `summary.json`, as if the run ended now."""
         journal = self.journal
-        summary = summarise(journal.layout, self.model, journal.last, status, reason, self.counts, self.clock)
+        seen = journal.last, status, reason, self.counts, self.clock, journal.largest_force
+        summary = summarise(journal.layout, self.model, *seen)
         summary["reached"] = self.schedule.reached()
         summary["warnings"] = [warning.as_data() for warning in self.model.warnings]
         if self.counts.steps == self.first_step:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from contactlab.api import ContactCurve, Floats, Ints
-from contactlab.results.saw_tooth import largest_turn, pressed_depth, saw_tooth
+from contactlab.results.saw_tooth import largest_turn, pressed_depth, pressure_saw, saw_tooth
 
 NODES = 41
 
@@ -47,6 +49,32 @@ def test_a_kink_between_sticking_and_slipping_nodes_is_no_tooth() -> None:
     state = np.where(np.abs(x) < 0.4, 1, 2).astype(np.int32)
     shear = np.where(state == 1, x, np.sign(x) * (0.2 + 0.2 * np.abs(x)))
     assert saw_tooth(curve(np.ones(NODES), state), shear) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_cusp_is_no_tooth_where_it_is_known() -> None:
+    """Below the apex of a wedge the pressure is a logarithm: its best piecewise linear approximation overshoots."""
+    x, fine = np.linspace(-1.0, 1.0, 21), np.linspace(-1.0, 1.0, 20001)[1:-1:2]
+    hats = np.stack([np.interp(fine, x, hat) for hat in np.eye(len(x))], axis=1)
+    wedge = np.linalg.lstsq(hats, np.arccosh(1.0 / np.maximum(np.abs(fine), 1e-9)), rcond=None)[0]
+    apex = np.arange(len(x)) == 10
+    assert saw_tooth(curve(wedge), wedge) > 0.01
+    assert saw_tooth(curve(wedge), wedge, apex) < 0.001
+
+
+def test_multipliers_that_overshoot_at_an_edge_are_no_teeth_but_alternating_nodal_pressures_are() -> None:
+    nodal = hertz(0.52)
+    overshoot = nodal.copy()
+    first, second, third = np.flatnonzero(nodal)[:3]
+    overshoot[[first, second, third]] += 0.1 * np.array([-0.6, 1.0, -1.0])
+    assert pressure_saw(replace(curve(nodal), pressure=overshoot)) == 0.0
+    teeth = np.where(nodal > 0.0, nodal + 0.05 * (-1.0) ** np.arange(NODES), 0.0).clip(0.0)
+    assert pressure_saw(replace(curve(nodal), nodal_pressure=teeth)) == pytest.approx(0.05, rel=0.2)
+
+
+def test_teeth_of_a_small_shear_are_judged_by_the_pressure() -> None:
+    shear = 1e-3 * (-1.0) ** np.arange(NODES)
+    assert saw_tooth(curve(np.ones(NODES)), shear) == pytest.approx(1.0, rel=0.1)
+    assert saw_tooth(curve(np.ones(NODES)), shear, least=0.05) == pytest.approx(0.02, rel=0.1)
 
 
 @pytest.mark.parametrize("every", [2, 3])

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from contactlab.errors import SimulationFailure
-from contactlab.meshing.mesh import surface_from_edges
 from contactlab.model.build import build
 from contactlab.parts.registry import default_registry
+from contactlab.results.sample import take_sample
 from contactlab.run import judgement
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
@@ -105,15 +105,6 @@ def test_the_ledger_of_a_static_load_closes(ramp: str) -> None:
     assert "ledger" not in [warning.code for warning in results.warnings]
 
 
-def test_facets_of_a_circle_are_as_deep_as_their_sagitta() -> None:
-    count, radius = 48, 2.0
-    angle = 2.0 * math.pi * np.arange(count) / count
-    points = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-    edges = np.stack([np.arange(count), (np.arange(count) + 1) % count], axis=1).astype(np.int32)
-    depths = judgement.facet_depths(surface_from_edges(edges), points)
-    assert depths == pytest.approx(radius * (1.0 - math.cos(math.pi / count)), rel=2e-3)
-
-
 def press_fit(cells: int, finer: float = 1.25) -> Scene:
     """A quarter of a shaft in a hub, 0.02 too thick: radius 5, as many facets as there are cells along the arc."""
 
@@ -158,6 +149,59 @@ def test_facets_of_like_meshes_fit_however_deep_they_are() -> None:
     pressure = results.contact["contacts.0"].last.pressure
     assert np.ptp(pressure) < 0.01 * pressure.mean()
     assert "coarse-facets" not in {warning.code for warning in results.warnings}
+
+
+def roller(cells: int) -> Scene:
+    """A half disc of radius 6 on a block, pressed by 0.03."""
+    data = {
+        "time": {"end": 1.0},
+        "integrator": {"use": "newton", "steps": 2},
+        "materials": {"m": ELASTIC},
+        "bodies": {
+            "roller": {
+                "element": "q1", "material": "m",
+                "mesh": {"use": "arc-block", "radius": 6.0, "half_width": 3.0, "top": 3.0, "cells": [cells, 6]},
+            },
+            "race": {
+                "element": "q1", "material": "m",
+                "mesh": {"use": "rectangle", "x": [-4.0, 4.0], "y": [-3.0, 0.0], "cells": [round(1.25 * cells), 6]},
+            },
+        },
+        "contacts": [{"slave": "roller.arc", "master": "race.top", "algorithm": "mortar-p1"}],
+        "supports": [
+            {"on": "race.bottom", "ux": 0.0, "uy": 0.0},
+            {"on": "roller.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -0.03}},
+        ],
+        "record": {"frames": 1, "recorders": []},
+    }  # fmt: skip
+    return Scene.from_data(data)
+
+
+@pytest.mark.parametrize(("cells", "nodes"), [(12, "1 node carries"), (24, "3 nodes carry"), (48, "")])
+def test_a_peak_that_too_few_nodes_carry_is_told_with_its_place(cells: int, nodes: str) -> None:
+    """Twice as many cells show what it misses: at least half of the number that is warned of, without a warning 1 %."""
+    results = simulate(roller(cells))
+    right = 17.577  # of 96 cells; 48 have 17.69
+    error = results.contact["contacts.0"].last.pressure.max() / right - 1.0
+    found = {warning.code: warning for warning in results.warnings}
+    assert found.keys() == ({"few-nodes"} if nodes else set())
+    if nodes:
+        assert found["few-nodes"].text.startswith(f"contacts.0: {nodes} the pressure around (0, -0.01")
+        assert 0.5 * found["few-nodes"].value < error < found["few-nodes"].value
+    else:
+        assert abs(error) < 0.01
+
+
+def test_forces_that_are_round_off_are_not_judged() -> None:
+    """A pressure that alternates is warned of, but not if the run had forces that are 1e17 times as large."""
+    fine = {"bodies.upper.mesh.cells": [8, 2], "bodies.lower.mesh.cells": [8, 2]}
+    model = build(pressed(0.12).with_(fine), default_registry())
+    model.state["multipliers"][0] = 1.0 + 0.5 * (-1.0) ** np.arange(9)
+    sample = take_sample(model, 0, 1.0)
+    judgement.judge(model, sample, np.ones(9, np.bool_), 1e17)
+    assert not list(model.warnings)
+    judgement.judge(model, sample, np.ones(9, np.bool_), 1.0)
+    assert "pressure-saw" in {warning.code for warning in model.warnings}
 
 
 @pytest.mark.parametrize("most", [0, 10**9])
