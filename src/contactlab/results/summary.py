@@ -162,11 +162,13 @@ def _derived(model: Model, name: str) -> dict[str, Any]:
 
 
 def _start(model: Model, name: str) -> dict[str, Any]:
-    """Least and largest distance of the start [mm] that counts as a gap of zero, where the contact asks for that."""
-    pairs = () if model.contact is None else model.contact.pairs
-    of_pairs = [pair.start_distance for pair in pairs if pair.name == name]
-    found = [distance for distance in of_pairs if distance is not None]
-    return {"start_distance": [float(found[0].min()), float(found[0].max())]} if found else {}
+    """Distances of the start [mm] that count as gaps of zero: least and largest, or the weak overlap by facets."""
+    for pair in model.contact.pairs if model.contact is not None else ():
+        if pair.name == name and (start := pair.start_gaps) is not None:
+            if start.lasting:
+                return {"start_distance": [float(start.value.min()), float(start.value.max())]}
+            return {} if start.ramped else {"facet_overlap": -float(start.value.min())}
+    return {}
 
 
 def _balance(sample: Sample) -> dict[str, float]:

@@ -73,6 +73,9 @@ class Run:
             self.store()
             if self.plan is not None and (told := self.plan.told()):
                 self.journal.tell("info", told)
+            for pair in self.model.contact.pairs if self.model.contact is not None else ():
+                if pair.start_gaps is not None and (told := pair.start_gaps.told()):
+                    self.journal.tell("info", f"{pair.name}: {told}")
         self.keep()
         self.save()
 

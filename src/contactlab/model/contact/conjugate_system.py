@@ -17,6 +17,7 @@ from contactlab.model.contact.explicit_system import ContactSystem
 from contactlab.model.contact.factored_gradients import ModelGradients, told_by_feet
 from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.model.contact.pair import ContactPair
+from contactlab.model.contact.start_gaps import FacetOverlap
 
 ROUND = 1e-9  # of a segment: what lies that far across a normal turns it by round-off
 
@@ -40,6 +41,7 @@ class ConjugateContactSystem(ContactSystem):
         # an overlap of the start that is pushed out puts energy in on purpose
         self.strict = [not pair.pushes_overlaps_out for pair in pairs]
         self.velocity = state["velocity"]
+        self.facets = [(pair.first_slot, own) for pair in pairs if isinstance(own := pair.start_gaps, FacetOverlap)]
 
     def calls_per_step(self) -> Counter[str]:
         """Conditions once; slips are measured with the gradients, which need no normals of the start of the step."""
@@ -66,6 +68,7 @@ class ConjugateContactSystem(ContactSystem):
             return None
         self.factored = told.rows.factors
         told.allow_motion(predicted, current, self.velocity, self.state.last_dt)
+        self._push_facets(self.factored, told.rows.offset)
         asked = perf_counter()
         done = self.enforcement.solve_gradients(told.rows, compliance, self.multipliers, force)
         self.solution_s += perf_counter() - asked
@@ -85,6 +88,7 @@ class ConjugateContactSystem(ContactSystem):
         rows = self.constant = self._assemble_factored()
         velocity, dt = self.velocity, self.state.last_dt
         allow_constant_motion(rows.count, rows.packed.address, current, predicted, velocity, dt, self.offset)
+        self._push_facets(rows, self.offset)
         asked = perf_counter()
         done = self.enforcement.solve_factored(rows, compliance, self.multipliers, force)
         self.solution_s += perf_counter() - asked
@@ -118,8 +122,19 @@ class ConjugateContactSystem(ContactSystem):
                     break
                 self._advance(rows, first, current, predicted, strict)
             if entries >= 0:
+                self._push_facets(rows, self.offset)
                 return
             self._grow()
+
+    def _push_facets(self, rows: Rows | FactoredRows, offset: Floats) -> None:
+        """Let weak overlaps of the start be pushed out by what comes to count of them: rows hold u + d, two steps."""
+        time, dt = self.state.time, self.state.last_dt
+        for first, facets in self.facets:
+            if (pushed := facets.pushed(max(0.0, time - dt), time + dt)) is not None:
+                slot = rows.slot[: rows.count] - first
+                own = np.flatnonzero((slot >= 0) & (slot < len(pushed)))
+                rows.gap[own] += pushed[slot[own]]
+                offset[own] -= pushed[slot[own]]
 
     def _advance(self, rows: Rows, first: int, current: Floats, predicted: Floats, strict: bool) -> None:
         """What the rows from `first` on have to hold at the end of the step."""

@@ -74,7 +74,7 @@ class ImplicitContactSystem:
         self._release(time)
         for rows, memory in zip(self.stepped, self.memories, strict=False):
             half = 0.5 * (time - self.state.time)
-            rows.begin(position, position + half * self.state["velocity"], memory)
+            rows.begin(self.state.time, position, position + half * self.state["velocity"], memory)
         self.conditions.anchor[:] = self.conditions.force
 
     def _release(self, time: float) -> None:

@@ -16,7 +16,7 @@ from contactlab.meshing.mesh import inverted_cells
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_overlap, overlap_error
 from contactlab.model.contact.pair import ContactPair
-from contactlab.model.contact.start_gaps import RampedOverlap
+from contactlab.model.contact.start_gaps import FacetOverlap, RampedOverlap
 from contactlab.model.loading.ramps import smooth
 
 if TYPE_CHECKING:
@@ -115,6 +115,12 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
 def ramped_overlap(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> RampedOverlap:
     """How overlaps at `positions` come to count over `duration` [s]; the first of `time` is that of the gaps [s]."""
     return RampedOverlap(initial_gaps(pair, positions), time, smooth(duration))
+
+
+def facet_overlap(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> FacetOverlap | None:
+    """Weak overlaps at `positions` where no node overlaps, which come to count over `duration` [s]; None without."""
+    gaps = initial_gaps(pair, positions)
+    return FacetOverlap(gaps, time, smooth(duration)) if gaps.min() < -ROUND * pair.size else None
 
 
 def check_ramp_steps(plans: tuple[Any, ...], ramp_time: float, step: float) -> None:

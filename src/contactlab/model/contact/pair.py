@@ -203,7 +203,7 @@ class ContactPair(ABC):
     def start_distance(self) -> Floats | None:
         """Distances (k,) [mm] of the start that count as gaps of zero; None where they count in full."""
         start = self.start_gaps
-        return None if start is None or start.ramped else start.value
+        return start.value if start is not None and start.lasting else None
 
     @property
     def pushes_overlaps_out(self) -> bool:

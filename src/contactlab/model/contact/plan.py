@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -27,7 +28,7 @@ from contactlab.model.contact.checks import check_facing, refuse_held_slave, ref
 from contactlab.model.contact.contact_pairs import contact_pair
 from contactlab.model.contact.explicit_system import ContactSystem
 from contactlab.model.contact.fineness import shorter_masters
-from contactlab.model.contact.initial_gap import initial_gaps, ramped_overlap, refuse_overlap
+from contactlab.model.contact.initial_gap import facet_overlap, initial_gaps, ramped_overlap, refuse_overlap
 from contactlab.model.contact.pair import ContactPair
 from contactlab.model.contact.start_gaps import ZeroStart
 from contactlab.model.loading.edge_sets import edge_set
@@ -172,8 +173,12 @@ def build_contact(
     fixed_dof: Ints,
     state: State,
     ramp_time: float,
+    driven: bool,
 ) -> Any:
-    """The contact system that the enforcement works with, None where the scene declares no contact."""
+    """The contact system that the enforcement works with, None where the scene declares no contact.
+
+    driven  whether supports, loads or effects put energy in
+    """
     if not plans:
         return None
     _one_enforcement(plans)
@@ -193,6 +198,9 @@ def build_contact(
         elif plan.start.gap == "zero":
             pair.start_gaps = ZeroStart(initial_gaps(pair, reference))
         refuse_overlap(plan, pair, bodies, reference)
+        if pair.start_gaps is None and "velocity" in state:
+            # statics go to the end, where the overlap counts; what moves freely keeps its energy, and the overlap
+            pair.start_gaps = facet_overlap(pair, time, ramp_time if driven else math.inf, reference)
         pairs.append(pair)
         first += plan.slots
     if explicit:

@@ -13,6 +13,7 @@ from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.model.contact.gap_linearisation import GapLinearisation
 from contactlab.model.contact.linearisation import PairDerivatives, PairLinearisation
 from contactlab.model.contact.moment_free_rows import MomentFreeRows, neighbours
+from contactlab.model.contact.start_gaps import FacetOverlap
 
 
 class StepRows:
@@ -36,8 +37,8 @@ class StepRows:
         self.normal = MomentFreeRows(csr_array((0, linear.size)), self.beside)
         self.tangent: MomentFreeRows | None = None
 
-    def begin(self, position: Floats, middle: Floats, memory: Floats) -> None:
-        """A step starts at `position` (N, 2) and leads by way of `middle`."""
+    def begin(self, begun: float, position: Floats, middle: Floats, memory: Floats) -> None:
+        """A step starts at the time `begun` [s] at `position` (N, 2) and leads by way of `middle`."""
         pair, linear = self.linear.pair, self.linear
         pair.update(position, memory)
         gap = pair.gaps[:, 0].copy()
@@ -46,9 +47,13 @@ class StepRows:
         self.normal = MomentFreeRows(linear.gap_derivatives(self.slots, memory), self.beside)
         if pair.friction is not None:
             self.tangent = MomentFreeRows(linear.tangents(self.slots), self.beside)
-        gap = gap[self.slots]
+        gap, facets = gap[self.slots], pair.start_gaps
+        pushed = facets.pushed(begun, float(facets.time[0])) if isinstance(facets, FacetOverlap) else None
+        # gaps are those that count at the end of the step: of overlaps by facets, what comes to count in it goes
+        less = 0.0 if pushed is None else pushed[self.slots]
         # overlaps of the start that are pushed out put energy in on purpose
-        self.gap, self.start = gap if pair.pushes_overlaps_out else np.maximum(gap, 0.0), position.copy()
+        self.gap = gap if pair.pushes_overlaps_out else np.maximum(gap - less, 0.0) + less
+        self.start = position.copy()
         self.move(position)
 
     def move(self, position: Floats) -> None:

@@ -1,0 +1,75 @@
+"""Surfaces that touch before the run, whose weighted gaps the facets make negative, are not pushed apart by a blow."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactlab
+from contactlab.model.build import build
+from contactlab.scene.scene import Scene
+
+Q2 = {
+    "bodies.disc.element": "q2",
+    "bodies.block.element": "q2",
+    "bodies.disc.mesh.cells": [8, 2],
+    "bodies.block.mesh.cells": [12, 2],
+}
+
+
+def touching(forces: str = "published", **more: Any) -> Scene:
+    """The bundled disc with coarse quadratic cells, at the pace of an end that is reached at once."""
+    enforcement = {"use": "forward-increment", "forces": forces}
+    return contactlab.load_scene("disc-on-block").with_({**Q2, "contacts.0.enforcement": enforcement, **more})
+
+
+@pytest.mark.parametrize("cells", [8, 16])
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_the_weak_gap_of_the_start_is_that_of_the_facets_and_counts_as_none(cells: int, mu: float) -> None:
+    """The L2 projection of x^2/2R on hats of width h lies h^2/12R below it at their nodes (R = 1).
+
+    Multipliers live on all nodes of quadratic edges, with friction on their ends.
+    """
+    friction = {"contacts.0.friction": {"use": "coulomb", "mu": mu}} if mu else {}
+    model = build(scene := touching(**{"bodies.disc.mesh.cells": [cells, 2]}, **friction), scene.registry)
+    pair, h = model.contact.pairs[0], (1.6 if mu else 0.8) / cells
+    assert pair.start_gaps is not None
+    # quadratic edges with ends on the circle follow it to fourth order: terms of (h/R)^2 are left
+    assert -pair.start_gaps.value.min() == pytest.approx(h**2 / 12.0, rel=3.0 * h**2)
+    pair.update(model.reference, np.zeros((1, len(pair.slave.nodes))))
+    assert abs(pair.gaps[:, 0].min()) < 1e-15
+
+
+@pytest.mark.parametrize("forces", ["published", "conjugate"])
+@pytest.mark.parametrize("swap", [False, True])
+def test_the_end_is_that_of_statics_and_contact_has_made_no_blow(forces: str, swap: bool) -> None:
+    """Pressed by 0.02, with an overlap of up to 9e-4: it counts in full at the end, as in statics, which has it too.
+
+    Explicit runs settle to 1e-3 of reactions.
+    """
+    changes = {"supports.1.uy.to": -0.02, "contacts.0.swap": swap}
+    explicit = contactlab.simulate(touching(forces, **changes))
+    static = contactlab.simulate(
+        contactlab.load_scene("disc-on-block").with_(Q2 | changes | {"integrator": {"use": "newton"}})
+    )
+    assert explicit.status == "finished", explicit.reason
+    force = static.summary["reactions"]["block.bottom"][1]
+    assert explicit.summary["reactions"]["block.bottom"][1] == pytest.approx(force, rel=3e-3)
+    assert explicit.summary["contacts"]["contacts.0"]["facet_overlap"] > 4e-4
+    assert any("facets" in event.text for event in explicit.events)
+    assert "facet_overlap" not in static.summary["contacts"]["contacts.0"]
+
+
+def test_a_slow_run_with_friction_is_not_stopped() -> None:
+    """At the slow pace almost nothing is stored when the overlap is met: pushed out at once, it was 80 % of all."""
+    changes = {"supports.1.uy.to": -0.04, "contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
+    explicit = contactlab.simulate(touching(**changes))
+    assert explicit.status == "finished", explicit.reason
+    static = contactlab.simulate(
+        contactlab.load_scene("disc-on-block").with_(Q2 | changes | {"integrator": {"use": "newton"}})
+    )
+    force = static.summary["reactions"]["block.bottom"][1]
+    # friction follows another path where the load comes in other steps: 1 % of it
+    assert explicit.summary["reactions"]["block.bottom"][1] == pytest.approx(force, rel=2e-3)
