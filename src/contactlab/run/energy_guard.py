@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import RunWarning
+from contactlab.api import Floats, RunWarning
+from contactlab.model.contact.start_gaps import FacetOverlap
 from contactlab.model.energy import energy_gain
 from contactlab.model.model import Model
 from contactlab.run.stopping import stop
 
-UNEXPLAINED = 0.01  # energy stored without work, over the largest that was there or was supplied
+UNEXPLAINED = 0.01  # energy stored without work, over the largest that was there, was supplied or is to come
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
 MADE = 0.01  # energy that contact has made in all, whatever damping took of it since: told
 TOO_MUCH_MADE = 0.1  # and the run is stopped
 LASTING = 100  # steps that either must last: sharp impacts borrow some energy for a few
 OVERSHOOT = 100.0  # kinetic over all energy: 1/(1 - (w dt/2)^2) at most in a mode that leapfrog follows; 99 % of 2/w
 AT_THE_END = 5.0  # times these limits: more at the end of a run stops it whether it lasted or not
+SAMPLES, LEAST = 65, 1e-3  # times at which the loading is looked at; of it, what counts as a beginning
 ROUND = 1e-7  # strains that are round-off: energies of laws, quadratic in them, are differences of numbers near one
 
 
@@ -24,6 +26,7 @@ class EnergyGuard:
 
     largest  [mJ] largest energy that was there or was supplied so far
     since    (3,) steps since which energies are too high: stored without work, gained, made by contact; -1 if not
+    pushed   [mJ] what contact gave to push out the weak overlaps of the start
     """
 
     def __init__(self, model: Model, shorter: str, wave_speed: float) -> None:
@@ -35,6 +38,10 @@ class EnergyGuard:
         # an overlap of the start is pushed out: energy that the scene lets contact put in
         self.judges_contact = bool(pairs) and not any(pair.pushes_overlaps_out for pair in pairs)
         self.judges_gain = self.judges_contact or not pairs
+        self.come = _come(model) if "velocity" in model.state else None
+        self.facets = [(pair, own) for pair in pairs if isinstance(own := pair.start_gaps, FacetOverlap)]
+        self.pushed, self.rate, self.counted = 0.0, 0.0, 0.0
+        self.scale = self.largest
 
     def check(self, last: bool = False) -> None:
         """Stop where energy has appeared for many steps; at the `last` step also where there is very much more."""
@@ -42,6 +49,10 @@ class EnergyGuard:
             return
         energy, gained, unexplained = energy_gain(self.model)
         self.largest = max(self.largest, abs(energy), abs(float(self.work[1])))
+        self._push_facets()
+        gained -= self.pushed
+        # what was supplied so far grows with the square of the loading
+        self.scale = max(self.largest, abs(float(self.work[1])) / self._loaded() ** 2)
         self._overshoot()
         if self._too_much(0, unexplained, UNEXPLAINED, last):
             stop(
@@ -59,11 +70,26 @@ class EnergyGuard:
                 f"contact has made {float(self.work[3]):.3g}: {_cure(self.model, self.shorter)}",
             )
         if self.judges_contact:
-            self._made_by_contact(float(self.work[3]), last)
+            self._made_by_contact(float(self.work[3]) - self.pushed, last)
+
+    def _loaded(self) -> float:
+        """How much of its loading the run has seen, above 0 and up to 1."""
+        assert self.come is not None
+        return float(np.interp(self.model.state.time, *self.come))
+
+    def _push_facets(self) -> None:
+        """Forces times the weak overlaps of the start that came to count since the last check."""
+        if not self.facets:
+            return
+        forces = self.model.state["multipliers"][0]
+        rate = -sum(float(forces[p.first_slot : p.first_slot + p.slots] @ own.value) for p, own in self.facets)
+        counted = 1.0 - self.facets[0][1].uncounted()
+        self.pushed += 0.5 * (self.rate + rate) * (counted - self.counted)
+        self.rate, self.counted = rate, counted
 
     def _made_by_contact(self, made: float, last: bool) -> None:
         """Normal forces of surfaces that touch and part can only take energy; what they have given is the method's."""
-        share, cure = made / self.largest, _cure(self.model, self.shorter)
+        share, cure = made / self.scale, _cure(self.model, self.shorter)
         if share > MADE:
             self.model.warnings.add(
                 RunWarning(
@@ -93,7 +119,7 @@ class EnergyGuard:
 
     def _too_much(self, which: int, energy: float, limit: float, last: bool) -> bool:
         """Whether an energy has been above its limit for long, or is far above it at the end of the run."""
-        step, share = self.model.state.step, energy / self.largest
+        step, share = self.model.state.step, energy / self.scale
         self.since[which] = -1.0 if share <= limit else step if self.since[which] < 0.0 else self.since[which]
         if not share > limit:
             return False
@@ -102,7 +128,7 @@ class EnergyGuard:
         return bool(step - self.since[which] >= LASTING or (last and share > AT_THE_END * limit))
 
     def _share(self, energy: float) -> str:
-        return f"{energy / self.largest:.1%} of the largest energy so far"
+        return f"{energy / self.scale:.1%} of the largest energy that was there or is to come"
 
     def _fastest_body(self) -> str:
         v, mass = self.model.state["velocity"], self.model.mass
@@ -110,6 +136,22 @@ class EnergyGuard:
         shares = {b.name: float(squares[b.first : b.first + b.count].sum()) for b in self.model.bodies}
         name = max(shares, key=lambda body: shares[body])
         return f"body {name} has {shares[name] / max(float(squares.sum()), 1e-300):.0%} of the kinetic energy"
+
+
+def _come(model: Model) -> tuple[Floats, Floats]:
+    """Times [s], and the share of the loading that has come by then: of motions or of loads, whichever is behind.
+
+    Both count by the largest value so far: what is taken back was there.
+    """
+    times, prescribed = np.linspace(0.0, model.timing.end or model.timing.ramp, SAMPLES), model.prescribed
+    moved, loaded = np.zeros(SAMPLES), np.zeros(SAMPLES)
+    force, scale = np.zeros_like(model.reference), np.abs(prescribed.scale)
+    for number, time in enumerate(times.tolist()):
+        moved[number] = (scale * np.abs(prescribed.values(time)[prescribed.ramp])).max(initial=0.0)
+        if model.external_force(time, force):
+            loaded[number] = np.abs(force).max()
+    share = [np.maximum.accumulate(size) / size.max() for size in (moved, loaded) if size.max() > 0.0]
+    return times, np.maximum(np.min([np.ones(SAMPLES), *share], axis=0), LEAST)
 
 
 def _cure(model: Model, shorter: str) -> str:

@@ -68,13 +68,15 @@ class Guards:
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on, as arrays of a checkpoint."""
         contact, energy = self.contact, self.energy
-        numbers = (contact.loose, self.motion.input_speed, contact.flickering, energy.largest, *energy.since)
+        pushed = energy.pushed, energy.rate, energy.counted
+        numbers = (contact.loose, self.motion.input_speed, contact.flickering, energy.largest, *pushed, *energy.since)
         return {"guards": np.array(numbers, np.float64), "guards.pressed": contact.pressed + 2.0 * contact.closed}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Go back to where `memory` was saved."""
         contact, energy = self.contact, self.energy
-        loose, self.motion.input_speed, flickering, energy.largest, *energy.since[:] = memory["guards"].tolist()
+        loose, self.motion.input_speed, flickering, energy.largest, *more = memory["guards"].tolist()
+        (energy.pushed, energy.rate, energy.counted), energy.since[:] = more[:3], more[3:]
         contact.loose, contact.flickering = int(loose), int(flickering)
         contact.pressed[:] = memory["guards.pressed"] % 2.0 == 1.0
         contact.closed[:] = memory["guards.pressed"] >= 2.0

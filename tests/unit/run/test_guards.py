@@ -506,6 +506,24 @@ def test_a_gain_of_energy_must_last() -> None:
         guards.energy.check()
 
 
+def test_energy_is_held_against_what_the_loading_will_bring() -> None:
+    """Half of what was supplied at a tenth of the ramp is half a hundredth of what comes; at its end it is too much."""
+    top = {"on": "upper.top", "uy": {"ramp": "linear", "to": -0.1}}
+    model = build(scene(TWO, contacts=[CONTACT], supports=[HELD, top]), default_registry())
+    guards, clock, work = Guards(model), model.state["clock"], model.state["work"]
+    work[1], work[3] = 1.0, 0.5
+    clock[:2] = 1e-4, 1.0
+    for _ in range(2 * LASTING):
+        clock[1] += 1.0
+        guards.energy.check()
+    assert not len(model.warnings)
+    clock[0] = 1e-3
+    guards.energy.check()
+    clock[1] += LASTING
+    with pytest.raises(SimulationFailure, match=r"contact has made 0\.5 of energy, 50\.0% of"):
+        guards.energy.check()
+
+
 def test_round_off_is_no_gain() -> None:
     """Nothing has happened yet: speeds of 1e-14 of that of sound are all the energy that there is."""
     model = model_of()
