@@ -87,7 +87,7 @@ def _relative_areas(mesh: Mesh, element: Element) -> Floats:
 
 
 def _check_pieces(mesh: Mesh, where: Where) -> None:
-    label = _pieces(mesh.cells, len(mesh.nodes))
+    label = pieces(mesh.cells, len(mesh.nodes))
     found = np.unique(label[mesh.cells[:, 0]])
     if len(found) > 1:
         cells = np.flatnonzero(label[mesh.cells[:, 0]] == found[1])
@@ -100,8 +100,8 @@ def _check_pieces(mesh: Mesh, where: Where) -> None:
         )
 
 
-def _pieces(cells: Ints, nodes: int) -> Ints:
-    """Label (nodes,) of the piece of mesh that each node belongs to: its lowest node.
+def pieces(cells: Ints, nodes: int) -> Ints:
+    """Label (nodes,) of the piece that each node belongs to, by `cells` (n, a) that join nodes: its lowest node.
 
     Union of sets: cells hook the labels of their nodes onto the lowest of them until no cell has two. SciPy's graph
     routines would do the same, but their import costs each start more than this does on a mesh of 50 000 cells.

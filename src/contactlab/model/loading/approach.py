@@ -1,14 +1,16 @@
-"""Whether prescribed motion leaves any room for what lies between: an indentation deeper than the bodies is refused."""
+"""Whether prescribed motion leaves any room for the bodies: one that moves held edges through each other is refused."""
 
 from __future__ import annotations
 
-from itertools import combinations
+from itertools import combinations, product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from contactlab.api import Floats, Ints
 from contactlab.errors import SceneError
+from contactlab.meshing.checks import pieces
+from contactlab.meshing.mesh import segments_of
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.supports import Prescribed
 
@@ -20,12 +22,12 @@ SAMPLES = 33  # times at which motion is looked at: ramps have one way to go, ta
 
 
 class _Held(NamedTuple):
-    """The nodes of a body or rigid surface that are moved along an axis.
+    """Nodes of a body or rigid surface that are moved along an axis: all of them, or a run of neighbours.
 
     low, high  (times, 2) [mm] bounds of where they are
     """
 
-    name: str
+    part: Any
     nodes: Ints
     low: Floats
     high: Floats
@@ -39,23 +41,47 @@ def check_approach(
     prescribed: Prescribed,
     end: float,
 ) -> None:
-    """Raise SceneError where what holds one body is to pass through what holds another that contact joins to it.
+    """Raise SceneError if held nodes of one body pass through held nodes of another that contact joins to it.
 
-    Of each two only what is sure counts: along an axis all held nodes of one lie on one side of those of the other,
-    and later all on the other side, while their places across overlap all the time.
+    Only sure cases count. A run of held nodes, each joined to the next by a side of a cell, begins on one side of a run
+    of the other body, and later is on the other side, while their places across overlap all the time. Between two
+    runs of one body, as between the clamped ends of a sheet, there is room.
     """
     every: list[Any] = [*bodies, *rigid]
     by_axis = [[_held(part, prescribed, axis) for part in every] for axis in range(2)]
     _follow([one for held in by_axis for one in held], reference, prescribed, end)
     for group in _joined(scene, [part.name for part in every]):
         for axis, held in enumerate(by_axis):
-            for a, b in combinations([one for one in held if one.name in group], 2):
-                _refuse_passing(scene, a, b, axis)
+            for a, b in combinations([one for one in held if one.part.name in group], 2):
+                if _room(a, b, axis) is None:
+                    continue  # not even the bounds of all their nodes pass
+                runs = [_runs(one) for one in (a, b)]
+                _follow([run for one in runs for run in one], reference, prescribed, end)
+                for one, other in product(*runs):
+                    if (room := _room(one, other, axis)) is not None:
+                        _refuse(scene, one, other, axis, room)
 
 
 def _held(part: Any, prescribed: Prescribed, axis: int) -> _Held:
     own = prescribed.dof[(prescribed.dof >= 2 * part.first) & (prescribed.dof < 2 * (part.first + part.count))]
-    return _Held(part.name, own[own % 2 == axis] // 2, np.zeros((SAMPLES, 2)), np.zeros((SAMPLES, 2)))
+    return _bounded(part, own[own % 2 == axis] // 2)
+
+
+def _bounded(part: Any, nodes: Ints) -> _Held:
+    return _Held(part, nodes, np.zeros((SAMPLES, 2)), np.zeros((SAMPLES, 2)))
+
+
+def _runs(held: _Held) -> list[_Held]:
+    """Parts of held nodes that sides of cells join: between them the body is free to give way."""
+    part = held.part
+    sides = (
+        part.edges if hasattr(part, "edges") else np.concatenate([part.cells[:, list(e)] for e in part.element.edges])
+    )
+    joined = segments_of(sides) - part.first
+    own = np.zeros(part.count, np.bool_)
+    own[held.nodes - part.first] = True
+    label = pieces(joined[own[joined].all(axis=1)], part.count)[held.nodes - part.first]
+    return [_bounded(part, held.nodes[label == one]) for one in np.unique(label)]
 
 
 def _follow(held: list[_Held], reference: Floats, prescribed: Prescribed, end: float) -> None:
@@ -78,19 +104,28 @@ def _joined(scene: Scene, names: list[str]) -> list[set[str]]:
     return [group for group in groups if len(group) > 1]
 
 
-def _refuse_passing(scene: Scene, a: _Held, b: _Held, axis: int) -> None:
+def _room(a: _Held, b: _Held, axis: int) -> tuple[float, float] | None:
+    """Room between two sets of nodes that pass through each other along an axis, and how much closer they come [mm].
+
+    None if they do not pass, as far as their bounds can tell.
+    """
     if not len(a.nodes) or not len(b.nodes):
-        return
+        return None
     (below, above), across = ((a, b) if a.low[0, axis] < b.low[0, axis] else (b, a)), 1 - axis
     room = above.low[:, axis] - below.high[:, axis]
-    width = np.minimum(a.high[:, across], b.high[:, across]) - np.maximum(a.low[:, across], b.low[:, across])
     left = above.high[:, axis] - below.low[:, axis]
-    if room[0] <= 0.0 or not left.min() <= 0.0 or not width[: int(np.argmax(left <= 0.0)) + 1].min() > 0.0:
-        return
+    # a single node passes through what it lies within; two of them always pass beside each other
+    overlap = (a.low[:, across] < b.high[:, across]) & (b.low[:, across] < a.high[:, across])
+    if room[0] <= 0.0 or not left.min() <= 0.0 or not overlap[: int(np.argmax(left <= 0.0)) + 1].all():
+        return None
+    return float(room[0]), float(room[0] - room.min())
+
+
+def _refuse(scene: Scene, a: _Held, b: _Held, axis: int, room: tuple[float, float]) -> None:
     raise SceneError(
-        f"what holds {a.name} and what holds {b.name} would pass through each other along {'xy'[axis]}",
+        f"what holds {a.part.name} and what holds {b.part.name} would pass through each other along {'xy'[axis]}",
         where=scene.where("supports"),
-        got=f"they come {room[0] - room.min():.4g} mm closer",
+        got=f"they come {room[1]:.4g} mm closer",
         allowed=f"less than the {room[0]:.4g} mm between them, which the bodies fill",
         hint="press less deep, or hold less of the bodies",
     )
