@@ -167,7 +167,7 @@ def _start(model: Model, name: str) -> dict[str, Any]:
         if pair.name == name and (start := pair.start_gaps) is not None:
             if start.lasting:
                 return {"start_distance": [float(start.value.min()), float(start.value.max())]}
-            return {} if start.ramped else {"facet_overlap": -float(start.value.min())}
+            return {"facet_overlap": -float(start.value.min())} if start.by_facets else {}
     return {}
 
 

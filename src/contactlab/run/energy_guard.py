@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats, RunWarning
-from contactlab.model.contact.start_gaps import FacetOverlap
 from contactlab.model.energy import energy_gain
 from contactlab.model.model import Model
 from contactlab.run.stopping import stop
@@ -39,7 +38,7 @@ class EnergyGuard:
         self.judges_contact = bool(pairs) and not any(pair.pushes_overlaps_out for pair in pairs)
         self.judges_gain = self.judges_contact or not pairs
         self.come = _come(model) if "velocity" in model.state else None
-        self.facets = [(pair, own) for pair in pairs if isinstance(own := pair.start_gaps, FacetOverlap)]
+        self.facets = [(pair, own) for pair in pairs if (own := pair.start_gaps) is not None and own.by_facets]
         self.pushed, self.rate, self.counted = 0.0, 0.0, 0.0
         self.scale = self.largest
 

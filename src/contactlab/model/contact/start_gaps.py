@@ -15,13 +15,15 @@ from contactlab.kernels.contact.factored_rows import FAR
 class StartGaps(ABC):
     """What of the gaps at the start is taken from the gaps of a step.
 
-    value    (k,) [mm] gaps of the start, negative where surfaces overlap; zero where they count in full
-    ramped   whether the scene asks for an overlap to be pushed out, so that contact puts energy in on purpose
-    lasting  whether the gaps of the start never come to count
+    value      (k,) [mm] gaps of the start, negative where surfaces overlap; zero where they count in full
+    ramped     whether the scene asks for an overlap to be pushed out, so that contact puts energy in on purpose
+    lasting    whether the gaps of the start never come to count
+    by_facets  whether no node overlaps, and the facets alone make weighted gaps negative
     """
 
     ramped: ClassVar[bool] = False
     lasting: ClassVar[bool] = False
+    by_facets: ClassVar[bool] = False
 
     def __init__(self, value: Floats) -> None:
         self.value = value
@@ -66,7 +68,7 @@ class FacetOverlap(RampedOverlap):
     end, and they keep their energy.
     """
 
-    ramped = False
+    ramped, by_facets = False, True
 
     def told(self) -> str:
         """The amount, and what is done about it."""
