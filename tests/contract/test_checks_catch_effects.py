@@ -22,6 +22,9 @@ class Drag(Effect):
 
     dissipates: ClassVar[bool] = True
 
+    def times(self) -> tuple[float, ...]:
+        return () if self.flaw == "hides its times" else (0.2,)
+
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         nodes = view.nodes("upper")
         velocity = view.velocity.copy() if self.flaw == "speed of the start" else view.velocity
@@ -119,6 +122,7 @@ WRONG: list[tuple[Check, Effect]] = [
     (effect.follows_the_state, Drag("speed of the start")),
     (effect.remembers_nothing, Drag("counts its calls")),
     (effect.leaves_the_view_alone, Drag("stops the nodes")),
+    (effect.times_are_declared, Drag("hides its times")),
 ]
 
 

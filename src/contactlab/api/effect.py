@@ -56,6 +56,10 @@ class Effect(ABC):
     points: ClassVar[tuple[str, ...]] = ()
     vectors: ClassVar[tuple[str, ...]] = ()
 
+    def times(self) -> tuple[float, ...]:
+        """Times [s] at which what it does by the clock begins, turns or is over; infinite if it is never over."""
+        return ()
+
     @abstractmethod
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """A function (time, force (N, 2)) that adds the effect's nodal forces [N]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 
 from contactlab.api.arrays import Floats
@@ -16,3 +17,11 @@ class Function(ABC):
 
         Finite for every finite number; each depends on its own entry of `at` alone.
         """
+
+    def breaks(self) -> tuple[float, ...]:
+        """Places or times where the value or its slope may jump. Integrals are split and load increments end there."""
+        return ()
+
+    def end(self) -> float:
+        """Place or time from which on the value stays the same; infinite if it always changes."""
+        return math.inf

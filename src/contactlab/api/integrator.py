@@ -322,6 +322,10 @@ class ImplicitIntegrator(Integrator):
         """Number of equal steps that is first tried for the whole loading."""
         return 20
 
+    def fixes_steps(self) -> bool:
+        """Whether the scene gives this number; otherwise a loading that goes to and fro is given more."""
+        return True
+
     def for_coarser_levels(self) -> ImplicitIntegrator | None:
         """The integrator that solves coarser levels of the meshes first, where the end does not depend on the path.
 

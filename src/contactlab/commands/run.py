@@ -24,6 +24,7 @@ EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 
 def run(options: argparse.Namespace) -> int:
     """Run the scene with a progress bar and print a summary."""
+    from contactlab.prices.announcement import announced
     from contactlab.results.result_file import FILE, RESUMABLE
     from contactlab.run.crash import told_if_it_crashes
     from contactlab.run.interruption import Interrupted
@@ -35,7 +36,8 @@ def run(options: argparse.Namespace) -> int:
     with results_folder(options.out, scene.name, options.resume) as folder, shown as progress:
         try:
             with told_if_it_crashes(folder, scene.name):
-                results = simulate(scene, out=folder, registry=registry, progress=progress, resume=options.resume)
+                announce = None if options.quiet else announced(sys.stderr if options.json else sys.stdout)
+                results = simulate(scene, folder, registry, progress, options.resume, announce=announce)
         except Interrupted as stop:
             results = stop.results
     if options.json:

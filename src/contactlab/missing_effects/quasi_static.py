@@ -37,7 +37,7 @@ class KineticEnergy:
 
     def update(self) -> None:
         """Take in the kinetic energy, and the work of the stresses."""
-        if self.model.state.time >= 0.5 * self.model.timing.ramp:
+        if self.model.state.time >= 0.5 * self.model.timing.last:
             self.worst[0] = max(self.worst[0], self.model.kinetic_energy())
         self.worst[1] = max(self.worst[1], abs(float(self.model.state["work"][0])))
 
@@ -52,21 +52,20 @@ class KineticEnergy:
                 "slower-loading",
                 share,
                 SHARE,
-                "time.ramp",
+                _slow_key(self.model),
                 "nothing resists the motion of a run that is meant to be quasi-static: kinetic energy reaches "
                 f"{per_cent(share)} of the internal energy ({per_cent(SHARE)} at most)",
-                "hold or join what moves by supports and contacts, or slow down: "
-                f"write time.ramp = {10.0 * self.model.timing.ramp:.3g} or more",
+                "hold or join what moves by supports and contacts, or slow down: " + _slowly(self.model, 10.0),
             )
         slower = math.ceil(10.0 * math.sqrt(share / SHARE)) / 10.0
         return needed(
             "slower-loading",
             share,
             SHARE,
-            "time.ramp",
+            _slow_key(self.model),
             f"kinetic energy reaches {per_cent(share)} of the internal energy in a run that is meant to be "
             f"quasi-static ({per_cent(SHARE)} at most)",
-            f"write time.ramp = {slower * self.model.timing.ramp:.3g} or more",
+            _slowly(self.model, slower),
         )
 
 
@@ -83,7 +82,7 @@ class Balance:
         """Take in the sum of reactions and loads over the largest of them."""
         model = self.model
         slow = model.kinetic_energy() <= SHARE * abs(float(model.state["work"][0]))
-        if slow and model.state.time >= EARLY * model.timing.ramp:
+        if slow and model.state.time >= EARLY * model.timing.last:
             self.worst[0] = np.fmax(self.worst[0], reaction_mismatch(model))
 
     def warning(self) -> RunWarning | None:
@@ -106,7 +105,7 @@ class DampedWork:
     def update(self) -> None:
         """Take in the works of damping and of supports and loads so far."""
         internal, external, damping = (abs(float(work)) for work in self.model.state["work"][:3])
-        if self.model.state.time >= EARLY * self.model.timing.ramp and max(internal, external) > 0.0:
+        if self.model.state.time >= EARLY * self.model.timing.last and max(internal, external) > 0.0:
             self.worst[0] = max(self.worst[0], damping / max(internal, external))
 
     def warning(self) -> RunWarning | None:
@@ -121,8 +120,21 @@ def _slower(model: Model, share: float, code: str, what: str, whole: str) -> Run
         code,
         share,
         UNBALANCED,
-        "time.ramp",
+        _slow_key(model),
         f"{what} {per_cent(share)} {whole} at a frame of a run that is meant to be quasi-static "
         f"({per_cent(UNBALANCED)} at most)",
-        f"write time.ramp = {2.0 * model.timing.ramp:.3g} or more",
+        _slowly(model, 2.0),
     )
+
+
+def _slow_key(model: Model) -> str:
+    """The key of the scene that sets how fast it is loaded."""
+    return model.timing.because or "time.ramp"
+
+
+def _slowly(model: Model, factor: float) -> str:
+    """The line that makes the loading slower by a factor."""
+    key, last = _slow_key(model), factor * model.timing.last
+    if key.endswith((".points", ".file")):
+        return f"stretch the times of {key} to {last:.3g} s or more"
+    return f"write {key} = {last:.3g} or more"

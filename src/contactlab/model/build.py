@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import WORK, ExplicitIntegrator, Floats, Integrator, Ints, State
+from contactlab.api import WORK, ExplicitIntegrator, Floats, Integrator, Ints, RunWarning, State
+from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body, BodyForces, positions_of
 from contactlab.model.bodies.build_bodies import build_bodies, masses_of
 from contactlab.model.bodies.thread_blocks import in_order
 from contactlab.model.history import history_of
 from contactlab.model.loading.held_bodies import check_supported
-from contactlab.model.loading.load_profile import at_nodes
+from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.loading import Loading
+from contactlab.model.loading.node_profiles import tell_unresolved
 from contactlab.model.loading.supports import plan_supports
 from contactlab.model.model import Model
 from contactlab.model.sizes import check_meshed_size, check_sizes
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from contactlab.model.contact.plan import ContactPlan
     from contactlab.model.loading.rigid import RigidSurface
     from contactlab.parts.registry import Registry
+    from contactlab.scene.keys import Body as SceneBody
     from contactlab.scene.scene import Scene
 
 
@@ -49,23 +52,24 @@ def _built(scene: Scene, registry: Registry) -> Model:
     plans, bodies = _contact_plans(scene, registry, bodies, rigid, integrator)
     reference = positions_of(bodies, rigid)
     mass = masses_of(bodies, rigid) if integrator.inertia else np.zeros(0)
-    supports = plan_supports(scene, bodies, rigid, reference)
+    told: list[RunWarning] = []
+    supports = plan_supports(scene, bodies, rigid, reference, told)
     check_supported(scene, bodies, supports, integrator)
     history = history_of(scene, bodies, integrator)
     timing = find_timing(
         scene, bodies, reference, mass, supports, integrator, history, lambda: _joints(plans, reference)
     )
     prescribed = supports.bind(timing.ramps)
-    _refuse_impossible(scene, bodies, rigid, reference, prescribed, timing.end or timing.ramp)
+    _refuse_impossible(scene, bodies, rigid, reference, prescribed, timing.last)
     state = State(_shapes(len(reference), bodies, integrator, plans, timing))
     position, increment = reference.copy(), _increment(bodies, len(reference))
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
-    _initial_velocity(scene, bodies, reference, mass, state)
+    _initial_velocity(scene, bodies, reference, mass, state, told)
     driven = any(supports.moving) or bool(scene.loads or scene.effects)
     contact = _contact(plans, bodies, reference, prescribed.dof, state, timing.ramp, driven)
     _split_work(scene, integrator, contact, state, reference)
-    effects = _effects(scene, registry, bodies, rigid, reference, state)
-    loads = _loads(scene, bodies, reference, position, timing.ramps)
+    effects = _effects(scene, registry, bodies, rigid, reference, state, told)
+    loads = _loads(scene, bodies, reference, position, timing.ramps, told)
     model = model_class(
         reference=reference,
         position=position,
@@ -82,12 +86,14 @@ def _built(scene: Scene, registry: Registry) -> Model:
         loading=Loading(supports.sets, (*loads, *effects), effects),
         increment=increment,
     )
+    for warning in (*timing.beyond, *told):
+        model.warnings.add(warning)
     model.start.mirror = _mirror(scene, bodies, reference)
     model.internal_force(0.0)
     if model.explicit and effects:
         from contactlab.model.loading.effect_rates import effect_rates
 
-        size, times = float(np.ptp(reference, axis=0).max()), (0.0, timing.end or timing.ramp)
+        size, times = float(np.ptp(reference, axis=0).max()), (0.0, timing.last)
         rates = effect_rates(effects, state, mass, size, model.stable_step(), times)
         model.loading = replace(model.loading, rates=rates)
     if model.explicit and any(plan.start.overlap == "ramp" for plan in plans):
@@ -177,12 +183,13 @@ def _effects(
     rigid: tuple[RigidSurface, ...],
     reference: Floats,
     state: State,
+    told: list[RunWarning],
 ) -> Any:
     if not scene.effects:
         return ()
     from contactlab.model.loading.effects import build_effects
 
-    return build_effects(scene, registry, bodies, reference, lambda: masses_of(bodies, rigid), state)
+    return build_effects(scene, registry, bodies, reference, lambda: masses_of(bodies, rigid), state, told)
 
 
 # --- state --------------------------------------------------------------------------------------
@@ -258,15 +265,32 @@ def _bind(
     return BodyForces(body, geometry, field, force, history, trial, shape, threads, first_thread)
 
 
-def _initial_velocity(scene: Scene, bodies: tuple[Body, ...], reference: Floats, mass: Floats, state: State) -> None:
-    if "velocity" not in state:
-        return
+def _initial_velocity(
+    scene: Scene, bodies: tuple[Body, ...], reference: Floats, mass: Floats, state: State, told: list[RunWarning]
+) -> None:
     for body, spec in zip(bodies, scene.bodies.values(), strict=True):
+        if "velocity" not in state:
+            _refuse_motion(scene, body.name, spec)
+            continue
         own = slice(body.first, body.first + body.count)
         state["velocity"][own] = spec.velocity
         if spec.profile is not None:
-            at = scene.where(f"bodies.{body.name}.profile")
-            state["velocity"][own] *= at_nodes(spec.profile, reference[own], scene.registry, at)[:, None]
+            where, nodes = scene.where(f"bodies.{body.name}.profile"), np.arange(own.start, own.stop, dtype=np.int32)
+            profile = of_nodes(spec.profile, scene.registry, where)
+            at = profile.at(reference)
+            tell_unresolved(profile, (body,), nodes, at, where, told)
+            state["velocity"][own] *= profile.values(at[own])[:, None]
         if spec.spin:
             arm = reference[own] - mass[own] @ reference[own] / mass[own].sum()
             state["velocity"][own] += spec.spin * np.stack([-arm[:, 1], arm[:, 0]], axis=1)
+
+
+def _refuse_motion(scene: Scene, name: str, spec: SceneBody) -> None:
+    """Raise SceneError for a body that is thrown in statics."""
+    for key in ("velocity", "spin"):
+        if np.any(getattr(spec, key)):
+            raise SceneError(
+                "nothing moves by itself in statics: equilibrium knows no initial motion",
+                where=scene.where(f"bodies.{name}.{key}"), got=getattr(spec, key), allowed="0, or not written",
+                hint=f"take {key} out, or use an integrator with inertia (central-difference, implicit-dynamics)",
+            )  # fmt: skip

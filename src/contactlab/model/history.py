@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from contactlab.model.loading.ramps import course_of
+from contactlab.model.loading.declared import courses_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from contactlab.api import Integrator
     from contactlab.model.bodies.body import Body
     from contactlab.scene.scene import Scene
-
-
-VALUES = ("ux", "uy", "turn", "pressure", "shear", "tx", "ty")  # of supports, rigid surfaces and loads
 
 
 @dataclass(frozen=True)
@@ -63,16 +60,7 @@ def _own_times(scene: Scene, integrator: Integrator) -> tuple[str, ...]:
     if not integrator.inertia or scene.time.end != "auto":
         return ()
     given = [f"time.{name}" for name in ("ramp", "damping", "relaxation") if getattr(scene.time, name) is not None]
-    tables: list[tuple[str, Any]] = [(f"supports.{i}", spec) for i, spec in enumerate(scene.supports)]
-    tables += [(f"loads.{i}", spec) for i, spec in enumerate(scene.loads)]
-    tables += [(f"rigid.{name}", spec) for name, spec in scene.rigid.items()]
-    given += [
-        f"{table}.{name}"
-        for table, spec in tables
-        for name in VALUES
-        if getattr(spec, name, None) is not None
-        and course_of(getattr(spec, name), scene.registry, scene.where(f"{table}.{name}")).timed
-    ]
+    given += [key for key, _, course in courses_in(scene) if course.timed]
     given += [f"contacts.{i}.start.duration" for i, spec in enumerate(scene.contacts) if spec.start.duration]
     # what an effect does may go by the clock, or need it (springs aside): its way is its own
     given += [f"effects.{i}" for i in range(len(scene.effects))]

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from contactlab.api import Floats, Integrator
+from contactlab.api import Floats, Integrator, RunWarning
 from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body
 from contactlab.model.history import History
+from contactlab.model.loading.declared import NEARLY, beyond, last_of
 from contactlab.model.loading.ramps import RampTime
 from contactlab.model.loading.supports import SupportPlan
 
@@ -43,33 +44,36 @@ THE_END = Pace(6.0, 1.0, 0.0)  # the way left to what it may be: half of critica
 class Timing:
     """Times of a run [s] and its mass-proportional damping [1/s].
 
-    end      fixed end, None where the run ends when it has settled
+    end      fixed end, None if the run ends when it has settled
     ramp     duration of ramps that name none
-    hold     longest time after the ramp (only without a fixed end)
+    last     end of all that the scene declares in time: the fixed end, or the begin of the hold
+    because  the key that `last` follows from; "" if the program chose it
+    hold     longest time after `last` (only without a fixed end)
     period   period of the lowest mode, over which settling is judged
     relaxation
              time in which the drift, which damping leaves alone, follows velocities; 0: damping acts on all motion
     until_settled
              False where the scene fixes the hold: the run then takes all of it
     follows  whether states on the loading path are meant to be in equilibrium
+    ramps    what ramps that name no duration go by; a way in equilibrium begins and ends without a jolt
+    beyond   warnings of what the scene declares behind its end
     """
 
     end: float | None
     ramp: float
+    last: float
+    because: str
     hold: float
     period: float
     damping: float
     relaxation: float
     until_settled: bool
+    ramps: RampTime
     follows: bool = True
-
-    @property
-    def ramps(self) -> RampTime:
-        """What ramps that name no duration go by; a way in equilibrium begins and ends without a jolt."""
-        return RampTime(self.ramp, self.end is None and self.follows)
+    beyond: tuple[RunWarning, ...] = ()
 
     def resolved(self) -> dict[str, float]:
-        """What `auto` chose, as keys of `[time]`; empty where the scene fixed the end."""
+        """What `auto` chose, as keys of `[time]`; empty if the end is fixed."""
         if self.end is not None:
             return {}
         return {
@@ -93,15 +97,17 @@ def find_timing(
 ) -> Timing:
     """Find the times of a scene: with `end = "auto"` from the lowest mode of the bodies as joints tie them.
 
-    `THE_WAY` is the pace of a scene with a history, `THE_END` that of others (docs/theory/explicit-scheme.md).
+    `THE_WAY` is the pace of a scene with a history, `THE_END` that of others (docs/theory/explicit-scheme.md). No
+    automatic end lies before that of anything that the scene declares in time.
     """
     time = scene.time
     if time.end != "auto":
-        end = float(time.end)
-        ramp = end if time.ramp is None else time.ramp
-        return Timing(end, ramp, 0.0, end, time.damping or 0.0, 0.0, False)
+        return _written(scene, float(time.end))
     if not integrator.inertia:
-        return Timing(1.0, 1.0, 0.0, 1.0, 0.0, 0.0, False)
+        ramps = RampTime(1.0 if time.ramp is None else time.ramp)
+        end, because = _latest(scene, ramps)
+        end += time.hold or 0.0
+        return Timing(end, ramps.duration, end, because, 0.0, end, 0.0, 0.0, False, ramps)
     from contactlab.model.bodies.frequency import lowest_frequency
 
     frequency = lowest_frequency(bodies, positions, mass, supports.dof, _directions(supports), joints())
@@ -115,10 +121,32 @@ def find_timing(
     pace = THE_WAY if history else THE_END
     period = 2.0 * math.pi / frequency
     ramp = pace.periods * period if time.ramp is None else time.ramp
+    ramps = RampTime(ramp, bool(history))
+    last, because = _latest(scene, ramps)
     hold = max(ramp, LONGEST_HOLD * period) if time.hold is None else time.hold
     damping = pace.damping * frequency if time.damping is None else time.damping
     relaxation = pace.relaxation / frequency if time.relaxation is None else time.relaxation
-    return Timing(None, ramp, hold, period, damping, relaxation, time.hold is None, bool(history))
+    settles = time.hold is None
+    return Timing(
+        None, ramp, last, because, hold, period, damping, relaxation, settles, ramps, bool(history)
+    )  # fmt: skip
+
+
+def _written(scene: Scene, end: float) -> Timing:
+    """Times of a run whose end the scene gives."""
+    time = scene.time
+    ramps = RampTime(end, end=end) if time.ramp is None else RampTime(time.ramp)
+    cut = tuple(beyond(scene, ramps, end))
+    damping = time.damping or 0.0
+    return Timing(end, ramps.duration, end, "time.end", 0.0, end, damping, 0.0, False, ramps, beyond=cut)
+
+
+def _latest(scene: Scene, ramps: RampTime) -> tuple[float, str]:
+    """The ramp time, or the end of what the scene declares where that is later, and the key that says so."""
+    last, key = last_of(scene, ramps)
+    if last > (1.0 + NEARLY) * ramps.duration:
+        return last, key
+    return ramps.duration, "" if scene.time.ramp is None else "time.ramp"
 
 
 def _directions(supports: SupportPlan) -> Floats:

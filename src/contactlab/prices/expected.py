@@ -50,8 +50,8 @@ def expected_length(scene: Scene, model: Model, schedule: Schedule) -> Expected:
     lengths = []
     usual = PERIODS if model.contact is not None else ALONE
     for periods in usual if timing.damping else (math.inf,) * len(usual):
-        time = timing.ramp + min(periods * timing.period, timing.hold)
-        lengths.append(Length(time / schedule.first, 0, scene.record.frames * time / timing.ramp + 1))
+        time = timing.last + min(periods * timing.period, timing.hold)
+        lengths.append(Length(time / schedule.first, 0, scene.record.frames * time / timing.last + 1))
     return Expected(*lengths)
 
 
@@ -93,7 +93,7 @@ def _driven(scene: Scene, model: Model) -> bool:
 def _moved(model: Model) -> bool:
     """Whether supports are."""
     prescribed = model.prescribed
-    return bool(np.any(prescribed.values(0.0).copy() != prescribed.values(model.timing.ramp)))
+    return bool(np.any(prescribed.values(0.0).copy() != prescribed.values(model.timing.last)))
 
 
 def _near(pair: ContactPair, model: Model) -> np.ndarray:

@@ -142,7 +142,7 @@ def _come(model: Model) -> tuple[Floats, Floats]:
 
     Both count by the largest value so far: what is taken back was there.
     """
-    times, prescribed = np.linspace(0.0, model.timing.end or model.timing.ramp, SAMPLES), model.prescribed
+    times, prescribed = np.linspace(0.0, model.timing.last, SAMPLES), model.prescribed
     moved, loaded = np.zeros(SAMPLES), np.zeros(SAMPLES)
     force, scale = np.zeros_like(model.reference), np.abs(prescribed.scale)
     for number, time in enumerate(times.tolist()):

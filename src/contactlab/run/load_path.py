@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab.model.loading.ramps import courses_of, smooth
+from contactlab.model.loading.declared import courses_in, declared_in
+from contactlab.model.loading.ramps import smooth
 from contactlab.model.model import Model
+from contactlab.run.swings import Swing
 
 if TYPE_CHECKING:
-    from contactlab.scene.keys import Rigid, Support
+    from contactlab.model.timing import Timing
     from contactlab.scene.scene import Scene
 
 SAMPLES = 1024
+EACH_LEG = 17  # samples between two corners of a loading that goes to and fro
+IN_TIME = 10  # steps in time of each way
 NEARLY = 1e-9  # of the whole time: differences below it are round-off
 LEAST = 1e-3  # of the whole path that time itself counts, so that a hold is passed in few steps
 
@@ -31,20 +36,28 @@ class LoadPath:
 
     parameter
              what steps are equal parts of, in words
+    length   of the loading, a way from end to end of a value counting 1
     """
 
-    def __init__(self, model: Model, scene: Scene, end: float) -> None:
+    def __init__(self, model: Model, scene: Scene, swings: list[Swing]) -> None:
+        end = model.timing.last
         rated = rate_dependent(model)
         self.parameter = f"loading and time: the law of {', '.join(rated)} depends on rate" if rated else "loading"
-        self.corners = corners(scene, model.timing.ramp, end)
+        self.corners = corners(scene, model.timing, swings)
         self.times: Floats = np.linspace(0.0, end, SAMPLES + 1)
-        change = np.full(SAMPLES, (1.0 if rated else LEAST) / SAMPLES)
+        share = np.full(SAMPLES, 1.0 / SAMPLES)
+        if swings:
+            legs = [np.linspace(a, b, EACH_LEG) for a, b in pairwise([0.0, *self.corners])]
+            self.times = np.unique(np.concatenate([self.times, *legs]))
+            share = np.diff(self.times) / end
+        change = (1.0 if rated else LEAST) * share
         np.maximum(change, _motion(model, self.times), out=change)
         np.maximum(change, _loads(model, self.times), out=change)
         for duration in relaxed_overlaps(scene, model.timing.ramp):
             np.maximum(change, np.diff([smooth(duration)(float(time)) for time in self.times]), out=change)
         self.fractions: Floats = np.concatenate([[0.0], np.cumsum(change)])
-        self.fractions /= self.fractions[-1]
+        self.length = float(self.fractions[-1])
+        self.fractions /= self.length
 
     def fraction(self, time: float) -> float:
         """How much of the loading is done at a time [s]."""
@@ -60,21 +73,39 @@ class LoadPath:
         return next(later, self.corners[-1])
 
 
-class EvenPath:
-    """The loading of runs in which time matters: time itself."""
+class TimePath:
+    """The loading of runs in which time matters: time itself, in more steps where a value goes to and fro fast.
+
+    number  of steps of the whole run; without `swings` the equal ones that are wished
+    """
 
     parameter = "time"
 
-    def __init__(self, end: float) -> None:
-        self.end = end
+    def __init__(self, end: float, wished: float, swings: list[Swing]) -> None:
+        self.end, self.number = end, wished
+        if not swings:
+            self.times = self.fractions = np.zeros(0)
+            return
+        ways = np.concatenate([np.zeros((0, 2)), *(swing.ways for swing in swings)])
+        self.times = np.unique(np.concatenate([[0.0, end], ways.ravel()]))
+        rate = np.full(len(self.times) - 1, wished / end)
+        middle = 0.5 * (self.times[1:] + self.times[:-1])
+        for first, last in ways.tolist():
+            inside = (middle > first) & (middle < last)
+            np.maximum(rate, IN_TIME / (last - first), out=rate, where=inside)
+        steps = np.concatenate([[0.0], np.cumsum(rate * np.diff(self.times))])
+        self.number = float(steps[-1])
+        self.fractions = steps / steps[-1]
 
     def fraction(self, time: float) -> float:
-        """Fraction of the end time that has passed at a time [s]."""
-        return time / self.end
+        """How much of all steps is done at a time [s]."""
+        even = time >= self.end or not len(self.times)
+        return time / self.end if even else float(np.interp(time, self.times, self.fractions))
 
     def time(self, fraction: float) -> float:
-        """Time [s] at a fraction of the end time."""
-        return fraction * self.end
+        """When that much of all steps is done [s]."""
+        even = fraction >= 1.0 or not len(self.times)
+        return fraction * self.end if even else float(np.interp(fraction, self.fractions, self.times))
 
     def stop(self, time: float) -> float:
         """The end: forces in time have no corner that inertia would not round off."""
@@ -91,17 +122,20 @@ def relaxed_overlaps(scene: Scene, ramp_time: float) -> list[float]:
     return [spec.start.duration or ramp_time for spec in scene.contacts if spec.start.overlap == "ramp"]
 
 
-def corners(scene: Scene, ramp_time: float, end: float) -> list[float]:
-    """Times [s] in (0, end] at which the loading may turn: speeds of prescribed motion or of loads jump, overlaps are
-    out; the last is the end.
+def corners(scene: Scene, timing: Timing, swings: list[Swing]) -> list[float]:
+    """Times [s] in (0, end] at which the loading may turn: values or their speeds jump, or go back, overlaps are out.
+
+    The last is the end.
     """
-    moved: list[Support | Rigid] = [*scene.supports, *scene.rigid.values()]
-    courses = [course for spec in moved for course in courses_of(spec, ("ux", "uy", "turn"), scene.registry, "")]
-    names = ("pressure", "shear", "tx", "ty")
-    courses += [course for spec in scene.loads for course in courses_of(spec, names, scene.registry, "")]
-    times = {time for course in courses for time in course.corners(ramp_time)}
-    times |= set(relaxed_overlaps(scene, ramp_time))
-    return [*sorted(time for time in times if NEARLY * end < time < (1.0 - NEARLY) * end), end]
+    end = timing.last
+    times = {time for _, _, course in courses_in(scene) for time in course.corners(timing.ramps)}
+    times |= {one.end for one in declared_in(scene, timing.ramps)}
+    times |= {time for swing in swings for time in swing.turns.tolist()}
+    found: list[float] = []
+    for time in sorted(times):
+        if NEARLY * end < time < (1.0 - NEARLY) * end and (not found or time - found[-1] > NEARLY * end):
+            found.append(time)
+    return [*found, end]
 
 
 def _motion(model: Model, times: Floats) -> Floats:

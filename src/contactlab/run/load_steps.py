@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import Floats, ImplicitIntegrator, Step, StepStatus
+from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step, StepStatus
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.loading.held_bodies import free_motions
-from contactlab.run.load_path import EvenPath, LoadPath
+from contactlab.run.load_path import LoadPath, TimePath
 from contactlab.run.schedule import Schedule
+from contactlab.run.swings import Swing, frame_warnings, step_warnings
 
 if TYPE_CHECKING:
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
@@ -22,6 +23,9 @@ EASY = 8  # iterations of a step after which a longer one is tried
 SHORTEST = 2.0**-12  # of the wished step: below it the run is given up
 MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
 SAME = 1e-6  # relative: residuals of two attempts that differ by less are the same
+EACH_WAY = 2.0  # times the steps of a load, for each way of one that goes to and fro: friction work is right to 2 %
+A_PERIOD = 2  # steps of the lowest mode's period in a run until it settles: of one, vibrations do not fade
+HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NEARLY = 1e-9  # of a step: differences below it are round-off
 
 
@@ -36,24 +40,55 @@ class LoadSchedule(Schedule):
 
     def _first_step(self) -> float:
         integrator = cast(ImplicitIntegrator, self.model.integrator)
-        total = self.timing.end or self.timing.ramp
+        total, chosen = self.timing.last, self.fixed is None and not integrator.fixes_steps()
         statics = not integrator.inertia and self.fixed is None
-        self.path = LoadPath(self.model, self.scene, total) if statics else EvenPath(total)
-        self.wished = 1.0 / integrator.wished_steps() if self.fixed is None else float(self.fixed) / total
-        if self.wished * MOST < 1.0:
-            raise SceneError(
-                f"steps this short would be {1.0 / self.wished:.0f}",
-                where=self.scene.where("time.step"),
-                got=self.fixed,
-                allowed=f"at least {total / MOST:.3g}",
-                hint="leave it out: implicit integrators say by `steps` how many they take, and find their length",
-            )
+        self.path: LoadPath | TimePath
+        length = 0.0
+        number = integrator.wished_steps() if self.fixed is None else total / self.fixed
+        if statics:
+            self.path = path = LoadPath(self.model, self.scene, self.swings)
+            length = path.length
+            number *= EACH_WAY * length if chosen and self.swings else 1.0
+        else:
+            if chosen and self.timing.end is None:
+                number = max(number, A_PERIOD * total / self.timing.period)
+            self.path = TimePath(total, number, self.swings if chosen else [])
+            number = self.path.number
+        self.wished = 1.0 / number if self.fixed is None else self.fixed / total
+        self.each_way = number / length if statics else 0.0
+        if number > MOST:
+            raise self._too_many(number, integrator)
         skips = statics and not self.model.history and integrator.for_coarser_levels() is not None
         self.part = 1.0 if skips else self.wished
         flows = any(body.material.history_size for body in self.model.bodies)
         self.cut_to, self.grow = FLOWING if flows else (CUT, GROW)
         self.failed: Step | None = None  # the last attempt, where it failed
         return self._length()
+
+    def _too_many(self, number: float, integrator: ImplicitIntegrator) -> SceneError:
+        timing, most = self.timing, f"at most {MOST:.0f} steps in a run"
+        if self.fixed is not None:
+            key, got, allowed = "time.step", self.fixed, f"at least {timing.last / MOST:.3g}"
+            hint = "leave it out: implicit integrators say by `steps` how many they take, and find their length"
+        elif integrator.fixes_steps():
+            key, got, allowed, hint = "integrator.steps", integrator.wished_steps(), most, "write fewer"
+        else:
+            key, got, allowed = timing.because or "time.ramp", timing.last, most
+            hint = "take it faster or leave it out, or write statics (newton), which take load increments"
+        return SceneError(
+            f"steps this short would be {number:.0f}", where=self.scene.where(key), got=got, allowed=allowed, hint=hint
+        )
+
+    def _too_coarse(self) -> Iterator[RunWarning]:
+        yield from frame_warnings(self.swings, self.frame_every, self.scene.record.frames)
+        if self.fixed is not None or cast(ImplicitIntegrator, self.model.integrator).fixes_steps():
+            key = "integrator.steps" if self.fixed is None else "time.step"
+            now = self.fixed or cast(ImplicitIntegrator, self.model.integrator).wished_steps()
+            yield from step_warnings(self.swings, self._each_way, bool(self.model.history), key, now)
+
+    def _each_way(self, swing: Swing) -> float:
+        """Load increments go with the way that is made, steps in time with its time."""
+        return self.each_way or swing.shortest / (self.wished * self.timing.last)
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
@@ -173,7 +208,7 @@ class LoadSchedule(Schedule):
         time, pace = self.state.time, min(1.0, self.part / self.wished)
         if self.timing.end is None:
             self._release(pace)
-            return self.path.time(self.part)  # until it settles: there is no end to meet
+            return self._until_settled(time)
         done = self.path.fraction(time)
         stop = self.path.stop(time)
         rest = self.path.fraction(stop) - done
@@ -183,6 +218,13 @@ class LoadSchedule(Schedule):
         if number == 1:
             return stop - time
         return self.path.time(done + (rest / number if number <= 2 else self.part)) - time
+
+    def _until_settled(self, time: float) -> float:
+        """The step of a run that has no end to meet. Those of the hold are short enough to judge it by."""
+        even = self.path.time(self.part)
+        if time < self.timing.last * (1.0 - NEARLY):
+            return even if not self.swings else self.path.time(self.path.fraction(time) + self.part) - time
+        return min(even, self.timing.hold / HELD) if self.timing.hold else even
 
     def _reached(self, limit: float) -> bool:
         return bool(self.state.time >= limit * (1.0 - NEARLY * self.wished))

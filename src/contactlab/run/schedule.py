@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.model import Model
 from contactlab.results.reaction_balance import reaction_mismatch
 from contactlab.run.stopping import stop
+from contactlab.run.swings import Swing, frame_warnings, step_warnings, swings_of
 
 if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
@@ -28,20 +29,32 @@ MANY = 1000  # frames that were asked for within one step
 class Schedule:
     """Step lengths and the end of one run.
 
-    A run with a fixed end takes equal steps that meet it. An `auto` run ramps, then holds until
-    reactions and kinetic energy have settled over one period of the lowest mode.
+    A run with a fixed end takes equal steps that meet it. An `auto` run follows all that the scene declares in time,
+    then holds until reactions and kinetic energy have settled over one period of the lowest mode.
     """
 
     def __init__(self, model: Model, scene: Scene) -> None:
         self.model, self.scene, self.timing, self.state = model, scene, model.timing, model.state
         self.fraction_of_limit, self.fixed = scene.time.fraction, scene.time.step
+        self.swings = swings_of(scene, model.timing)
         self.dt = self.first = self._first_step()
-        self.limit = self.end = self.timing.end if self.timing.end is not None else self.timing.ramp + self.timing.hold
-        self.frame_every = (self.timing.end or self.timing.ramp) / max(1, scene.record.frames)
+        self.limit = self.end = self.timing.end if self.timing.end is not None else self.timing.last + self.timing.hold
+        self.frame_every = self.timing.last / max(1, scene.record.frames)
         self.next_frame = self.frame_every
-        self.next_sample = self.timing.ramp
+        self.next_sample = self.timing.last
         self.samples: deque[tuple[float, float]] = deque(maxlen=SAMPLES + 1)
         self.settled = False
+        for warning in self._too_coarse() if self.swings else ():
+            model.warnings.add(warning)
+
+    def _too_coarse(self) -> Iterator[RunWarning]:
+        """Warnings of values that go to and fro faster than steps and frames can show."""
+        yield from frame_warnings(self.swings, self.frame_every, self.scene.record.frames)
+        yield from step_warnings(self.swings, self._each_way, True, "time.step", self.first)
+
+    def _each_way(self, swing: Swing) -> float:
+        """Steps of the shortest way of a value that goes to and fro."""
+        return swing.shortest / self.first
 
     def _first_step(self) -> float:
         if self.fixed is None:
@@ -97,7 +110,7 @@ class Schedule:
     def estimated_steps(self) -> int:
         """Steps of the whole run if nothing changes their length; a run that settles is taken to do so in a period."""
         timing = self.timing
-        return max(1, round((timing.end if timing.end is not None else timing.ramp + timing.period) / self.first))
+        return max(1, round((timing.last if timing.end is not None else timing.last + timing.period) / self.first))
 
     def _smallest(self) -> str:
         """Name what sets the stable step: a cell, and effects where they shorten it by a tenth or more."""
@@ -182,8 +195,8 @@ class Schedule:
         return self.share(self.state.time)
 
     def share(self, time: float) -> float:
-        """How much of the run is done at a time [s], 0 to 1; a run that waits to settle counts its ramp."""
-        return min(1.0, time / (self.timing.end or self.timing.ramp))
+        """How much of the run is done at a time [s], 0 to 1; a run that waits to settle counts what it declares."""
+        return min(1.0, time / self.timing.last)
 
     def reached(self) -> dict[str, Any]:
         """Where the run is: time [s], and the share of the loading (statics) or of time that is done."""
@@ -213,7 +226,7 @@ class Schedule:
         mismatch, kinetic = self.worst()
         raise SimulationFailure(
             "not-converged",
-            f"the run did not settle within {self.timing.hold:.3g} s after the ramp: over the last period reactions "
+            f"the run did not settle within {self.timing.hold:.3g} s after the loading: over the last period reactions "
             f"differ by {mismatch:.1e} (allowed {SETTLED_MISMATCH:.0e}) and kinetic energy is {kinetic:.1e} of "
             f"internal (allowed {SETTLED_KINETIC:.0e}); contact that opens and closes for ever does this, or try a "
             "longer time.ramp",

@@ -60,13 +60,15 @@ def simulate(
     watch: Mapping[str, Watch] = NOTHING_WATCHED,
     work: float = math.inf,
     guards: bool = True,
+    announce: Callable[[Run], None] | None = None,
 ) -> Results:
     """Run a scene (a `Scene`, a bundled name or a TOML file) and return its results.
 
     `out` is the folder for files, none are written without it. With `resume` an interrupted run in `out`
     goes on where it was saved, one that is over is read back, and an empty folder is begun.
     `watch` are watches by name, whose findings are `Results.watched`. `work` is the number of steps and iterations
-    after which the run ends as "timed-out". Without `guards` nothing stops a run whose numbers go wild.
+    after which the run ends as "timed-out". Without `guards` nothing stops a run whose numbers go wild. `announce` is
+    called with the run before its first step.
     A run that fails is a result too: see `Results.status` and `Results.reason`. Raises RequestError
     (scene, part or folder wrong) before the first step, and Interrupted, which carries the results,
     after Ctrl-C or SIGTERM. BLAS has one thread meanwhile, so that bits do not depend on their number.
@@ -92,6 +94,8 @@ def simulate(
     if not guards:
         run.guards = NoGuards()
     run.clock.build_s = perf_counter() - began
+    if announce is not None:
+        announce(run)
     with Interruption(run.schedule.stop) as interruption:
         status, reason = _guarded(run, registry, interruption, progress)
         run.failed(status)

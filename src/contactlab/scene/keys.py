@@ -23,21 +23,25 @@ class Time:
     """`[time]`: how long a run lasts and in which steps."""
 
     end: float | Literal["auto"] = key(
-        "auto", unit="s", above=0.0, says="duration; auto: loaded as slowly as needed, then held until it settles"
+        "auto",
+        unit="s",
+        above=0.0,
+        says="duration; auto: as long as all that the scene declares in time, with other ramps as slow as needed, "
+        "then held until the run settles",
     )
     step: float | None = key(None, unit="s", above=0.0, says="fixed step; not written: a fraction of the stable one")
     fraction: float = key(0.9, above=0.0, most=1.0, says="step as a fraction of the stable step; unused beside `step`")
     ramp: float | None = key(
         None,
         unit="s",
-        least=0.0,
-        says="duration of ramps that give none themselves; not written: all of the run, or found",
+        above=0.0,
+        says="duration of ramps that give none themselves; not written: the run from where they begin, or found",
     )
     hold: float | None = key(
         None,
         unit="s",
         least=0.0,
-        says="with auto, time after the ramp; not written: until it settles, at most one ramp",
+        says="with auto, time after all loading; not written: until it settles, at most one ramp",
     )
     damping: float | None = key(
         None, unit="1/s", least=0.0, says="mass-proportional damping; not written: none, or with auto found"

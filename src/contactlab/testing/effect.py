@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import Effect, EffectView, Floats, Ints, Profile
-from contactlab.model.loading.load_profile import at_nodes
+from contactlab.model.loading.load_profile import of_nodes
 from contactlab.parts.registry import default_registry
 from contactlab.testing.assertions import Check, agree, identical, require, tell, untouched
 from contactlab.testing.other_values import others
 
 TIMES = (0.0, 0.3, 0.7)  # s
+LATER = (1e-6, 0.1, 0.7, 30.0)  # s after the last time at which an effect declares a change
 ROUND_OFF = 1e-12  # of the largest force
 PARTS = 40  # of each leg of a path
 
@@ -33,7 +34,8 @@ class Scenery:
         mass: Floats = 1e-6 * np.arange(1.0, 1.0 + len(reference))
 
         def factors(profile: Profile, nodes: Ints) -> Floats:
-            return at_nodes(profile, reference[nodes], default_registry(), "profile")
+            varying = of_nodes(profile, default_registry(), "profile")
+            return varying.values(varying.at(reference[nodes]))
 
         return cls(EffectView(reference, mass, *state, ("upper", "lower"), _nodes, factors))
 
@@ -156,6 +158,20 @@ def resultants_are_declared(effect: Effect) -> None:
     _declared(effect.internal, within, "internal", f"a resultant or moment of {worst:.1e} of the forces")
 
 
+def times_are_declared(effect: Effect) -> None:
+    """After the last of its `times` forces in a given state stay the same: a run that ends later misses nothing."""
+    last = max((0.0, *effect.times()))
+    if not np.isfinite(last):
+        return
+    scenery = Scenery.moving(11)
+    after = scenery.forces(effect, tuple(last + later for later in LATER))
+    for later, force in zip(LATER[1:], after[1:], strict=True):
+        agree(
+            force, after[0], ROUND_OFF * max(1.0, float(np.abs(after[0]).max())),
+            f"forces {later} s after {last:g} s, the last of its times()",
+        )  # fmt: skip
+
+
 def points_and_vectors_are_fields(effect: Effect) -> None:
     """What it declares as `points` and `vectors` are fields with two numbers."""
     for name in (*effect.points, *effect.vectors):
@@ -181,6 +197,7 @@ CHECKS: tuple[Check, ...] = (
     follows_the_state,
     remembers_nothing,
     leaves_the_view_alone,
+    times_are_declared,
     points_and_vectors_are_fields,
 )
 """All checks of effects."""

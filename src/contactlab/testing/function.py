@@ -66,7 +66,18 @@ def numbers_count(function: Function) -> None:
         require(not np.array_equal(values, other.values(PLACES.copy())), f"the field {name} changes no value")
 
 
+def stays_after_its_end(function: Function) -> None:
+    """From its `end` on the value is the same; it is a number, or infinite if it always changes."""
+    end = function.end()
+    require(not np.isnan(end), "end() is not a number")
+    if np.isfinite(end):
+        values = function.values(end + np.array([1e-9, 0.1, 1.0, 7.0, 300.0]))
+        _same(values, np.full(len(values), values[0]), f"places after its end() at {end:g}")
+    require(bool(np.isfinite(np.array(function.breaks(), np.float64)).all()), "an entry of breaks() is not finite")
+
+
 CHECKS: tuple[Check, ...] = (
     gives_numbers, is_not_nothing, looks_at_one_place_alone, remembers_nothing, leaves_its_places_alone, numbers_count,
+    stays_after_its_end,
 )  # fmt: skip
 """All checks of functions."""

@@ -37,6 +37,10 @@ class VibrationDamping(Effect):
         if not self.until > 0.0:
             raise ValueError(f"until: got {self.until}, allowed: a time > 0 [s], after the run has begun")
 
+    def times(self) -> tuple[float, ...]:
+        """The end of the damping, if it has one."""
+        return (self.until,) if self.until < math.inf else ()
+
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """Bodies keep the momenta that they have, each for itself."""
         from contactlab_effects.kernels import damp_vibration

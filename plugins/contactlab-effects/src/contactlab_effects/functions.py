@@ -28,6 +28,14 @@ class HalfEllipse(Function):
         """1 in the middle, 0 from the edges on."""
         return np.sqrt(np.maximum(0.0, 1.0 - ((at - self.centre) / self.half_width) ** 2))
 
+    def breaks(self) -> tuple[float, ...]:
+        """Both edges, where the slope is infinite."""
+        return self.centre - self.half_width, self.end()
+
+    def end(self) -> float:
+        """The second edge."""
+        return self.centre + self.half_width
+
 
 @dataclass(frozen=True)
 class Sine(Function):

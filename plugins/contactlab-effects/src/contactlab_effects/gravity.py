@@ -35,6 +35,10 @@ class Gravity(Effect):
         if not 0.0 <= self.ramp < math.inf:
             raise ValueError(f"ramp: got {self.ramp}, allowed: a time of at least 0 [s]")
 
+    def times(self) -> tuple[float, ...]:
+        """The end of the ramp."""
+        return (self.ramp,) if self.ramp else ()
+
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """Compute the weights once; a step adds them."""
         nodes = np.concatenate([view.nodes(name) for name in self.on or view.bodies])

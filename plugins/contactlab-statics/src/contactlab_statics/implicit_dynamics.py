@@ -9,6 +9,9 @@ from typing import ClassVar
 from contactlab.api import ImplicitEquations, ImplicitIntegrator, State, Step
 from contactlab_statics.limits import refuse_limits
 
+STEPS = 500
+"""Steps in time if the scene names no number."""
+
 
 @dataclass(frozen=True)
 class ImplicitDynamics(ImplicitIntegrator):
@@ -19,14 +22,15 @@ class ImplicitDynamics(ImplicitIntegrator):
     (docs/statics.md). Linear and angular momentum are kept. Without contact the scheme is second order and has no
     damping of its own.
 
-    steps        equal steps to try for the whole run, where the scene fixes none
+    steps        equal steps to try for the whole run; not written: 500, and at least 10 for each way of a value that
+                 goes to and fro
     tolerance    as with `newton`: residuals at which a step is accepted
     iterations   most iterations of a step before it is cut
     dissipation  share of a step by which stresses lead its middle: a viscosity of stiffness times
                  dissipation * dt, booked as `numerical`; first order unless it is 0, and angular momentum changes [-]
     """
 
-    steps: int = 500
+    steps: int | None = None
     tolerance: float = 1e-8
     iterations: int = 25
     dissipation: float = 0.0
@@ -37,13 +41,17 @@ class ImplicitDynamics(ImplicitIntegrator):
     without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
 
     def __post_init__(self) -> None:
-        refuse_limits(self.steps, self.tolerance, self.iterations)
+        refuse_limits(self.wished_steps(), self.tolerance, self.iterations)
         if not 0.0 <= self.dissipation <= 0.5:
             raise ValueError(f"dissipation: got {self.dissipation}, allowed: 0 to 0.5 (backward Euler stresses)")
 
     def wished_steps(self) -> int:
         """The steps that the scene asks for."""
-        return self.steps
+        return STEPS if self.steps is None else self.steps
+
+    def fixes_steps(self) -> bool:
+        """Whether `steps` is written."""
+        return self.steps is not None
 
     def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
         """The function that makes one step in time."""

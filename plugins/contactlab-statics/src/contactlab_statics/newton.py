@@ -21,7 +21,8 @@ class Newton(ImplicitIntegrator):
     """Equilibrium at the end of every load step, without inertia.
 
     steps       equal load steps to try for the whole loading; failed ones are cut, easy ones grow back. Not written:
-                10, or none on the path where the end does not depend on it
+                10, and 10 for each way of a loading that goes to and fro, or none on the path if the end does not
+                depend on it
     nested      where the end does not depend on the loading path and `steps` is not written, coarser levels of the
                 meshes are solved first, each from the one before, and only the end (and where the loading turns)
     tolerance   largest unbalanced nodal force over the largest nodal force, and largest violation of a contact
@@ -44,6 +45,10 @@ class Newton(ImplicitIntegrator):
     def wished_steps(self) -> int:
         """The steps that the scene asks for."""
         return STEPS if self.steps is None else self.steps
+
+    def fixes_steps(self) -> bool:
+        """Whether `steps` is written."""
+        return self.steps is not None
 
     def for_coarser_levels(self) -> Newton | None:
         """As exact as an estimate need be, unless the scene asks for load steps on the way."""

@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import EffectView, Floats, Ints, Profile, State
+from contactlab.api import EffectView, Floats, Ints, Profile, RunWarning, State
 from contactlab.errors import SceneError, below
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import nodes_of
-from contactlab.model.loading.load_profile import at_nodes
+from contactlab.model.loading.load_profile import of_nodes
+from contactlab.model.loading.node_profiles import tell_unresolved
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
@@ -28,6 +29,7 @@ def build_effects(
     reference: Floats,
     masses: Callable[[], Floats],
     state: State,
+    told: list[RunWarning],
 ) -> tuple[Load, ...]:
     """One call for each of the scene's effects; `masses` makes the nodal masses, which statics may do without."""
     made = [
@@ -42,7 +44,7 @@ def build_effects(
     for number, effect in enumerate(made):
         where = scene.where(f"effects.{number}")
         nodes = partial(nodes_of, bodies, where=below(where, "on"))
-        factors = partial(_factors, reference, registry, below(where, "profile"))
+        factors = partial(_factors, bodies, reference, registry, below(where, "profile"), told)
         view = EffectView(reference, mass, displacement, velocity, names, nodes, factors)
         try:
             loads.append(effect.bind(view))
@@ -51,8 +53,19 @@ def build_effects(
     return tuple(loads)
 
 
-def _factors(reference: Floats, registry: Registry, where: Where, profile: Profile, nodes: Ints) -> Floats:
-    return at_nodes(profile, reference[nodes], registry, where)
+def _factors(
+    bodies: tuple[Body, ...],
+    reference: Floats,
+    registry: Registry,
+    where: Where,
+    told: list[RunWarning],
+    profile: Profile,
+    nodes: Ints,
+) -> Floats:
+    varying = of_nodes(profile, registry, where)
+    at = varying.at(reference)
+    tell_unresolved(varying, bodies, nodes, at, where, told)
+    return varying.values(at[nodes])
 
 
 def _read_only(array: Floats) -> Floats:

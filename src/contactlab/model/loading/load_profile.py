@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Element, Floats, Ints
+from contactlab.api import Floats
 from contactlab.errors import PartError, SceneError, below, one_line
 
 if TYPE_CHECKING:
@@ -15,32 +15,51 @@ if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
 
 ROWS = "rows of two finite numbers, the first ones rising"
-PARTS = 3  # Gauss points of a part of an edge, whose length is exact where it is straight
 
 
-def factors(profile: Profile, points: Floats, s: Floats, registry: Registry, where: Where) -> Floats:
-    """Factors (...) [-] at points (..., 2) [mm], at arc lengths s (...) [mm] along the edge set.
+class Varying:
+    """A profile, ready to be evaluated.
 
-    Raises SceneError for a file that holds no table, PartError for a function that gives no numbers.
+    breaks  where its values or slopes jump, as far as is known
     """
-    at = s if profile.by == "s" else coordinate(profile, points)
-    if profile.function is not None:
-        key = below(where, "function")
-        return values_of(registry.make("function", profile.function, key), at, key)
-    if profile.cosine is not None:
-        mean, amplitude, period = profile.cosine
-        return np.asarray(mean + amplitude * np.cos(2.0 * np.pi * at / period))
-    table = (
-        np.array(profile.table) if profile.table is not None else read_pairs(str(profile.file), below(where, "file"))
-    )
-    return np.asarray(np.interp(at, table[:, 0], table[:, 1]))
+
+    def __init__(self, profile: Profile, registry: Registry, where: Where) -> None:
+        self.spec, self.by, self.breaks = profile, profile.by, np.zeros(0)
+        self._key, self._function, self._table = below(where, "function"), None, np.zeros((0, 2))
+        if profile.function is not None:
+            self._function = registry.make("function", profile.function, self._key)
+            self.breaks = np.array(self._function.breaks(), np.float64)
+        elif profile.cosine is None:
+            given = profile.table
+            self._table = np.array(given) if given is not None else read_pairs(str(profile.file), below(where, "file"))
+            self.breaks = self._table[:, 0]
+
+    def at(self, points: Floats) -> Floats:
+        """Coordinates or angles (n,) [mm or degrees] of points (n, 2) [mm]; arc lengths are not known here.
+
+        Angles lie between -180 and 180, or as far from the middle of a profile that reaches beyond.
+        """
+        if self.by in ("x", "y"):
+            return np.asarray(points[..., "xy".index(self.by)])
+        x, y = np.moveaxis(points - np.array(self.spec.centre), -1, 0)
+        angle = np.degrees(np.arctan2(y, x))
+        if len(self.breaks) and max(-self.breaks.min(), self.breaks.max()) > 180.0:
+            first = 0.5 * float(self.breaks.min() + self.breaks.max()) - 180.0
+            return np.asarray((angle - first) % 360.0 + first)
+        return np.asarray(angle)
+
+    def values(self, at: Floats) -> Floats:
+        """Factors (...) [-] at coordinates or arc lengths (...). Raises PartError if a function gives no numbers."""
+        if self._function is not None:
+            return values_of(self._function, at, self._key)
+        if self.spec.cosine is not None:
+            mean, amplitude, period = self.spec.cosine
+            return np.asarray(mean + amplitude * np.cos(2.0 * np.pi * at / period))
+        return np.asarray(np.interp(at, self._table[:, 0], self._table[:, 1]))
 
 
-def at_nodes(profile: Profile, points: Floats, registry: Registry, where: Where) -> Floats:
-    """Factors (k,) [-] at nodes of a body, of which `points` (k, 2) [mm] tell where they are.
-
-    Raises SceneError for a profile by arc length, which they have none of, or with a mean.
-    """
+def of_nodes(profile: Profile, registry: Registry, where: Where) -> Varying:
+    """A profile over nodes of a body. Raises SceneError if it goes by arc length or has a mean: nodes have neither."""
     if profile.by == "s":
         raise SceneError(
             "the nodes of a body have no arc length", where=below(where, "by"), got="s", allowed="x, y, angle",
@@ -51,7 +70,7 @@ def at_nodes(profile: Profile, points: Floats, registry: Registry, where: Where)
             "there is no resultant to keep", where=below(where, "mean"), got=profile.mean, allowed="a mean under loads",
             hint="leave `mean` out",
         )  # fmt: skip
-    return factors(profile, points, np.zeros(len(points)), registry, where)
+    return Varying(profile, registry, where)
 
 
 def values_of(function: Function, at: Floats, where: Where) -> Floats:
@@ -75,14 +94,6 @@ def _first_not_finite(found: Floats, at: Floats) -> str:
     return f"{found[k]} at {at[k]:g}"
 
 
-def coordinate(profile: Profile, points: Floats) -> Floats:
-    """Where the points are [mm or degrees] by what the profile varies with, arc length aside."""
-    if profile.by in ("x", "y"):
-        return np.asarray(points[..., "xy".index(profile.by)])
-    x, y = np.moveaxis(points - np.array(profile.centre), -1, 0)
-    return np.asarray(np.degrees(np.arctan2(y, x)))
-
-
 def with_mean(profile: Profile, found: Floats, lengths: Floats, where: Where) -> Floats:
     """Factors scaled to the mean that the profile asks for; `lengths` [mm] that each of them stands for.
 
@@ -98,48 +109,6 @@ def with_mean(profile: Profile, found: Floats, lengths: Floats, where: Where) ->
             hint="leave `mean` out",
         )  # fmt: skip
     return found * (profile.mean / mean)
-
-
-def arc_lengths(element: Element, edges: Ints, reference: Floats, at: Floats) -> Floats:
-    """Arc length (e, g) [mm] at places `at` (g,) in [-1, 1] of `edges` (e, b), which go on where others end.
-
-    It begins at the edge that follows none, in the order of the edges where there are several pieces; a closed curve
-    begins at its first edge.
-    """
-    points, weights = np.polynomial.legendre.leggauss(PARTS)
-    ends = np.append(at, 1.0)
-    inside = np.empty((len(edges), len(ends)))
-    for k, end in enumerate(ends):
-        half = 0.5 * (end + 1.0)
-        _, derivative = element.edge_shape(half * (points + 1.0) - 1.0)
-        along = np.einsum("ga,eai->egi", derivative, reference[edges])
-        inside[:, k] = half * np.hypot(along[..., 0], along[..., 1]) @ weights
-    first, last = _ends(element)
-    begins, following = _order(edges[:, first], edges[:, last]), 0.0
-    starts = np.empty(len(edges))
-    for edge in begins:
-        starts[edge] = following
-        following += float(inside[edge, -1])
-    return np.asarray(starts[:, None] + inside[:, :-1])
-
-
-def _ends(element: Element) -> tuple[int, int]:
-    """Which nodes of an edge lie at its ends."""
-    values, _ = element.edge_shape(np.array([-1.0, 1.0]))
-    return int(values[0].argmax()), int(values[1].argmax())
-
-
-def _order(first: Ints, last: Ints) -> list[int]:
-    """Edges one after the other: pieces with a beginning first, closed ones after them."""
-    at = {int(node): number for number, node in enumerate(first)}
-    reached = {int(node) for node in last}
-    order: dict[int, None] = {}
-    for begin in sorted(range(len(first)), key=lambda edge: int(first[edge]) in reached):
-        edge: int | None = begin
-        while edge is not None and edge not in order:
-            order[edge] = None
-            edge = at.get(int(last[edge]))
-    return list(order)
 
 
 def read_pairs(file: str, where: Where) -> Floats:

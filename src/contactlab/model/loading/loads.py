@@ -7,37 +7,39 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import Element, Floats, Ints
+from contactlab.api import Floats, Ints, RunWarning
 from contactlab.errors import below
 from contactlab.kernels.edge_loads import edge_forces
 from contactlab.model.bodies.body import Body
+from contactlab.model.loading.edge_integrals import Edges, Points, uniform, varying
 from contactlab.model.loading.edge_sets import edge_set
-from contactlab.model.loading.load_profile import arc_lengths, factors, with_mean
 from contactlab.model.loading.ramps import Course, Ramp, RampTime, courses_of
 
 if TYPE_CHECKING:
-    from contactlab.api import Profile
-    from contactlab.errors import Where
-    from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 
 Load = Callable[[float, Floats], None]
 """Adds nodal forces (N, 2) [N] at a time [s]."""
 
-POINTS = 3  # Gauss points of an edge: exact for the quadratic trace times the derivative of a parabola
-
 
 def build_loads(
-    scene: Scene, bodies: tuple[Body, ...], reference: Floats, position: Floats, run: RampTime
+    scene: Scene,
+    bodies: tuple[Body, ...],
+    reference: Floats,
+    position: Floats,
+    run: RampTime,
+    told: list[RunWarning],
 ) -> tuple[Load, ...]:
     """One call for each of the scene's loads. `position` (N, 2) is read anew in each call."""
     loads = []
     for number, spec in enumerate(scene.loads):
         where = scene.where(f"loads.{number}")
         body, edges = edge_set(bodies, spec.on, below(where, "on"))
-        table = _EdgeTable(body.element, edges)
+        along = Edges(body.element, edges, reference)
+        points = uniform(len(edges))
         if spec.profile is not None:
-            table.vary(_varying(spec.profile, table, reference, scene.registry, below(where, "profile")))
+            points = varying(spec.profile, along, scene.registry, below(where, "profile"), told)
+        table = _EdgeTable(along, points)
         if spec.pressure is not None or spec.shear is not None:
             courses = courses_of(spec, ("pressure", "shear"), scene.registry, where)
             loads.append(_along_edges(table, reference, position if spec.follower else None, courses, run))
@@ -47,46 +49,25 @@ def build_loads(
     return tuple(loads)
 
 
-def _varying(profile: Profile, table: _EdgeTable, reference: Floats, registry: Registry, where: Where) -> Floats:
-    """Factors (e, g) of a load at the integration points of its edges."""
-    s = arc_lengths(table.element, table.edges, reference, table.points)
-    found = factors(profile, table.places(reference), s, registry, where)
-    return with_mean(profile, found, table.shares(reference), where)
-
-
 class _EdgeTable:
-    """Edges with the tables of their trace."""
+    """Edges (e, b) with the integrals of their load.
 
-    def __init__(self, element: Element, edges: Ints) -> None:
-        points, weights = np.polynomial.legendre.leggauss(POINTS)
-        self.element, self.points = element, points
-        self.weights = np.tile(weights, (len(edges), 1))
-        self.shape, self.derivative = (np.ascontiguousarray(table) for table in element.edge_shape(points))
-        self.edges = np.ascontiguousarray(edges)
+    share   (e, b, b) of factor, trace function of a node, and derivative of that of another
+    length  (e, b) [mm] before the run that each node stands for, times the factor
+    """
 
-    def places(self, positions: Floats) -> Floats:
-        """The integration points (e, g, 2) [mm] of all edges."""
-        return np.asarray(np.einsum("ga,eai->egi", self.shape, positions[self.edges]))
-
-    def vary(self, factors: Floats) -> None:
-        """Let the load vary along the edges: a factor (e, g) for each integration point."""
-        self.weights *= factors
+    def __init__(self, along: Edges, points: Points) -> None:
+        self.edges = np.ascontiguousarray(along.edges)
+        shape, derivative = along.trace(points)
+        weighted = points.weight[:, None] * shape
+        count, nodes = self.edges.shape
+        self.share, self.length = np.zeros((count, nodes, nodes)), np.zeros((count, nodes))
+        np.add.at(self.share, points.edge, weighted[:, :, None] * derivative[:, None, :])
+        np.add.at(self.length, points.edge, weighted * along.speed(points.edge, points.at)[:, None])
 
     def add(self, positions: Floats, pressure: float, shear: float, out: Floats) -> None:
         """Add the forces of a pressure and a shear on the edges as they lie at `positions`."""
-        edge_forces(positions, self.edges, self.shape, self.derivative, self.weights, pressure, shear, out)
-
-    def shares(self, positions: Floats) -> Floats:
-        """Length (e, g) [mm] that each integration point stands for at `positions`, times its factor."""
-        along = np.einsum("ga,eai->egi", self.derivative, positions[self.edges])
-        return np.asarray(self.weights * np.hypot(along[..., 0], along[..., 1]))
-
-    def lengths(self, positions: Floats) -> Floats:
-        """Length (N,) [mm] that each node of the edges stands for at `positions`."""
-        share = np.einsum("eg,ga->ea", self.shares(positions), self.shape)
-        out = np.zeros(len(positions))
-        np.add.at(out, self.edges, share)
-        return out
+        edge_forces(positions, self.edges, self.share, pressure, shear, out)
 
 
 class FollowerLoad:
@@ -110,7 +91,7 @@ class FollowerLoad:
         pressure and of shear."""
         t = self.table
         # forces are shape_a times the tangent sum_b derivative_b x_b, turned by a right angle for the pressure
-        share = np.einsum("eg,ga,gb->eab", t.weights, t.shape, t.derivative)
+        share = t.share
         row, column = (2 * np.broadcast_to(nodes, share.shape) for nodes in _pairs(t.edges))
         zero = np.zeros_like(share)
         rows, columns = np.stack([row, row, row + 1, row + 1]), np.stack([column, column + 1, column, column + 1])
@@ -137,7 +118,8 @@ def _along_edges(
 
 
 def _dead(table: _EdgeTable, reference: Floats, courses: list[Course], run: RampTime) -> Load:
-    lengths, units = table.lengths(reference), [np.zeros_like(reference), np.zeros_like(reference)]
+    lengths, units = np.zeros(len(reference)), [np.zeros_like(reference), np.zeros_like(reference)]
+    np.add.at(lengths, table.edges, table.length)
     for component, unit in enumerate(units):
         unit[:, component] = lengths
     return _fixed(units, [course.to for course in courses], [course.bind(run) for course in courses])

@@ -24,10 +24,20 @@ SET_OUT, ARRIVE = 0.12, 0.35  # of the ramp: some ten periods each, at the pace 
 
 
 class RampTime(NamedTuple):
-    """How long ramps take that name no duration [s], and whether they set out and arrive gently."""
+    """How long ramps take that name no duration.
+
+    duration  [s]
+    gentle    whether they set out and arrive without a jolt
+    end       [s] of the run, if they fill it: a ramp that begins later has what is left of it
+    """
 
     duration: float
     gentle: bool = False
+    end: float | None = None
+
+    def length(self, begin: float) -> float:
+        """Duration [s] of a ramp that begins at a time [s]."""
+        return self.duration if self.end is None or begin >= self.end else self.end - begin
 
 
 class Course(NamedTuple):
@@ -56,15 +66,26 @@ class Course(NamedTuple):
         shape = SHAPES[self.shape]
         if run.gentle and self.duration is None and self.shape != "constant":
             return _shifted(gentle(shape(1.0), run.duration), self.begin)
-        return _shifted(shape(run.duration if self.duration is None else self.duration), self.begin)
+        return _shifted(shape(self._length(run)), self.begin)
 
-    def corners(self, ramp_time: float) -> tuple[float, ...]:
-        """Times [s] at which the value's speed may jump."""
+    def _length(self, run: RampTime) -> float:
+        return run.length(self.begin) if self.duration is None else self.duration
+
+    def over(self, run: RampTime) -> float:
+        """Time [s] from which on the value stays the same; infinite for a function that always changes."""
+        if self.shape == "table":
+            return self.begin + self.points[-1][0]
+        if self.function is not None:
+            return self.begin + self.function[0].end()
+        return self.begin + (0.0 if self.shape == "constant" else self._length(run))
+
+    def corners(self, run: RampTime) -> tuple[float, ...]:
+        """Times [s] at which the value or its speed may jump."""
         if self.shape == "table":
             return tuple(self.begin + time for time, _ in self.points)
-        if self.shape in ("constant", "function"):
-            return (self.begin,)
-        return self.begin, self.begin + (ramp_time if self.duration is None else self.duration)
+        if self.function is not None:
+            return self.begin, *(self.begin + time for time in self.function[0].breaks() if time > 0.0)
+        return self.begin, self.over(run)
 
     @property
     def timed(self) -> bool:

@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from contactlab.api import Floats, Ints
+from contactlab.api import Floats, Ints, RunWarning
 from contactlab.errors import SceneError, below
 from contactlab.model.bodies.body import Body
+from contactlab.model.loading.edge_integrals import Edges
 from contactlab.model.loading.edge_sets import edge_set, nodes_of
-from contactlab.model.loading.load_profile import arc_lengths, factors
+from contactlab.model.loading.load_profile import Varying
+from contactlab.model.loading.node_profiles import tell_unresolved
 from contactlab.model.loading.ramps import Course, Ramp, RampTime, course_of, courses_of
 
 if TYPE_CHECKING:
@@ -153,32 +155,44 @@ class SupportPlan:
 
 
 def plan_supports(
-    scene: Scene, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], reference: Floats
+    scene: Scene, bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], reference: Floats, told: list[RunWarning]
 ) -> SupportPlan:
-    """Which degrees of freedom the scene prescribes; SceneError where two supports disagree."""
+    """Which degrees of freedom the scene prescribes; SceneError where two supports disagree. `told` gets warnings."""
     plan = _Plan(reference, scene.registry)
     for number, spec in enumerate(scene.supports):
         where = scene.where(f"supports.{number}")
         nodes = nodes_of(bodies, spec.on, below(where, "on"))
-        plan.add(spec.on, nodes, spec, where, _factors(spec, nodes, bodies, reference, scene.registry, where))
+        plan.add(spec.on, nodes, spec, where, _factors(spec, nodes, bodies, reference, scene.registry, where, told))
     for surface in rigid:
         plan.add(surface.name, surface.nodes, scene.rigid[surface.name], scene.where(f"rigid.{surface.name}"))
     return plan.finished()
 
 
 def _factors(
-    spec: Support, nodes: Ints, bodies: tuple[Body, ...], reference: Floats, registry: Registry, where: Where
+    spec: Support,
+    nodes: Ints,
+    bodies: tuple[Body, ...],
+    reference: Floats,
+    registry: Registry,
+    where: Where,
+    told: list[RunWarning],
 ) -> Floats:
     """What the values of a support are multiplied by at each of its nodes (n,)."""
     if spec.profile is None:
         return np.ones(len(nodes))
-    s = np.zeros(len(reference))
+    key = below(where, "profile")
+    varying, at = Varying(spec.profile, registry, key), np.zeros(len(reference))
     if spec.profile.by == "s":
         body, edges = edge_set(bodies, spec.on, below(where, "on"))
-        at = np.linspace(-1.0, 1.0, edges.shape[1])
-        places, _ = body.element.edge_shape(at)
-        s[edges[:, places.argmax(axis=1)]] = arc_lengths(body.element, edges, reference, at)
-    return factors(spec.profile, reference[nodes], s[nodes], registry, below(where, "profile"))
+        along = Edges(body.element, edges, reference)
+        places = np.linspace(-1.0, 1.0, edges.shape[1])
+        nodes_at = body.element.edge_shape(places)[0].argmax(axis=1)
+        every = np.repeat(np.arange(len(edges), dtype=np.int32), len(places))
+        at[edges[:, nodes_at].ravel()] = along.arc_lengths(every, np.tile(places, len(edges)))
+    else:
+        at[nodes] = varying.at(reference[nodes])
+    tell_unresolved(varying, bodies, nodes, at, key, told)
+    return varying.values(at[nodes])
 
 
 class _Held(NamedTuple):

@@ -1,0 +1,226 @@
+"""Integrals along edges of what varies there, exact whatever lies between the nodes.
+
+Edges are split where a profile says that its values or slopes jump, and halved while a rule of ten points and the same
+rule on both halves differ. Its points gather at the ends of a piece: a square root there is as good as a parabola.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from contactlab.api import Element, Floats, Ints, RunWarning
+from contactlab.model.loading.load_profile import Varying, with_mean
+
+if TYPE_CHECKING:
+    from contactlab.api import Profile
+    from contactlab.errors import Where
+    from contactlab.parts.registry import Registry
+
+POINTS = 3  # of an edge under a uniform load: exact for the quadratic trace times the derivative of a parabola
+PARTS = 3  # Gauss points of a part of an edge, whose length is exact where it is straight
+T, W = np.polynomial.legendre.leggauss(10)
+NODES, WEIGHTS = 0.5 * T * (3.0 - T * T), 1.5 * (1.0 - T * T) * W  # exact to degree 9
+LOOKED_AT = 512  # pieces of all edges for values of which nothing is known: what is narrower may be missed
+DIFFER = 1e-10  # of the whole integral: pieces are halved until two rules differ by less
+HALVINGS, MOST = 40, 200_000  # of a piece, pieces: jumps that nobody declares are then found to round-off
+SIDES = 16  # parts of an edge in which what it varies with is taken to rise or to fall all the way
+BISECTIONS = 60
+CHECKED = 200_003  # places of all edges at which the check looks
+WRONG = 0.01  # of the integral
+
+
+class Points(NamedTuple):
+    """Places `at` (n,) in [-1, 1] of edges number `edge` (n,), and their weights (n,)."""
+
+    edge: Ints
+    at: Floats
+    weight: Floats
+
+
+class Edges:
+    """Edges (e, b) of one element where they lie before the run."""
+
+    def __init__(self, element: Element, edges: Ints, reference: Floats) -> None:
+        self.element, self.edges, self.nodes = element, edges, reference[edges]
+
+    def trace(self, points: Points) -> tuple[Floats, Floats]:
+        """Trace functions and their derivatives (n, b) at the points."""
+        return self.element.edge_shape(points.at)
+
+    def places(self, edge: Ints, at: Floats) -> Floats:
+        """Where places of edges are (n, 2) [mm]."""
+        return np.asarray(np.einsum("na,nai->ni", self.element.edge_shape(at)[0], self.nodes[edge]))
+
+    def speed(self, edge: Ints, at: Floats) -> Floats:
+        """Length (n,) [mm] of an edge per unit of its parameter."""
+        along = np.einsum("na,nai->ni", self.element.edge_shape(at)[1], self.nodes[edge])
+        return np.asarray(np.hypot(along[:, 0], along[:, 1]))
+
+    def arc_lengths(self, edge: Ints, at: Floats) -> Floats:
+        """Arc lengths (n,) [mm], which go on where others end.
+
+        They begin at the edge that follows none, in the order of the edges where there are several pieces; a closed
+        curve begins at its first edge.
+        """
+        begins, inside = self._begins(), np.zeros(len(at))
+        points, weights = np.polynomial.legendre.leggauss(PARTS)
+        for point, weight in zip(points.tolist(), weights.tolist(), strict=True):
+            inside += weight * self.speed(edge, 0.5 * (at + 1.0) * (point + 1.0) - 1.0)
+        return np.asarray(begins[edge] + 0.5 * (at + 1.0) * inside)
+
+    def _begins(self) -> Floats:
+        """Arc length (e,) [mm] at which each edge begins."""
+        points, weights = np.polynomial.legendre.leggauss(PARTS)
+        every = np.repeat(np.arange(len(self.edges), dtype=np.int32), PARTS)
+        lengths = self.speed(every, np.tile(points, len(self.edges))).reshape(-1, PARTS) @ weights
+        values, _ = self.element.edge_shape(np.array([-1.0, 1.0]))
+        first, last = (int(value.argmax()) for value in values)
+        starts, following = np.empty(len(self.edges)), 0.0
+        for edge in _order(self.edges[:, first], self.edges[:, last]):
+            starts[edge] = following
+            following += float(lengths[edge])
+        return starts
+
+
+def uniform(count: int) -> Points:
+    """Points of a load that does not vary."""
+    points, weights = np.polynomial.legendre.leggauss(POINTS)
+    return Points(np.repeat(np.arange(count, dtype=np.int32), POINTS), np.tile(points, count), np.tile(weights, count))
+
+
+def varying(profile: Profile, edges: Edges, registry: Registry, where: Where, told: list[RunWarning]) -> Points:
+    """Points of a load that varies, with its factors in their weights; `told` gets a warning of a doubtful integral."""
+    rule = _Rule(Varying(profile, registry, where), edges)
+    points = rule.points()
+    factors = rule.factors(points.edge, points.at)
+    sizes = points.weight * edges.speed(points.edge, points.at)
+    _check(rule, float(factors @ sizes), float(np.abs(factors) @ sizes), told, where)
+    return points._replace(weight=points.weight * with_mean(profile, factors, sizes, where))
+
+
+class _Rule:
+    """A profile on edges, and the pieces on which it is integrated."""
+
+    def __init__(self, profile: Varying, edges: Edges) -> None:
+        self.profile, self.edges, self.count = profile, edges, len(edges.edges)
+
+    def by(self, edge: Ints, at: Floats) -> Floats:
+        """What the profile varies with (n,)."""
+        if self.profile.by == "s":
+            return self.edges.arc_lengths(edge, at)
+        return self.profile.at(self.edges.places(edge, at))
+
+    def factors(self, edge: Ints, at: Floats) -> Floats:
+        return self.profile.values(self.by(edge, at))
+
+    def points(self) -> Points:
+        """The rule of ten points on all pieces."""
+        edge, low, high = self._halved(*self._split())
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        at, weight = middle[:, None] + half[:, None] * NODES, half[:, None] * WEIGHTS
+        return Points(np.repeat(edge, len(NODES)), at.ravel(), weight.ravel())
+
+    def _split(self) -> tuple[Ints, Floats, Floats]:
+        """Edges, split where the profile breaks, or into as many pieces as are looked at where it declares none."""
+        pieces = 1 if len(self.profile.breaks) else max(1, -(-LOOKED_AT // self.count))
+        ends = np.linspace(-1.0, 1.0, pieces + 1)
+        edge = np.repeat(np.arange(self.count, dtype=np.int32), pieces + 1)
+        at = np.tile(ends, self.count)
+        if len(self.profile.breaks):
+            more_edge, more_at = self._crossings()
+            edge, at = np.concatenate([edge, more_edge]), np.concatenate([at, more_at])
+        order = np.lexsort((at, edge))
+        edge, at = edge[order], at[order]
+        own = (edge[1:] == edge[:-1]) & (at[1:] - at[:-1] > 1e-12)
+        return edge[:-1][own], at[:-1][own], at[1:][own]
+
+    def _crossings(self) -> tuple[Ints, Floats]:
+        """Where edges pass breaks: in each part of an edge as many as lie between its ends, by bisection."""
+        breaks = np.sort(np.array(self.profile.breaks))
+        ends = np.linspace(-1.0, 1.0, SIDES + 1)
+        every = np.repeat(np.arange(self.count, dtype=np.int32), SIDES + 1)
+        found = self.by(every, np.tile(ends, self.count)).reshape(self.count, SIDES + 1)
+        begin, end = found[:, :-1].ravel(), found[:, 1:].ravel()
+        low, high = np.minimum(begin, end), np.maximum(begin, end)
+        if self.profile.by == "angle":  # a part that crosses the half line of 180 degrees is left to halving
+            low = np.where(high - low > 180.0, high, low)
+        first, last = np.searchsorted(breaks, low, side="right"), np.searchsorted(breaks, high, side="left")
+        number = np.maximum(last - first, 0)
+        part = np.repeat(np.arange(len(low)), number)
+        wanted = breaks[np.arange(len(part)) - np.repeat(np.cumsum(number) - number, number) + first[part]]
+        edge, a, b = (part // SIDES).astype(np.int32), ends[part % SIDES], ends[part % SIDES + 1]
+        rises = end[part] > begin[part]
+        for _ in range(BISECTIONS):
+            middle = 0.5 * (a + b)
+            beyond = (self.by(edge, middle) > wanted) == rises
+            a, b = np.where(beyond, a, middle), np.where(beyond, middle, b)
+        return edge, 0.5 * (a + b)
+
+    def _halved(self, edge: Ints, low: Floats, high: Floats) -> tuple[Ints, Floats, Floats]:
+        """Pieces, halved until halves do not differ from the whole."""
+        done: list[tuple[Ints, Floats, Floats]] = []
+        whole = self._integrals(edge, low, high)
+        total = float(np.abs(whole).sum())
+        for _ in range(HALVINGS):
+            middle = 0.5 * (low + high)
+            halves = self._integrals(edge, low, middle), self._integrals(edge, middle, high)
+            rough = np.abs(whole - halves[0] - halves[1]) > DIFFER * max(total, 1e-300)
+            rough &= 2 * np.count_nonzero(rough) + sum(len(one[0]) for one in done) < MOST
+            done.append((edge[~rough], low[~rough], high[~rough]))
+            if not rough.any():
+                return _joined(done)
+            edge, whole = np.tile(edge[rough], 2), np.concatenate([half[rough] for half in halves])
+            low, high = np.concatenate([low[rough], middle[rough]]), np.concatenate([middle[rough], high[rough]])
+        return _joined([*done, (edge, low, high)])
+
+    def _integrals(self, edge: Ints, low: Floats, high: Floats) -> Floats:
+        """Integral (p,) of the profile over each piece."""
+        half = 0.5 * (high - low)
+        at = (0.5 * (low + high))[:, None] + half[:, None] * NODES
+        every = np.repeat(edge, len(NODES))
+        values = self.factors(every, at.ravel()) * self.edges.speed(every, at.ravel())
+        return np.asarray(half * (values.reshape(at.shape) @ WEIGHTS))
+
+
+def _joined(parts: list[tuple[Ints, Floats, Floats]]) -> tuple[Ints, Floats, Floats]:
+    edge, low, high = (np.concatenate([part[k] for part in parts]) for k in range(3))
+    order = np.lexsort((low, edge))
+    return edge[order], low[order], high[order]
+
+
+def _check(rule: _Rule, found: float, size: float, told: list[RunWarning], where: Where) -> None:
+    """Compare the integral with that of an independent rule: many places, evenly spread over each edge."""
+    each = -(-CHECKED // rule.count)
+    at = np.tile((2.0 * np.arange(each) + 1.0) / each - 1.0, rule.count)
+    edge = np.repeat(np.arange(rule.count, dtype=np.int32), each)
+    expected = 2.0 / each * float(rule.factors(edge, at) @ rule.edges.speed(edge, at))
+    off = abs(found - expected) / max(size, abs(expected), 1e-300)
+    key = getattr(where, "key", where)
+    if off > WRONG:
+        told.append(RunWarning(
+            "load-resultant", off, WRONG, str(key),
+            f"{key}: the integral along the edges is {found:.4g} mm, and {expected:.4g} mm by another rule ({off:.1%} "
+            f"apart, at most {WRONG:.0%}): the profile jumps or swings too fast; write it as a table, or declare the "
+            "breaks of its function",
+        ))  # fmt: skip
+    elif not size and not expected:
+        told.append(RunWarning(
+            "load-resultant", 0.0, 0.0, str(key),
+            f"{key}: the profile is 0 all along the edges, and the load pushes on nothing; move it there, or take the "
+            "load out",
+        ))  # fmt: skip
+
+
+def _order(first: Ints, last: Ints) -> list[int]:
+    """Edges one after the other: pieces with a beginning first, closed ones after them."""
+    at = {int(node): number for number, node in enumerate(first)}
+    reached = {int(node) for node in last}
+    order: dict[int, None] = {}
+    for begin in sorted(range(len(first)), key=lambda edge: int(first[edge]) in reached):
+        edge: int | None = begin
+        while edge is not None and edge not in order:
+            order[edge] = None
+            edge = at.get(int(last[edge]))
+    return list(order)
