@@ -103,9 +103,9 @@ def test_cell_of_the_quick_matrix(name: str, algorithm: str) -> None:
         assert any(j.measure.name.startswith("mirror symmetry") and j.verdict != "met" for j in found.judged)
     elif name == "forging":
         # nodes of the finer billet are free between those of the anvil, and metal sinks in
-        assert found.status == "diverged"
-        assert "node" in found.reason
-        assert "body billet" in found.reason
+        assert "deepest node of the billet in the anvil, in segments" in {
+            j.measure.name for j in found.judged if j.verdict == "missed"
+        }
     elif name == "nafems-cgs1":
         # forces jump where a node passes a vertex: the run stalls, and says what to try
         assert found.status == "not-converged"

@@ -1,4 +1,4 @@
-"""Contacts whose slave is the wrong side: much stiffer or much coarser than the master."""
+"""Contacts whose slave is the wrong side: much stiffer or coarser than the master, or with normals that lean."""
 
 from __future__ import annotations
 
@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import Floats, Ints, RunWarning, Surface
-from contactlab.missing_effects.missing_effect import Detectors, Known, needed
+from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.model.bodies.body import Body
+from contactlab.model.contact.near_list import segment_lengths
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
@@ -17,72 +18,116 @@ if TYPE_CHECKING:
 
 STIFFER = 12.0  # ratio of shear moduli: steel on a polymer, not steel on aluminium
 COARSER = 2.0  # ratio of segment lengths where the surfaces press
+ROUGHER = 2.0  # ratio of the turns from segment to segment there, from which the other side knows the normal
+LEAN = 0.01  # sine of the angle between forces and that normal: at mu = 0.2 friction is off by 5 %
 
 
 def side_detectors(scene: Scene, model: Model) -> Detectors:
-    """Detectors for every contact: of moduli, found now, and of segments where and when they press."""
+    """A detector for every contact whose master is a body: a rigid surface is never too soft, too coarse or a slave."""
     for pair, spec in zip(model.contact.pairs if model.contact is not None else (), scene.contacts, strict=True):
         slave = _bodies_of(pair.slave.nodes, model.bodies)
         master = _bodies_of(pair.master.nodes, model.bodies)
-        if not master:  # a rigid surface is never too soft or too coarse
-            continue
-        ratio = max(body.shear_modulus for body in slave) / min(body.shear_modulus for body in master)
-        if ratio > STIFFER:
-            seen = f"the slave's material is {ratio:.3g} times as stiff as the master's"
-            yield Known(_swap(pair.name, spec, ratio, STIFFER, seen))
-        yield CoarseSlave(pair, spec, model)
+        if master:
+            ratio = max(body.shear_modulus for body in slave) / min(body.shear_modulus for body in master)
+            yield WrongSide(pair, spec, model, ratio)
 
 
 def _bodies_of(nodes: Ints, bodies: tuple[Body, ...]) -> list[Body]:
     return [b for b in bodies if np.any((nodes >= b.first) & (nodes < b.first + b.count))]
 
 
-class CoarseSlave:
-    """`worst`: largest median ratio of slave to master segments where they press."""
+class WrongSide:
+    """Whether the other side should be the slave.
 
-    def __init__(self, pair: Any, spec: Contact, model: Model) -> None:
-        self.pair, self.spec, self.model, self.worst = pair, spec, model, np.zeros(1)
+    worst  largest median ratio of slave to master segments where they press; the sum of the forces of all frames, and
+           of forces times the squared sine of their lean against the smoother side, as they act and as the rougher
+           side's normals would have them act
+    """
+
+    def __init__(self, pair: Any, spec: Contact, model: Model, stiffness: float) -> None:
+        self.pair, self.spec, self.model, self.stiffness, self.worst = pair, spec, model, stiffness, np.zeros(4)
 
     def update(self) -> None:
-        """Lengths of the segments at pressed slave nodes and of the master's nearest to each."""
+        """Take in segment lengths and normals at the slave nodes that are pressed now."""
         pair, position = self.pair, self.model.position
         forces = self.model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]
-        pressed = np.flatnonzero(forces.reshape(pair.rows_per_node, -1).max(axis=0) > 0.0)
-        if not len(pressed):
+        slots = np.flatnonzero(forces > 0.0)
+        if not len(slots):
             return
-        at = position[pair.slave.nodes[pressed]]
-        own = _nearest_lengths(at, position, pair.slave)
-        other = _nearest_lengths(at, position, pair.master)
-        self.worst[0] = max(self.worst[0], float(np.median(own / other)))
+        nodes = np.asarray(slots % len(pair.slave.nodes), np.int32)
+        slave, master = position[pair.slave.nodes], position[pair.master.nodes]
+        at = slave[np.unique(nodes)]
+        own, other = segment_lengths(slave, pair.slave), segment_lengths(master, pair.master)
+        ratio = own[_nearest(at, slave, pair.slave)] / other[_nearest(at, master, pair.master)]
+        self.worst[0] = max(self.worst[0], float(np.median(ratio)))
+        found = _nearest(slave[nodes], master, pair.master)
+        self._add_leans(forces[slots], pair.normals[slots], nodes, found, slave, master)
+
+    def _add_leans(
+        self, forces: Floats, normals: Floats, nodes: Ints, found: Ints, slave: Floats, master: Floats
+    ) -> None:
+        pair = self.pair
+        turns = _turns(slave, pair.slave)[nodes], _turns(master, pair.master)[pair.master.segments[found]].max(axis=1)
+        rough = [float(forces @ turn) for turn in turns]
+        if max(rough) <= ROUGHER * min(rough):
+            self.worst[1] += forces.sum()
+            return
+        inward = -_nodal_normals(slave, pair.slave)[nodes], _segment_normals(master, pair.master)[found]
+        right, wrong = inward[::-1] if rough[0] > rough[1] else inward
+        self.worst[1:] += forces.sum(), forces @ _cross(normals, right) ** 2, forces @ _cross(wrong, right) ** 2
 
     def warning(self) -> RunWarning | None:
-        """Advise the other side as slave where that side is finer or softer; None where not."""
-        ratio = float(self.worst[0])
-        if ratio <= COARSER:
+        """Advise the other side as slave if forces lean, or if that side is softer or finer and no force would lean."""
+        coarseness, force, *squares = (float(number) for number in self.worst)
+        lean, other_lean = np.sqrt(np.array(squares) / max(force, np.finfo(float).tiny))
+        if lean > LEAN:
+            seen = f"normals of facets lean by {np.degrees(lean):.2g} degrees against the smoother side"
+            return self._swap(float(lean), LEAN, f"{seen}, and forces with them", "its normals are better known")
+        if other_lean > LEAN:
             return None
-        return _swap(
-            self.pair.name,
-            self.spec,
-            ratio,
-            COARSER,
-            f"where the surfaces press, the slave's segments are {ratio:.3g} times as long as the master's",
-        )
+        better = "the softer and finer side carries the multipliers better"
+        if self.stiffness > STIFFER:
+            seen = f"the slave's material is {self.stiffness:.3g} times as stiff as the master's"
+            return self._swap(self.stiffness, STIFFER, seen, better)
+        if coarseness > COARSER:
+            seen = f"where the surfaces press, the slave's segments are {coarseness:.3g} times as long as the master's"
+            return self._swap(coarseness, COARSER, seen, better)
+        return None
+
+    def _swap(self, value: float, limit: float, seen: str, why: str) -> RunWarning:
+        name, spec = self.pair.name, self.spec
+        told = f"{spec.name or name}: {seen}; {why}"
+        add = f"write {name}.swap = {'false' if spec.swap else 'true'}"
+        return needed("other-slave", value, limit, f"{name}.swap", told, add)
 
 
-def _nearest_lengths(points: Floats, position: Floats, surface: Surface) -> Floats:
-    """Length of the segment of a surface whose middle is nearest to each point."""
-    begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
-    middle, length = 0.5 * (begin + end), np.hypot(*(end - begin).T)
+def _nearest(points: Floats, position: Floats, surface: Surface) -> Ints:
+    """The segment of a surface whose middle is nearest to each point."""
+    middle = position[surface.segments].mean(axis=1)
     square = ((points[:, None] - middle[None]) ** 2).sum(axis=2)
-    return np.asarray(length[square.argmin(axis=1)])
+    return np.asarray(square.argmin(axis=1))
 
 
-def _swap(name: str, spec: Any, value: float, limit: float, seen: str) -> RunWarning:
-    return needed(
-        "other-slave",
-        value,
-        limit,
-        f"{name}.swap",
-        f"{spec.name or name}: {seen}; the softer and finer side carries the multipliers better",
-        f"write {name}.swap = {'false' if spec.swap else 'true'}",
-    )
+def _segment_normals(position: Floats, surface: Surface) -> Floats:
+    edge = np.diff(position[surface.segments], axis=1)[:, 0]
+    return np.asarray(np.stack([edge[:, 1], -edge[:, 0]], axis=1) / np.hypot(*edge.T)[:, None])
+
+
+def _nodal_normals(position: Floats, surface: Surface) -> Floats:
+    """Averages (m, 2) of the outward normals of the segments that meet at each node, by their lengths."""
+    before, after = surface.node_segments.T
+    first = np.where(before >= 0, surface.segments[before, 0], np.arange(len(position)))
+    last = np.where(after >= 0, surface.segments[after, 1], np.arange(len(position)))
+    along = position[last] - position[first]
+    return np.asarray(np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None])
+
+
+def _turns(position: Floats, surface: Surface) -> Floats:
+    """Sine (m,) of the angle by which a surface turns at each node; 1 at ends."""
+    normal, (before, after) = _segment_normals(position, surface), surface.node_segments.T
+    turn = np.abs(_cross(normal[before], normal[after]))
+    return np.where((before < 0) | (after < 0), 1.0, turn)
+
+
+def _cross(first: Floats, second: Floats) -> Floats:
+    return np.asarray(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])

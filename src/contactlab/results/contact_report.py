@@ -7,12 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api import Floats, State
+from contactlab.api.arrays import Flags
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.model.contact.pair import ContactPair, ContactSnapshot
 from contactlab.results.arc_length import arc_length
 from contactlab.results.contact_nodes import between, by_slot, friction_bound, node_values, per_node, states_of
 from contactlab.results.results import ContactCurve
+
+VERTEX = 0.2  # sine of a turn of the slave
 
 
 @dataclass(frozen=True)
@@ -132,14 +135,36 @@ def _covered(pair: ContactPair, seen: ContactSnapshot) -> Floats:
 def _integral(
     pair: ContactPair, seen: ContactSnapshot, pressure: Floats, shear: Floats, share: Floats | None = None
 ) -> Floats:
-    """Force on the slave: pressure against the outward normal, shear along the chain, times the `share` of nodes."""
-    if share is not None:
-        pressure, shear = share * pressure, share * shear
+    """Force on the slave: pressure against the outward normal, shear along the chain.
+
+    With the covered `share` of nodes, tractions at pressed ends and vertices act along the contact's normal there, the
+    master's, as do those of nodes beside them that bear no force: their multipliers belong to the vertex.
+    """
     a, b = pair.slave.segments.T
     edge = seen.at.slave[b] - seen.at.slave[a]
-    inward = np.stack([-edge[:, 1], edge[:, 0]], axis=1)
-    mean_pressure, mean_shear = 0.5 * (pressure[a] + pressure[b]), 0.5 * (shear[a] + shear[b])
-    return np.asarray(mean_pressure @ inward + mean_shear @ edge)
+    inward = np.repeat(np.stack([-edge[:, 1], edge[:, 0]], axis=1)[:, None], 2, axis=1)
+    if share is not None:
+        pressure, shear = share * pressure, share * shear
+        slot = by_slot(pair, seen.forces[0]).argmax(axis=0) * len(share) + np.arange(len(share))
+        bears = seen.forces[0][slot] > 0.0
+        pressed, free = np.flatnonzero(bears), np.flatnonzero(~bears & (pressure != 0.0))
+        owner = np.arange(len(share))
+        if len(pressed) and len(free):
+            apart = np.abs(seen.at.slave[free, None] - seen.at.slave[pressed]).sum(axis=2)
+            owner[free] = pressed[apart.argmin(axis=1)]
+        vertex = (_is_vertex(pair, edge) & bears)[owner][pair.slave.segments]
+        lengths = np.broadcast_to(np.hypot(*edge.T)[:, None], vertex.shape)
+        inward[vertex] = lengths[vertex][:, None] * seen.normals[slot[owner]][pair.slave.segments[vertex]]
+    total = np.einsum("sk,skd->d", pressure[pair.slave.segments], inward)
+    return np.asarray(0.5 * (total + _tangents(np.einsum("sk,skd->d", shear[pair.slave.segments], inward)[None])[0]))
+
+
+def _is_vertex(pair: ContactPair, edge: Floats) -> Flags:
+    """Whether (m,) the slave ends or turns by more than VERTEX at each node."""
+    before, after = pair.slave.node_segments.T
+    direction = edge / np.hypot(*edge.T)[:, None]
+    turn = direction[before, 0] * direction[after, 1] - direction[before, 1] * direction[after, 0]
+    return np.asarray((before < 0) | (after < 0) | (np.abs(turn) > VERTEX))
 
 
 def _penetration(pair: ContactPair, seen: ContactSnapshot) -> tuple[float, str]:

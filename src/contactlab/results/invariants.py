@@ -33,6 +33,7 @@ PARTLY = 0.05  # multipliers beyond an edge of cover stand for less length than 
 SMALL_SHEAR = 0.05  # of the pressure: teeth of a smaller shear are judged by that
 NOTHING = 1e-12  # strain of the round-off of positions, as for reactions
 PLAIN = 1e-5  # of a contact force: what is left on nearly flat sides whose segments or tractions differ
+AT_ENDS = 1.1  # times the angle there: chords for arcs, and the master bends beside the end
 END_TURNS = 0.5  # of that angle at the end of a chain: linear multipliers take a quarter of it, constant ones a sixth
 TURNS = 4.0  # times the square of the angle between segments: an eighth of it for equal ones, more where lengths differ
 DEEP = 0.05  # segments: what weak conditions leave between nodes of different meshes, beside the depth of facets
@@ -231,14 +232,14 @@ def _promised(pair: ContactPair, report: ContactReport) -> tuple[float, str]:
     """How far the integral of the pressure may be from the forces.
 
     Pressures act along each segment's normal, forces along averaged ones: apart by the square of the angle between
-    segments; at the end of a chain, which has a segment on one side alone, by the angle itself.
+    segments; at the end of a chain, where forces act along the master's normal, by the angle between both surfaces.
     """
     curve = report.curve
-    turn = max(PLAIN, TURNS * largest_turn(curve) ** 2, END_TURNS * turn_at_ends(curve))
+    angle = angle_at_ends(curve, pair.at.master, pair.master.segments)
+    turn = max(PLAIN, TURNS * largest_turn(curve) ** 2, END_TURNS * turn_at_ends(curve), AT_ENDS * angle)
     if np.any(np.isnan(curve.gap) & (curve.pressure != 0.0)) or _differs(report):
         return max(PARTLY, turn), "multipliers of segments that are covered in part are shown on whole ones"
     if not pair.method.passes_patch_test:
-        angle = angle_at_ends(curve, pair.at.master, pair.master.segments)
         return max(SPREAD + angle, turn), "forces of nodes act along the master's normals, at corners, too"
     return turn, "of the same multipliers, along normals that differ by a segment's turn"
 

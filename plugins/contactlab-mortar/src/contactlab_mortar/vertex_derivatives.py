@@ -1,7 +1,8 @@
-"""Derivatives of the normals at vertices: what `vertices` does, differentiated.
+"""Derivatives of the normals at ends and vertices: what `vertices` does, differentiated.
 
 n = u/|u| with u = (1 - s) a + s f: a the averaged normal, f the unit vector of the master's summed normals F, and
-s = R(|a x f|) R(t) the share, t being the turn of the slave.
+s = R(t - p (1 - w)) the share, at ends times R(c^2/(b + 4 (1 - w) + l)): c = a x f, t and b the squared sines by which
+the slave turns at the node and beside it, w = |F|^2/W^2 with the length W seen of the master.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import numpy as np
 from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab_mortar.tables import DerivativesTable
-from contactlab_mortar.vertices import LEAN, TURN, _ramp, facing_sums, slave_turn
+from contactlab_mortar.vertices import LEAN, SPREAD, TURN, beside_end, facing_sums, is_end, lean_ratio, ramp, turn
 
 
 @point
@@ -21,51 +22,57 @@ def _ramp_derivative(value, low, high):
 
 
 @section
-def _state(k, a, sums, turn, out):
-    """What the derivatives of multiplier k need into out[k] (9,), zeros where its normal is the averaged one.
+def _state(k, a, sums, sides, out):
+    """What the derivatives of multiplier k need into out[k] (12,), zeros where its normal is the averaged one.
 
-    out[k] = s, R(turn) R'(lean) with the sign of a x f, R(lean) R'(turn), f, |F|, n, 1/|u|
+    out[k] = s, ds/dc, ds/dt, ds/db, ds/dw, f, |F|, n, 1/|u|, W
     """
-    size = np.sqrt(sums[k, 0] * sums[k, 0] + sums[k, 1] * sums[k, 1])
-    bend = _ramp(turn, TURN[0], TURN[1])
-    if size > 0.0 and bend > 0.0:
-        fx, fy = sums[k, 0] / size, sums[k, 1] / size
-        cross = a[k, 0] * fy - a[k, 1] * fx
-        lean = _ramp(abs(cross), LEAN[0], LEAN[1])
-        share = lean * bend
-        if share > 0.0:
-            ux, uy = a[k, 0] + share * (fx - a[k, 0]), a[k, 1] + share * (fy - a[k, 1])
-            length = np.sqrt(ux * ux + uy * uy)
-            out[k, 0] = share
-            out[k, 1] = bend * _ramp_derivative(abs(cross), LEAN[0], LEAN[1]) * np.copysign(1.0, cross)
-            out[k, 2] = lean * _ramp_derivative(turn, TURN[0], TURN[1])
-            out[k, 3], out[k, 4], out[k, 5] = fx, fy, size
-            out[k, 6], out[k, 7], out[k, 8] = ux / length, uy / length, 1.0 / length
+    size, chain = np.sqrt(sums[k, 0] * sums[k, 0] + sums[k, 1] * sums[k, 1]), sides.slave.node_segments
+    if size == 0.0:
+        return
+    seen, fx, fy = (size / sums[k, 2]) ** 2, sums[k, 0] / size, sums[k, 1] / size
+    more = turn(k, sides.slave_at, sides.slave.segments, chain) - SPREAD * (1.0 - seen)
+    cross, bend, lean, leans, free = a[k, 0] * fy - a[k, 1] * fx, ramp(more, TURN[0], TURN[1]), 1.0, 0.0, 1.0
+    if is_end(k, chain):
+        ratio, free = lean_ratio(k, cross, seen, sides.slave_at, sides.slave.segments, chain)
+        lean, leans = ramp(ratio, LEAN[0], LEAN[1]), bend * _ramp_derivative(ratio, LEAN[0], LEAN[1])
+    share = lean * bend
+    if share > 0.0:
+        turns, freed = lean * _ramp_derivative(more, TURN[0], TURN[1]), leans * (cross / free) ** 2
+        ux, uy = a[k, 0] + share * (fx - a[k, 0]), a[k, 1] + share * (fy - a[k, 1])
+        length = np.sqrt(ux * ux + uy * uy)
+        out[k, 0], out[k, 1], out[k, 2] = share, leans * 2.0 * cross / free, turns
+        out[k, 3], out[k, 4] = -freed, 4.0 * freed + SPREAD * turns
+        out[k, 5], out[k, 6], out[k, 7] = fx, fy, size
+        out[k, 8], out[k, 9], out[k, 10], out[k, 11] = ux / length, uy / length, 1.0 / length, sums[k, 2]
 
 
 @section
 def _put(at, k, moved, state, averaged, change, out):
-    """Entry `at`: what a change (2,) of the averaged normal, of the sum F or of the turn of node k does to n.
+    """Entry `at`: what a change (2,) of the averaged normal, of the sum F or of a turn of node k does to n.
 
-    change = (which of the three: 0, 1 or 2, x, y)
+    change = which of these: 0, 1, or 2 and 3 for the turns t and b; x, y, and that of the length W
     """
-    which, x, y = change
-    fx, fy, ax, ay = state[k, 3], state[k, 4], averaged[k, 0], averaged[k, 1]
+    which, x, y, longer = change
+    fx, fy, ax, ay = state[k, 5], state[k, 6], averaged[k, 0], averaged[k, 1]
     dx, dy = fx - ax, fy - ay
     if which == 0:
         grown = state[k, 1] * (x * fy - y * fx)
         x, y = (1.0 - state[k, 0]) * x + grown * dx, (1.0 - state[k, 0]) * y + grown * dy
     elif which == 1:
-        along = x * fx + y * fy
-        x, y = (x - along * fx) / state[k, 5], (y - along * fy) / state[k, 5]
-        grown = state[k, 1] * (ax * y - ay * x)
+        along, size, whole = x * fx + y * fy, state[k, 7], state[k, 11]
+        seen = 2.0 * size / (whole * whole) * (along - longer * size / whole)
+        x, y = (x - along * fx) / size, (y - along * fy) / size
+        grown = state[k, 1] * (ax * y - ay * x) + state[k, 4] * seen
         x, y = state[k, 0] * x + grown * dx, state[k, 0] * y + grown * dy
     else:
-        x, y = state[k, 2] * x * dx, state[k, 2] * x * dy
-    along = x * state[k, 6] + y * state[k, 7]
+        grown = state[k, which] * x
+        x, y = grown * dx, grown * dy
+    along = x * state[k, 8] + y * state[k, 9]
     out.normal_of[at], out.normal_moved[at] = k, moved
-    out.dnormal[at, 0] = (x - along * state[k, 6]) * state[k, 8]
-    out.dnormal[at, 1] = (y - along * state[k, 7]) * state[k, 8]
+    out.dnormal[at, 0] = (x - along * state[k, 8]) * state[k, 10]
+    out.dnormal[at, 1] = (y - along * state[k, 9]) * state[k, 10]
+    return at + 1
 
 
 @point
@@ -87,8 +94,7 @@ def _by_lengths(table, count, state, at):
             if state[k, 0] != 0.0:
                 x, y, _ = _master_normal(out.master, e, table.sides.master_at)
                 weight = out.dT[e, 0, j] + out.dT[e, 1, j]
-                _put(at, k, out.moved[e], state, table.averaged, (1, weight * x, weight * y), out)
-                at += 1
+                at = _put(at, k, out.moved[e], state, table.averaged, (1, weight * x, weight * y, weight), out)
     return at
 
 
@@ -110,34 +116,29 @@ def _by_master_normals(table, count, state, at):
                     x, y = (0.0, -sign) if direction == 0 else (sign, 0.0)
                     along = x * nx + y * ny
                     moved = 2 * (sides.slave_at.shape[0] + pieces.master[p, end]) + direction
-                    _put(at, k, moved, state, table.averaged, (1, x - along * nx, y - along * ny), table.out)
-                    at += 1
+                    at = _put(at, k, moved, state, table.averaged, (1, x - along * nx, y - along * ny, 0.0), table.out)
     return at
 
 
 @section
-def _by_turn(table, k, state, at):
-    """Entries of the turn at node k, an inner one, by its own place and those of its neighbours."""
-    slave_at, segments, node_segments = (
-        table.sides.slave_at,
-        table.sides.slave.segments,
-        table.sides.slave.node_segments,
-    )
-    before, after = segments[node_segments[k, 0], 0], segments[node_segments[k, 1], 1]
-    ex, ey = slave_at[k, 0] - slave_at[before, 0], slave_at[k, 1] - slave_at[before, 1]
-    gx, gy = slave_at[after, 0] - slave_at[k, 0], slave_at[after, 1] - slave_at[k, 1]
+def _by_turn(table, k, j, which, state, at):
+    """Entries of the turn at node j, an inner one, by its own place and those of its neighbours."""
+    slave_at, slave = table.sides.slave_at, table.sides.slave
+    before, after = slave.segments[slave.node_segments[j, 0], 0], slave.segments[slave.node_segments[j, 1], 1]
+    ex, ey = slave_at[j, 0] - slave_at[before, 0], slave_at[j, 1] - slave_at[before, 1]
+    gx, gy = slave_at[after, 0] - slave_at[j, 0], slave_at[after, 1] - slave_at[j, 1]
     e2, g2, cross = ex * ex + ey * ey, gx * gx + gy * gy, ex * gy - ey * gx
-    scale, sign = 1.0 / np.sqrt(e2 * g2), np.copysign(1.0, cross)
-    for which in range(3):
-        node = before if which == 0 else (k if which == 1 else after)
-        de = -1.0 if which == 0 else (1.0 if which == 1 else 0.0)
-        dg = 0.0 if which == 0 else (-1.0 if which == 1 else 1.0)
+    if ex * gx + ey * gy <= 0.0:
+        return at
+    for place in range(3):
+        node = before if place == 0 else (j if place == 1 else after)
+        de = -1.0 if place == 0 else (1.0 if place == 1 else 0.0)
+        dg = 0.0 if place == 0 else (-1.0 if place == 1 else 1.0)
         for direction in range(2):
             own, other = (ex, gx) if direction == 0 else (ey, gy)
             turned = de * gy - dg * ey if direction == 0 else dg * ex - de * gx
-            change = sign * scale * (turned - cross * (own * de / e2 + other * dg / g2))
-            _put(at, k, 2 * node + direction, state, table.averaged, (2, change, 0.0), table.out)
-            at += 1
+            change = 2.0 * cross / (e2 * g2) * (turned - cross * (own * de / e2 + other * dg / g2))
+            at = _put(at, k, 2 * node + direction, state, table.averaged, (which, change, 0.0, 0.0), table.out)
     return at
 
 
@@ -150,18 +151,22 @@ def vertex_derivatives(bound, count, changes, given):
     table = unpack(bound, DerivativesTable)
     pieces, sides, averaged, out = table.pieces, table.sides, table.averaged, table.out
     m, at = averaged.shape[0], given
-    sums, state = np.empty((m, 2)), np.zeros((m, 9))
+    slave = sides.slave
+    sums, state = np.empty((m, 3)), np.zeros((m, 12))
     facing_sums(count, pieces.multiplier, pieces.master, pieces.T, sides.master_at, np.ones(m), sums)
     for k in range(m):
-        turn = slave_turn(k, sides.slave_at, sides.slave.segments, sides.slave.node_segments)
-        _state(k, averaged, sums, turn, state)
+        _state(k, averaged, sums, sides, state)
     for e in range(given):
         k = out.normal_of[e]
         if state[k, 0] != 0.0:
-            _put(e, k, out.normal_moved[e], state, averaged, (0, out.dnormal[e, 0], out.dnormal[e, 1]), out)
+            _put(e, k, out.normal_moved[e], state, averaged, (0, out.dnormal[e, 0], out.dnormal[e, 1], 0.0), out)
     at = _by_lengths(table, changes, state, at)
     at = _by_master_normals(table, count, state, at)
     for k in range(m):
-        if state[k, 2] != 0.0:
-            at = _by_turn(table, k, state, at)
+        if state[k, 0] == 0.0:
+            continue
+        if not is_end(k, slave.node_segments):
+            at = _by_turn(table, k, k, 2, state, at)
+        elif beside_end(k, slave.segments, slave.node_segments) >= 0:
+            at = _by_turn(table, k, beside_end(k, slave.segments, slave.node_segments), 3, state, at)
     return at

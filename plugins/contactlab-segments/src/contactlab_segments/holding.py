@@ -16,9 +16,9 @@ SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds 
 def put_piece(t, p, i, slot, m, share, normal):
     """Write one piece in row `slot` of its node: master segment m with shares 1 - share and share of its ends."""
     out, weight, k = t.pieces, t.tributary[i], slot * t.slave_at.shape[0] + i
-    out.slave[p, 0] = i
+    out.slave[p, 0], out.slave[p, 1] = i, i
     out.multiplier[p, 0] = k
-    out.D[p, 0, 0], out.T[p, 0, 0] = weight, weight
+    out.D[p, 0, 0], out.D[p, 1, 0], out.T[p, 0, 0] = weight, 0.0, weight
     out.master[p, 0], out.master[p, 1] = t.master.segments[m, 0], t.master.segments[m, 1]
     out.M[p, 0, 0], out.M[p, 1, 0] = (1.0 - share) * weight, share * weight
     if out.M.shape[1] == 3:
@@ -50,8 +50,8 @@ def put_on_parabola(t, p, i, edge, s):
             break
     _, _, tx, ty, _, _ = parabola(a, b, m, s)
     length = np.sqrt(tx * tx + ty * ty)
-    out.slave[p, 0], out.multiplier[p, 0] = i, i
-    out.D[p, 0, 0], out.T[p, 0, 0] = weight, weight
+    out.slave[p, 0], out.slave[p, 1], out.multiplier[p, 0] = i, i, i
+    out.D[p, 0, 0], out.D[p, 1, 0], out.T[p, 0, 0] = weight, 0.0, weight
     for k in range(3):
         out.master[p, k] = nodes[k]
     out.M[p, 0, 0] = 0.5 * s * (s - 1.0) * weight

@@ -7,6 +7,7 @@ import numpy as np
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.api.compiled.kernel import section, table_kernel
 from contactlab.api.compiled.unpack import unpack
+from contactlab_segments.corners import find_corners, held_by_corner, put_corners
 from contactlab_segments.holding import SHARP, hold_at_vertex, put_on_parabola, put_piece
 from contactlab_segments.tables import PairingTable
 from contactlab_segments.weights import node_lengths
@@ -155,14 +156,17 @@ def pair_nodes(bound, reach, depth):
     """
     t = unpack(bound, PairingTable)
     depth *= _measure(t)
-    count = 0
+    corners, count = find_corners(t, reach, depth), 0
+    taken = t.taken
     for i in range(t.slave_at.shape[0]):
         m, share = _nearest_segment(t, i, reach, depth)
-        t.memory[0, i] = m + 1
+        t.memory[0, i], before = m + 1, count
         if m >= 0:
-            count = _hold_on_segment(t, count, i, m, share, reach, depth)
-            continue
-        v = _nearest_vertex(t, i, reach)
-        if v >= 0:
-            count = _hold_beside(t, count, i, v, depth)
-    return count
+            if not (corners and held_by_corner(t, i, m)):
+                count = _hold_on_segment(t, count, i, m, share, reach, depth)
+        else:
+            v = _nearest_vertex(t, i, reach)
+            if v >= 0 and not (corners and t.corner_on[v] >= 0):
+                count = _hold_beside(t, count, i, v, depth)
+        taken[i] = count - before > 1
+    return put_corners(t, count, taken)

@@ -178,11 +178,11 @@ def unmerged(owner, D, T, count):
     for k in range(owner.size):
         if owner[k] >= 0 and owner[k] != k:
             return False
-    if D.shape[1] != T.shape[1]:
+    if D.shape[1] < T.shape[1]:
         return False
     for p in range(count):
-        for i in range(T.shape[1]):
+        for i in range(D.shape[1]):
             for j in range(T.shape[2]):
-                if D[p, i, j] != T[p, i, j]:
+                if D[p, i, j] != (T[p, i, j] if i < T.shape[1] else 0.0):
                     return False
     return True

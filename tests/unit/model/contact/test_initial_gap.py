@@ -55,7 +55,7 @@ def test_adjusted_nodes_lie_on_the_master_without_strain(make, algorithm: str, t
     for offset in (-0.01, 0.01):
         model = make({**changes, "bodies.upper.shift": (offset * axis).tolist()})
         pair = model.contact.pairs[0]
-        pair.update(model.reference, np.zeros((1, len(pair.slave.nodes))))
+        pair.update(model.reference, np.zeros((2, len(pair.slave.nodes))))
         pair.compute_gaps(model.reference)
         gaps = pair.gaps[:, 0]
         assert np.abs(gaps[gaps < 1e299]).max() < 1e-11
@@ -99,7 +99,7 @@ def test_a_ramped_overlap_counts_as_zero_first_and_in_full_later(make, algorithm
             "time.step": 1e-6,
         }
     )
-    pair, memory = model.contact.pairs[0], np.zeros((1, len(model.contact.pairs[0].slave.nodes)))
+    pair, memory = model.contact.pairs[0], np.zeros((2, len(model.contact.pairs[0].slave.nodes)))
     found = []
     for time in (0.0, 4e-4, 8e-4, 1e-3):
         model.state["clock"][0] = time

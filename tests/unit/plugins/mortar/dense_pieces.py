@@ -45,15 +45,21 @@ SURFACES = {
     "shallow": rough(shallow(), 0.003),
     "curved": rough(curved()),
     "partly covered": rough(flat(full=False)),
-    "quadratic": rough(flat(full=False, order=2)),
+    "quadratic": rough(flat(full=False, order=2), 0.003),
 }
 
 
-def view_of(at: Chains, nodes: Floats | None = None) -> ContactView:
-    """What an algorithm sees of surfaces, with all segments near each other; `nodes` (N, 2) are where they are now."""
+def view_of(at: Chains, nodes: Floats | None = None, *, ends: bool = True) -> ContactView:
+    """What an algorithm sees of surfaces, with all segments near each other; `nodes` (N, 2) are where they are now.
+
+    Without `ends` nothing is near the edges at the ends of the slave, whose normals would be the master's.
+    """
     x = at.nodes if nodes is None else nodes
     sides = SurfacePositions(np.ascontiguousarray(x[at.slave.nodes]), np.ascontiguousarray(x[at.master.nodes]))
     near = near_segments(sides.slave, at.slave.segments, sides.master, at.master.segments, 100.0)
+    if not ends:
+        per_edge = at.slave.edges.shape[1] - 1
+        near = near._replace(start=np.clip(near.start, near.start[per_edge], near.start[-1 - per_edge]))
     return ContactView(at.slave, at.master, sides, near, 100.0, np.zeros((1, len(at.slave.nodes))))
 
 
@@ -91,11 +97,11 @@ def along(view: ContactView, at: Chains, moved: Floats, move: Floats) -> Floats:
     return np.asarray(both[moved // 2, moved % 2])
 
 
-def central(algorithm: Any, at: Chains, move: Floats) -> tuple[Floats, ...]:
+def central(algorithm: Any, at: Chains, move: Floats, *, ends: bool = True) -> tuple[Floats, ...]:
     """Central differences of D, M, T and the normals along a move (N, 2) of all nodes."""
     found = []
     for step in (H, -H):
-        view = view_of(at, at.nodes + step * move)
+        view = view_of(at, at.nodes + step * move, ends=ends)
         pieces, count = pieces_of(algorithm, view)
         found.append((*summed(pieces, count, view), pieces.normal.copy()))
     return tuple((high - low) / (2.0 * H) for high, low in zip(*found, strict=True))

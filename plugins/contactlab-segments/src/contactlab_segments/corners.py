@@ -1,0 +1,123 @@
+"""Corners and ends of the master as points that stay outside the slave's segments.
+
+A node of the slave that lies on a flank beside a corner is pressed along the flank's normal, and friction leans with
+it; a corner between two nodes is not held at all. So where no flank of a corner leads into the slave, the corner itself
+is pressed along the normal of the slave's segment. All sections work on a `PairingTable` t; v is the corner.
+"""
+
+from __future__ import annotations
+
+from contactlab.api.compiled.kernel import point, section
+
+CORNER = 0.5  # sine by which a master turns outward at a corner
+RISE = -0.05
+CLOSE = 0.05  # of a segment: a slave node so near to a corner holds nothing beside it
+EDGE = 1e-9  # how far, in segment lengths, a corner may project beyond a segment's end
+
+
+@point
+def _is_corner(t, v):
+    """Whether the master ends or turns outward at its node v."""
+    before, after = t.master.node_segments[v, 0], t.master.node_segments[v, 1]
+    if before < 0 or after < 0:
+        return True
+    bx, by, cx, cy = (
+        t.master_normal[before, 0], t.master_normal[before, 1], t.master_normal[after, 0], t.master_normal[after, 1]
+    )  # fmt: skip
+    turn = bx * cy - by * cx
+    return turn > CORNER or (turn > 0.0 and bx * cx + by * cy < 0.0)
+
+
+@point
+def _outside(t, s, v):
+    """How far [mm] master node v lies outside slave segment s."""
+    a = t.slave.segments[s, 0]
+    x, y = t.master_at[v, 0] - t.slave_at[a, 0], t.master_at[v, 1] - t.slave_at[a, 1]
+    return x * t.slave_normal[s, 0] + y * t.slave_normal[s, 1]
+
+
+@section
+def _rises(t, s, v, gap):
+    """Whether the flanks of corner v face slave segment s in the mean and lead away from it."""
+    facing = 0.0
+    for side in range(2):
+        m = t.master.node_segments[v, side]
+        if m < 0:
+            continue
+        facing += t.master_normal[m, 0] * t.slave_normal[s, 0] + t.master_normal[m, 1] * t.slave_normal[s, 1]
+        if not _outside(t, s, t.master.segments[m, side]) - gap > RISE * t.master_length[m]:
+            return False
+    return facing < 0.0
+
+
+@section
+def find_corners(t, reach, depth):
+    """The slave segment that each corner of the master presses on; whether there is any."""
+    for v in range(t.corner_on.size):
+        t.corner_on[v] = -1
+    found = False
+    for s in range(t.slave.segments.shape[0]):
+        for z in range(t.start[s], t.start[s + 1]):
+            for end in range(2):
+                v = t.master.segments[t.candidates[z], end]
+                if not _is_corner(t, v):
+                    continue
+                gap = _outside(t, s, v)
+                if gap > reach or gap < -depth:
+                    continue
+                a, b = t.slave.segments[s, 0], t.slave.segments[s, 1]
+                x, y = t.master_at[v, 0] - t.slave_at[a, 0], t.master_at[v, 1] - t.slave_at[a, 1]
+                along = x * (t.slave_at[b, 0] - t.slave_at[a, 0]) + y * (t.slave_at[b, 1] - t.slave_at[a, 1])
+                share = along / (t.slave_length[s] * t.slave_length[s])
+                if share < -EDGE or share > 1.0 + EDGE or not _rises(t, s, v, gap):
+                    continue
+                if t.corner_on[v] < 0 or abs(gap) < abs(_outside(t, t.corner_on[v], v)):
+                    t.corner_on[v], t.corner_share[v], found = s, share, True
+    return found
+
+
+@section
+def put_corners(t, count, taken):
+    """Write the pieces of corners from `count` on; returns the next. `taken` (m,) marks nodes with two conditions."""
+    out, m = t.pieces, t.slave_at.shape[0]
+    for i in range(m):
+        t.carried[i] = 0
+    for v in range(t.corner_on.size):
+        s = t.corner_on[v]
+        if s < 0:
+            continue
+        share, a, b = t.corner_share[v], t.slave.segments[s, 0], t.slave.segments[s, 1]
+        i = a if share < 0.5 else b
+        if t.memory[1, a + b - i] == v + 1:  # it stays with its node within a segment: forces belong to nodes
+            i = a + b - i
+        if taken[i]:
+            i = b if i == a else a
+        if taken[i]:
+            continue
+        taken[i], t.carried[i] = True, v + 1
+        weight, k, side = t.tributary[i], m + i, 0 if t.master.node_segments[v, 1] < 0 else 1
+        out.slave[count, 0], out.slave[count, 1], out.multiplier[count, 0] = a, b, k
+        out.D[count, 0, 0], out.D[count, 1, 0], out.T[count, 0, 0] = (1.0 - share) * weight, share * weight, weight
+        other = t.master.segments[t.master.node_segments[v, side], side]
+        for r in range(out.M.shape[1]):
+            out.master[count, r], out.M[count, r, 0] = other, 0.0
+        out.master[count, 0], out.M[count, 0, 0] = v, weight
+        out.normal[k, 0], out.normal[k, 1] = -t.slave_normal[s, 0], -t.slave_normal[s, 1]
+        count += 1
+    for i in range(m):
+        t.memory[1, i] = t.carried[i]
+    return count
+
+
+@point
+def held_by_corner(t, i, m):
+    """Whether a corner at an end of master segment m presses so close to slave node i that it stands for it."""
+    for end in range(2):
+        v = t.master.segments[m, end]
+        s = t.corner_on[v]
+        if s >= 0 and (
+            (t.slave.segments[s, 0] == i and t.corner_share[v] < CLOSE)
+            or (t.slave.segments[s, 1] == i and t.corner_share[v] > 1.0 - CLOSE)
+        ):
+            return True
+    return False
