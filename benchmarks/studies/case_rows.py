@@ -19,7 +19,7 @@ from typing import Any
 import kept_rows
 from kept_rows import Row
 
-from contactlab.archive.archive import CHOICES, Archive
+from contactlab.jobs.archive import CHOICES, Archive
 from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.parts.registry import default_registry
 

@@ -9,7 +9,7 @@ from itertools import groupby
 from case_rows import OF_THE_RUN, key_of
 from kept_rows import Row
 
-from contactlab.archive.archive import CHOICES
+from contactlab.jobs.archive import CHOICES
 
 Cell = Sequence[Row]
 HEADS = {"contact": "algorithm"}

@@ -15,7 +15,7 @@ import case_rows
 import kept_rows
 from kept_rows import Row
 
-from contactlab.archive.archive import CHOICES, FILE
+from contactlab.jobs.archive import CHOICES, FILE
 from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
 

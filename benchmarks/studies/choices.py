@@ -21,12 +21,15 @@ import choice_scenes
 import kept_rows
 from choice_scenes import Asked
 
-from contactlab.accuracy.choose import Chosen, Wish, choose, first_meeting, integrators_for
-from contactlab.accuracy.finer_reference import finer_reference
+from contactlab.accuracy.choose import Chosen, Wish, choose_plan, first_meeting, integrators_for
+from contactlab.accuracy.finer_reference import finer_plan
 from contactlab.accuracy.lines import Line, lines_of
 from contactlab.accuracy.point import Point
-from contactlab.accuracy.run import GROWTH, run_accuracy
+from contactlab.accuracy.run import GROWTH, Accuracy, run_accuracy
 from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
+from contactlab.jobs.driver import Driver
+from contactlab.parts.registry import Registry
+from contactlab.reports.progress import progress_of
 from contactlab.scene.toml_text import write_toml
 from contactlab.studies.find_reference import matching_reference
 
@@ -52,8 +55,10 @@ JUDGED = 0.05
 def measure(asked: Asked, folder: Path) -> dict[str, str]:
     """The row of a scene."""
     folder.mkdir(parents=True, exist_ok=True)
-    registry = asked.scene.registry
-    found = choose(asked.scene, replace(WISH, error=asked.error), registry, folder, 1, _told, print)
+    with Driver(folder, 1) as driver:
+        found = driver.result(
+            choose_plan(asked.scene, replace(WISH, error=asked.error), asked.scene.registry, folder, print)
+        )
     file, known = _judge(asked, folder)
     lines = _all(asked, found, folder, file)
     chosen = _point(lines, found)
@@ -83,8 +88,10 @@ def _judge(asked: Asked, folder: Path) -> tuple[str, float]:
     if installed is not None:
         return "", installed.pressure_uncertainty
     integrator = integrators_for(scene, registry)[0]
-    made = finer_reference(scene, integrator, JUDGED * asked.error, 150.0, folder / "judge", registry, 1, print,
-                           folder)  # fmt: skip
+    with Driver(folder, 1) as driver:
+        made = driver.result(
+            finer_plan(scene, integrator, JUDGED * asked.error, 150.0, folder / "judge", registry, print)
+        )
     return made.file, math.nan if made.reference is None else made.reference.pressure_uncertainty
 
 
@@ -104,7 +111,7 @@ def _all(asked: Asked, found: Chosen, folder: Path, reference: str) -> list[Line
         contenders = [replace(one, levels=(*LEVELS, found.level)) if one.label == own else one for one in contenders]
     limit = max(LEAST_LIMIT, DEAREST * found.cost[0]) if found.settings else WISH.budget
     study = CaseStudy((_case(asked, folder, reference),), tuple(contenders), levels=LEVELS, join=False, limit=limit)
-    return lines_of(run_accuracy(study, registry, folder, 1, _told))
+    return lines_of(_ran(study, registry, folder))
 
 
 def _case(asked: Asked, folder: Path, reference: str) -> CaseChoice:
@@ -124,7 +131,7 @@ def _timed(asked: Asked, folder: Path, reference: str, points: list[Point]) -> l
         contender = Contender(integrator, " ".join(element), spec, algorithm)
         study = CaseStudy((_case(asked, folder, reference),), (contender,), levels=(point.level,), join=False,
                           limit=WISH.budget, repeat=REPEAT)  # fmt: skip
-        again = run_accuracy(study, asked.scene.registry, folder, 1, _told).points
+        again = _ran(study, asked.scene.registry, folder).points
         (own,) = (each for each in again if each.slave == point.slave)
         found.append(min(own.cpu, default=math.nan))
     return found
@@ -144,11 +151,9 @@ def _best(lines: list[Line], error: float) -> tuple[Line, Point] | None:
     return min(met, key=lambda pair: pair[1].cost, default=None)
 
 
-def _told(point: Point, done: int, total: int) -> None:
-    if point.spent:
-        print(
-            f"  {point.contender}, {point.slave}, level {point.level}: {point.error:.3g} {point.cost:.3g} s", flush=True
-        )
+def _ran(study: CaseStudy, registry: Registry, folder: Path) -> Accuracy:
+    with Driver(folder, 1, progress=progress_of(show=True)) as driver:
+        return run_accuracy(study, registry, driver)
 
 
 # --- the section -----------------------------------------------------------------------------------

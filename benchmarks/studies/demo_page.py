@@ -18,7 +18,7 @@ from kept_rows import Row
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
-from contactlab.archive.archive import FILE, Archive
+from contactlab.jobs.archive import FILE, Archive
 from contactlab.studies.reference import bundled
 
 HERE = Path(__file__).parent

@@ -32,7 +32,7 @@ from contactlab.prices.quiet import Quiet
 from contactlab.prices.tried import Pricing
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.studies.cost_breakdown import BASE, plan_breakdown
-from contactlab.studies.plan import Job
+from contactlab.studies.plan import Combination
 from contactlab.studies.removable import variants
 
 HERE = Path(__file__).parent
@@ -71,7 +71,7 @@ def _warm_up(quiet: Quiet) -> None:
     sleep(NAP)
 
 
-def _foreseen(scene: str, job: Job, prices: PriceList) -> Row:
+def _foreseen(scene: str, job: Combination, prices: PriceList) -> Row:
     row = {"scene": scene, "run": job.choices["effect"], "kind": kind_of(job)}
     try:
         return row | _figures(price_of(job.scene, prices))
@@ -89,14 +89,14 @@ def _figures(price: Price) -> Row:
     }
 
 
-def kind_of(job: Job) -> str:
+def kind_of(job: Combination) -> str:
     """By what the length of a run is known: "fixed", "settles" (explicit) or "load steps"."""
     if not job.scene.registry.part_class("integrator", job.scene.integrator["use"]).inertia:
         return "load steps"
     return "settles" if job.scene.time.end == "auto" else "fixed"
 
 
-def _measured(job: Job, quiet: Quiet, times: int = 1) -> Row:
+def _measured(job: Combination, quiet: Quiet, times: int = 1) -> Row:
     """The run of median cost."""
     try:
         made = sorted((quiet.timed(job.scene, tries=1) for _ in range(times)), key=lambda one: one.run.cpu_s)

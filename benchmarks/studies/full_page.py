@@ -20,7 +20,7 @@ from full_causes import CAUSES, UNKNOWN, why_missed
 from kept_rows import Row
 from matrix_page import applying
 
-from contactlab.archive.archive import CHOICES, Archive
+from contactlab.jobs.archive import CHOICES, Archive
 from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
 

@@ -13,7 +13,7 @@ import case_rows
 import cases_page
 from kept_rows import Row
 
-from contactlab.archive.archive import CHOICES
+from contactlab.jobs.archive import CHOICES
 from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
 

@@ -20,7 +20,7 @@ from typing import Any
 import case_rows
 import kept_rows
 
-from contactlab.archive.archive import Archive
+from contactlab.jobs.archive import Archive
 from contactlab.matrix.plan import Cell, Request
 from contactlab.parts.registry import default_registry
 

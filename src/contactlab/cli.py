@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 
 from contactlab.commands.arguments import COMMANDS, make_parser
-from contactlab.commands.interruption import INTERRUPTED
+from contactlab.commands.many import INTERRUPTED
 from contactlab.errors import ContactlabError, ContactlabWarning, RequestError, did_you_mean
 
 

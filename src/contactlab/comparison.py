@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 from typing import Any
 
-from contactlab.archive.rows import RowKeeper
+from contactlab.errors import RequestError
+from contactlab.jobs.archive import StoredRow
+from contactlab.jobs.driver import Driver
+from contactlab.jobs.keys import row_key
+from contactlab.jobs.scheduler import LOCAL, checked_scheduler
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.reports.page import write_report
-from contactlab.reports.progress import progress_bars
-from contactlab.run.folders import full_disk_told
+from contactlab.reports.progress import progress_of
+from contactlab.run.folders import claimed_folder, full_disk_told, made_folder
 from contactlab.scene.scene import Scene
-from contactlab.studies.finest import make_finest
 from contactlab.studies.kept_files import checked_keep, drop_files
 from contactlab.studies.plan import Vary
-from contactlab.studies.runner import run_study
-from contactlab.studies.scheduler import LOCAL
+from contactlab.studies.runner import planned, run_study
 from contactlab.studies.study import Study
-from contactlab.studies.table import Table
+from contactlab.studies.table import Row, Table
 
 
 def compare(
@@ -43,33 +45,39 @@ def compare(
     scene_or_study  a scene, a study, the name of a bundled one, or a TOML file of either
     vary            scene keys and lists of values, instead of the study's own
     out             folder for `table.csv`, `table.json`, plots, `report.html` and the runs; none: no files
-    jobs            processes at a time; all cores by default
+    jobs            runs at a time; one per core by default
     changes         scene keys and values for all runs, also instead of what the study varies
-    progress        bars on standard error; by default where that is a terminal
+    progress        a progress display on standard error; by default if that is a terminal
     effects         instead of combinations, the scene with each of its effects taken out in turn: `Table.breakdown`
-    resume          go on with the comparison in `out`: runs that are over are read back, the others go on
-    time_limit      wall time that one run may take [s], instead of the study's own: a run over it is stopped, and
-                    killed where it does not answer; a row "timed-out"
+    resume          continue in `out`: finished runs are kept, interrupted ones continued, damaged records made again
+    time_limit      wall time of one run without compilation [s], instead of the study's own: a run over it is stopped,
+                    and killed if it does not answer; a row "timed-out"
     repeat          runs of each combination, instead of the study's own; the costs are medians
     reference       what pressures are measured against, instead of the study's own: a name, a JSON file, a CSV file
                     with columns x and p, or "finest": runs on meshes twice as fine as the finest compared
     keep            whose `results.vtkhdf` and recordings stay in `out`: "all" runs', of those that "failed", or "none";
-                    a comparison that was interrupted keeps all, so that it can go on
+                    an interrupted comparison keeps all, so that it can continue
     scheduler       "local", "dask" (a cluster on this machine) or tcp://HOST:PORT of a dask scheduler
 
-    Each row goes into `archive.sqlite` in `out` as soon as its run is over.
+    Each row goes into `archive.sqlite` in `out` as soon as its runs are over.
 
     A run that fails, or whose process is killed, is a row with its status and reason.
     Raises RequestError when the request itself is wrong, and KeyboardInterrupt after Ctrl-C or SIGTERM,
     when what there is has been written. The first one lets runs save their state, a second one ends them at once.
     """
     checked_keep(keep)
-    bars = partial(progress_bars, show=progress)
-    with RowKeeper(out) as rows:
-        table = run_study(
-            scene_or_study, vary, out, jobs, registry, bars, changes, effects, resume, time_limit, scheduler, rows.keep,
-            repeat, reference, make_finest, results_stay=keep == "all",
-        )  # fmt: skip
+    checked_scheduler(scheduler)
+    plan = planned(scene_or_study, vary, registry, changes, effects, time_limit, repeat, reference)
+    driver = Driver(None, jobs, scheduler, plan.study.time_limit)  # a wrong request makes no folder
+    driver.folder = _folder(out, resume)
+    driver.progress = progress_of(len(plan.jobs), progress)
+
+    def kept(row: Row, scene: Scene, machine: str) -> None:
+        if driver.archive is not None:
+            driver.archive.add_row(_stored(row, scene, machine))
+
+    with driver:
+        table = run_study(plan, driver, kept, results_stay=keep == "all")
     if table.folder is not None:
         with full_disk_told(table.folder, "the report"):
             write_report(table, table.folder)
@@ -78,3 +86,22 @@ def compare(
     if table.interrupted:
         raise KeyboardInterrupt
     return table
+
+
+def _folder(out: str | Path | None, resume: bool) -> Path | None:
+    if out is None:
+        if resume:
+            raise RequestError("a comparison can only be resumed in its folder", where="resume", allowed="a folder")
+        return None
+    return made_folder(Path(out)) if resume else claimed_folder(Path(out))
+
+
+def _stored(row: Row, scene: Scene, machine: str) -> StoredRow:
+    ends = (row.algorithm, row.slave, row.level, row.status, row.reason)
+    values: dict[str, Any] = {name: _number(value) for name, value in row.record().items()}
+    return StoredRow(row_key(scene, row.name), scene.name, row.name, *ends, values, scene.toml(), machine)
+
+
+def _number(value: object) -> object:
+    """A value as JSON has it: None for a number that is missing."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value

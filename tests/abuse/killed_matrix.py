@@ -27,8 +27,8 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.archive.archive import CHOICES, FILE
-from contactlab.cases.record import from_bytes
+from contactlab.jobs.archive import CHOICES, FILE
+from contactlab.jobs.record import from_bytes
 
 CASES = (
     "patch", "pulled-block", "two-bars", "vertex-to-vertex", "shrink-fit", "dropped-block", "pressed-block",

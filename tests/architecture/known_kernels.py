@@ -68,8 +68,8 @@ def called_kernels(scene: Scene) -> list[tuple[str, str, float]]:
     Types are empty where they are more than numbers and arrays; seconds are next to nothing for what is in the cache.
     """
     from contactlab.api.compiled import kernel
+    from contactlab.jobs.perform import warm_up
     from contactlab.run.simulation import simulate
-    from contactlab.studies.run_job import warm_up
 
     called: list[tuple[str, str, float]] = []
     inner = kernel.Kernel.compile

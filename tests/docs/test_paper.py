@@ -11,7 +11,7 @@ from types import ModuleType
 
 import pytest
 
-from contactlab.archive.archive import FILE, Archive
+from contactlab.jobs.archive import FILE, Archive
 
 STUDY = Path(__file__).parents[2] / "benchmarks" / "studies" / "paper"
 

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from contactlab.api import Case, Floats, Job, Record, Setup
-from contactlab.cases.record import record_of
 from contactlab.cases.run_case import evaluated, run_case, run_job, scene_of, watches_of
+from contactlab.jobs.record import record_of
 from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import os
 import shlex
 import signal
 import subprocess
@@ -16,8 +17,7 @@ import pytest
 
 import contactlab
 from contactlab.errors import RequestError
-from contactlab.studies import runner
-from contactlab.studies.resume import resume_line
+from contactlab.jobs import driver
 
 MakeScene = Callable[..., Any]
 
@@ -63,7 +63,8 @@ def stamps(folder: Path) -> dict[str, int]:
 def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch: pytest.MonkeyPatch) -> None:
     scene, folder, line = stopped
     vary = [f"{key}={values}" for key, values in VARY.items()]
-    expected = resume_line(str(scene), vary, [], [], effects=False, folder=folder)
+    words = [word for text in vary for word in ("--vary", text)]
+    expected = shlex.join(["contactlab", "compare", str(scene), *words, "--out", str(folder), "--resume"])
     assert line == f"interrupted; go on with: {expected}"
     assert row_status(folder) == ["finished", "interrupted"]
     assert (folder / "timeline.rrd").exists()
@@ -78,7 +79,7 @@ def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch
     assert second.summary["resumed_at_steps"][0] > 0
 
     # once more: nothing is left to do, and nothing is started
-    monkeypatch.setattr(runner, "open_pool", lambda *request: pytest.fail("a run was repeated"))
+    monkeypatch.setattr(driver, "open_pool", lambda *request: pytest.fail("a run was repeated"))
     again = contactlab.compare(contactlab.load_scene(scene), VARY, out=folder, resume=True)
     assert [row.status for row in again.rows] == ["finished", "finished"]
     assert [row["steps"] for row in again.rows] == [first.summary["steps"], second.summary["steps"]]
@@ -92,32 +93,30 @@ def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch
 
 
 def test_resume_needs_a_folder(small_scene: MakeScene) -> None:
-    with pytest.raises(RequestError, match="only be taken up in its folder"):
+    with pytest.raises(RequestError, match="only be resumed in its folder"):
         contactlab.compare(small_scene(), VARY, resume=True)
 
 
 def test_repetitions_that_were_made_are_kept(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from contactlab.run import simulation
-    from contactlab.studies import run_job
+    made: list[str] = []
+    submit = driver.Driver._submit
 
-    made: list[Path | None] = []
-    simulate = simulation.simulate
-
-    def counted(scene: Any, out: Path | None = None, **others: Any) -> Any:
-        made.append(out)
+    def counted(self: driver.Driver, waiting: Any) -> None:
+        made.append(f"{waiting.run.name} {waiting.run.number}")
         if len(made) == 3:
-            raise KeyboardInterrupt
-        return simulate(scene, out=out, **others)
+            os.kill(os.getpid(), signal.SIGINT)
+        submit(self, waiting)
 
-    monkeypatch.setattr(simulation, "simulate", counted)
-    monkeypatch.setattr(run_job, "warm_up", lambda scene, report: None)
+    monkeypatch.setattr(driver.Driver, "_submit", counted)
     scene = small_scene({"time.end": 4e-6})
+    request = {"vary": {"contacts.0.algorithm": ["mortar-p0"]}, "out": tmp_path / "out", "repeat": 4, "jobs": 1}
     with pytest.raises(KeyboardInterrupt):
-        run_job.run(scene, tmp_path / "run", 0, 4, lambda message: None)
-    assert made == [tmp_path / "run", None, None]
-    made += [None]  # no further interrupt
-    outcome = run_job.run(scene, tmp_path / "run", 0, 4, lambda message: None)
-    assert made[4:] == [tmp_path / "run", None, None], "two repetitions were made before"
-    assert outcome.status == "finished"
+        contactlab.compare(scene, **request)
+    numbers = [name.rpartition(" ")[2] for name in made]
+    assert numbers == ["0", "1", "2"]
+    (row,) = contactlab.compare(scene, **request, resume=True)
+    again = [name.rpartition(" ")[2] for name in made[3:]]
+    assert again in (["2", "3"], ["3"]), "repetitions were made before"
+    assert row.status == "finished"

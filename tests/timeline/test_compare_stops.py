@@ -16,7 +16,7 @@ import pytest
 
 import contactlab
 from contactlab.comparison import compare
-from contactlab.studies import pool
+from contactlab.jobs import processes
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="children are found in /proc")
 
@@ -26,10 +26,18 @@ LONG = {"time.end": 5e-3, "time.step": 8e-9, "bodies.disc.shift": [0.0, 0.2], "s
 
 
 def children(process: int) -> list[int]:
+    """Processes that make runs; not the one that tracks the resources of the others."""
     found = [int(p) for p in Path(f"/proc/{process}/task/{process}/children").read_text().split()]
     for task in Path(f"/proc/{process}/task").iterdir():
         found += [int(p) for p in (task / "children").read_text().split()]
-    return sorted(set(found))
+    return sorted(child for child in set(found) if "resource_tracker" not in command_of(child))
+
+
+def command_of(process: int) -> str:
+    try:
+        return Path(f"/proc/{process}/cmdline").read_text()
+    except OSError:
+        return ""
 
 
 def is_there(process: int) -> bool:
@@ -71,18 +79,21 @@ def rows(folder: Path) -> list[dict[str, str]]:
 def test_a_run_over_its_time_is_a_row_and_can_go_on(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(pool, "GRACE", 60.0)  # the machine may be busy
+    monkeypatch.setattr(processes, "GRACE", 60.0)  # the machine may be busy
     scene = small_scene({**LONG, "record.frames": 1000})
-    table = compare(scene, {"contacts.0.swap": [False]}, out=tmp_path / "out", jobs=1, time_limit=1.5)
-    (row,) = table.rows
-    assert row.status == "timed-out"
-    assert "time limit of 1.5 s" in row.reason
+    for limit in (1.5, 12.0):  # a busy machine may leave no time to build the model
+        out = tmp_path / f"out-{limit:g}"
+        (row,) = compare(scene, {"contacts.0.swap": [False]}, out=out, jobs=1, time_limit=limit).rows
+        assert row.status == "timed-out"
+        assert f"time limit of {limit:g} s" in row.reason
+        if row["steps"] > 0:
+            break
     assert row["steps"] > 0
-    (folder,) = (tmp_path / "out/runs").iterdir()
+    (folder,) = (out / "runs").iterdir()
     stored = contactlab.load_results(folder)
     assert stored.status == "interrupted"
     assert stored.summary["steps"] == row["steps"]
-    (again,) = compare(scene, {"contacts.0.swap": [False]}, out=tmp_path / "out", jobs=1, time_limit=1.5, resume=True)
+    (again,) = compare(scene, {"contacts.0.swap": [False]}, out=out, jobs=1, time_limit=limit, resume=True)
     assert again["steps"] > row["steps"]
 
 

@@ -54,12 +54,12 @@ print(json.dumps(found))
 """
 # what belongs to files, archives, warnings and the record of contact; h5py and SQLite are only there for the first two
 KEPT_OUT = (
-    "h5py", "sqlite3", "contactlab.archive", "contactlab.results.checksums", "contactlab.results.vtkhdf",
+    "h5py", "sqlite3", "contactlab.jobs.archive", "contactlab.results.checksums", "contactlab.results.vtkhdf",
     "contactlab.results.steps", "contactlab.results.record_plan", "contactlab.results.contact_sampler",
     "contactlab.kernels.contact.record", "contactlab.kernels.step_scalars",
 )  # fmt: skip
 MORE = 40  # steps of the longer run
-ROOMS = ("contactlab.results", "contactlab.archive", "contactlab.missing_effects", "contactlab.api.warning")
+ROOMS = ("contactlab.results", "contactlab.jobs.archive", "contactlab.missing_effects", "contactlab.api.warning")
 
 
 def test_a_run_without_files_does_no_work_for_them(tmp_path: Path) -> None:

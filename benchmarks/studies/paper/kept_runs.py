@@ -15,12 +15,12 @@ from time import process_time
 
 import contactlab
 from contactlab.api import Floats, Job, Record
-from contactlab.archive.archive import FILE, Archive, StoredRun
-from contactlab.archive.keys import row_key
-from contactlab.cases.record import record_of, to_bytes
+from contactlab.jobs.archive import FILE, Archive, StoredRun
+from contactlab.jobs.keys import row_key
+from contactlab.jobs.record import record_of, to_bytes
+from contactlab.jobs.system import machine
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
-from contactlab.studies.system import machine
 
 NAME = "paper"
 FIELDS = Job(NAME, "", fields=True)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
-from contactlab.accuracy.finer_reference import Finer, finer_reference
+from contactlab.accuracy.finer_reference import Finer, Said, finer_plan
 from contactlab.accuracy.lines import Line, lines_of, reached
 from contactlab.accuracy.point import NOT_RUN, Point
-from contactlab.accuracy.run import run_accuracy
+from contactlab.accuracy.run import Accuracy, Asked, Budget, Told, line_plan, plan
 from contactlab.accuracy.scene_case import choices_of
 from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
 from contactlab.api import Setup
@@ -42,10 +42,6 @@ TRIAL = 0.05
 """Of the search that one of the first trials may take."""
 SHARE = 0.5
 """Of the search that making a reference may take before it is refined no more."""
-
-Told = Callable[[Point, int, int], None]
-Said = Callable[[str], None]
-"""Called with a line after each run of a reference."""
 
 
 @dataclass(frozen=True)
@@ -81,16 +77,16 @@ class Chosen:
         return sum(point.spent == 0.0 and bool(point.cpu) for point in self.tried)
 
 
-def choose(
-    scene: Scene, wish: Wish, registry: Registry, folder: Path, jobs: int, told: Told, said: Said = lambda line: None
-) -> Chosen:
+def choose_plan(
+    scene: Scene, wish: Wish, registry: Registry, folder: Path, told: Told, said: Said = lambda line: None
+) -> Generator[Sequence[Any], Sequence[Any], Chosen]:
     """Try contenders on coarse meshes, follow the promising ones, and take the cheapest that meets the error.
 
-    What `folder` holds of this scene is not run again. Raises RequestError for a scene without contact.
+    Raises RequestError for a scene without contact.
     """
     if not scene.contacts:
         raise RequestError("the scene has no contact to choose for", where=scene.name, allowed="[[contacts]]")
-    made = _reference(scene, wish, registry, folder, jobs, said)
+    made = yield from _reference_plan(scene, wish, registry, folder, said)
     reference = made.reference
     if reference is None:
         return Chosen(f"there is nothing to measure errors against: {made.why}", "", math.nan, ())
@@ -99,18 +95,20 @@ def choose(
     if target <= 0.0:
         why = f"the reference itself is known to {100.0 * uncertainty:.2g} % only: a larger --search may refine it"
         return Chosen(why, reference.title, uncertainty, ())
-    search = _Search(scene, replace(wish, error=target), registry, folder, jobs, told, made)
-    return search.result(reference.title, uncertainty)
+    search = _Search(scene, replace(wish, error=target), registry, folder, told, made)
+    return (yield from search.result(reference.title, uncertainty))
 
 
-def _reference(scene: Scene, wish: Wish, registry: Registry, folder: Path, jobs: int, said: Said) -> Finer:
+def _reference_plan(
+    scene: Scene, wish: Wish, registry: Registry, folder: Path, said: Said
+) -> Generator[Sequence[Any], Sequence[Any], Finer]:
     """An installed reference of the scene, else one from finer meshes."""
     installed = matching_reference(scene.data, registry)
     if installed is not None:
         return Finer(installed, "", "", 0.0)
     integrator = integrators_for(scene, registry)[0]
     enough, budget = wish.error / CLEAR, SHARE * wish.search
-    return finer_reference(scene, integrator, enough, budget, folder, registry, jobs, said)
+    return (yield from finer_plan(scene, integrator, enough, budget, folder, registry, said))
 
 
 def integrators_for(scene: Scene, registry: Registry) -> list[Any]:
@@ -127,31 +125,31 @@ class _Search:
     """The trials: everything on coarse meshes, then other elements and finer levels of what is promising."""
 
     def __init__(
-        self, scene: Scene, wish: Wish, registry: Registry, folder: Path, jobs: int, told: Told, reference: Finer
+        self, scene: Scene, wish: Wish, registry: Registry, folder: Path, told: Told, reference: Finer
     ) -> None:
-        self.scene, self.wish, self.registry, self.folder, self.jobs, self.told = (
-            scene, wish, registry, folder, jobs, told,
-        )  # fmt: skip
+        self.scene, self.wish, self.registry, self.told = scene, wish, registry, told
         path = folder / "scene.toml"
         path.write_text(write_toml(scene.data), encoding="utf-8")
         self.case = CaseChoice(scene=str(path.resolve()), name=scene.name, reference=reference.file)
         self.points: dict[tuple[str, str, int], Point] = {}
         self.contenders: dict[str, Contender] = {}
         self.spent = reference.spent
+        self.study = CaseStudy((self.case,), ())
+        self.asked: Sequence[Asked] = ()
 
-    def result(self, title: str, uncertainty: float) -> Chosen:
+    def result(self, title: str, uncertainty: float) -> Generator[Sequence[Any], Sequence[Any], Chosen]:
         """Search, and take the cheapest line that meets the error."""
         first = self._own()
-        lines = self._run(first, FIRST)
+        lines = yield from self._run(first, FIRST)
         others = [name for name in self.registry.names("element") if name not in self._elements()]
         first = [self.contenders[name] for name in self._contenders(self._promising(lines))[:WITH_ELEMENTS]]
-        lines = self._run([replace(contender, element=e) for contender in first for e in others], FIRST)
+        lines = yield from self._run([replace(contender, element=e) for contender in first for e in others], FIRST)
         for level in FINER:
             front = self._going_on(lines)
             if not front:
                 break
-            lines = self._run([self._alone(line) for line in front], (*FIRST, level))
-        lines = self._between(lines)
+            lines = yield from self._run([self._alone(line) for line in front], (*FIRST, level))
+        lines = yield from self._between(lines)
         return self._chosen(lines, title, uncertainty)
 
     def _going_on(self, lines: Sequence[Line]) -> list[Line]:
@@ -182,7 +180,9 @@ class _Search:
     def _elements(self) -> set[str]:
         return {str(body["element"]["use"]) for body in self.scene.data["bodies"].values()}
 
-    def _run(self, contenders: Sequence[Contender], levels: Sequence[int]) -> list[Line]:
+    def _run(
+        self, contenders: Sequence[Contender], levels: Sequence[int]
+    ) -> Generator[Sequence[Any], Sequence[Any], list[Line]]:
         """Points of these contenders at these levels, and all lines so far."""
         self.contenders |= {one.label: replace(one, slaves=()) for one in contenders}
         left = self.wish.search - self.spent
@@ -191,21 +191,22 @@ class _Search:
                 (self.case,), tuple(contenders), levels=tuple(levels), join=False, limit=self._limit(levels),
                 budget=left, targets=(self.wish.error,),
             )  # fmt: skip
-            found = run_accuracy(study, self.registry, self.folder, self.jobs, self._told_once)
-            self.spent += sum(point.spent for point in found.points)
-            for point in found.points:
+            self.asked, tasks = plan(study, self.registry)
+            budget = Budget(left)
+            found = yield [line_plan(line, self.registry, budget, self._told_once) for line in tasks]
+            self.spent += budget.spent
+            for point in (point for points in found for point in points):
                 place = point.contender, point.slave, point.level
                 if place not in self.points or (point.cpu and not self.points[place].cpu):
                     self.points[place] = point  # not what the archive knows by now: that would have taken no time
-            if found.interrupted:
-                raise KeyboardInterrupt
-            self.last = found
-        return lines_of(replace(self.last, points=list(self.points.values())))
+            self.study = study
+        names = list(dict.fromkeys(point.contender for point in self.points.values()))
+        return lines_of(Accuracy(self.study, self.asked, names, list(self.points.values()), 1))
 
-    def _told_once(self, point: Point, done: int, total: int) -> None:
-        """Lines that go on bring their coarser points along."""
+    def _told_once(self, point: Point) -> None:
+        """Lines that continue bring their coarser points along."""
         if (point.contender, point.slave, point.level) not in self.points:
-            self.told(point, done, total)
+            self.told(point)
 
     def _limit(self, levels: Sequence[int]) -> float:
         """CPU time of one trial [s]: a stubborn one must not take the search from all others."""
@@ -218,7 +219,7 @@ class _Search:
         fitting = [line for line in lines if expected[id(line)] <= self.wish.budget]
         return sorted(fitting, key=lambda line: expected[id(line)])
 
-    def _between(self, lines: Sequence[Line]) -> list[Line]:
+    def _between(self, lines: Sequence[Line]) -> Generator[Sequence[Any], Sequence[Any], list[Line]]:
         """Levels between two that were run, where the error seems to be met there already."""
         for _ in range(ROUNDS):
             asked = [
@@ -229,7 +230,7 @@ class _Search:
             if not asked:
                 break
             for one, level in asked:
-                lines = self._run([one], (level,))
+                lines = yield from self._run([one], (level,))
         return list(lines)
 
     def _chosen(self, lines: Sequence[Line], title: str, uncertainty: float) -> Chosen:

@@ -7,28 +7,25 @@ error one choice of numerics brings (Richardson 1911). Orders are those of theor
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import as_completed
+from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from contactlab.accuracy.lines import LEAST_SCATTER
-from contactlab.api import ExplicitIntegrator
+from contactlab.api import ExplicitIntegrator, Job, Record
 from contactlab.errors import RequestError
+from contactlab.jobs.run import Run
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
-from contactlab.studies.awaited import awaited
-from contactlab.studies.call import Call
 from contactlab.studies.measure_run import without_compilation
 from contactlab.studies.measures import pressure_error
 from contactlab.studies.profile import FoldedSurfaceError, Profile
-from contactlab.studies.run_job import Outcome, run
-from contactlab.studies.scheduler import LOCAL, open_pool
+from contactlab.studies.recordings import RUNS
 
 AS_IT_IS = "as it is"
+FIRST = "contacts.0"
 
 
 @dataclass(frozen=True)
@@ -84,38 +81,29 @@ class ErrorBudget:
         return max(known, key=lambda share: (share.gain, share.pressure), default=None)
 
 
-Told = Callable[[str, Outcome], None]
+Told = Callable[[str], None]
 
 
-def error_budget(
-    scene: Scene, registry: Registry, folder: Path, jobs: int, told: Told, limit: float | None = None
-) -> ErrorBudget:
-    """Run the scene as it is, then each knob turned; `limit` is the wall time of a run [s].
-
-    What `folder` holds is taken up or read back. Raises RequestError for a scene without contact.
-    """
+def budget_plan(scene: Scene, registry: Registry, told: Told) -> Generator[Sequence[Any], Sequence[Any], ErrorBudget]:
+    """Run the scene as it is, then with each knob turned. Raises RequestError for a scene without contact."""
     if not scene.contacts:
         raise RequestError("the scene has no contact whose pressure could be compared", where=scene.name,
                            allowed="[[contacts]]")  # fmt: skip
-    with open_pool(LOCAL, jobs) as pool:
-
-        def begin(name: str, wanted: Scene) -> Any:
-            place = folder / "runs" / name.replace(" ", "-")
-            return pool.submit(Call(run, (wanted, place, 0, 1), limit=limit, folder=place))
-
-        base = awaited(begin(AS_IT_IS, scene))
-        told(AS_IT_IS, base)
-        if base.curve is None or base.status != "finished":
-            return ErrorBudget(base.status, base.reason, _cost(base), ())
-        knobs = knobs_of(scene, base.summary, registry)
-        asked = {begin(knob.name, scene.with_(dict(knob.settings))): knob for knob in knobs}
-        shares = []
-        for future in as_completed(asked):
-            finer = awaited(future)
-            told(asked[future].name, finer)
-            shares.append(_share(asked[future], base, finer))
+    base = yield from _run_plan(AS_IT_IS, scene, told)
+    if not base.finished or not base.curves.get(FIRST):
+        return ErrorBudget(base.status, base.reason, _cost(base), ())
+    knobs = knobs_of(scene, base.summary, registry)
+    finer = yield [_run_plan(knob.name, scene.with_(dict(knob.settings)), told) for knob in knobs]
+    shares = [_share(knob, base, record) for knob, record in zip(knobs, finer, strict=True)]
     shares.sort(key=lambda share: -share.pressure if share.pressure >= 0.0 else math.inf)
     return ErrorBudget(base.status, base.reason, _cost(base), shares)
+
+
+def _run_plan(name: str, scene: Scene, told: Told) -> Generator[Sequence[Run], Sequence[Record], Record]:
+    job = Job(name, "", curves="last")
+    (record,) = yield [Run(job, scene, name, place=f"{RUNS}/{name.replace(' ', '-')}", timed=True)]
+    told(f"{name}: {record.status}")
+    return record
 
 
 def knobs_of(scene: Scene, summary: Mapping[str, Any], registry: Registry) -> list[Knob]:
@@ -151,11 +139,11 @@ def _pace(time: Mapping[str, Any], found: Mapping[str, Any]) -> list[Knob]:
     ]
 
 
-def _cost(outcome: Outcome) -> float:
-    return without_compilation(outcome.summary.get("cost", {}), "run_cpu_s")
+def _cost(record: Record) -> float:
+    return without_compilation(record.summary.get("cost", {}), "run_cpu_s")
 
 
-def _share(knob: Knob, base: Outcome, finer: Outcome) -> Share:
+def _share(knob: Knob, base: Record, finer: Record) -> Share:
     pressure = force = math.nan
     if finer.status == "finished":
         whole = 1.0 / (1.0 - 0.5**knob.order)
@@ -165,17 +153,15 @@ def _share(knob: Knob, base: Outcome, finer: Outcome) -> Share:
     return Share(knob, finer.status, finer.reason, pressure, force, cost, cost - _cost(base))
 
 
-def _pressure_change(base: Outcome, finer: Outcome) -> float:
+def _pressure_change(base: Record, finer: Record) -> float:
     """Distance of the two pressures in L2 over the norm of the finer one; nan where there is no such function."""
-    if base.curve is None or finer.curve is None:
-        return math.nan
     try:
-        return float(pressure_error(Profile.of_curve(base.curve), Profile.of_curve(finer.curve)))
-    except FoldedSurfaceError:
+        return float(pressure_error(Profile.of_curve(base.curve(FIRST)), Profile.of_curve(finer.curve(FIRST))))
+    except (FoldedSurfaceError, LookupError):
         return math.nan
 
 
-def _force_change(base: Outcome, finer: Outcome) -> float:
+def _force_change(base: Record, finer: Record) -> float:
     """Distance of the resultants of the first contact over that of the finer run."""
     before, after = (np.array(next(iter(each.summary["contacts"].values()))["resultant"]) for each in (base, finer))
     size = float(np.hypot(*after))

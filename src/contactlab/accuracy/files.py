@@ -12,7 +12,7 @@ from typing import Any
 
 from contactlab.accuracy.evaluation import Evaluation
 from contactlab.accuracy.point import Point
-from contactlab.studies.system import system_facts
+from contactlab.jobs.system import system_facts
 
 COUNTS = ("steps", "iterations", "sweeps", "nodes", "updates")
 

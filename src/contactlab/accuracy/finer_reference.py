@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Future
-from contextlib import suppress
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -14,25 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.accuracy.point import changed, cost_of, known_or_made
+from contactlab.accuracy.point import changed, cost_of, spent_on
 from contactlab.accuracy.scene_case import choices_of, may_be_exchanged
 from contactlab.accuracy.study import Contender
 from contactlab.api import Floats, Job, Record, Setup
-from contactlab.archive.archive import FILE, Archive, StoredRun
-from contactlab.archive.keys import run_key
 from contactlab.cases.run_case import scene_of
 from contactlab.errors import ContactlabError
+from contactlab.jobs.run import Run
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
-from contactlab.studies.call import Call
-from contactlab.studies.cpu_limit import SLOW
 from contactlab.studies.make_reference import Curve, holds_for, write_curve
-from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
 from contactlab.studies.profile import FoldedSurfaceError, Profile, distance, norm
 from contactlab.studies.reference import Reference, load_reference
 from contactlab.studies.root_edges import with_root_edges
-from contactlab.studies.run_job import be_ready
-from contactlab.studies.scheduler import LOCAL, open_pool
 from contactlab.studies.study import FINEST
 
 LEVELS = (2, 4, 8, 16)
@@ -46,7 +38,8 @@ RATIOS = (1.5, 3.0)
 NEAR = 1e-5
 """Distance of nodes, over the span of a curve, that its file with seven digits keeps apart."""
 
-Told = Callable[[str], None]
+Said = Callable[[str], None]
+"""Called with a line after each run of a reference."""
 
 
 @dataclass
@@ -85,16 +78,14 @@ class Finer:
     spent: float
 
 
-def finer_reference(
-    scene: Scene, integrator: Any, enough: float, budget: float, folder: Path, registry: Registry, jobs: int,
-    told: Told, archive: Path | None = None, levels: Sequence[int] = LEVELS,
-) -> Finer:  # fmt: skip
+def finer_plan(
+    scene: Scene, integrator: Any, enough: float, budget: float, folder: Path, registry: Registry, told: Said,
+    levels: Sequence[int] = LEVELS,
+) -> Generator[Sequence[Run], Sequence[Record], Finer]:  # fmt: skip
     """Runs at `levels`, until the relative error of their mean pressure is below `enough`.
 
-    They begin with every algorithm and either slave; the two that change least for their cost go on to the third
-    level and beyond.
-    A level that would take the CPU time of all of them beyond `budget` [s] is not begun. The runs are kept in the
-    archive of `folder` (of the folder `archive`, where it is named) under the same keys as points of a study of cases.
+    They begin with every algorithm and either slave; the two that change least for their cost continue to the third
+    level and beyond. A level that would take the CPU time of all of them beyond `budget` [s] is not begun.
     """
     ladders = [
         _Ladder(Contender("", "", integrator, name), swap)
@@ -102,13 +93,28 @@ def finer_reference(
         for swap in (False, True)
         if not swap or may_be_exchanged(scene.data)
     ]
-    runs = _Runs(scene, registry, archive or folder, jobs, told)
+    spent, ends = 0.0, dict[str, str]()
     best: tuple[Curve, float, str] | None = None
     done: list[int] = []
     for level in levels:
-        if runs.spent + sum(ladder.expected(level) for ladder in ladders) > budget and best is not None:
+        if spent + sum(ladder.expected(level) for ladder in ladders) > budget and best is not None:
             break
-        runs.make(ladders, level, budget)
+        share = max(budget - spent, 0.0) / len(ladders)
+        runs, asked = [], []
+        for ladder in ladders:
+            try:
+                runs.append(_run_of(scene, ladder, level, registry, share))
+                asked.append(ladder)
+            except ContactlabError as error:
+                ends[ladder.name] = f"{ladder.name}: {error}"
+        records = yield runs
+        for ladder, record in zip(asked, records, strict=True):
+            cost = cost_of(record)
+            spent += share if "cpu_limit" in record.summary else spent_on(record)
+            ends[ladder.name] = f"{ladder.name}: {record.status}"
+            told(f"reference: {ladder.name}, level {level}: {record.status} in {cost:.3g} s")
+            if record.finished and (curve := _curve(record)) is not None:
+                ladder.curves[level], ladder.costs[level] = curve, cost
         ladders = [ladder for ladder in ladders if level in ladder.curves]
         if not ladders:
             break
@@ -119,73 +125,19 @@ def finer_reference(
             if best[1] < enough:
                 break
     if best is None:
-        return Finer(None, "", f"no run at level {levels[len(done)]} came to its end ({runs.ends()})", runs.spent)
+        said = "; ".join(ends.values())
+        return Finer(None, "", f"no run at level {levels[len(done)]} has a pressure at its end ({said})", spent)
     path = _written(scene, best, done[-1], folder)
-    return Finer(load_reference(str(path)), str(path.resolve()), "", runs.spent)
+    return Finer(load_reference(str(path)), str(path.resolve()), "", spent)
 
 
-class _Runs:
-    """Runs of a scene, known to the archive or made now."""
-
-    def __init__(self, scene: Scene, registry: Registry, folder: Path, jobs: int, told: Told) -> None:
-        self.scene, self.registry, self.archive, self.jobs, self.told = scene, registry, folder / FILE, jobs, told
-        self.spent = 0.0
-        self.last: dict[str, str] = {}
-
-    def make(self, ladders: Sequence[_Ladder], level: int, budget: float) -> None:
-        """A level of all ladders; one that does not come to its end, or takes others' time, gets no curve."""
-        share = max(budget - self.spent, 0.0) / len(ladders)
-        with Archive(self.archive) as archive, open_pool(LOCAL, self.jobs) as pool:
-            calls = [self._call(ladder, level, share) for ladder in ladders]
-            for ladder, future in [(ladder, pool.submit(call)) for ladder, call in zip(ladders, calls, strict=True)]:
-                self._keep(ladder, level, future, archive, share)
-
-    def _call(self, ladder: _Ladder, level: int, share: float) -> Call:
-        arguments = (dict(self.scene.data), ladder.contender, ladder.swap, level, self.registry, self.archive, share)
-        return Call(run_scene, arguments, limit=SLOW * max(share, 1.0))
-
-    def _keep(
-        self, ladder: _Ladder, level: int, future: Future[tuple[Record, list[StoredRun]]], archive: Archive,
-        share: float,
-    ) -> None:  # fmt: skip
-        name = ladder.name
-        try:
-            record, made = future.result()
-        except (TimedOutError, ProcessDiedError, RaisedError) as error:
-            self.last[name] = f"{name}: {error}"
-            self.spent += share  # what it took is not known
-            return
-        for run in made:
-            archive.add_run(run)
-        cost = cost_of(record)
-        self.spent += cost if made else 0.0
-        self.last[name] = f"{name}: {record.status}"
-        self.told(f"{name}, level {level}: {record.status} in {cost:.3g} s")
-        if record.finished and (curve := _curve(record)) is not None:
-            ladder.curves[level], ladder.costs[level] = curve, cost
-
-    def ends(self) -> str:
-        """How the last run of each algorithm ended."""
-        return "; ".join(self.last.values())
-
-
-def run_scene(
-    data: Mapping[str, Any], contender: Contender, swap: bool, level: int, registry: Registry, archive: Path,
-    limit: float, report: Callable[[Any], None],
-) -> tuple[Record, list[StoredRun]]:  # fmt: skip
-    """The record of a scene as a contender runs it at a level, and the run where it is new. Raises CpuLimitReached."""
-    job = Job("run", data, choices_of(data, Setup(contender.algorithm, swap, "", contender.integrator, level)))
-    scene = changed(scene_of(job, registry), contender)
-    made: list[StoredRun] = []
-
-    def ready() -> None:
-        with suppress(ContactlabError):  # what is wrong is wrong in the run itself, and told there
-            be_ready(scene)
-
-    with Archive(archive, write=False) as known:
-        names = run_key(job, scene), f"{scene.name} {job.name}"
-        record = known_or_made(job, scene, names, known, made, ready, report, limit)
-    return record, made
+def _run_of(scene: Scene, ladder: _Ladder, level: int, registry: Registry, limit: float) -> Run:
+    """The run of a scene as a contender makes it at a level. Raises ContactlabError."""
+    contender = ladder.contender
+    setup = Setup(contender.algorithm, ladder.swap, "", contender.integrator, level)
+    job = Job("run", dict(scene.data), choices_of(scene.data, setup))
+    own = changed(scene_of(job, registry), contender)
+    return Run(job, own, f"{scene.name} {ladder.name}", timed=True, cpu_limit=limit)
 
 
 def _curve(record: Record) -> Profile | None:

@@ -1,32 +1,20 @@
-"""Running a study of cases: coarse or cheap points of all lines first, each kept in the archive as it is done."""
+"""A study of cases: a plan per line of convergence, coarse or cheap points of all lines first."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from itertools import zip_longest
-from pathlib import Path
+from typing import Any
 
-from contactlab.accuracy.point import SLAVES, Point, Task, named, remembered, run_point, timed_out
+from contactlab.accuracy.point import SLAVES, Point, Task, named, point_plan
 from contactlab.accuracy.problem import Problem, choices, contenders, problem_of
 from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
-from contactlab.archive.archive import FILE, Archive, StoredRun
 from contactlab.errors import RequestError
+from contactlab.jobs.driver import Driver
 from contactlab.parts.registry import Registry
-from contactlab.studies.call import Call, Pool
-from contactlab.studies.cpu_limit import SLOW
-from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
-from contactlab.studies.scheduler import LOCAL, open_pool
-from contactlab.studies.system import machine
-
-Told = Callable[[Point, int, int], None]
-"""Called after each point with how many are done of how many."""
-
-SoFar = Callable[[Callable[[], "Accuracy"]], None]
-"""Called after each point with what gives the study as it stands."""
 
 WAITING = "waiting"
 OTHERS = {WAITING: "not run yet", "interrupted": "stopped before it was run"}
@@ -40,7 +28,7 @@ class Asked:
     """A case of the study with what its answer is worth.
 
     uncertainty  of the reference, as a fraction
-    order        that theory gives the error, nan where the case does not say
+    order        that theory gives the error, nan if the case does not say
     """
 
     label: str
@@ -67,61 +55,100 @@ class Accuracy:
     interrupted: bool = False
 
 
-@dataclass
-class _Line:
-    """What a line of convergence still has to run.
+@dataclass(frozen=True)
+class LineTasks:
+    """The points of a line of convergence, by level.
 
-    rank      place among those that are run one after another
+    rank      place among lines that are run one after another
     by_costs  whether the expected cost of the next level is its place among all others
     """
 
-    tasks: list[Task]
+    tasks: Sequence[Task]
+    problem: Problem
     rank: int = 0
     by_costs: bool = False
-    done: list[Point] = field(default_factory=list)
 
-    @property
-    def place(self) -> tuple[int, float]:
-        """Lines are run in this order: by rank, then by the level that comes next, or by what that should cost."""
-        task = self.tasks[len(self.done)]
-        if not self.by_costs:
-            return self.rank, task.level
-        expected = expected_cost(self.done, task.level)
-        # what is beyond its limit is told at once: it takes no time, and a study that is stopped still knows it
-        return self.rank, expected if expected <= task.limit else 0.0
+    def place(self, task: Task, expected: float) -> tuple[float, float]:
+        """Runs begin in this order: by rank, then by level, or by what they should cost."""
+        return float(self.rank), expected if self.by_costs else float(task.level)
+
+
+class Budget:
+    """CPU time that a study may spend, and has spent [s]."""
+
+    def __init__(self, budget: float | None) -> None:
+        self.budget, self.spent = budget, 0.0
+
+    def refusal(self, expected: float) -> str:
+        """Why a point that is expected to take so long does not begin; empty if it may."""
+        if self.budget is not None and self.spent + expected > self.budget:
+            return f"the {self.budget:g} CPU s of the study are used up"
+        return ""
+
+
+Told = Callable[[Point], None]
+"""Called with each point."""
+
+
+def line_plan(
+    line: LineTasks, registry: Registry, budget: Budget, told: Told
+) -> Generator[Sequence[Any], Sequence[Any], list[Point]]:
+    """The points of a line, level by level; a level that would take longer than its limit is not run."""
+    done: list[Point] = []
+    for task in line.tasks:
+        expected = expected_cost(done, task.level)
+        point = _not_worth(task, expected)
+        if point is None:
+            unless = partial(budget.refusal, expected * task.repeat)
+            point = yield from point_plan(task, line.problem, registry, line.place(task, expected), unless)
+        budget.spent += point.spent
+        done.append(point)
+        told(point)
+    return done
+
+
+def _not_worth(task: Task, expected: float) -> Point | None:
+    """The point if coarser levels tell that its limit is not enough."""
+    if math.isinf(expected):
+        return named(task, "over-limit", f"a coarser level already took more than {task.limit:g} CPU s")
+    if expected > task.limit:
+        return named(task, "over-limit", f"would take about {expected:.2g} CPU s, the limit is {task.limit:g}")
+    return None
 
 
 def run_accuracy(
-    study: CaseStudy, registry: Registry, folder: Path, jobs: int, told: Told, scheduler: str = LOCAL,
-    so_far: SoFar | None = None, meanwhile: Callable[[], None] = lambda: None,
+    study: CaseStudy, registry: Registry, driver: Driver,
+    so_far: Callable[[Callable[[], Accuracy]], None] = lambda found: None,
 ) -> Accuracy:  # fmt: skip
-    """Every point of a study. What the archive in `folder` holds of this machine is not run again.
+    """Every point of a study. Raises RequestError for a wrong request.
 
-    so_far     is called after each point with what gives the study as it stands; points to come have status "waiting"
-    meanwhile  is called once, when the first points are on their way in other processes and this one has to wait
-    Raises RequestError for a wrong request. Ctrl-C ends it with the points that are there.
+    so_far  is called after each point with what gives the study as it stands; points to come have status "waiting"
     """
     asked, lines = plan(study, registry)
     points: list[Point] = []
-    total = sum(len(line.tasks) for line in lines)
-    interrupted = False
-    with Archive(folder / FILE) as archive, open_pool(scheduler, jobs) as pool:
-        runner = _Runner(study, registry, folder / FILE, archive, pool)
-        try:
-            for point in runner.run(lines, jobs, meanwhile):
-                points.append(point)
-                told(point, len(points), total)
-                if so_far is not None:
-                    so_far(lambda: _with_others(study, registry, asked, lines, points, jobs, WAITING))
-        except KeyboardInterrupt:
-            interrupted = True
-            pool.stop()
-    found = _with_others(study, registry, asked, lines, points, jobs, "interrupted")
-    return replace(found, interrupted=interrupted)
+    others = partial(_with_others, study, registry, asked, lines, points, driver.size)
+
+    def told(point: Point) -> None:
+        points.append(point)
+        driver.progress.told(point_text(point))
+        so_far(partial(others, WAITING))
+
+    budget = Budget(study.budget)
+    for _ in driver.results(line_plan(line, registry, budget, told) for line in lines):
+        pass
+    return replace(others("interrupted"), interrupted=driver.interrupted)
+
+
+def point_text(point: Point) -> str:
+    """A point in one line."""
+    head = f"{point.case}, {point.contender}, {point.slave}, level {point.level}: "
+    if point.finished:
+        return f"{head}{100.0 * point.error:.3g} % in {point.cost:.3g} s"
+    return f"{head}{point.status}: {point.reason.splitlines()[0] if point.reason else ''}"
 
 
 def _with_others(
-    study: CaseStudy, registry: Registry, asked: Sequence[Asked], lines: Sequence[_Line], done: Sequence[Point],
+    study: CaseStudy, registry: Registry, asked: Sequence[Asked], lines: Sequence[LineTasks], done: Sequence[Point],
     jobs: int, status: str,
 ) -> Accuracy:  # fmt: skip
     """All points in order: those that are done, and all others with this status."""
@@ -137,7 +164,7 @@ def _place(task: Task) -> tuple[str, str, str, int]:
     return task.choice.label, task.contender.label, task.slave, task.level
 
 
-def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[_Line]]:
+def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[LineTasks]]:
     """The cases and the lines of convergence of what can be put to them. Raises RequestError."""
     folder = study.path.parent if study.path else None
     asked, groups = [], []
@@ -152,11 +179,12 @@ def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[_Line]
         if not fitting:
             continue
         asked.append(_asked(problem, fitting[0][0]))
-        asking = partial(Task, choice, limit=study.limit, repeat=study.repeat, folder=folder)
+        asking = partial(Task, choice, limit=study.limit, repeat=study.repeat)
         groups.append(
             [
-                _Line(
+                LineTasks(
                     [asking(contender=contender, swap=swap, level=level) for level in sorted(levels)],
+                    problem,
                     _rank(study, contender),
                     study.order == "costs",
                 )
@@ -170,8 +198,13 @@ def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[_Line]
     return asked, [line for turn in zip_longest(*groups) for line in turn if line is not None]
 
 
+def points_of(lines: Sequence[LineTasks]) -> int:
+    """How many points there are."""
+    return sum(len(line.tasks) for line in lines)
+
+
 def _rank(study: CaseStudy, contender: Contender) -> int:
-    """Place of the entry that a contender comes from, where these are run one after another."""
+    """Place of the entry that a contender comes from, if entries are run one after another."""
     if study.order != "contenders":
         return 0
     return next(n for n, one in enumerate(study.contenders) if one == replace(contender, algorithm=one.algorithm))
@@ -187,78 +220,8 @@ def _asked(problem: Problem, contender: Contender) -> Asked:
     )  # fmt: skip
 
 
-class _Runner:
-    """Submits the next level of a line once the one before is done, and keeps what comes."""
-
-    def __init__(self, study: CaseStudy, registry: Registry, path: Path, archive: Archive, pool: Pool) -> None:
-        self.study, self.registry, self.path, self.archive, self.pool = study, registry, path, archive, pool
-        self.spent = 0.0
-
-    def run(self, lines: Sequence[_Line], jobs: int, meanwhile: Callable[[], None]) -> Iterator[Point]:
-        """Points as they are made: never more under way than processes, so that coarse levels come first."""
-        idle = [meanwhile]
-        waiting = sorted(lines, key=lambda line: line.place)
-        running: dict[Future[tuple[Point, list[StoredRun]]], tuple[_Line, Task]] = {}
-        while waiting or running:
-            while waiting and len(running) < jobs:
-                line = waiting.pop(0)
-                task = line.tasks[len(line.done)]
-                known = self._without_running(line, task)
-                if known is not None:
-                    yield self._took(line, known, waiting)
-                    continue
-                limit = SLOW * task.limit * task.repeat
-                call = Call(run_point, (task, self.registry, self.path), limit=limit)
-                running[self.pool.submit(call)] = line, task
-            if running and idle:
-                idle.pop()()
-            for future in wait(running, return_when=FIRST_COMPLETED).done if running else ():
-                line, task = running.pop(future)
-                yield self._took(line, self._kept(future, task), waiting)
-
-    def _took(self, line: _Line, point: Point, waiting: list[_Line]) -> Point:
-        """Add a point to its line, which goes back among those that wait: by their next level."""
-        line.done.append(point)
-        self.spent += point.spent
-        if len(line.done) < len(line.tasks):
-            waiting.insert(sum(other.place <= line.place for other in waiting), line)
-        return point
-
-    def _without_running(self, line: _Line, task: Task) -> Point | None:
-        """The point where nothing has to be run for it."""
-        if self.archive.record(task.key(), machine()) is not None:
-            return named(task, "timed-out", f"took longer than its limit of {task.limit:g} CPU s before")
-        expected = expected_cost(line.done, task.level)
-        if math.isinf(expected):
-            return named(task, "over-limit", f"a coarser level already took more than {task.limit:g} CPU s")
-        if expected > task.limit:
-            return named(task, "over-limit", f"would take about {expected:.2g} CPU s, the limit is {task.limit:g}")
-        budget = self.study.budget
-        if budget is not None and self.spent + expected * task.repeat > budget:
-            return named(task, "over-budget", f"the {budget:g} CPU s of the study are used up")
-        return None
-
-    def _kept(self, future: Future[tuple[Point, list[StoredRun]]], task: Task) -> Point:
-        try:
-            point, made = future.result()
-        except TimedOutError:
-            reason = f"stopped after {SLOW * task.limit * task.repeat:g} s of wall time, {SLOW:g} times its limit"
-            self.archive.add_run(remembered(task, reason))
-            return timed_out(task, reason)
-        except ProcessDiedError as error:
-            return named(task, "failed", str(error))
-        except RaisedError as error:
-            return named(task, "failed", f"{error}")
-        for run in made:
-            self.archive.add_run(run)
-        if point.cpu and point.cost > task.limit:
-            reason = f"took {point.cost:.3g} CPU s, the limit is {task.limit:g}"
-            return replace(point, status="timed-out", reason=reason, error=math.nan)
-        return point
-
-
 def expected_cost(done: Sequence[Point], level: int) -> float:
-    """CPU time [s] to expect of a level, from the last two that were run; 0 where none was, inf above a limit."""
+    """CPU time [s] to expect of a level, from the last two that were run; 0 if none was, inf above a limit."""
     if any(point.status in ("timed-out", "over-limit") for point in done):
         return math.inf
     timed = [point for point in done if point.cost > 0.0]

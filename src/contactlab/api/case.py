@@ -60,6 +60,7 @@ class Job:
     guards   False for a run that is meant to do what guards stop; it can miss a criterion but is never silent
     fields   whether the record keeps the fields at the end of the run
     frames   number of stored frames
+    curves   whether the record keeps the curves of all stored frames, or of the last one
     """
 
     name: str
@@ -70,6 +71,7 @@ class Job:
     guards: bool = True
     fields: bool = False
     frames: int = 1
+    curves: Literal["all", "last"] = "all"
 
 
 @dataclass(frozen=True)

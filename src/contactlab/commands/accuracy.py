@@ -7,16 +7,12 @@ import json
 from dataclasses import replace
 
 from contactlab.accuracy.evaluation import evaluate
-from contactlab.accuracy.run import plan, run_accuracy
+from contactlab.accuracy.run import plan, points_of, run_accuracy
 from contactlab.accuracy.study import CaseStudy
-from contactlab.commands.accuracy_progress import Progress, import_what_draws, write_all
+from contactlab.commands.accuracy_progress import SoFar, import_what_draws, write_all
 from contactlab.commands.common import console, print_json, registry_with
-from contactlab.commands.interruption import interrupted
+from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.errors import RequestError
-from contactlab.parts.machine import usable_cores
-from contactlab.run.folders import results_folder
-from contactlab.studies.resume import sigterm_as_ctrl_c
-from contactlab.studies.scheduler import checked_scheduler
 
 
 def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
@@ -24,17 +20,14 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
     _refuse_others(options)
     registry = registry_with(options.files)
     study = _asked(study, options)
-    jobs = options.jobs or usable_cores()
-    checked_scheduler(options.scheduler)
-    plan(study, registry)  # a wrong name is told before a folder is made
+    _, lines = plan(study, registry)  # a wrong name is reported before a folder is made
     name = options.scene.removesuffix(".toml").rpartition("/")[2]
-    with results_folder(options.out, name, options.resume) as folder:
-        with sigterm_as_ctrl_c(), Progress(folder) as shown:
-            found = run_accuracy(
-                study, registry, folder, jobs, shown.told, options.scheduler, shown.so_far, import_what_draws
-            )
-        evaluated = evaluate(found)
-        write_all(evaluated, folder)
+    with many(options, name, points_of(lines)) as driver:
+        folder = folder_of(driver)
+        driver.meanwhile = import_what_draws
+        found = run_accuracy(study, registry, driver, SoFar(folder))
+    evaluated = evaluate(found)
+    write_all(evaluated, folder)
     if options.json:
         print_json({"folder": str(folder), **json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))})
     else:
@@ -55,8 +48,6 @@ def _asked(study: CaseStudy, options: argparse.Namespace) -> CaseStudy:
     """The study as the options change it."""
     if options.quick:
         study = study.quickened()
-    if options.time_limit is not None:
-        study = replace(study, limit=options.time_limit)
     return replace(study, repeat=options.repeat) if options.repeat else study
 
 

@@ -8,14 +8,17 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from contactlab.archive.archive import CHOICES, FILE, Archive
 from contactlab.commands.common import add_row, console, table
 from contactlab.errors import RequestError
+from contactlab.jobs.archive import CHOICES, FILE, Archive, in_words
+from contactlab.jobs.system import machine
 from contactlab.matrix.files import finite
-from contactlab.studies.system import machine
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+DAMAGED = 1
+"""Exit status if a part of an archive is damaged."""
 
 
 def archive(options: argparse.Namespace) -> int:
@@ -37,6 +40,7 @@ def _list(words: list[str]) -> int:
     (path,) = _opened(words, 1)
     shown = table(*CHOICES, "verdict", "CPU s", "made", "machine")
     with Archive(path, write=False) as kept:
+        damage = _told(kept)
         for cell in kept.cells():
             where = "here" if cell["machine"] == machine() else cell["machine"]
             add_row(shown, *(cell[n] for n in CHOICES), cell["verdict"], f"{cell['cpu_s']:.2f}", cell["made"], where)
@@ -47,7 +51,14 @@ def _list(words: list[str]) -> int:
             console().print(found)
         console().print(f"{found.row_count} {what}", highlight=False)
     console().print(f"{runs} runs", highlight=False)
-    return 0
+    return DAMAGED if damage else 0
+
+
+def _told(kept: Archive) -> bool:
+    """Warn of entries that did not pass the check; returns whether there are any."""
+    if kept.damage:
+        print(f"contactlab: warning: {kept.path}: {in_words(kept.damage)}; left out here", file=sys.stderr)
+    return bool(kept.damage)
 
 
 def _rows(kept: Archive) -> Table:
@@ -66,17 +77,22 @@ def _merge(words: list[str]) -> int:
         raise RequestError("two archives are merged", where="archive merge", got=len(words), allowed="A B")
     into, other = _opened(words, 2)
     with Archive(into) as kept:
-        came = kept.take(other)
+        damage = _told(kept)
+        came, lost = kept.take(other)
+    if lost:
+        damage = True
+        print(f"contactlab: warning: {other}: {in_words(lost)}; nothing of that came", file=sys.stderr)
     told = ", ".join(f"{count} {name}" for name, count in came.items())
     console().print(f"from {other} into {into}: {told}", markup=False, highlight=False, soft_wrap=True)
-    return 0
+    return DAMAGED if damage else 0
 
 
 def _export(words: list[str]) -> int:
     """All cells, rows and runs, without their records, as JSON on standard output."""
     (path,) = _opened(words, 1)
     with Archive(path, write=False) as kept:
+        damage = _told(kept)
         data = finite({"format": 1, "cells": list(kept.cells()), "runs": list(kept.runs()), "rows": list(kept.rows())})
     json.dump(data, sys.stdout, indent=1)
     sys.stdout.write("\n")
-    return 0
+    return DAMAGED if damage else 0

@@ -61,12 +61,7 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
         "--effects", action="store_true", help="leave out each effect in turn: its cost and its influence"
     )
     _add_changes(command)
-    _add_out(command)
-    command.add_argument("--resume", action="store_true", help="resume the comparison in DIR; finished runs are kept")
-    command.add_argument(
-        "--time-limit", type=seconds, metavar="S", help="wall time of one run; a longer one is `timed-out`"
-    )
-    _add_jobs(command, "runs")
+    _add_many(command)
     command.add_argument("--quick", action="store_true", help="study of cases: a few of them, in three CPU minutes")
     command.add_argument(
         "--reference",
@@ -80,7 +75,6 @@ def _describe_compare(command: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     _add_json(command)
     _add_amount(command)
-    _add_scheduler(command)
 
 
 def _describe_choose(command: argparse.ArgumentParser) -> None:
@@ -91,18 +85,13 @@ def _describe_choose(command: argparse.ArgumentParser) -> None:
         "--search", type=seconds, default=120.0, metavar="S", help="CPU time of trials (default: 120s)"
     )
     command.add_argument("--run", action="store_true", help="run what was chosen")
-    _add_jobs(command, "trials")
-    _add_out(command)
-    command.add_argument("--resume", action="store_true", help="reuse the trials in DIR")
+    _add_many(command)
     _add_json(command)
 
 
 def _describe_error_budget(command: argparse.ArgumentParser) -> None:
     _add_scene(command)
-    _add_jobs(command, "runs")
-    command.add_argument("--time-limit", type=seconds, metavar="S", help="wall time of a run")
-    _add_out(command)
-    command.add_argument("--resume", action="store_true", help="reuse the runs in DIR")
+    _add_many(command)
     _add_json(command)
 
 
@@ -126,18 +115,22 @@ def _describe_matrix(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--against", metavar="FILE", help="an earlier matrix.csv: exit status 1 where a cell is worse")
     _add_files(command)
-    _add_out(command)
-    command.add_argument("--resume", action="store_true", help="resume the matrix in DIR; finished cells are kept")
-    _add_jobs(command, "cells")
+    _add_many(command)
     _add_json(command)
-    _add_scheduler(command)
 
 
-def _add_jobs(command: argparse.ArgumentParser, what: str) -> None:
-    command.add_argument("--jobs", type=positive, metavar="N", help=f"{what} at a time (default: one per core)")
-
-
-def _add_scheduler(command: argparse.ArgumentParser) -> None:
+def _add_many(command: argparse.ArgumentParser) -> None:
+    """Options of all commands that make many runs, with one meaning."""
+    _add_out(command)
+    command.add_argument(
+        "--resume", action="store_true",
+        help="resume in DIR: finished runs are kept, interrupted ones continued, damaged records made again",
+    )  # fmt: skip
+    command.add_argument(
+        "--time-limit", type=seconds, metavar="S",
+        help="wall time of one run without compilation; a longer one is `timed-out`",
+    )  # fmt: skip
+    command.add_argument("--jobs", type=positive, metavar="N", help="runs at a time (default: one per core)")
     command.add_argument(
         "--scheduler", default="local", metavar="WHERE",
         help="local; dask: a cluster on this machine; tcp://HOST:PORT: a dask scheduler that is there",

@@ -4,18 +4,14 @@ from __future__ import annotations
 
 import argparse
 import shlex
-import sys
 from pathlib import Path
 from typing import Any
 
-from contactlab.accuracy.choose import Chosen, Wish, choose
-from contactlab.accuracy.point import Point
+from contactlab.accuracy.choose import Chosen, Wish, choose_plan
+from contactlab.accuracy.run import point_text
 from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
-from contactlab.commands.interruption import interrupted
-from contactlab.parts.machine import usable_cores
-from contactlab.run.folders import results_folder
+from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.scene.scene import load_scene
-from contactlab.studies.resume import sigterm_as_ctrl_c
 
 CANNOT = 1
 
@@ -25,11 +21,10 @@ def choose_for(options: argparse.Namespace) -> int:
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
     wish = Wish(options.error, options.budget, options.search)
-    with results_folder(options.out, f"choose-{scene.name}", options.resume) as folder:
-        try:
-            with sigterm_as_ctrl_c():
-                found = choose(scene, wish, registry, folder, options.jobs or usable_cores(), _tell, _say)
-        except KeyboardInterrupt:
+    with many(options, f"choose-{scene.name}") as driver:
+        folder, say = folder_of(driver), driver.progress.told
+        found = driver.result(choose_plan(scene, wish, registry, folder, lambda point: say(point_text(point)), say))
+        if driver.interrupted:
             return interrupted(folder)
     line = command(options, found)
     if options.json:
@@ -90,12 +85,3 @@ def _run(options: argparse.Namespace, found: Chosen, folder: Path) -> int:
             json=options.json,
         )
     )  # fmt: skip
-
-
-def _say(line: str) -> None:
-    print(f"reference: {line}", file=sys.stderr, flush=True)
-
-
-def _tell(point: Point, done: int, total: int) -> None:
-    end = f"{100.0 * point.error:.3g} % in {point.cost:.3g} s" if point.finished else f"{point.status}: {point.reason}"
-    print(f"{point.contender}, {point.slave}, level {point.level}: {end}", file=sys.stderr, flush=True)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
-from contactlab.commands.interruption import INTERRUPTED
+from contactlab.commands.many import INTERRUPTED
 from contactlab.errors import RequestError, SceneError, did_you_mean
 from contactlab.run.folders import results_folder
 
@@ -46,7 +47,6 @@ def _compare_scene(options: argparse.Namespace) -> int:
     """Compare the runs of one scene."""
     from contactlab.comparison import compare as run_all
     from contactlab.reports.table import failed_alike, failure
-    from contactlab.studies.resume import resume_line
     from contactlab.studies.study import parse_vary
 
     registry = registry_with(options.files)
@@ -64,18 +64,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
                 keep=options.keep,
             )  # fmt: skip
         except KeyboardInterrupt:
-            line = resume_line(
-                options.scene,
-                options.vary,
-                options.settings,
-                options.files,
-                options.effects,
-                folder,
-                options.time_limit,
-                options.repeat,
-                options.reference,
-                options.keep,
-            )
+            line = resume_line(options, folder)
             console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
             return INTERRUPTED
     status = 0 if any(row.finished for row in result.rows) else 1
@@ -102,3 +91,16 @@ def _print(result: Table, folder: Path, registry: Registry, options: argparse.Na
         shown.print(where_the_time_went(result))
     shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)
     print_how_to_look(folder, registry, shown)
+
+
+def resume_line(options: argparse.Namespace, folder: Path) -> str:
+    """Write the command that continues a comparison."""
+    words = [word for text in options.vary for word in ("--vary", text)]
+    words += [word for text in options.settings for word in ("--set", text)]
+    words += [word for text in options.files for word in ("--with", text)]
+    words += ["--effects"] if options.effects else []
+    words += ["--time-limit", f"{options.time_limit:g}"] if options.time_limit is not None else []
+    words += ["--repeat", str(options.repeat)] if options.repeat is not None else []
+    words += ["--reference", options.reference] if options.reference is not None else []
+    words += ["--keep", options.keep] if options.keep != "all" else []
+    return shlex.join(["contactlab", "compare", options.scene, *words, "--out", str(folder), "--resume"])

@@ -4,21 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from contactlab.accuracy.error_budget import ErrorBudget, Share, error_budget
+from contactlab.accuracy.error_budget import ErrorBudget, Share, budget_plan
 from contactlab.accuracy.files import finite
 from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
-from contactlab.commands.interruption import interrupted
-from contactlab.parts.machine import usable_cores
+from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.reports.numbers import percent, significant
-from contactlab.run.folders import results_folder
 from contactlab.scene.scene import load_scene
-from contactlab.studies.resume import sigterm_as_ctrl_c
-from contactlab.studies.run_job import Outcome
 
 FILE = "error-budget.json"
 FAILED = 1
@@ -28,14 +23,13 @@ def budget(options: argparse.Namespace) -> int:
     """Run the scene as it is and with each choice of numerics made finer; 1 where it does not finish as it is."""
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
-    with results_folder(options.out, f"error-budget-{scene.name}", options.resume) as folder:
-        try:
-            with sigterm_as_ctrl_c():
-                found = error_budget(scene, registry, folder, options.jobs or usable_cores(), _tell, options.time_limit)
-        except KeyboardInterrupt:
+    with many(options, f"error-budget-{scene.name}") as driver:
+        folder = folder_of(driver)
+        found = driver.result(budget_plan(scene, registry, driver.progress.told))
+        if driver.interrupted:
             return interrupted(folder)
-        data = _data(found)
-        (folder / FILE).write_text(json.dumps(data, indent=1), encoding="utf-8")
+    data = _data(found)
+    (folder / FILE).write_text(json.dumps(data, indent=1), encoding="utf-8")
     if options.json:
         print_json({"folder": str(folder), **data})
     else:
@@ -82,7 +76,3 @@ def _data(found: ErrorBudget) -> dict[str, Any]:
             "next": best.knob.name if best is not None else None}  # fmt: skip
     plain: dict[str, Any] = finite(data)
     return plain
-
-
-def _tell(name: str, outcome: Outcome) -> None:
-    print(f"{name}: {outcome.status}", file=sys.stderr, flush=True)

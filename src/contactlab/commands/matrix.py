@@ -3,47 +3,45 @@
 from __future__ import annotations
 
 import argparse
-import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from contactlab.cases.verdict import WORST
 from contactlab.commands.common import add_row, console, fitting, print_json, registry_with, table
-from contactlab.commands.interruption import interrupted
+from contactlab.commands.many import folder_of, interrupted, many
+from contactlab.jobs.archive import FILE, Archive
 from contactlab.matrix.cell import CellResult
 from contactlab.matrix.files import against, plain_cells, verdicts, write
+from contactlab.matrix.margins import Margin, margins_asked, run_margins
 from contactlab.matrix.orders import orders, write_orders
 from contactlab.matrix.page import write_page
-from contactlab.matrix.plan import Cell, Request, plan
+from contactlab.matrix.plan import Request, plan
 from contactlab.matrix.run import Matrix, run_matrix
-from contactlab.parts.machine import usable_cores
-from contactlab.parts.registry import Registry
-from contactlab.run.folders import results_folder
-from contactlab.studies.resume import sigterm_as_ctrl_c
-from contactlab.studies.scheduler import checked_scheduler
 
 SHORT = {"not-applicable": "-", "not-judged": "not judged", "ill-posed": "ill-posed"}
 
 
 def matrix(options: argparse.Namespace) -> int:
-    """Run the cells and show them by case; exit status 1 only where `--against` finds one that is worse."""
+    """Run the cells and show them by case; exit status 1 only if `--against` finds one that is worse."""
     registry = registry_with(options.files)
     request = Request(options.cases, options.contacts, options.full, tuple(dict.fromkeys(options.levels or (1,))))
-    jobs = options.jobs or usable_cores()
-    checked_scheduler(options.scheduler)
     before = verdicts(Path(options.against)) if options.against else None
-    plan(request, registry)  # a wrong name is told before a folder is made
-    with results_folder(options.out, "matrix", options.resume) as folder:
-        try:
-            if options.margins:
-                return show_margins(request, registry, folder, jobs, options)
-            with sigterm_as_ctrl_c():
-                found = run_matrix(request, registry, folder, jobs, _tell, options.scheduler)
-        except KeyboardInterrupt:
+    # a wrong name is reported before a folder is made
+    total = len(margins_asked(request, registry) if options.margins else plan(request, registry))
+    with many(options, "matrix", total) as driver:
+        folder = folder_of(driver)
+        if options.margins:
+            margins = run_margins(request, registry, driver, folder)
+        else:
+            found = run_matrix(request, registry, driver)
+        if driver.interrupted:
             return interrupted(folder)
-        write(found, folder)
-        write_orders(found, folder)
-        write_scenes(folder)
-        write_page(found, folder)
+    if options.margins:
+        return show_margins(margins, folder, options)
+    write(found, folder)
+    write_orders(found, folder)
+    write_scenes(folder)
+    write_page(found, folder)
     if options.json:
         changes = against(found, before) if before is not None else {}
         print_json({"format": 1, "folder": str(folder), "cells": plain_cells(found), "changes": changes})
@@ -54,12 +52,8 @@ def matrix(options: argparse.Namespace) -> int:
     return _show_changes(found, before) if before is not None else 0
 
 
-def show_margins(request: Request, registry: Registry, folder: Path, jobs: int, options: argparse.Namespace) -> int:
-    """Find the margins and print them."""
-    from contactlab.matrix.margins import run_margins
-
-    with sigterm_as_ctrl_c():
-        margins = run_margins(request, registry, folder, jobs, _say, options.scheduler)
+def show_margins(margins: Sequence[Margin], folder: Path, options: argparse.Namespace) -> int:
+    """Print the margins."""
     if options.json:
         print_json({"format": 1, "folder": str(folder), "margins": list(margins)})
         return 0
@@ -75,27 +69,12 @@ def show_margins(request: Request, registry: Registry, folder: Path, jobs: int, 
     return 0
 
 
-def _say(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
-
-
 def write_scenes(folder: Path) -> None:
     """The scene of every run as a file of its own, where the page leads to."""
-    from contactlab.archive.archive import FILE, Archive
-
     (folder / "scenes").mkdir(exist_ok=True)
     with Archive(folder / FILE, write=False) as archive:
         for run in archive.runs():
             (folder / "scenes" / f"{run['key']}.toml").write_text(run["scene"], encoding="utf-8")
-
-
-def _tell(cell: Cell, result: CellResult, done: int, total: int) -> None:
-    """One line per cell where nobody watches a terminal, one line that is written over where somebody does."""
-    line = f"{done}/{total} {result.verdict}: {cell.label}"
-    if sys.stderr.isatty():
-        print(f"\r\033[K{line[:110]}", end="" if done < total else "\n", file=sys.stderr, flush=True)
-    else:
-        print(line, file=sys.stderr, flush=True)
 
 
 def show(found: Matrix) -> None:

@@ -10,9 +10,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from contactlab.archive.archive import CHOICES
 from contactlab.cases.verdict import WORST
 from contactlab.errors import RequestError
+from contactlab.jobs.archive import CHOICES
 from contactlab.matrix.run import Matrix
 
 COLUMNS = (

@@ -4,20 +4,16 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Callable, Sequence
-from concurrent.futures import as_completed
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from contactlab.api import Case, Setup
-from contactlab.archive.archive import FILE, Archive
-from contactlab.matrix.cell import CellResult, run_cell
+from contactlab.jobs.driver import Driver
+from contactlab.matrix.cell import CellResult, cell_plan, keep
 from contactlab.matrix.plan import Cell, Request, plan
-from contactlab.matrix.run import keep
 from contactlab.parts.registry import Registry
-from contactlab.studies.call import Call
-from contactlab.studies.scheduler import LOCAL, open_pool
 
 HALVINGS = 6
 """Of the distance between what is met and what is not (of its logarithm where both are positive): a 64th is left."""
@@ -42,58 +38,64 @@ class Margin:
     reason: str
 
 
-def bisected(holds: Callable[[float], bool], start: float, limit: float) -> tuple[float, float]:
-    """The last value that holds between `start` and `limit`, and the first that does not; nan where there is none."""
-    if not holds(start):
+def bisection(start: float, limit: float) -> Generator[float, bool, tuple[float, float]]:
+    """Yields values and is sent whether they hold; the last that holds and the first that does not, nan for none."""
+    if not (yield start):
         return math.nan, start
-    if holds(limit):
+    if (yield limit):
         return limit, math.nan
     good, bad = start, limit
     for _ in range(HALVINGS):
         middle = math.sqrt(good * bad) if min(good, bad) > 0.0 else 0.5 * (good + bad)
-        good, bad = (middle, bad) if holds(middle) else (good, middle)
+        good, bad = (middle, bad) if (yield middle) else (good, middle)
     return good, bad
 
 
-def find_margin(
-    name: str, contact: str, registry: Registry, archive: Path, report: Callable[[Any], None]
-) -> tuple[Margin, list[tuple[Cell, CellResult]]]:
-    """The margin of a case that has one, and the cells that were made for it."""
+def margin_plan(
+    name: str, contact: str, registry: Registry, judged: Callable[[Cell, CellResult], None]
+) -> Generator[Any, Any, Margin | None]:
+    """The margin of a case that has one, None if it was interrupted; `judged` gets the cells that are made for it."""
     case: Case = registry.make("case", name)
     assert case.margin is not None
     field, limit = case.margin
-    start, made = float(getattr(case, field)), {}
-
-    def holds(value: float) -> bool:
+    start, made = float(getattr(case, field)), dict[float, CellResult]()
+    search = bisection(start, limit)
+    value = next(search)
+    while True:
         setup = Setup(contact, False, case.elements[0], case.integrators[0])
         cell = Cell(name, {} if value == start else {field: value}, setup)
-        made[value] = cell, run_cell(cell, registry, archive, report)
-        return made[value][1].verdict == "met"
+        (made[value],) = yield [cell_plan(cell, registry)]
+        if not made[value].whole:
+            return None
+        judged(cell, made[value])
+        try:
+            value = search.send(made[value].verdict == "met")
+        except StopIteration as end:
+            met, missed = end.value
+            worst = made.get(missed, CellResult("met", "", ""))
+            return Margin(name, field, contact, start, limit, met, missed, worst.verdict, worst.reason)
 
-    met, missed = bisected(holds, start, limit)
-    worst = made[missed][1] if missed in made else CellResult("met", "", "")
-    margin = Margin(name, field, contact, start, limit, met, missed, worst.verdict, worst.reason)
-    return margin, list(made.values())
 
-
-def run_margins(
-    request: Request, registry: Registry, folder: Path, jobs: int, told: Callable[[str], None], scheduler: str = LOCAL
-) -> list[Margin]:
+def run_margins(request: Request, registry: Registry, driver: Driver, folder: Path) -> list[Margin]:
     """Margins of all asked cases that have one, for all asked algorithms; margins.csv in `folder`."""
-    asked = dict.fromkeys((cell.name, str(cell.setup.algorithm)) for cell in plan(request, registry))
-    pairs = [pair for pair in asked if registry.make("case", pair[0]).margin is not None]
-    found: dict[tuple[str, str], Margin] = {}
-    with Archive(folder / FILE) as archive, open_pool(scheduler, jobs) as pool:
-        futures = {pool.submit(Call(find_margin, (*pair, registry, folder / FILE))): pair for pair in pairs}
-        for future in as_completed(futures):
-            margin, cells = future.result()
-            for cell, result in cells:
-                keep(archive, cell, result, registry)
-            found[futures[future]] = margin
-            told(f"{len(found)}/{len(pairs)} {margin.case}, {margin.contact}: {margin.field} up to {margin.met:.4g}")
-    margins = [found[pair] for pair in pairs]
+    found: dict[int, Margin] = {}
+    plans = [
+        margin_plan(*pair, registry, lambda cell, result: keep(driver.archive, cell, result, registry))
+        for pair in margins_asked(request, registry)
+    ]
+    for number, margin in driver.results(plans):
+        if margin is not None:
+            found[number] = margin
+            driver.progress.told(f"{margin.case}, {margin.contact}: {margin.field} up to {margin.met:.4g}")
+    margins = [found[number] for number in sorted(found)]
     _write(margins, folder / "margins.csv")
     return margins
+
+
+def margins_asked(request: Request, registry: Registry) -> list[tuple[str, str]]:
+    """Cases that have a margin, with the algorithms that are asked for."""
+    asked = dict.fromkeys((cell.name, str(cell.setup.algorithm)) for cell in plan(request, registry))
+    return [pair for pair in asked if registry.make("case", pair[0]).margin is not None]
 
 
 def _write(margins: Sequence[Margin], path: Path) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.accuracy.orders import slope
-from contactlab.archive.archive import CHOICES
+from contactlab.jobs.archive import CHOICES
 from contactlab.matrix.run import Matrix
 
 ROUND_OFF = 1e-9

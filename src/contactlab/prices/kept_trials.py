@@ -13,8 +13,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from contactlab.archive.keys import scene_key
 from contactlab.errors import RequestError
+from contactlab.jobs.keys import scene_key
 from contactlab.parts.provenance import versions as versions_of
 from contactlab.prices.counts import Length
 from contactlab.prices.price_list import COMMAND, foreign, machine, price_file, versions, write_whole

@@ -13,6 +13,7 @@ from contactlab.accuracy.evaluation import Evaluation
 from contactlab.accuracy.lines import Line
 from contactlab.accuracy.orders import Order
 from contactlab.accuracy.run import WAITING, Accuracy
+from contactlab.jobs.system import system_facts
 from contactlab.reports.accuracy_costs import costs_section
 from contactlab.reports.accuracy_explore import Place, explore_section
 from contactlab.reports.accuracy_limits import limits_section
@@ -23,7 +24,6 @@ from contactlab.reports.accuracy_runs import write_run_pages
 from contactlab.reports.figures import laid_out, save
 from contactlab.reports.html import ASSETS, document, facts_list, figure_section, plain_table, section
 from contactlab.reports.numbers import percent, significant
-from contactlab.studies.system import system_facts
 
 _FRONT = (
     "Each line is a contender with the better of its slaves, from coarse to fine; colours are algorithms, markers "

@@ -16,13 +16,13 @@ from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy
 from contactlab.api import Record
 from contactlab.api.drawing.colours import STYLES
-from contactlab.archive.archive import FILE, Archive
+from contactlab.jobs.archive import FILE, Archive
+from contactlab.jobs.system import machine
 from contactlab.reports.accuracy_explore import Place
 from contactlab.reports.bokeh_figures import page_figure
 from contactlab.reports.html import ASSETS
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.templates import filled
-from contactlab.studies.system import machine
 
 FOLDER = "runs"
 LIBRARY = "bokeh.min.js"

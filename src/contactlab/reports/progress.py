@@ -1,83 +1,94 @@
-"""Progress of many runs at once: bars on a terminal, a line per finished run elsewhere."""
+"""The progress of many runs: bars of those under way on a terminal, a line per result elsewhere."""
 
 from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from threading import RLock
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
-from contactlab.studies.progress import Bars, Named, Silence
+from contactlab.jobs import progress as shown
 
 
-@contextmanager
-def progress_bars(runs: Sequence[Named], show: bool | None = None) -> Iterator[Bars]:
-    """Bars for the runs. `show`: None shows them where standard error is a terminal, False shows nothing."""
+def progress_of(total: int | None = None, show: bool | None = None) -> shown.Progress:
+    """Show the progress of so many results on standard error; None for an unknown number.
+
+    show  None: on a terminal alone; False: nowhere
+    """
     console = Console(stderr=True)
     if show is False or (show is None and not sys.stderr.isatty()):
-        yield Silence()
-    elif not console.is_terminal:
-        yield _Lines(console, len(runs))
-    else:
-        with _progress(console) as progress:
-            yield _RichBars(progress, [run.name for run in runs])
+        return shown.Silence()
+    return _Bars(console, total) if console.is_terminal else _Lines(console, total)
 
 
-def _progress(console: Console) -> Progress:
-    return Progress(
-        TextColumn("{task.description}"),
-        BarColumn(bar_width=32),
-        TextColumn("{task.percentage:>3.0f} %"),
-        TextColumn("{task.fields[note]}"),
-        TimeElapsedColumn(),
-        console=console,
-    )
+class _Lines(shown.Silence):
+    """A line for each result, and for what happens before the first run."""
 
-
-class _Lines:
-    def __init__(self, console: Console, total: int) -> None:
-        self._console, self._total, self._done = console, total, 0
-        self._said = ""
+    def __init__(self, console: Console, total: int | None) -> None:
+        self._console, self._total, self._done, self._said = console, total, 0, ""
 
     def say(self, text: str) -> None:
-        """What counts up is said once: "compiling kernel" and not each of its numbers."""
+        """Print what counts up once: "compiling kernel" without its numbers."""
         head = re.split(r"\s+\d", text)[0]
         if head and head != self._said:
             self._said = head
-            self._console.print(head)
+            self._print(head)
 
-    def advance(self, name: str, fraction: float, step: int) -> None:
-        pass
-
-    def finish(self, name: str, status: str) -> None:
+    def told(self, text: str) -> None:
+        """Print a result with its number."""
         self._done += 1
-        self._console.print(f"{self._done}/{self._total} {name}: {status}", highlight=False)
+        self._print(f"{_counted(self._done, self._total)}{text}")
+
+    def _print(self, text: str) -> None:
+        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
 
 
-class _RichBars:
-    """A bar per run, begun when the run begins, and one for all of them."""
+class _Bars(_Lines):
+    """A bar for each run under way, and one for all results."""
 
-    def __init__(self, progress: Progress, names: Sequence[str]) -> None:
-        self._progress = progress
-        self._tasks: dict[str, TaskID] = {
-            name: progress.add_task(name, total=1.0, start=False, note="waiting") for name in names
-        }
-        self._all = progress.add_task("[bold]all runs", total=len(names), note="")
+    def __init__(self, console: Console, total: int | None) -> None:
+        super().__init__(console, total)
+        self._lock = RLock()
+        self._bars = Progress(
+            TextColumn("{task.description}"), BarColumn(bar_width=32), TextColumn("{task.percentage:>3.0f} %"),
+            TextColumn("{task.fields[note]}"), TimeElapsedColumn(), console=console, transient=True,
+        )  # fmt: skip
+        self._runs: dict[str, TaskID] = {}
+        self._all = self._bars.add_task("[bold]all", total=total, note="")
+        self._bars.start()
 
     def say(self, text: str) -> None:
-        self._progress.update(self._all, note=text)
+        """Write beside the bar of all."""
+        self._bars.update(self._all, note=text)
+
+    def begun(self, name: str) -> None:
+        """Add a bar."""
+        with self._lock:
+            self._runs[name] = self._bars.add_task(name, total=1.0, note="")
 
     def advance(self, name: str, fraction: float, step: int) -> None:
-        self._progress.start_task(self._tasks[name])
-        self._progress.update(self._tasks[name], completed=fraction, note=f"step {step}")
+        """Lengthen the bar of a run."""
+        with self._lock:
+            if name in self._runs:
+                self._bars.update(self._runs[name], completed=fraction, note=f"step {step}")
 
-    def finish(self, name: str, status: str) -> None:
-        colour = "green" if status == "finished" else "yellow" if status == "not-converged" else "red"
-        task = self._tasks[name]
-        self._progress.start_task(task)
-        self._progress.update(task, completed=1.0, note=f"[{colour}]{status}")
-        self._progress.stop_task(task)
-        self._progress.advance(self._all)
+    def ended(self, name: str) -> None:
+        """Take a bar away."""
+        with self._lock:
+            if name in self._runs:
+                self._bars.remove_task(self._runs.pop(name))
+
+    def told(self, text: str) -> None:
+        """Print a result above the bars."""
+        super().told(text)
+        self._bars.update(self._all, completed=self._done, total=self._total)
+
+    def close(self) -> None:
+        """Take all bars away."""
+        self._bars.stop()
+
+
+def _counted(done: int, total: int | None) -> str:
+    return "" if total is None else f"{done}/{total} "

@@ -9,16 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api.arrays import Floats
+from contactlab.api import Floats, Record
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.results.summary import THE_END_ONLY
 from contactlab.scene.scene import Scene
 from contactlab.studies.measure_run import driven_support, without_compilation
-from contactlab.studies.plan import Job, Plan, compared_scene, find_scene
+from contactlab.studies.plan import Combination, Plan, compared_scene, find_scene
 from contactlab.studies.profile import FoldedSurfaceError, Profile, distance, norm
 from contactlab.studies.removable import Variant, variants
-from contactlab.studies.run_job import Outcome
 from contactlab.studies.study import Study
 from contactlab.studies.table import COMPLETE
 
@@ -105,20 +104,20 @@ def plan_breakdown(
     return BreakdownPlan(own, scene, 0, jobs, shown, refused)
 
 
-def _job(name: str, scene: Scene, label: str) -> Job:
+def _job(name: str, scene: Scene, label: str) -> Combination:
     """Make the job of one variant; it has no partner."""
     contact = scene.contacts[0] if scene.contacts else None
     algorithm = contact.algorithm["use"] if contact is not None else "no contact"
     slave = contact.sides[0].partition(".")[0] if contact is not None else ""
     choice = {"effect": label}
-    return Job(name, compared_scene(scene), choice, choice, algorithm, slave, partner=name, refines=False)
+    return Combination(name, compared_scene(scene), choice, choice, algorithm, slave, partner=name, refines=False)
 
 
-def breakdown_of(plan: BreakdownPlan, outcomes: Mapping[str, Outcome]) -> CostBreakdown:
-    """The cost breakdown from the outcomes of all its runs."""
-    base = outcomes[plan.jobs[0].name]
+def breakdown_of(plan: BreakdownPlan, records: Mapping[str, Record]) -> CostBreakdown:
+    """The cost breakdown from the records of all its runs."""
+    base = records[plan.jobs[0].name]
     effects = [
-        _cost(plan.shown[job.name], plan, base, outcomes[job.name], job) for job in plan.jobs if job.name in plan.shown
+        _cost(plan.shown[job.name], plan, base, records[job.name], job) for job in plan.jobs if job.name in plan.shown
     ]
     costs = _costs(base)
     return CostBreakdown(
@@ -126,15 +125,15 @@ def breakdown_of(plan: BreakdownPlan, outcomes: Mapping[str, Outcome]) -> CostBr
     )
 
 
-def _costs(outcome: Outcome) -> tuple[float, float, float]:
+def _costs(record: Record) -> tuple[float, float, float]:
     """CPU seconds of a step and of the run without the compiling and loading of kernels, and MiB of arrays."""
-    cost = outcome.summary.get("cost", {})
+    cost = record.summary.get("cost", {})
     run = max(0.0, without_compilation(cost, "run_cpu_s"))  # nothing where a run left no cost
-    steps = outcome.summary.get("steps", 0)
+    steps = record.summary.get("steps", 0)
     return run / steps if steps else math.nan, run, float(cost.get("arrays_mib", math.nan))
 
 
-def _cost(variant: Variant, plan: BreakdownPlan, base: Outcome, other: Outcome, job: Job) -> EffectCost:
+def _cost(variant: Variant, plan: BreakdownPlan, base: Record, other: Record, job: Combination) -> EffectCost:
     rich, poor = (base, other) if variant.declared else (other, base)
     step, run, memory = (a - b for a, b in zip(_costs(rich), _costs(poor), strict=True))
     if _implicit(rich) != _implicit(poor):
@@ -146,29 +145,29 @@ def _cost(variant: Variant, plan: BreakdownPlan, base: Outcome, other: Outcome, 
     return EffectCost(*named, step, run, memory, *changes, _energy(rich, poor), other.status, other.reason)
 
 
-def _implicit(outcome: Outcome) -> bool:
-    return bool(outcome.summary.get("iterations"))
+def _implicit(record: Record) -> bool:
+    return bool(record.summary.get("iterations"))
 
 
 # --- what changes in the answer ----------------------------------------------------------------------
 
 
-def _reaction(rich: Outcome, poor: Outcome, scene: Scene) -> float:
+def _reaction(rich: Record, poor: Record, scene: Scene) -> float:
     """Change of the driven support's force, or of the first contact's where nothing is supported."""
     return _change_of(rich, poor, _force_columns(rich, scene))
 
 
-def _force_columns(outcome: Outcome, scene: Scene) -> tuple[str, ...]:
-    reactions = {on: np.asarray(force) for on, force in outcome.summary.get("reactions", {}).items()}
+def _force_columns(record: Record, scene: Scene) -> tuple[str, ...]:
+    reactions = {on: np.asarray(force) for on, force in record.summary.get("reactions", {}).items()}
     where = driven_support(scene.data, reactions) or ("contacts.0" if scene.contacts else "")
     return tuple(f"{where}.{component}" for component in ("fx", "fy")) if where else ()
 
 
-def _energy(rich: Outcome, poor: Outcome) -> float:
+def _energy(rich: Record, poor: Record) -> float:
     return _change_of(rich, poor, ("energy.internal",))
 
 
-def _change_of(rich: Outcome, poor: Outcome, columns: Sequence[str]) -> float:
+def _change_of(rich: Record, poor: Record, columns: Sequence[str]) -> float:
     """Change of columns of the history over the loading.
 
     Of its end alone, where one of the runs is right only there, or takes load steps where the other sets out gently.
@@ -180,18 +179,18 @@ def _change_of(rich: Outcome, poor: Outcome, columns: Sequence[str]) -> float:
     return _change([course(rich, name) for name in columns], [course(poor, name) for name in columns])
 
 
-def _course(outcome: Outcome, column: str) -> Floats:
+def _course(record: Record, column: str) -> Floats:
     """A column of the history over the loading, from 0 to its end; zero where there is none."""
-    if column not in outcome.history:
+    if column not in record.history:
         return np.zeros(INSTANTS)
-    time, values = (np.asarray(outcome.history[name]) for name in ("time", column))
-    whole = outcome.summary.get("resolved", {}).get("ramp") or time[-1]
+    time, values = (np.asarray(record.history[name]) for name in ("time", column))
+    whole = record.summary.get("resolved", {}).get("ramp") or time[-1]
     return np.interp(np.linspace(0.0, 1.0, INSTANTS), time / whole, values)
 
 
-def _end(outcome: Outcome, column: str) -> Floats:
+def _end(record: Record, column: str) -> Floats:
     """The last entry of a column (1,), zero where there is none."""
-    return np.asarray(outcome.history.get(column, np.zeros(1)))[-1:]
+    return np.asarray(record.history.get(column, np.zeros(1)))[-1:]
 
 
 def _change(rich: Sequence[Floats], poor: Sequence[Floats]) -> float:
@@ -203,10 +202,10 @@ def _change(rich: Sequence[Floats], poor: Sequence[Floats]) -> float:
     return float(np.linalg.norm(difference)) / size if size > 0.0 else math.nan
 
 
-def _pressure(rich: Outcome, poor: Outcome) -> float:
+def _pressure(rich: Record, poor: Record) -> float:
     """Change of the final pressure of the first contact; the whole of it where the other run has no contact."""
     try:
-        profiles = [Profile.of_curve(o.curve) if o.curve is not None else None for o in (rich, poor)]
+        profiles = [Profile.of_curve(r.curve()) if r.curves.get("contacts.0") else None for r in (rich, poor)]
     except FoldedSurfaceError:
         return math.nan
     own, other = profiles

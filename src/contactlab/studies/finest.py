@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from contactlab.scene.scene import Scene
+from contactlab.studies.combination import combination_plan
+from contactlab.studies.gather import gather
 from contactlab.studies.make_reference import holds_for, mean_curve, reference_files
+from contactlab.studies.plan import make_plan
 from contactlab.studies.profile import distance, norm
 from contactlab.studies.reference import Reference, load_reference
-from contactlab.studies.runner import run_study
-from contactlab.studies.scheduler import LOCAL
 from contactlab.studies.study import FINEST
 from contactlab.studies.table import Row, Table
 
@@ -47,49 +47,38 @@ def answer_key(scene: Mapping[str, Any]) -> str:
     return hashlib.sha256(json.dumps(holds_for(scene), sort_keys=True, default=str).encode()).hexdigest()[:12]
 
 
-def make_finest(
-    scenes: Sequence[Scene], contact: int, folder: Path | None, jobs: int | None, resume: bool, scheduler: str = LOCAL
-) -> Finest:
+def finest_plan(
+    scenes: Sequence[Scene], contact: int, folder: Path | None
+) -> Generator[Sequence[Any], Sequence[Any], Finest]:
     """References for these scenes: for each different answer runs at the finest level among them and at twice that.
 
-    They are made in `folder`, where what is there already serves again, or in passing for None.
+    They are written into `folder`, if there is one; what is there already serves again.
     """
     groups: dict[str, list[Scene]] = {}
     for scene in scenes:
         groups.setdefault(answer_key(scene.data), []).append(scene)
-    found: dict[str, Reference] = {}
-    why: dict[str, str] = {}
     with TemporaryDirectory() as passing:
-        for place, members in groups.items():
-            target = (folder or Path(passing)) / place
-            finest = max(members, key=lambda scene: scene.level)
-            made = partial(_made, finest, contact, target, jobs, resume, scheduler)
-            answer = load_reference(str(target / f"{FINEST}.json")) if _there(target) else made()
-            if isinstance(answer, Reference):
-                found[place] = replace(answer, name=FINEST)
-            else:
-                why[place] = answer
-    return Finest(found, why)
+        place = Path(passing) if folder is None else folder / FINEST
+        answers = yield [_answer_plan(max(g, key=lambda s: s.level), contact, place / k) for k, g in groups.items()]
+    known = dict(zip(groups, answers, strict=True))
+    found = {key: replace(one, name=FINEST) for key, one in known.items() if isinstance(one, Reference)}
+    return Finest(found, {key: one for key, one in known.items() if isinstance(one, str)})
 
 
-def _there(folder: Path) -> bool:
-    return (folder / f"{FINEST}.json").is_file()
-
-
-def _made(scene: Scene, contact: int, folder: Path, jobs: int | None, resume: bool, scheduler: str) -> Reference | str:
+def _answer_plan(scene: Scene, contact: int, folder: Path) -> Generator[Sequence[Any], Sequence[Any], Reference | str]:
     """The reference of one scene, or why there is none."""
+    if (folder / f"{FINEST}.json").is_file():
+        return load_reference(str(folder / f"{FINEST}.json"))
     levels = (scene.level, 2 * scene.level)
     algorithms = tuple(scene.registry.names("contact"))
-    vary = {f"contacts.{contact}.algorithm": algorithms, "level": levels}
-    table = run_study(
-        scene, vary, folder / "runs", jobs, resume=resume or (folder / "runs").exists(), scheduler=scheduler
-    )
-    if table.interrupted:
-        raise KeyboardInterrupt
+    plan = make_plan(scene, {f"contacts.{contact}.algorithm": algorithms, "level": levels})
+    done = yield [combination_plan(one, 1) for one in plan.jobs]
+    rows = gather(plan, {one.name: record for one, record in zip(plan.jobs, done, strict=True)}, None)
+    table = Table(rows, plan.study, None, plan.scene.data)
     kept = steadiest(table, levels)
     if not kept:
         ends = "; ".join(f"{row.algorithm}: {row.status}" for row in table.rows if row.level == levels[-1])
-        return f"no run at level {levels[-1]} came to its end ({ends}), so that there is no finest one"
+        return f"no run at level {levels[-1]} has a pressure at its end ({ends}), so that there is no finest one"
     chosen = replace(table, rows=kept, study=replace(table.study, name=f"{scene.name}, from finer meshes"))
     origin = f"Runs at levels {levels[0]} and {levels[1]}: {', '.join(dict.fromkeys(row.algorithm for row in kept))}."
     return load_reference(str(reference_files(FINEST, chosen, levels, mean_curve(chosen, levels), folder, origin)))

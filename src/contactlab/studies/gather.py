@@ -1,4 +1,4 @@
-"""From the outcomes of runs to the rows of a table."""
+"""From the records of runs to the rows of a table."""
 
 from __future__ import annotations
 
@@ -7,21 +7,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
+from contactlab.api import Record
 from contactlab.api.warning import RunWarning
+from contactlab.jobs.system import system_facts
 from contactlab.parts.registry import Registry
 from contactlab.studies.find_reference import Source, matching_reference
 from contactlab.studies.installed_measures import with_installed
 from contactlab.studies.measure_run import measure_run
 from contactlab.studies.measures import mutual_difference, relative_difference
-from contactlab.studies.plan import Job, Plan
+from contactlab.studies.plan import Combination, Plan
 from contactlab.studies.reference import Reference
-from contactlab.studies.run_job import Outcome
+from contactlab.studies.shape import shapes_of
 from contactlab.studies.table import COMPLETE, Row
 
 
-def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Source | None) -> list[Row]:
+def gather(plan: Plan, records: Mapping[str, Record], named: Source | None) -> list[Row]:
     """A row per job. Pairs of rows that differ in the swap alone share their asymmetry."""
-    rows = [row_of(plan, job, outcomes[job.name], named) for job in plan.jobs]
+    rows = [row_of(plan, job, records[job.name], named) for job in plan.jobs]
     partners: dict[str, list[Row]] = {}
     for job, row in zip(plan.jobs, rows, strict=True):
         partners.setdefault(job.partner, []).append(row)
@@ -29,19 +31,20 @@ def gather(plan: Plan, outcomes: Mapping[str, Outcome], named: Source | None) ->
     return [_with_measures(row, shared[row.name]) for row in rows]
 
 
-def row_of(plan: Plan, job: Job, outcome: Outcome, named: Source | None) -> Row:
+def row_of(plan: Plan, job: Combination, record: Record, named: Source | None) -> Row:
     """The row of one job, without the measures that it shares with its partner."""
     data = job.scene.data
     reference, why = fitting_reference(data, named, job.scene.registry)
-    final = outcome.curve if outcome.status in COMPLETE else None
-    measures, notes = measure_run(data, outcome.summary, plan.contact, final, reference)
-    if outcome.curve is not None and final is None:
+    curve = record.curve(name) if record.curves.get(name := f"contacts.{plan.contact}") else None
+    final = curve if record.status in COMPLETE else None
+    measures, notes = measure_run(data, record.summary, plan.contact, final, reference)
+    if curve is not None and final is None:
         notes.append(
             f"{job.algorithm}, slave {job.slave}, level {job.scene.level}: stopped before the load was complete; "
             "its pressure is shown and not compared"
         )
     if final is not None:
-        measures, said = with_installed(measures, outcome, plan.contact, reference, job.scene.registry)
+        measures, said = with_installed(measures, record, plan.contact, reference, job.scene.registry)
         notes += said
     return Row(
         name=job.name,
@@ -50,19 +53,19 @@ def row_of(plan: Plan, job: Job, outcome: Outcome, named: Source | None) -> Row:
         level=job.scene.level,
         varied=job.varied,
         choices=job.choices,
-        status=outcome.status,
-        reason=outcome.reason,
+        status=record.status,
+        reason=record.reason,
         measures=measures,
         notes=[*notes, *([why] if why else [])],
-        system=outcome.system,
-        parts=outcome.summary.get("parts", {}),
-        warnings=[RunWarning.from_data(data) for data in outcome.summary.get("warnings", ())],
+        system=record.summary.get("system") or system_facts(),
+        parts=record.summary.get("parts", {}),
+        warnings=[RunWarning.from_data(data) for data in record.summary.get("warnings", ())],
         reference=reference.name if reference else "",
-        curve=outcome.curve,
-        shapes=outcome.shapes,
+        curve=curve,
+        shapes=shapes_of(record),
         refines=job.refines,
-        history=outcome.history,
-        path=str(outcome.summary.get("history", {}).get("curve", "")),
+        history=record.history,
+        path=str(record.summary.get("history", {}).get("curve", "")),
     )
 
 

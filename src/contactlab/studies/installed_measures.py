@@ -11,7 +11,6 @@ from contactlab.errors import PartError, one_line
 from contactlab.parts.registry import Registry
 from contactlab.studies.columns import BY_NAME, Column
 from contactlab.studies.reference import Reference
-from contactlab.studies.run_job import Outcome
 
 
 def column_name(part: str) -> str:
@@ -37,12 +36,10 @@ def known_measures(registry: Registry) -> Sequence[str]:
 
 
 def with_installed(
-    measures: Mapping[str, float], outcome: Outcome, contact: int, reference: Reference | None, registry: Registry
+    measures: Mapping[str, float], record: Record, contact: int, reference: Reference | None, registry: Registry
 ) -> tuple[dict[str, float], list[str]]:
     """The measures of a run and those that installed parts find in it, and notes on parts that raised."""
     found, notes = dict(measures), []
-    curves = {} if outcome.curve is None else {f"contacts.{contact}": [outcome.curve]}
-    record = Record(outcome.status, outcome.reason, outcome.summary, outcome.history, curves=curves)
     solution = None if reference is None else _solution(reference)
     for name in registry.names("measure"):
         part: RunMeasure = registry.make("measure", name)

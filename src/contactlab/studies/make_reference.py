@@ -18,21 +18,23 @@ import argparse
 import csv
 import json
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Generator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from contactlab.api.arrays import Floats
+from contactlab.api import Floats, Record
 from contactlab.errors import ContactlabError, RequestError
+from contactlab.jobs.driver import Driver
 from contactlab.results.results import ContactCurve
-from contactlab.studies.plan import make_plan
+from contactlab.studies.combination import combination_plan
+from contactlab.studies.gather import gather
+from contactlab.studies.plan import Plan, make_plan
 from contactlab.studies.profile import Profile, distance, norm
 from contactlab.studies.reference import FOLDER
 from contactlab.studies.root_edges import with_root_edges
-from contactlab.studies.runner import run_study
 from contactlab.studies.table import Row, Table
 
 _POINTS_PER_SEGMENT = 4  # of the stored curve, so that storing adds nothing to the error
@@ -57,7 +59,10 @@ def make_reference(recipe: str | Path, out: str | Path, jobs: int | None = None)
     """
     path = _recipe_path(recipe)
     scene = _scene_of(path)
-    table = replace(run_study(path, jobs=jobs), scene=scene)
+    plan = make_plan(path)
+    with Driver(None, jobs, time_limit=plan.study.time_limit) as driver:
+        done = driver.result(_all(plan))
+    table = Table(gather(plan, done, None), plan.study, None, scene)
     if table.failed:
         failed = "; ".join(f"{row.name}: {row.status}: {row.reason}" for row in table.failed)
         raise ContactlabError(f"no reference from runs that fail: {failed}")
@@ -95,6 +100,11 @@ def _scene_of(recipe: Path) -> Mapping[str, Any]:
             allowed="one of each: levels, algorithms, slaves and integrators may vary",
         )  # fmt: skip
     return scenes[0]
+
+
+def _all(plan: Plan) -> Generator[Sequence[Any], Sequence[Any], dict[str, Record]]:
+    done = yield [combination_plan(one, plan.study.repeat) for one in plan.jobs]
+    return dict(zip((one.name for one in plan.jobs), done, strict=True))
 
 
 def _recipe_path(recipe: str | Path) -> Path:

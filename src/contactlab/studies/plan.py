@@ -26,14 +26,14 @@ RECORD = 3.0  # MB of the contact record of a run: there are many of them, and s
 
 
 @dataclass(frozen=True)
-class Job:
-    """One run to be made.
+class Combination:
+    """One combination of the varied values, and its run.
 
     name      of its folder
     scene     with the varied values set
     varied    scene keys and values that tell it from the others
     choices   those of them that neither algorithm nor slave nor level shows
-    partner   the same without the swap of slave and master: two jobs that share it are a pair
+    partner   the values without the swap of slave and master: two that share it are a pair
     refines   True when it is only there for the plot of error against cost
     """
 
@@ -58,7 +58,7 @@ class Plan:
     study: Study
     scene: Scene
     contact: int
-    jobs: Sequence[Job]
+    jobs: Sequence[Combination]
 
 
 def make_plan(
@@ -137,7 +137,7 @@ def _everything(scene: Scene, contact: int, registry: Registry) -> dict[str, tup
     }
 
 
-def _jobs(study: Study, scene: Scene, contact: int) -> list[Job]:
+def _jobs(study: Study, scene: Scene, contact: int) -> list[Combination]:
     combinations = study.combinations()
     asked = [_job(scene, varied, contact, refines=False) for varied in combinations]
     done = {(job.partner, job.slave, job.algorithm) for job in asked}
@@ -156,7 +156,7 @@ def compared_scene(scene: Scene) -> Scene:
     return scene if scene.record.budget is not None else scene.with_({"record.budget": RECORD})
 
 
-def _job(base: Scene, varied: Mapping[str, Any], contact: int, refines: bool) -> Job:
+def _job(base: Scene, varied: Mapping[str, Any], contact: int, refines: bool) -> Combination:
     scene = compared_scene(base.with_(without_star(varied, base.data)))
     compared = scene.data["contacts"][contact]
     algorithm = _algorithm_label(base, varied, contact, compared)
@@ -165,7 +165,7 @@ def _job(base: Scene, varied: Mapping[str, Any], contact: int, refines: bool) ->
     rest = {key: value for key, value in varied.items() if key not in swaps}
     choices = {key: value for key, value in rest.items() if key != "level" and not key.startswith(algorithms)}
     partner = json.dumps({**rest, "level": scene.level}, sort_keys=True, default=str)
-    return Job(
+    return Combination(
         _slug(algorithm, slave, scene.level, choices), scene, varied, choices, algorithm, slave, partner, refines
     )
 
@@ -194,7 +194,7 @@ def _slug(algorithm: str, slave: str, level: int, choices: Mapping[str, Any]) ->
     return re.sub(r"[^A-Za-z0-9.=-]+", "-", f"{algorithm}-{slave}-level-{level}-{varied}").strip("-")
 
 
-def _named(jobs: list[Job]) -> list[Job]:
+def _named(jobs: list[Combination]) -> list[Combination]:
     """The jobs with numbered names, so that folders sort as the table does."""
     width = len(str(len(jobs)))
     return [replace(job, name=f"{number:0{width}d}-{job.name}") for number, job in enumerate(jobs, start=1)]

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from contactlab.api.arrays import XX, XY, YY, ZZ, Floats
+from contactlab.api import Floats, Record
+from contactlab.api.arrays import XX, XY, YY, ZZ
 from contactlab.results.results import Results
 
 
@@ -22,12 +23,12 @@ class Shape:
     von_mises: Floats
 
 
-def shapes_of(results: Results) -> dict[str, Shape]:
-    """The bodies of a run at its last frame."""
-    position = results.nodes + results.displacement
+def shapes_of(record: Record | Results) -> dict[str, Shape]:
+    """The bodies of a run at its last frame; none if the record has no fields."""
+    position = record.nodes + record.displacement
     return {
-        name: Shape(position[cells[:, :4]], von_mises(results.stress[name]).mean(axis=1))
-        for name, cells in results.cells.items()
+        name: Shape(position[cells[:, :4]], von_mises(record.stress[name]).mean(axis=1))
+        for name, cells in record.cells.items()
     }
 
 

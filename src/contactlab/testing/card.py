@@ -10,7 +10,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from contactlab.archive.keys import sources
+from contactlab.jobs.keys import sources
 from contactlab.parts.provenance import LIBRARIES
 from contactlab.testing.check_part import PartReport
 from contactlab.testing.run import Outcome

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 import zlib
+from collections.abc import Generator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -12,9 +14,9 @@ from contactlab.accuracy import choose as choosing
 from contactlab.accuracy.choose import _level_between, expected_cost, first_meeting
 from contactlab.accuracy.lines import Line
 from contactlab.accuracy.point import Point
-from contactlab.accuracy.run import Accuracy, Asked
-from contactlab.accuracy.study import CaseStudy
+from contactlab.accuracy.run import LineTasks
 from contactlab.cli import main
+from contactlab.jobs.run import here
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import load_scene
 from contactlab.studies.find_reference import matching_reference
@@ -64,22 +66,20 @@ def test_the_choice_is_near_the_best_of_all(wish: float, tmp_path: Path, monkeyp
     names: set[tuple[str, str]] = set()
     tried: dict[tuple[str, str], list[int]] = {}
 
-    def run(study: CaseStudy, *rest: object) -> Accuracy:
+    def line_plan(line: LineTasks, *rest: Any) -> Generator[list[Any], Any, list[Point]]:
         points = []
-        for contender in study.contenders:
-            for slave in contender.slaves or ("declared", "exchanged"):
-                names.add((contender.label, slave))
-                for level in study.levels:
-                    tried.setdefault((contender.label, slave), []).append(level)
-                    error, cost = error_and_cost(contender.label, slave, level)
-                    points.append(
-                        Point("disc-on-block", contender.label, slave, level, "finished", "", error, (cost,), 0.01)
-                    )
-        asked = Asked("disc-on-block", "", "", "exact", 0.0, math.nan, "")
-        return Accuracy(study, [asked], [c.label for c in study.contenders], points, 1)
+        for task in line.tasks:
+            name = task.contender.label, task.slave
+            names.add(name)
+            tried.setdefault(name, []).append(task.level)
+            error, cost = error_and_cost(*name, task.level)
+            points.append(Point("disc-on-block", *name, task.level, "finished", "", error, (cost,), 0.01))
+        yield []
+        return points
 
-    monkeypatch.setattr(choosing, "run_accuracy", run)
-    found = choosing.choose(scene, choosing.Wish(wish, 60.0, 120.0), registry, tmp_path, 1, lambda *told: None)
+    monkeypatch.setattr(choosing, "line_plan", line_plan)
+    asked = choosing.choose_plan(scene, choosing.Wish(wish, 60.0, 120.0), registry, tmp_path, lambda point: None)
+    found = here(asked, lambda run: pytest.fail("a run was made"))
     known = matching_reference(scene.data, registry)
     assert known is not None
     target = wish - known.pressure_uncertainty

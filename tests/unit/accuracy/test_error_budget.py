@@ -12,11 +12,10 @@ import pytest
 
 from contactlab.accuracy import error_budget as budgets
 from contactlab.accuracy.error_budget import ErrorBudget, Knob, Share, knobs_of
-from contactlab.api.frame import ContactCurve
+from contactlab.api import ContactCurve, Record
 from contactlab.cli import main
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, load_scene
-from contactlab.studies.run_job import Outcome
 
 RESOLVED = {"resolved": {"ramp": 2e-6, "hold": 1e-5, "damping": 4e6, "relaxation": 0.0}, "steps": 7}
 
@@ -50,13 +49,13 @@ def test_a_knob_turns_one_thing_alone() -> None:
     assert knobs["time step"] == {"time.fraction": 0.45}
 
 
-def outcome(error: float, cost: float) -> Outcome:
+def outcome(error: float, cost: float) -> Record:
     """A parabola of pressure and a force, both too large by `error`."""
     x = np.linspace(-1.0, 1.0, 41)
     columns: dict[str, Any] = {name: np.zeros(41) for name in ContactCurve.COLUMNS}
     columns |= {"x": x, "pressure": (1.0 - x**2) * (1.0 + error)}
     summary = {"cost": {"run_cpu_s": cost, "compile_s": 0.0}, "contacts": {"a": {"resultant": [0.0, 1.0 + error]}}}
-    return Outcome("finished", "", summary | RESOLVED, ContactCurve(**columns))
+    return Record("finished", "", summary | RESOLVED, curves={"contacts.0": [ContactCurve(**columns)]})
 
 
 def test_parts_are_those_of_richardson() -> None:

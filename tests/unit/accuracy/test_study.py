@@ -4,18 +4,22 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Generator
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from contactlab.accuracy.point import Point, Task, named, run_point
+from contactlab.accuracy import run
+from contactlab.accuracy.point import Point, Task, named, point_plan
 from contactlab.accuracy.problem import choices, contenders, problem_of
-from contactlab.accuracy.run import GROWTH, plan
+from contactlab.accuracy.run import GROWTH, Budget, LineTasks, expected_cost, line_plan, plan
 from contactlab.accuracy.study import CaseChoice, Contender, bundled_case_studies, find_case_study
 from contactlab.api import Setup
 from contactlab.cli import main
 from contactlab.errors import RequestError
+from contactlab.jobs.run import here
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.studies.reference import load_reference
 
@@ -46,9 +50,8 @@ def test_the_demo_begins_with_statics() -> None:
     levels = {line.tasks[0].contender.label: [task.level for task in line.tasks] for line in lines}
     assert len(levels) == 6
     assert all(found == ([1, 2] if name.endswith("explicit") else [1, 2, 3, 4]) for name, found in levels.items())
-    for line in lines:
-        line.done.append(named(line.tasks[0], "failed", ""))  # level 2 of statics comes before level 1 of explicit runs
-        assert (line.place < (1, 1)) == (line.tasks[0].contender.way == "statics")
+    for line in lines:  # level 2 of statics comes before level 1 of explicit runs
+        assert (line.place(line.tasks[1], 0.0) < (1, 1)) == (line.tasks[0].contender.way == "statics")
 
 
 def test_parts_of_a_file_join(tmp_path: Path) -> None:
@@ -128,8 +131,9 @@ def test_no_point_is_as_fine_as_the_runs_of_its_reference() -> None:
     assert level is not None
     choice = CaseChoice(scene="disc-on-block", reference="disc-on-block-deep")
     task = Task(choice, Contender("", "q1", "newton", "mortar-p0"), False, level, 1.0)
-    point, made = run_point(task, default_registry(), None, print)
-    assert (point.status, made) == ("not-applicable", [])
+    problem = problem_of(choice, default_registry())
+    point = here(point_plan(task, problem, default_registry()), lambda run: pytest.fail("it was run"))
+    assert point.status == "not-applicable"
     assert f"level {level}" in point.reason
 
 
@@ -148,16 +152,46 @@ def test_what_should_cost_least_comes_first() -> None:
     bundled = find_case_study("accuracy")
     assert bundled is not None
     study = replace(bundled, cases=(bundled.cases[0],), levels=(1, 2, 4))
-    first, second, third = plan(study, default_registry())[1][:3]
-    assert first.place == second.place == (0, 0.0)  # nothing is known of either
-    first.done.append(point(first.tasks[0], 0.5))
-    second.done.append(point(second.tasks[0], 0.2))
-    third.done.append(point(third.tasks[0], 10.0))
-    assert first.place == (0, pytest.approx(0.5 * 2.0**GROWTH))
-    assert second.place < first.place
-    assert third.place == (0, 0.0)  # 80 s are beyond its limit of 30: told at once
-    second.done.append(point(second.tasks[1], 3.2))  # costs grow with the fourth power: 51 s at level 4
-    assert second.place < first.place
+    first, second = plan(study, default_registry())[1][:2]
+    assert place(first, []) == place(second, []) == (0, 0.0)  # nothing is known of either
+    slow, fast = [point(first.tasks[0], 0.5)], [point(second.tasks[0], 0.2)]
+    assert place(first, slow) == (0, pytest.approx(0.5 * 2.0**GROWTH))
+    assert place(second, fast) < place(first, slow)
+
+
+def place(line: LineTasks, done: list[Point]) -> tuple[float, float]:
+    task = line.tasks[len(done)]
+    return line.place(task, expected_cost(done, task.level))
+
+
+@pytest.mark.parametrize(
+    ("cost", "budget", "expected"),
+    [
+        (10.0, None, ["finished", "over-limit", "over-limit"]),
+        (1.0, 8.0, ["finished", "over-budget", "over-limit"]),
+        (0.1, 8.0, ["finished", "finished", "finished"]),
+    ],
+)
+def test_a_level_beyond_the_limit_or_the_budget_is_not_run(
+    cost: float, budget: float | None, expected: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Costs grow with the cube of the level, the limit is 30 s."""
+
+    def point_plan(task: Task, *rest: Any) -> Generator[list[Any], Any, Point]:
+        why = rest[-1]()
+        yield []
+        now = cost * task.level**3
+        return named(task, "over-budget", why) if why else replace(point(task, now), spent=now)
+
+    monkeypatch.setattr(run, "point_plan", point_plan)
+    bundled = find_case_study("accuracy")
+    assert bundled is not None
+    study = replace(bundled, cases=(bundled.cases[0],), levels=(1, 2, 4), limit=30.0)
+    line = plan(study, default_registry())[1][0]
+    told: list[Point] = []
+    found = here(line_plan(line, default_registry(), Budget(budget), told.append), lambda run: pytest.fail("a run"))
+    assert [one.status for one in told] == expected
+    assert found == told
 
 
 def point(task: Task, cost: float) -> Point:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from contactlab.api import Floats, Job, Memory, StepView, Watch
-from contactlab.cases.record import from_bytes, to_bytes
 from contactlab.cases.run_case import run_job, scene_of
+from contactlab.jobs.record import from_bytes, to_bytes
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import load_scene
 

@@ -13,7 +13,7 @@ from types import ModuleType
 
 import pytest
 
-from contactlab.archive.archive import FILE, Archive, StoredRow
+from contactlab.jobs.archive import FILE, Archive, StoredRow
 
 ROOT = Path(__file__).parents[3]
 CHOICES = {

@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from contactlab.cli import main
-from contactlab.matrix.margins import HALVINGS, bisected
+from contactlab.matrix.margins import HALVINGS, bisection
+
+
+def bisected(holds: Callable[[float], bool], start: float, limit: float) -> tuple[float, float]:
+    search = bisection(start, limit)
+    value = next(search)
+    while True:
+        try:
+            value = search.send(holds(value))
+        except StopIteration as end:
+            return end.value  # type: ignore[no-any-return]
 
 
 @pytest.mark.parametrize("edge", [1.5, 3.0, 9.9])

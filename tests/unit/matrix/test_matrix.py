@@ -15,9 +15,9 @@ from typing import Any
 
 import pytest
 
-from contactlab.archive.archive import FILE, Archive
 from contactlab.cases.verdict import WORST
 from contactlab.cli import main
+from contactlab.jobs.archive import FILE, Archive
 from contactlab.matrix.files import COLUMNS, against, verdicts
 from contactlab.matrix.plan import Request, plan
 from contactlab.matrix.run import Matrix
@@ -169,8 +169,9 @@ def test_archives_merge(
     assert runs(tmp_path) == runs(made)
     assert main(["archive", "merge", str(tmp_path), str(made)]) == 0
     assert "0 runs, 0 cells" in " ".join(capsys.readouterr().out.split())
-    with sqlite3.connect(tmp_path / FILE) as file:
-        file.execute("update cells set machine = 'another', made = '2000-01-01T00:00:00+00:00'")
+    with Archive(tmp_path / FILE) as archive:
+        for cell in list(archive.cells()):
+            archive.add_cell(cell["key"], "another", cell, cell)
     assert main(["archive", "merge", str(made), str(tmp_path)]) == 0
     assert main(["archive", "list", str(made)]) == 0
     listed = capsys.readouterr().out

@@ -7,12 +7,12 @@ import math
 import numpy as np
 import pytest
 
+from contactlab.jobs.system import system_facts
 from contactlab.results.results import ContactCurve
 from contactlab.studies.profile import Profile
 from contactlab.studies.reference import Reference
 from contactlab.studies.shape import Shape
 from contactlab.studies.study import Study
-from contactlab.studies.system import system_facts
 from contactlab.studies.table import Row, Table
 
 X = np.linspace(-0.8, 0.8, 33)

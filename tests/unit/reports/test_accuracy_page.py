@@ -20,11 +20,11 @@ from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import WAITING, Accuracy, Asked
 from contactlab.accuracy.study import CaseStudy
 from contactlab.api import ContactCurve, Record
-from contactlab.archive.archive import FILE, Archive, StoredRun
-from contactlab.cases.record import to_bytes
+from contactlab.jobs.archive import FILE, Archive, StoredRun
+from contactlab.jobs.record import to_bytes
+from contactlab.jobs.system import machine
 from contactlab.reports.accuracy_page import page, write_accuracy_page
 from contactlab.reports.accuracy_plots import cost_figure
-from contactlab.studies.system import machine
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 CASES = [f"case {n}" for n in range(9)]

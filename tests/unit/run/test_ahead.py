@@ -13,10 +13,10 @@ import pytest
 from numba.core.sigutils import normalize_signature
 
 from contactlab.api.compiled.locks import free_place, kernel_locked, lock_file
+from contactlab.jobs.perform import warm_up
 from contactlab.run import ahead
 from contactlab.run.known_kernels import kernels_of, surely_called
 from contactlab.scene.scene import bundled_scenes, load_scene
-from contactlab.studies.run_job import warm_up
 
 KERNELS = """
 from contactlab.api.compiled.kernel import kernel

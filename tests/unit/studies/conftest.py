@@ -4,34 +4,42 @@ from __future__ import annotations
 
 import sys
 import textwrap
+import traceback
 from collections.abc import Callable
+from concurrent.futures import Future
 from pathlib import Path
 from types import ModuleType
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 
-from contactlab.results.results import ContactCurve
-from contactlab.studies import run_job
+from contactlab.api import ContactCurve
+from contactlab.jobs import driver
+from contactlab.jobs.processes import Call, Pool, ProcessDiedError, RaisedError
+from contactlab.jobs.scheduler import LOCAL
 
 FAKE_RUNS = """
     import os
     import numpy as np
-    from contactlab.studies.run_job import Outcome
-    from contactlab.results.results import ContactCurve
+    from contactlab.api import ContactCurve, Record
+    from contactlab.jobs.record import ended, to_bytes
+    from contactlab.jobs.system import machine
 
-    def warm_up(scene, report):
-        raise RuntimeError("nothing to warm up")
+    def die():
+        os._exit(3)
 
-    def run(scene, folder, contact, repeat, report):
-        chosen = scene.contacts[contact]
+    def perform(run, folder, report):
+        scene = run.scene
+        chosen = scene.contacts[0]
+        report("begun")
         report((0.5, 10))
         if chosen.algorithm["use"] == "node-on-segment":
             if chosen.swap:
                 raise ZeroDivisionError("a part divides by nothing")
-            os._exit(3)
+            die()
         if folder is not None:
-            folder.mkdir(parents=True)
+            folder.mkdir(parents=True, exist_ok=True)
         x = np.linspace(-0.8, 0.8, 16 * scene.level + 1)
         p = np.maximum(0.0, 100.0 * (1.0 - (x / 0.4) ** 2)) * (1.01 if chosen.swap else 0.99)
         zero = np.zeros_like(x)
@@ -43,12 +51,12 @@ FAKE_RUNS = """
             "contacts": {"contacts.0": {"resultant": [1e-6, 50.0], "max_pressure": float(p.max()),
                          "pressure_integral": [0.0, -50.5 if chosen.swap else 50.5], "max_penetration": 1e-5}},
             "balance": {"kinetic": 1e-3, "internal": 10.0},
+            "machine": machine(), "process_s": 2.6, "calibration_s": 0.1,
         }
-        if scene.level == 9:
-            return Outcome("diverged", "it blew up", summary, curve)
-        if scene.level == 2:
-            return Outcome("not-converged", "it never came to rest", summary, curve)
-        return Outcome("finished", "", summary, curve)
+        status, reason = {
+            9: ("diverged", "it blew up"), 2: ("not-converged", "it never came to rest")
+        }.get(scene.level, ("finished", ""))
+        return to_bytes(Record(status, reason, summary, curves={"contacts.0": [curve]}))
 """
 
 
@@ -56,6 +64,33 @@ FAKE_RUNS = """
 def fake_source() -> str:
     """The module of functions that stand for runs, for processes that find it by themselves."""
     return textwrap.dedent(FAKE_RUNS)
+
+
+class Inline(Pool):
+    """Calls are made in this process, when they are submitted."""
+
+    elsewhere: ClassVar[bool] = False
+    size = 2
+
+    def submit(self, call: Call) -> Future[Any]:
+        """Make the call; whatever it raises is its answer."""
+        done: Future[Any] = Future()
+        try:
+            done.set_result(call.function(*call.arguments, call.report))
+        except ProcessDiedError as error:
+            done.set_exception(error)
+        except Exception as error:
+            done.set_exception(RaisedError(f"{type(error).__name__}: {error}", traceback.format_exc()))
+        return done
+
+    def stop(self) -> None:
+        """Nothing runs."""
+
+    def kill(self) -> None:
+        """Nothing runs."""
+
+    def close(self) -> None:
+        """Nothing runs."""
 
 
 @pytest.fixture
@@ -68,8 +103,13 @@ def fake_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     monkeypatch.delitem(sys.modules, "fake_runs", raising=False)
     import fake_runs
 
-    monkeypatch.setattr(run_job, "run", fake_runs.run)
-    monkeypatch.setattr(run_job, "warm_up", fake_runs.warm_up)
+    def die() -> None:
+        raise ProcessDiedError("the process left with exit status 3 before the run was over")
+
+    monkeypatch.setattr(fake_runs, "die", die)
+    monkeypatch.setattr(driver, "perform", fake_runs.perform)
+    whole = driver.open_pool
+    monkeypatch.setattr(driver, "open_pool", lambda where, *rest: Inline() if where == LOCAL else whole(where, *rest))
     return fake_runs
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from contactlab.api import Record
 from contactlab.comparison import compare
 from contactlab.errors import RequestError
 from contactlab.reports.breakdown_plot import breakdown_figure
@@ -22,7 +23,6 @@ from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.studies.cost_breakdown import BreakdownPlan, breakdown_of, plan_breakdown
 from contactlab.studies.removable import variants
-from contactlab.studies.run_job import Outcome
 
 COULOMB = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
 GRAVITY = {"effects": [{"use": "gravity", "acceleration": [0.0, -9810.0]}]}
@@ -98,7 +98,7 @@ def test_constants_are_kept_when_a_law_is_changed() -> None:
 
 def outcome(
     cpu: float, force: float = 1.0, curve: ContactCurve | None = None, status: str = "finished", steps: int = 100
-) -> Outcome:
+) -> Record:
     """A run whose force grows in proportion to time, and its energy with the square."""
     time = np.linspace(0.0, 2.0, 11)
     summary = {
@@ -109,7 +109,8 @@ def outcome(
         "time": time, "disc.top.fx": 0.0 * time, "disc.top.fy": force * np.minimum(time, 1.0),
         "energy.internal": force * np.minimum(time, 1.0) ** 2,
     }  # fmt: skip
-    return Outcome(status, "" if status == "finished" else "so it was", summary, curve, history=history)
+    curves = {"contacts.0": [curve]} if curve is not None else {}
+    return Record(status, "" if status == "finished" else "so it was", summary, history, curves=curves)
 
 
 @pytest.fixture
@@ -148,7 +149,7 @@ def test_runs_that_fail_are_kept_with_their_reason() -> None:
     runs = {job.name: outcome(1.0) for job in wished.jobs}
     runs[named(wished, "without damping")] = outcome(1.0, status="not-converged")
     runs[named(wished, "without contact")] = outcome(0.1, status="diverged")
-    runs[named(wished, "without inertia")] = Outcome("refused", "a body would drift")
+    runs[named(wished, "without inertia")] = Record("refused", "a body would drift", {})
     effects = {cost.effect: cost for cost in breakdown_of(wished, runs).effects}
     assert effects["damping"].status == "not-converged"
     assert effects["damping"].reaction == 0.0  # it carried the load to its end

@@ -10,9 +10,11 @@ import pytest
 
 from contactlab.comparison import compare
 from contactlab.errors import RequestError
+from contactlab.jobs.driver import Driver
+from contactlab.jobs.run import here
 from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import load_scene
-from contactlab.studies.finest import answer_key, make_finest, steadiest
+from contactlab.studies.finest import FINEST, answer_key, finest_plan, steadiest
 from contactlab.studies.reference import load_reference
 from contactlab.studies.study import Study
 from contactlab.studies.table import Row, Table
@@ -67,12 +69,14 @@ def test_a_scene_without_a_reference_is_measured_against_finer_meshes(tmp_path: 
         {"integrator": "newton", "supports.1.uy": {"ramp": "linear", "to": -0.03}, "record.recorders": [],
          "bodies.disc.mesh.cells": [12, 3], "bodies.block.mesh.cells": [18, 3]}
     )  # fmt: skip
-    found = make_finest([scene], 0, tmp_path / "finest", 1, False)
+    with Driver(jobs=1) as driver:
+        found = driver.result(finest_plan([scene], 0, tmp_path))
     reference = found.at(scene.data)
     # bilinear cells, contact on a dozen segments, a root at its edges: between half and twenty per cent
     assert 5e-3 < reference.pressure_uncertainty < 0.2
     assert reference.scalar("reaction") > 0.0
-    again = make_finest([scene], 0, tmp_path / "finest", 1, True)
+    again = here(finest_plan([scene], 0, tmp_path), lambda run: pytest.fail("a run was repeated"))
+    assert list(tmp_path.glob(f"{FINEST}/*/{FINEST}.json"))
     assert again.at(scene.data).profile.value == pytest.approx(reference.profile.value)  # read, not made
     assert "no finer run" in found.mismatch(scene.with_({"bodies.disc.shift": [0.1, 0.0]}).data)
 

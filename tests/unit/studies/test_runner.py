@@ -5,20 +5,20 @@ from __future__ import annotations
 import csv
 import json
 import math
+import os
+import signal
 import subprocess
 import sys
 import textwrap
-from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType
 
 import pytest
 
 import contactlab
 from contactlab.comparison import compare
 from contactlab.errors import RequestError
+from contactlab.jobs import driver
 from contactlab.scene.scene import load_scene
-from contactlab.studies import runner
 
 ALL = {
     "level": [1, 2],
@@ -45,7 +45,7 @@ class TestRecording:
     def test_the_traceback_is_kept_for_the_author_of_the_part(self, tmp_path: Path) -> None:
         table = compare("disc-on-block", ALL, out=tmp_path, jobs=2)
         (raised,) = table.select(algorithm="node-on-segment", level=1, slave="block")
-        assert "in run" in (tmp_path / "runs" / raised.name / "error.txt").read_text()
+        assert "in perform" in (tmp_path / "runs" / raised.name / "error.txt").read_text()
 
     def test_measures_of_single_runs_and_of_pairs(self) -> None:
         table = compare("disc-on-block", ALL | {"level": [1]}, jobs=2)
@@ -108,13 +108,13 @@ class TestRecording:
         assert (tmp_path / "table.csv").read_text() == "precious"
 
     def test_an_interrupt_keeps_what_is_done(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-        completed = runner.as_completed
+        perform = driver.perform
 
-        def interrupted(futures: object) -> Iterator[object]:
-            yield next(completed(futures))
-            raise KeyboardInterrupt
+        def interrupted(*call: object) -> bytes:
+            os.kill(os.getpid(), signal.SIGINT)
+            return perform(*call)
 
-        monkeypatch.setattr(runner, "as_completed", interrupted)
+        monkeypatch.setattr(driver, "perform", interrupted)
         with pytest.raises(KeyboardInterrupt):
             compare("disc-on-block", {"contacts.0.swap": [False, True], "level": [1, 3, 4, 5]}, out=tmp_path, jobs=1)
         with (tmp_path / "table.csv").open(newline="") as file:
@@ -192,17 +192,16 @@ def test_a_request_that_only_the_model_refuses_is_a_row() -> None:
     assert "block.top" in refused.reason
 
 
-def test_a_script_needs_no_guard(tmp_path: Path, fake_runs: ModuleType) -> None:
+def test_a_script_needs_no_guard(tmp_path: Path, fake_source: str) -> None:
+    (tmp_path / "fake_runs.py").write_text(fake_source)
     script = tmp_path / "script.py"
     script.write_text(
-        textwrap.dedent(f"""
-        import sys
-        sys.path.insert(0, {str(Path(str(fake_runs.__file__)).parent)!r})
+        textwrap.dedent("""
         import fake_runs, contactlab
-        from contactlab.studies import run_job
-        run_job.run, run_job.warm_up = fake_runs.run, fake_runs.warm_up
+        from contactlab.jobs import driver
+        driver.perform = fake_runs.perform
         scene = contactlab.load_scene("disc-on-block")
-        table = contactlab.compare(scene, vary={{"contacts.0.algorithm": ["mortar-p0"]}}, out="out", jobs=2)
+        table = contactlab.compare(scene, vary={"contacts.0.algorithm": ["mortar-p0"]}, out="out", jobs=2)
         print(table["status"])
         """)
     )

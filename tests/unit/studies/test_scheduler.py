@@ -9,24 +9,22 @@ import sys
 import textwrap
 import time
 from collections.abc import Iterator
-from concurrent.futures import CancelledError
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 
-from contactlab.archive.archive import FILE, Archive
 from contactlab.cli import main
 from contactlab.comparison import compare
 from contactlab.errors import RequestError
+from contactlab.jobs import dask_pool
+from contactlab.jobs.archive import FILE, Archive
+from contactlab.jobs.dask_pool import DaskPool
+from contactlab.jobs.dask_worker import SCRATCH
+from contactlab.jobs.processes import Call, ProcessDiedError, RaisedError, StoppedError, TimedOutError
+from contactlab.jobs.scheduler import open_pool
 from contactlab.matrix.files import verdicts
-from contactlab.studies import dask_pool
-from contactlab.studies.call import Call
-from contactlab.studies.dask_pool import DaskPool
-from contactlab.studies.dask_worker import SCRATCH
-from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
-from contactlab.studies.scheduler import open_pool
 
 TASKS = """
     import os, time
@@ -148,7 +146,7 @@ def test_what_has_not_begun_is_dropped_after_a_stop(cluster: Cluster) -> None:
             time.sleep(0.05)
         pool.kill()
         ends = [future.exception(timeout=60) for future in futures]
-    assert sum(isinstance(end, CancelledError) for end in ends) == 2
+    assert sum(isinstance(end, StoppedError) for end in ends) == 2
     assert sum(isinstance(end, ProcessDiedError) for end in ends) == 2
 
 

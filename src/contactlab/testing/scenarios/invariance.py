@@ -10,8 +10,8 @@ import numpy as np
 
 from contactlab.api import Floats, Job, StepStatus
 from contactlab.cases.invariants import invariants_of
-from contactlab.cases.record import record_of
 from contactlab.cases.verdict import allowed
+from contactlab.jobs.record import record_of
 from contactlab.model.build import build
 from contactlab.model.memory import model_memory, restore_model
 from contactlab.scene.scene import Scene

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from contactlab.api import Job
-from contactlab.archive.keys import row_key, run_key
+from contactlab.jobs.keys import row_key, run_key
 from contactlab.scene.scene import Scene, load_scene
 
 SCENE = """

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Iterator
-from pathlib import Path
+from contextlib import suppress
 from time import process_time, sleep
 
 import pytest
 
-from contactlab.accuracy.point import Task, run_point
-from contactlab.accuracy.run import run_accuracy
-from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
-from contactlab.parts.registry import default_registry
-from contactlab.studies.cpu_limit import CpuLimitReached, cpu_limit
-from contactlab.studies.worker import WORN
+from contactlab.api import Job
+from contactlab.jobs.cpu_limit import CpuLimitReached, cpu_limit
+from contactlab.jobs.far_end import WORN
+from contactlab.jobs.perform import perform
+from contactlab.jobs.record import from_bytes
+from contactlab.jobs.run import Run
+from contactlab.scene.scene import load_scene
 
 LONGEST = 5.0  # CPU s after which a test gives up
 
@@ -71,16 +72,17 @@ def test_ctrl_c_stays_ctrl_c() -> None:
         raise KeyboardInterrupt
 
 
-def test_a_point_that_is_stopped_is_timed_out_and_not_tried_again(tmp_path: Path) -> None:
-    contender = Contender("statics", "q1", "newton", "mortar-p0")
-    task = Task(CaseChoice(use="hertz"), contender, False, 1, 0.01)
+def test_a_run_that_is_stopped_is_timed_out() -> None:
+    """In its process, whose next run would meet what the interrupt left: it serves no other."""
+    scene = load_scene("disc-on-block").with_({"integrator": "newton", "record.recorders": []})
     heard: list[object] = []
-    point, made = run_point(task, default_registry(), None, heard.append)
-    assert heard[-1] == WORN  # it was interrupted anywhere: its process serves no other call
-    assert (point.status, point.reason) == ("timed-out", "stopped after 0.02 CPU s")
-    assert [run.key for run in made] == [task.key()]
-    study = CaseStudy((task.choice,), (contender,), levels=(1,), join=False, limit=0.01)
-    first, again = (run_accuracy(study, default_registry(), tmp_path, 1, lambda *told: None) for _ in range(2))
-    assert {point.status for point in (*first.points, *again.points)} == {"timed-out"}
-    assert all(point.spent > 0.0 for point in first.points)
-    assert not any(point.spent for point in again.points)
+    record = from_bytes(perform(Run(Job("disc", ""), scene, "disc", cpu_limit=0.01), None, heard.append))
+    assert heard[-1] == WORN
+    assert (record.status, record.reason) == ("timed-out", "stopped after 0.01 CPU s")
+    assert record.summary["cpu_limit"] == 0.01
+
+
+def test_what_ends_in_order_at_its_limit_is_told() -> None:
+    with cpu_limit(0.05) as over, suppress(KeyboardInterrupt):
+        compute()
+    assert over.is_set()

@@ -19,15 +19,15 @@ class CpuLimitReached(Exception):
 
 
 @contextmanager
-def cpu_limit(seconds: float) -> Iterator[None]:
+def cpu_limit(seconds: float) -> Iterator[threading.Event]:
     """Interrupt what runs inside, as Ctrl-C does, when this process has used this CPU time [s]; again after as much.
 
     A thread looks at the clock: timers of the system that count CPU time make that clock itself coarse while they run
     (4 ms on Linux). Without effect outside of the main thread, the only one that is interrupted. Raises
-    CpuLimitReached.
+    CpuLimitReached, unless what runs inside ends in order: the event that it gets is set then, too.
     """
     if threading.current_thread() is not threading.main_thread():
-        yield
+        yield threading.Event()
         return
     ended, over, began = threading.Event(), threading.Event(), process_time()
 
@@ -42,7 +42,7 @@ def cpu_limit(seconds: float) -> Iterator[None]:
     watching = threading.Thread(target=look, daemon=True)
     watching.start()
     try:
-        yield
+        yield over
     except KeyboardInterrupt as stop:
         if over.is_set():
             raise CpuLimitReached(f"stopped after {seconds:g} CPU s") from stop

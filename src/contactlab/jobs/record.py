@@ -1,9 +1,10 @@
-"""From results to the record that a case evaluates, and records as bytes."""
+"""Records: made from the results of a run, and as bytes."""
 
 from __future__ import annotations
 
 import io
 import json
+import zipfile
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -14,8 +15,9 @@ from contactlab.results.results import Results
 
 
 def record_of(results: Results, job: Job) -> Record:
-    """What of a run's results is kept; the fields where the job wants them."""
+    """Keep of the results of a run what the job asks for."""
     names = [contact.name for contact in results.layout.contacts]
+    first = -1 if job.curves == "last" else 0
     fields: dict[str, Any] = {}
     if job.fields:
         fields = {
@@ -27,17 +29,22 @@ def record_of(results: Results, job: Job) -> Record:
         reason=results.reason,
         summary={**results.summary, "guards": job.guards},
         history=results.history,
-        times={name: np.array(results.contact[name].times) for name in names},
-        curves={name: list(results.contact[name].curves) for name in names},
+        times={name: np.array(results.contact[name].times)[first:] for name in names},
+        curves={name: list(results.contact[name].curves)[first:] for name in names},
         watched=results.watched,
         events=[event.text for event in results.events],
         **fields,
     )
 
 
+def ended(status: str, reason: str, **summary: Any) -> Record:
+    """Make the record of a run that left no results."""
+    return Record(status, reason, {"status": status, "reason": reason, **summary})
+
+
 def refused(reason: str) -> Record:
     """Make the record of a run that could not begin."""
-    return Record("refused", reason, {"status": "refused", "reason": reason})
+    return ended("refused", reason)
 
 
 # --- as bytes: arrays in an npz archive, the rest as JSON in it; no code comes out of either ---------
@@ -56,7 +63,10 @@ def to_bytes(record: Record) -> bytes:
     )  # fmt: skip
     arrays = {"record": np.frombuffer(text.encode(), np.uint8), **dict(_flat(record))}
     file = io.BytesIO()
-    np.savez_compressed(file, **arrays)
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as packed:
+        for name, values in arrays.items():
+            with packed.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                np.lib.format.write_array(entry, np.asanyarray(values), allow_pickle=False)
     return file.getvalue()
 
 

@@ -11,28 +11,29 @@ import os
 import pickle
 import tarfile
 from collections.abc import Callable
+from multiprocessing import current_process
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from threading import Lock
 from typing import Any
 
-from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError, Worker
+from contactlab.jobs.processes import Call, Process, ProcessDiedError, RaisedError, StoppedError, TimedOutError
 
 SCRATCH = "CONTACTLAB_SCRATCH"
 
 _lock = Lock()
-_idle: list[Worker] = []
-_busy: dict[str, list[Worker]] = {}
+_idle: list[Process] = []
+_busy: dict[str, list[Process]] = {}
 _stopped: set[str] = set()
 
 Answer = tuple[str, Any, bytes]
-"""How a call ended ("done", "raised", "died", "timed-out", "cancelled"), what it gave, and its files."""
+"""How a call ended ("done", "raised", "died", "timed-out", "stopped"), what it gave, and its files."""
 
 
 def call(pool: str, content: bytes, limit: float | None, folder: Path | None, token: Path | None) -> Answer:
     """Serve one call of `pool`: `content` is the pickled pair of function and arguments.
 
-    folder  what the call writes, one of its arguments; `token` is a file that whoever shares the caller's disk sees.
+    folder  written by the call, one of its arguments; `token` is a file that whoever shares the caller's disk sees.
     """
     function, arguments = pickle.loads(content)
     if folder is None or (SCRATCH not in os.environ and token is not None and token.exists()):
@@ -50,25 +51,34 @@ def _serve(pool: str, function: Callable[..., Any], arguments: tuple[Any, ...], 
     key = there.get_current_task()
     with _lock:
         if pool in _stopped:
-            return "cancelled", None
-        worker = _idle.pop() if _idle else Worker()
-        _busy.setdefault(pool, []).append(worker)
+            return "stopped", None
+        process = _idle.pop() if _idle else _started()
+        _busy.setdefault(pool, []).append(process)
     there.log_event(topic, (key, None))
+    wanted = Call(function, arguments, lambda message: there.log_event(topic, (key, message)), limit)
     try:
-        return "done", worker.call(function, arguments, lambda message: there.log_event(topic, (key, message)), limit)
+        return "done", process.call(wanted)
     except RaisedError as error:
         return "raised", (str(error), error.details)
     except TimedOutError as error:
         return "timed-out", (limit, error.result)
+    except StoppedError:
+        return "stopped", None
     except ProcessDiedError as error:
         return "died", str(error)
     finally:
         with _lock:
-            _busy[pool].remove(worker)
-            if worker.overtime:
-                worker.close(patience=0.0)
-            elif worker.alive:
-                _idle.append(worker)
+            _busy[pool].remove(process)
+            if process.used_up:
+                process.close()
+            else:
+                _idle.append(process)
+
+
+def _started() -> Process:
+    """A process of this worker, which under a nanny is a daemon and may start none unless it is told otherwise."""
+    current_process()._config["daemon"] = False  # type: ignore[attr-defined]
+    return Process()
 
 
 def topic_of(pool: str) -> str:

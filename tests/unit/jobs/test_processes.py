@@ -13,9 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from contactlab.studies import pool as pool_module
-from contactlab.studies.call import Call
-from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError, WorkerPool
+from contactlab.jobs import processes as pool_module
+from contactlab.jobs.processes import Call, ProcessDiedError, Processes, RaisedError, TimedOutError
 
 TASKS = """
     import os, signal, sys, time
@@ -36,7 +35,8 @@ TASKS = """
         os.kill(os.getpid(), signal.SIGKILL)
 
     def process(x, report):
-        return os.getpid(), os.environ.get("OMP_NUM_THREADS"), sys.modules["__main__"].__file__
+        caller = [name for name in sys.modules if "pytest" in name]
+        return os.getpid(), os.environ.get("OMP_NUM_THREADS"), caller, sys.flags.safe_path
 
     def halt(x, report):
         report(os.getpid())
@@ -70,14 +70,14 @@ def tasks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> object:
 
 def test_results_and_reports_come_back(tasks: object) -> None:
     heard: list[object] = []
-    with WorkerPool(2) as pool:
+    with Processes(2) as pool:
         futures = [pool.submit(Call(tasks.square, (x,), report=heard.append)) for x in range(5)]
         assert sorted(f.result() for f in as_completed(futures)) == [0, 1, 4, 9, 16]
     assert sorted(heard) == [("half", x) for x in range(5)]
 
 
 def test_an_exception_keeps_its_text_and_traceback(tasks: object) -> None:
-    with WorkerPool(1) as pool:
+    with Processes(1) as pool:
         with pytest.raises(RaisedError, match="ValueError: no root of -1") as caught:
             pool.submit(Call(tasks.fail, (-1,))).result()
         assert "in fail" in caught.value.details
@@ -85,7 +85,7 @@ def test_an_exception_keeps_its_text_and_traceback(tasks: object) -> None:
 
 
 def test_a_dying_process_is_replaced_and_the_others_go_on(tasks: object) -> None:
-    with WorkerPool(2) as pool:
+    with Processes(2) as pool:
         doomed = [pool.submit(Call(tasks.leave, (7,))), pool.submit(Call(tasks.kill, (0,)))]
         fine = [pool.submit(Call(tasks.square, (x,))) for x in range(6)]
         with pytest.raises(ProcessDiedError, match=r"exit status 7 .*last words"):
@@ -97,17 +97,18 @@ def test_a_dying_process_is_replaced_and_the_others_go_on(tasks: object) -> None
 
 def test_processes_are_kept_fresh_and_single_threaded(tasks: object, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
-    with WorkerPool(1) as pool:
+    with Processes(1) as pool:
         first, second = (pool.submit(Call(tasks.process, (0,))).result() for _ in range(2))
     assert first == second
     assert first[0] != os.getpid()
     assert first[1] == "1"
-    assert Path(first[2]).name == "worker.py"  # the caller's own script was not imported
+    assert first[2] == []  # the caller's own script was not imported
+    assert first[3]
 
 
 def test_an_interrupt_stops_runs_in_order_and_drops_the_rest(tasks: object) -> None:
     begun: list[object] = []
-    with WorkerPool(1) as pool:
+    with Processes(1) as pool:
         running = pool.submit(Call(tasks.patient, (0,), report=lambda message: (begun.append(message), pool.stop())))
         waiting = pool.submit(Call(tasks.square, (1,)))
         assert running.result() == "stopped in order"
@@ -130,7 +131,7 @@ def test_a_call_that_hangs_costs_its_time_and_nothing_else(
     monkeypatch.setattr(pool_module, "GRACE", 0.2)
     seen: list[int] = []
     began = time.monotonic()
-    with WorkerPool(2) as pool:
+    with Processes(2) as pool:
         hung = pool.submit(Call(getattr(tasks, way), (0,), report=seen.append, limit=1.0))
         fine = [pool.submit(Call(tasks.square, (x,), limit=60.0)) for x in range(6)]
         with pytest.raises(TimedOutError, match="time limit of 1 s") as caught:
@@ -142,7 +143,7 @@ def test_a_call_that_hangs_costs_its_time_and_nothing_else(
 
 
 def test_a_call_over_its_time_may_end_in_order(tasks: object) -> None:
-    with WorkerPool(1) as pool:
+    with Processes(1) as pool:
         with pytest.raises(TimedOutError) as caught:
             pool.submit(Call(tasks.patient, (0,), limit=0.5)).result()
         assert caught.value.result == "stopped in order"
@@ -151,7 +152,7 @@ def test_a_call_over_its_time_may_end_in_order(tasks: object) -> None:
 
 def test_nobody_is_left_behind(tasks: object) -> None:
     seen: list[int] = []
-    with WorkerPool(2) as pool:
+    with Processes(2) as pool:
         calls = [
             pool.submit(Call(tasks.halt, (0,), report=seen.append)),
             pool.submit(Call(tasks.deaf, (0,), report=seen.append)),
@@ -170,9 +171,9 @@ def test_processes_that_were_started_without_ctrl_c_are_told_to_stop(tmp_path: P
     """In the background of a script SIGINT is ignored, by children, too."""
     program = """
         import pool_tasks
-        from contactlab.studies.call import Call
-        from contactlab.studies.pool import WorkerPool
-        with WorkerPool(1) as pool:
+        from contactlab.jobs.processes import Call
+        from contactlab.jobs.processes import Processes
+        with Processes(1) as pool:
             running = pool.submit(Call(pool_tasks.patient, (0,), report=lambda message: pool.stop()))
             print(running.result(timeout=30))
     """

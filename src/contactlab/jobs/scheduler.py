@@ -1,19 +1,18 @@
-"""Who runs the calls of a comparison or a matrix: processes of this machine, or an existing dask cluster."""
+"""Where runs are made: processes of this machine, or a dask cluster."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from contactlab.errors import RequestError
-from contactlab.studies.call import Pool
-from contactlab.studies.pool import WorkerPool
+from contactlab.jobs.processes import Pool, Processes
 
 LOCAL = "local"
 ALLOWED = "local, dask (a cluster on this machine) or tcp://HOST:PORT of a dask scheduler"
 
 
 def checked_scheduler(scheduler: str) -> str:
-    """The same. Raises RequestError where it is none, before anything is made."""
+    """Return the name of a scheduler. Raises RequestError if it is none, before anything is made."""
     if scheduler in (LOCAL, "dask") or scheduler.startswith(("tcp://", "tls://")):
         return scheduler
     raise RequestError("no such scheduler", where="scheduler", got=scheduler, allowed=ALLOWED)
@@ -26,9 +25,9 @@ def open_pool(scheduler: str, jobs: int, folder: Path | None = None) -> Pool:
     Raises RequestError for an unknown scheduler, or one that is not installed or does not answer.
     """
     if checked_scheduler(scheduler) == LOCAL:
-        return WorkerPool(jobs)
+        return Processes(jobs)
     try:
-        from contactlab.studies.dask_pool import DaskPool
+        from contactlab.jobs.dask_pool import DaskPool
     except ImportError as error:
         raise RequestError(
             f"dask is not installed: {error}", where="scheduler", got=scheduler, allowed="local",

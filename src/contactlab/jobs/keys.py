@@ -30,7 +30,7 @@ def scene_key(scene: Scene, versions: Mapping[str, str]) -> str:
 
 def run_key(job: Job, scene: Scene) -> str:
     """Hash of a job, its scene with all defaults, the files it names, the sources of the core and of the parts used."""
-    asked = json.dumps([list(job.watch), job.work, job.guards, job.fields], sort_keys=True, default=str)
+    asked = json.dumps([list(job.watch), job.work, job.guards, job.fields, job.curves], sort_keys=True, default=str)
     return _hash([scene.toml(), *_files(scene.data), asked, *sources(used(job, scene))])
 
 

@@ -1,4 +1,4 @@
-"""A dask cluster behind the interface of `WorkerPool`: one that is there, or one started on this machine."""
+"""A dask cluster behind the interface of `Processes`: one that is there, or one started on this machine."""
 
 from __future__ import annotations
 
@@ -9,15 +9,13 @@ import uuid
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future, wait
 from pathlib import Path
-from types import TracebackType
 from typing import Any, ClassVar
 
 import distributed
 
 from contactlab.errors import RequestError
-from contactlab.studies import dask_worker
-from contactlab.studies.call import Call, Pool, Report
-from contactlab.studies.pool import ProcessDiedError, RaisedError, TimedOutError
+from contactlab.jobs import dask_worker
+from contactlab.jobs.processes import Call, Pool, ProcessDiedError, RaisedError, Report, StoppedError, TimedOutError
 
 ANSWER = 10.0
 """Seconds that a scheduler may take to answer."""
@@ -91,17 +89,16 @@ class DaskPool(Pool):
         """Drop what has not begun and end what runs at once."""
         self._client.run(dask_worker.kill, self._name, on_error="ignore")
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    @property
+    def size(self) -> int:  # type: ignore[override]
+        """Threads of the workers that are there now."""
+        return max(1, sum(map(int, self._client.nthreads().values())))
+
+    def close(self) -> None:
+        """Wait for what runs, and leave the cluster; end one of our own."""
         try:
-            if kind is not None:
-                self.stop()
             wait([mine for mine, _ in self._calls.values()])
             self._client.run(dask_worker.close, on_error="ignore")
-        except KeyboardInterrupt:
-            self.kill()
-            raise
         finally:
             if self._token is not None:
                 self._token.unlink(missing_ok=True)
@@ -123,5 +120,5 @@ _ERRORS: dict[str, Callable[[Any], BaseException]] = {
     "raised": lambda result: RaisedError(*result),
     "timed-out": lambda result: TimedOutError(*result),
     "died": ProcessDiedError,
-    "cancelled": lambda result: CancelledError(),
+    "stopped": lambda result: StoppedError("stopped before it gave an answer"),
 }

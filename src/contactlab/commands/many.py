@@ -1,0 +1,42 @@
+"""What all commands that run many have in common: folder, driver, progress, and what is said after Ctrl-C."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from contactlab.jobs.driver import Driver
+
+INTERRUPTED = 130
+"""Exit status."""
+
+
+@contextmanager
+def many(options: argparse.Namespace, name: str, total: int | None = None) -> Iterator[Driver]:
+    """A driver as the options ask for it, with its folder and its progress of `total` results."""
+    from contactlab.jobs.driver import Driver
+    from contactlab.reports.progress import progress_of
+    from contactlab.run.folders import results_folder
+
+    with results_folder(options.out, name, options.resume) as folder:
+        progress = progress_of(total, show=True)
+        with Driver(folder, options.jobs, options.scheduler, options.time_limit, progress) as driver:
+            yield driver
+
+
+def folder_of(driver: Driver) -> Path:
+    """The folder of a driver that has one."""
+    assert driver.folder is not None
+    return driver.folder
+
+
+def interrupted(folder: Path) -> int:
+    """Say how to go on with what `folder` keeps; returns the exit status."""
+    line = f"interrupted; what is done is kept; add --out {folder} --resume to the same command to go on"
+    print(line, file=sys.stderr)
+    return INTERRUPTED

@@ -1,0 +1,49 @@
+"""Progress of plans: what the driver and views report while runs are made."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+
+class Progress(Protocol):
+    """Receives the progress; `begun`, `advance` and `say` may be called from any thread."""
+
+    def say(self, text: str) -> None:
+        """Show what happens before the first step, such as compilation; an empty text takes it away."""
+
+    def begun(self, name: str) -> None:
+        """Show that a run has begun."""
+
+    def advance(self, name: str, fraction: float, step: int) -> None:
+        """Show that a run has done this fraction of its loading."""
+
+    def ended(self, name: str) -> None:
+        """Show that a run has ended."""
+
+    def told(self, text: str) -> None:
+        """Show one more result: a row, a cell, a point."""
+
+    def close(self) -> None:
+        """Show nothing any more."""
+
+
+class Silence:
+    """A progress display that shows nothing."""
+
+    def say(self, text: str) -> None:
+        """Show nothing."""
+
+    def begun(self, name: str) -> None:
+        """Show nothing."""
+
+    def advance(self, name: str, fraction: float, step: int) -> None:
+        """Show nothing."""
+
+    def ended(self, name: str) -> None:
+        """Show nothing."""
+
+    def told(self, text: str) -> None:
+        """Show nothing."""
+
+    def close(self) -> None:
+        """Show nothing."""
