@@ -13,7 +13,7 @@ INSTALLED := $(VENV)/installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo test faults fuzz mutants check-parts paper pages packages site lint bench clean
+.PHONY: demo smoke test faults fuzz mutants check-parts paper pages packages site lint bench clean
 
 demo: $(RUNNABLE)
 	@out=runs/demo; n=2; while [ -e $$out ] || [ -e $$out-accuracy ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
@@ -22,8 +22,16 @@ demo: $(RUNNABLE)
 	$(BIN)/contactlab compare disc-on-block --set level=2 --set record.frames=44 --out $$out && echo && \
 	echo "What accuracy costs: $$out-accuracy/accuracy.html" && echo "The report is $$out/report.html"
 
+# a minute: every room is touched, and what a scene, a plugin or a page must be; no long run
+SMOKE := tests/unit/scene tests/unit/meshing tests/unit/jobs/test_archive.py tests/unit/jobs/test_keys.py \
+	tests/unit/accuracy/test_cost_model.py tests/architecture/test_layers.py tests/physics/test_contact_patch.py
+
+smoke: $(INSTALLED)
+	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not full" $(SMOKE)
+
+# all physics; FULL=1 adds what is long and no physics (marked `full`), TESTS=FOLDER chooses
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n auto --dist worksteal $(TESTS)
+	$(BIN)/python -m pytest -n auto --dist worksteal --durations=60 $(if $(FULL),,-m "not full") $(TESTS)
 
 faults: $(INSTALLED)
 	$(BIN)/python tests/abuse/faults.py $(FAULTS)
