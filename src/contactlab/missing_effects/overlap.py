@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,20 +36,23 @@ class Overlap:
 
     def __init__(self, scene: Scene, model: Model) -> None:
         self.scene, self.model, self.worst = scene, model, np.full(4, -1.0)
-        self.outlines = [Outline(body, model) for body in model.bodies]
+        self.outlines = [Outline(body) for body in model.bodies]
+        self.joined = _joined_nodes(self.outlines, model)
 
     def update(self) -> None:
         """Boundary nodes of each body inside any body that no contact joins them to."""
         if self.worst[0] >= 0.0:
             return
         position = self.model.position
-        for one in self.outlines:
-            outward = one.outward(position)
-            for number, other in enumerate(self.outlines):
-                found = one.inside(other, position, outward)
-                if len(found):
-                    self.worst[:] = found[0], number, other.nearest(position[found[0]], position), len(found)
-                    return
+        boxes = np.array([outline.box(position) for outline in self.outlines])
+        for first, second in zip(*meeting(boxes), strict=True):
+            one, other = self.outlines[first], self.outlines[second]
+            joined = self.joined.get((first, second))
+            free = np.arange(len(one.nodes)) if joined is None else np.flatnonzero(~joined)
+            found = one.inside(other, free, position)
+            if len(found):
+                self.worst[:] = found[0], second, other.nearest(position[found[0]], position), len(found)
+                return
 
     def warning(self) -> RunWarning | None:
         """Advise a contact between two bodies that overlap; None while none do."""
@@ -80,19 +84,22 @@ def _edge_set(body: Body, node: int) -> str:
 class Outline:
     """The boundary of a body: straight segments (e, 2) of global nodes, the body on their left."""
 
-    def __init__(self, body: Body, model: Model) -> None:
+    def __init__(self, body: Body) -> None:
         self.body = body
         self.segments: Ints = outer_edges(body.cells, body.element)
         self.nodes, ends = np.unique(self.segments, return_inverse=True)
         order = np.argsort(ends.ravel(), kind="stable")
         # the edges that meet at each node, one node after the other
         self.edges, self.starts = order // 2, np.searchsorted(ends.ravel()[order], np.arange(len(self.nodes)))
-        self.free = {other.name: np.flatnonzero(~_joined(self.nodes, other, model)) for other in model.bodies}
 
-    def inside(self, other: Outline, position: Floats, outward: Floats) -> Ints:
-        """Boundary nodes that lie `DEPTH` of an edge inside `other` (or fold back into this body itself)."""
-        free = self.free[other.body.name]
-        nodes = self.nodes[free]
+    def box(self, position: Floats) -> Floats:
+        """The box around it: low x, low y, high x, high y."""
+        at = position[self.nodes]
+        return np.concatenate([at.min(axis=0), at.max(axis=0)])
+
+    def inside(self, other: Outline, free: Ints, position: Floats) -> Ints:
+        """Boundary nodes of those in `free` that lie `DEPTH` of an edge inside `other` (or fold back into the body)."""
+        nodes, outward = self.nodes[free], self.outward(position)
         # inwards: how much of this body lies in the other; outwards: where nothing of itself may be
         probe = position[nodes] + outward[free] if other is self else position[nodes] - outward[free]
         return np.asarray(nodes[windings(probe, position, other.segments) > 0.0])
@@ -111,11 +118,33 @@ class Outline:
         return int(self.nodes[((position[self.nodes] - point) ** 2).sum(axis=1).argmin()])
 
 
-def _joined(nodes: Ints, other: Body, model: Model) -> Mask:
-    """Which of the nodes belong to a contact whose other side is (partly) of body `other`."""
-    joined = np.zeros(len(nodes), np.bool_)
+def meeting(boxes: Floats) -> tuple[Ints, Ints]:
+    """Pairs of boxes (n, 4) with a point in common, in both orders and each box with itself, sorted."""
+    count, (low, high) = len(boxes), (boxes[:, :2], boxes[:, 2:])
+    axis = int(np.argmax(high.max(axis=0) - low.min(axis=0)))
+    order = np.argsort(low[:, axis], kind="stable")
+    ends = np.searchsorted(low[order, axis], high[order, axis], side="right")
+    behind = ends - np.arange(count) - 1  # boxes that begin before this one ends, along the longer axis
+    first = np.repeat(np.arange(count), behind)
+    second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(behind) - behind, behind)
+    a, b = order[first], order[second]
+    near = ((low[a] <= high[b]) & (low[b] <= high[a])).all(axis=1)
+    a, b, same = a[near], b[near], np.arange(count)
+    pairs = np.unique(np.stack([np.concatenate([a, b, same]), np.concatenate([b, a, same])], axis=1), axis=0)
+    return pairs[:, 0], pairs[:, 1]
+
+
+def _joined_nodes(outlines: Sequence[Outline], model: Model) -> dict[tuple[int, int], Mask]:
+    """Which boundary nodes of a body belong to a contact whose other side is (partly) of another, by both numbers."""
+    ends = np.array([outline.body.first + outline.body.count for outline in outlines])
+    joined: dict[tuple[int, int], Mask] = {}
     for pair in model.contact.pairs if model.contact is not None else ():
         for one, opposite in ((pair.slave, pair.master), (pair.master, pair.slave)):
-            if np.any((opposite.nodes >= other.first) & (opposite.nodes < other.first + other.count)):
-                joined |= np.isin(nodes, one.nodes)
+            others = np.unique(np.searchsorted(ends, opposite.nodes[opposite.nodes < ends[-1]], side="right"))
+            of = np.searchsorted(ends, one.nodes, side="right")
+            for number in np.unique(of[of < len(outlines)]).tolist():
+                outline = outlines[number]
+                seen = np.isin(outline.nodes, one.nodes[of == number])
+                for other in others.tolist():
+                    joined[number, other] = joined.get((number, other), False) | seen
     return joined

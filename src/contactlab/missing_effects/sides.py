@@ -33,7 +33,8 @@ def side_detectors(scene: Scene, model: Model) -> Detectors:
 
 
 def _bodies_of(nodes: Ints, bodies: tuple[Body, ...]) -> list[Body]:
-    return [b for b in bodies if np.any((nodes >= b.first) & (nodes < b.first + b.count))]
+    found = np.unique(np.searchsorted([b.first + b.count for b in bodies], nodes, side="right"))
+    return [bodies[number] for number in found if number < len(bodies)]  # behind them are nodes of rigid surfaces
 
 
 class WrongSide:

@@ -65,19 +65,30 @@ def _most_ahead(slave: tuple[Floats, Floats], master: tuple[Floats, Floats], eno
     return most
 
 
-def refuse_joined_twice(plan: ContactPlan, other: ContactPlan, where: Where) -> None:
-    """Raise SceneError where two contacts join the same stretches of two surfaces: they would press twice."""
-    own = [_segments_of(side) for side in (plan.slave, plan.master)]
-    before = [_segments_of(side) for side in (other.slave, other.master)]
-    for first, second in ((0, 1), (1, 0)):
-        if own[0] & before[first] and own[1] & before[second]:
-            raise SceneError(
-                f"{other.name} joins parts of these surfaces already, which would be counted twice",
-                where=where,
-                got=f"{plan.sides[0]} and {plan.sides[1]} beside {other.sides[0]} and {other.sides[1]}",
-                allowed="every stretch of a surface in one contact with the same other one",
-                hint="take one of the contacts out, or name edge sets that share no edge ([bodies.NAME.sets])",
-            )
+class JoinedStretches:
+    """Which stretches of two surfaces contacts join: two contacts of the same stretches would press twice."""
+
+    def __init__(self) -> None:
+        self.known: list[tuple[ContactPlan, set[tuple[int, int]]]] = []
+        self.by_slave: dict[tuple[int, int], list[int]] = {}
+
+    def add(self, plan: ContactPlan, where: Where) -> None:
+        """Take in one more contact. Raises SceneError where another one joins the same stretches."""
+        slave, master = _segments_of(plan.slave), _segments_of(plan.master)
+        for own, opposite in ((slave, master), (master, slave)):
+            for number in sorted({number for segment in own for number in self.by_slave.get(segment, ())}):
+                other, others = self.known[number]
+                if opposite & others:
+                    raise SceneError(
+                        f"{other.name} joins parts of these surfaces already, which would be counted twice",
+                        where=where,
+                        got=f"{plan.sides[0]} and {plan.sides[1]} beside {other.sides[0]} and {other.sides[1]}",
+                        allowed="every stretch of a surface in one contact with the same other one",
+                        hint="take one of the contacts out, or name edge sets that share no edge ([bodies.NAME.sets])",
+                    )
+        for segment in slave:
+            self.by_slave.setdefault(segment, []).append(len(self.known))
+        self.known.append((plan, master))
 
 
 def _segments_of(surface: Surface) -> set[tuple[int, int]]:
@@ -90,9 +101,8 @@ def check_overlap(
     """Raise SceneError where nodes of one side lie deep inside the body of the other."""
     size = _longest(slave, master, positions)
     for inner, outer in ((slave, master), (master, slave)):
-        for body in bodies:
-            if not body.first <= outer.nodes[0] < body.first + body.count:
-                continue
+        number = int(np.searchsorted([body.first + body.count for body in bodies], outer.nodes[0], side="right"))
+        for body in bodies[number : number + 1]:  # none where it is a rigid surface
             nodes = inner.nodes[~_belongs(inner.nodes, body)]
             depth = depths_inside(positions[nodes], positions, outer_edges(body.cells, body.element))
             worst = int(np.argmax(depth)) if len(depth) else 0

@@ -24,7 +24,7 @@ from contactlab.api.arrays import Flags
 from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
 from contactlab.model.bodies.body import Body, positions_of
-from contactlab.model.contact.checks import check_facing, refuse_held_slave, refuse_joined_twice
+from contactlab.model.contact.checks import JoinedStretches, check_facing, refuse_held_slave
 from contactlab.model.contact.contact_pairs import contact_pair
 from contactlab.model.contact.explicit_system import ContactSystem
 from contactlab.model.contact.fineness import shorter_masters
@@ -76,12 +76,12 @@ def plan_contacts(
     """Every contact of the scene with its parts made and checked."""
     positions = positions_of(bodies, rigid)
     plans: list[ContactPlan] = []
+    joined = JoinedStretches()
     for number, spec in enumerate(scene.contacts):
         where = scene.where(f"contacts.{number}")
         plan = _plan(f"contacts.{number}", spec, where, registry, bodies, rigid, integrator)
         check_facing(plan.slave, plan.master, positions, plan.sides, where)
-        for other in plans:
-            refuse_joined_twice(plan, other, where)
+        joined.add(plan, where)
         plans.append(plan)
     return tuple(plans)
 

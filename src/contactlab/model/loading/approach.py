@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import combinations, product
+from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -48,12 +48,15 @@ def check_approach(
     runs of one body, as between the clamped ends of a sheet, there is room.
     """
     every: list[Any] = [*bodies, *rigid]
-    by_axis = [[_held(part, prescribed, axis) for part in every] for axis in range(2)]
+    by_axis = [_held(every, prescribed, axis) for axis in range(2)]
     _follow([one for held in by_axis for one in held], reference, prescribed, end)
-    for group in _joined(scene, [part.name for part in every]):
-        for axis, held in enumerate(by_axis):
-            for a, b in combinations([one for one in held if one.part.name in group], 2):
-                if _room(a, b, axis) is None:
+    groups = _joined(scene, [part.name for part in every])
+    for axis, held in enumerate(by_axis):
+        starts = np.array([(one.low[0, 1 - axis], one.high[0, 1 - axis]) for one in held]).reshape(-1, 2)
+        for number, a in enumerate(held):
+            beside = (starts[number + 1 :, 0] < starts[number, 1]) & (starts[number + 1 :, 1] > starts[number, 0])
+            for b in (held[number + 1 + other] for other in np.flatnonzero(beside)):
+                if groups[a.part.name] != groups[b.part.name] or _room(a, b, axis) is None:
                     continue  # not even the bounds of all their nodes pass
                 runs = [_runs(one) for one in (a, b)]
                 _follow([run for one in runs for run in one], reference, prescribed, end)
@@ -62,9 +65,15 @@ def check_approach(
                         _refuse(scene, one, other, axis, room)
 
 
-def _held(part: Any, prescribed: Prescribed, axis: int) -> _Held:
-    own = prescribed.dof[(prescribed.dof >= 2 * part.first) & (prescribed.dof < 2 * (part.first + part.count))]
-    return _bounded(part, own[own % 2 == axis] // 2)
+def _held(parts: list[Any], prescribed: Prescribed, axis: int) -> list[_Held]:
+    """Of the parts that are held along an axis at all."""
+    nodes = np.sort(prescribed.dof[prescribed.dof % 2 == axis] // 2)
+    found = []
+    for part in parts:
+        own = nodes[slice(*np.searchsorted(nodes, [part.first, part.first + part.count]))]
+        if len(own):
+            found.append(_bounded(part, own))
+    return found
 
 
 def _bounded(part: Any, nodes: Ints) -> _Held:
@@ -94,14 +103,21 @@ def _follow(held: list[_Held], reference: Floats, prescribed: Prescribed, end: f
             one.high[number] = place[one.nodes].max(axis=0, initial=-np.inf)
 
 
-def _joined(scene: Scene, names: list[str]) -> list[set[str]]:
-    """Names of bodies and rigid surfaces in groups that contacts join, directly or one through another."""
-    groups = [{name} for name in names]
+def _joined(scene: Scene, names: list[str]) -> dict[str, str]:
+    """A name for each body and rigid surface, the same for those that contacts join, directly or through others."""
+    of = {name: name for name in names}
+
+    def root(name: str) -> str:
+        while of[name] != name:
+            of[name] = of[of[name]]
+            name = of[name]
+        return name
+
     for contact in scene.contacts:
-        touched = {target.partition(".")[0] for side in contact.targets for target in side}
-        both = set().union(*(group for group in groups if group & touched))
-        groups = [group for group in groups if not group & touched] + [both]
-    return [group for group in groups if len(group) > 1]
+        first, *others = {target.partition(".")[0] for side in contact.targets for target in side}
+        for other in others:
+            of[root(other)] = root(first)
+    return {name: root(name) for name in names}
 
 
 def _room(a: _Held, b: _Held, axis: int) -> tuple[float, float] | None:
@@ -109,8 +125,6 @@ def _room(a: _Held, b: _Held, axis: int) -> tuple[float, float] | None:
 
     None if they do not pass, as far as their bounds can tell.
     """
-    if not len(a.nodes) or not len(b.nodes):
-        return None
     (below, above), across = ((a, b) if a.low[0, axis] < b.low[0, axis] else (b, a)), 1 - axis
     room = above.low[:, axis] - below.high[:, axis]
     left = above.high[:, axis] - below.low[:, axis]
