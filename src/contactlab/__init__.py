@@ -9,9 +9,10 @@ Names are imported when they are first used, so that `contactlab --help` answers
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
+TYPE_CHECKING = False  # the module typing takes longer to import than a program may be deaf to signals
 if TYPE_CHECKING:
+    from typing import Any
+
     from contactlab.comparison import compare
     from contactlab.errors import ContactlabError
     from contactlab.meshing.arrays import mesh

@@ -5,90 +5,33 @@ Exit status: 0 finished, 1 the simulation failed, 2 the request is wrong, 130 in
 
 from __future__ import annotations
 
-import argparse
-import atexit
-import contextlib
-import gc
-import os
 import sys
-import warnings
-from collections.abc import Callable, Sequence
-from importlib import import_module
 
-from contactlab.commands.arguments import COMMANDS, make_parser
-from contactlab.commands.many import INTERRUPTED
-from contactlab.errors import ContactlabError, ContactlabWarning, RequestError, did_you_mean
+from contactlab.run.interruption import interrupt_on_signals, unanswered
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the program with these words (those of the command line by default); gives the exit status."""
-    words = list(sys.argv[1:] if arguments is None else arguments)
-    if arguments is None and "_ARGCOMPLETE" in os.environ:
-        from contactlab.commands.completion import complete
-
-        complete(make_parser())
     if arguments is None:
-        # the collector walks through what libraries make when they are imported, in vain: not before a start is
-        # over, which makes 250 000 objects, and not once more when the interpreter ends, a seventh of a short run
-        gc.set_threshold(500_000, 20, 20)
-        atexit.register(gc.freeze)
-        warnings.formatwarning = _worded
-        # what the program starts looks for modules where this one does, and not in the folder it is called in
-        os.environ["PYTHONSAFEPATH"] = "1"
-        for stream in (sys.stdout, sys.stderr):
-            with contextlib.suppress(AttributeError):  # a stream that was closed or replaced
-                stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]
+        interrupt_on_signals()  # before all else is imported
     try:
-        status = _run(words)
-        sys.stdout.flush()
-    except ContactlabError as error:
-        print(f"contactlab: {error}", file=sys.stderr)
-        return error.exit_status
+        from contactlab.commands.program import run_program
+
+        status = run_program(arguments)
     except KeyboardInterrupt:
-        print("contactlab: interrupted", file=sys.stderr)
-        return INTERRUPTED
-    except BrokenPipeError:
-        # the reader of our output has gone; there is nobody left to tell
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return 1
-    return status
+        unanswered()
+        return interrupted()
+    return interrupted() if arguments is None and unanswered() else status
 
 
-_formatted = warnings.formatwarning
-
-
-def _worded(
-    message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None
-) -> str:
-    """A warning as the program prints it: ours name what they are about, others the line of code."""
-    if issubclass(category, ContactlabWarning):
-        return f"contactlab: warning: {message}\n"
-    return _formatted(message, category, filename, lineno, line)
-
-
-def _run(words: list[str]) -> int:
-    if not words:
-        make_parser().print_help(sys.stderr)
-        return RequestError.exit_status
-    if not words[0].startswith("-") and words[0] not in COMMANDS:
-        return _plugin_command(words[0], words[1:])
-    options = make_parser().read(words)
-    module, _, function = options.handler.partition(":")
-    handler: Callable[[argparse.Namespace], int] = getattr(import_module(module), function)
-    return handler(options)
-
-
-def _plugin_command(name: str, words: list[str]) -> int:
-    from contactlab.commands.common import plugin_command
-    from contactlab.parts.registry import default_registry
-
-    registry = default_registry()
-    commands = registry.commands()
-    if name in commands:
-        return plugin_command(name, *commands[name])(words)
-    known = [*COMMANDS, *commands]
-    hint = registry.reason_against(f"command {name}") or did_you_mean(name, known)
-    raise RequestError("unknown command", got=name, allowed=", ".join(known), hint=hint)
+def interrupted() -> int:
+    """Say it; gives the exit status."""
+    print("contactlab: interrupted", file=sys.stderr)
+    return 130
 
 
 if __name__ == "__main__":

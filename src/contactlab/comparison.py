@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
 
+from contactlab.arguments import NAME, arguments
 from contactlab.errors import RequestError
 from contactlab.jobs.archive import StoredRow
 from contactlab.jobs.driver import Driver
@@ -24,6 +26,11 @@ from contactlab.studies.study import Study
 from contactlab.studies.table import Row, Table
 
 
+@arguments(
+    scene_or_study=(Scene, Study, *NAME), vary=Mapping, out=NAME, jobs=Integral, registry=Registry, progress=bool,
+    changes=Mapping, effects=bool, resume=bool, time_limit=Real, scheduler=str, repeat=Integral, reference=NAME,
+    keep=str,
+)  # fmt: skip
 def compare(
     scene_or_study: Scene | Study | str | Path,
     vary: Vary | None = None,

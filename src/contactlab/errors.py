@@ -82,26 +82,44 @@ def below(where: Where, name: str | int) -> Where:
 
 def one_line(error: BaseException, name: bool = True) -> str:
     """An exception as one line: its type, its text, and the place it came from."""
-    text = "; ".join(" ".join(line.split()) for line in str(error).splitlines() if line.strip())
+    text = "; ".join(" ".join(visible(line).split()) for line in str(error).splitlines() if line.strip())
     kind = type(error).__name__
     return f"{kind}: {text}" if name and text else text or kind
 
 
+def visible(text: str, kept: str = "\n\t") -> str:
+    """A text whose control characters, beside those that are `kept`, are seen and command no terminal."""
+    if text.isprintable():
+        return text
+    return "".join(c if c.isprintable() or c in kept else _seen(ord(c)) for c in text)
+
+
+def _seen(code: int) -> str:
+    if code < 32 or code == 127:
+        return chr(0x2400 + code if code < 32 else 0x2421)
+    return chr(code) if chr(code).isspace() else "\N{REPLACEMENT CHARACTER}"
+
+
+DEEPEST = 6  # tables in tables that are shown
+
+
 def show(value: object, most: int = 120) -> str:
     """A value as a scene file would write it, shortened to one line of at most so many characters."""
-    text = _written(value)
+    text = visible(_written(value, DEEPEST), "")
     return text if len(text) <= most else text[: most - 3] + "..."
 
 
-def _written(value: object) -> str:
+def _written(value: object, depth: int) -> str:
+    if depth == 0 and isinstance(value, Mapping | list | tuple):
+        return "..."  # it may contain itself
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
         return f'"{value}"'
     if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{key} = {_written(item)}" for key, item in value.items()) + "}"
+        return "{" + ", ".join(f"{key} = {_written(item, depth - 1)}" for key, item in value.items()) + "}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(_written(item) for item in value) + "]"
+        return "[" + ", ".join(_written(item, depth - 1) for item in value) + "]"
     if isinstance(value, int) and value.bit_length() > 200:
         return f"an integer of {value.bit_length() * 0.30103:.0f} digits"  # Python writes none of more than 4300
     return str(value)
@@ -152,13 +170,13 @@ class RequestError(ContactlabError):
 
     def __str__(self) -> str:
         where = str(self.where)
-        rows = [f"{where}: {self.problem}" if where else self.problem]
+        rows = [visible(f"{where}: {self.problem}" if where else self.problem)]
         details = {
             "got": "" if self.got is NOTHING else show(self.got),
             "allowed": self.allowed,
             "try": self.hint,
         }
-        rows += [f"  {label:<8} {text}" for label, text in details.items() if text]
+        rows += [f"  {label:<8} {visible(text)}" for label, text in details.items() if text]
         return "\n".join(rows)
 
     def __reduce__(self) -> tuple[Any, ...]:

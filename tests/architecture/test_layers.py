@@ -19,7 +19,7 @@ CORE = ROOT / "src" / "contactlab"
 
 # lowest first; a module may import from its own layer and from those below it
 LAYERS = (
-    ("errors",),
+    ("errors", "outside_files", "arguments"),
     ("api", "views"),
     ("formulas", "kernels", "meshing"),
     ("parts", "scene"),

@@ -141,7 +141,8 @@ def _told(doing: str) -> Iterator[Progress | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
 
-    with Console(stderr=True).status(doing) as line:
+    from contactlab.reports.terminal import Terminal
+
+    with Terminal(stderr=True).status(doing) as line:
         yield lambda part, share: line.update(f"{doing}: {100.0 * share:.0f} %, {part}")

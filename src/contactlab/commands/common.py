@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rich.console import Console
     from rich.table import Table
 
+
 WIDTH_OF_FILES = 160
 ROOM_TO_SPARE = 110
 """Width of a terminal from which on tables have their less important columns as well."""
@@ -56,10 +57,11 @@ def plugin_command(name: str, target: str, origin: Origin) -> Callable[[list[str
 
 def console() -> Console:
     """Standard output; wide enough for every table where it goes to a file or a pipe."""
-    from rich.console import Console
 
-    made = Console()
-    return made if made.is_terminal or "COLUMNS" in os.environ else Console(width=WIDTH_OF_FILES)
+    from contactlab.reports.terminal import Terminal
+
+    made = Terminal()
+    return made if made.is_terminal or "COLUMNS" in os.environ else Terminal(width=WIDTH_OF_FILES)
 
 
 def print_how_to_look(folder: Path, registry: Registry, out: Console) -> None:
@@ -101,13 +103,14 @@ def fitting(shown: Table, width: int, last: Sequence[str] = ()) -> Table:
 
     Columns named in `last` stay whatever they hold. What is still too wide has its texts folded.
     """
-    from rich.console import Console
+
+    from contactlab.reports.terminal import Terminal
 
     def texts(column: Any) -> set[str]:
         return {str(cell) for cell in column.cells}
 
     columns = [c for c in shown.columns if str(c.header) in last or texts(c) != {""}]
-    if Console(width=1000).measure(shown).maximum > width and shown.row_count > 1:
+    if Terminal(width=1000).measure(shown).maximum > width and shown.row_count > 1:
         columns = [c for n, c in enumerate(columns) if n == 0 or str(c.header) in last or len(texts(c)) > 1]
     shown.columns = columns
     return shown

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
 from contactlab.commands.many import INTERRUPTED
-from contactlab.errors import RequestError, SceneError, did_you_mean
+from contactlab.errors import RequestError, SceneError, did_you_mean, visible
 from contactlab.run.folders import results_folder
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
         print_json({"folder": str(folder), **json.loads((folder / "table.json").read_text(encoding="utf-8"))})
     elif options.quiet:
         for rows in failed_alike(result):
-            print(f"contactlab: {failure(rows)}", file=sys.stderr)
+            print(visible(f"contactlab: {failure(rows)}"), file=sys.stderr)
     else:
         _print(result, folder, registry, options)
     return status

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from contactlab.commands.common import console, parse_settings, print_how_to_look, print_json, registry_with
+from contactlab.errors import visible
 from contactlab.run.folders import results_folder
 from contactlab.scene.scene import Scene, load_scene
 
@@ -38,14 +39,15 @@ def run(options: argparse.Namespace) -> int:
             with told_if_it_crashes(folder, scene.name):
                 announce = None if options.quiet else announced(sys.stderr if options.json else sys.stdout)
                 results = simulate(scene, folder, registry, progress, options.resume, announce=announce)
+            status = EXIT_STATUS.get(results.status, 1)
         except Interrupted as stop:
-            results = stop.results
+            results, status = stop.results, EXIT_STATUS["interrupted"]
     if options.json:
         print_json({"folder": str(folder), **results.summary})
-        return EXIT_STATUS.get(results.status, 1)
+        return status
     if options.quiet:
         _print_problems(results)
-        return EXIT_STATUS.get(results.status, 1)
+        return status
     # libraries that draw tables are needed now, and not before the first step
     from contactlab.reports.run import print_run
 
@@ -54,15 +56,15 @@ def run(options: argparse.Namespace) -> int:
     print_how_to_look(folder, registry, out)
     if results.status in RESUMABLE and (folder / FILE).exists():
         out.print(f"go on with: {resume_line(options, folder)}", markup=False, highlight=False, soft_wrap=True)
-    return EXIT_STATUS.get(results.status, 1)
+    return status
 
 
 def _print_problems(results: Results) -> None:
     """Failure and warnings on standard error: all that a quiet run prints."""
     if results.status != "finished":
-        print(f"contactlab: {results.status}: {results.reason}", file=sys.stderr)
+        print(visible(f"contactlab: {results.status}: {results.reason}"), file=sys.stderr)
     for warning in results.warnings:
-        print(f"contactlab: warning ({warning.code}): {warning.text}", file=sys.stderr)
+        print(visible(f"contactlab: warning ({warning.code}): {warning.text}"), file=sys.stderr)
 
 
 def resume_line(options: argparse.Namespace, folder: Path) -> str:
@@ -78,9 +80,9 @@ def shown_progress(scene: Scene) -> Iterator[Progress | None]:
     if not sys.stderr.isatty():
         yield None
         return
-    from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+    from contactlab.reports.terminal import Terminal
     from contactlab.run.compiling import compilation_told
 
     columns = (
@@ -90,7 +92,7 @@ def shown_progress(scene: Scene) -> Iterator[Progress | None]:
         TimeElapsedColumn(),
         TimeRemainingColumn(),
     )
-    with Progress(*columns, console=Console(stderr=True)) as bar:
+    with Progress(*columns, console=Terminal(stderr=True)) as bar:
         task = bar.add_task("building the model", total=1.0)
 
         def show(fraction: float, step: int, time: float, energy_error: float) -> None:

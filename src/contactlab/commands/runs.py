@@ -12,7 +12,7 @@ from time import localtime, strftime
 from typing import Any
 
 from contactlab.commands.common import add_row, console, fitting, print_json, table
-from contactlab.errors import RequestError, did_you_mean, show
+from contactlab.errors import RequestError, did_you_mean, show, visible
 from contactlab.results.inventory import Folder, folders_in
 from contactlab.run.folders import RUNS
 
@@ -104,7 +104,7 @@ def _remove(chosen: Sequence[Folder], sure: bool) -> int:
     if not sure and not sys.stdin.isatty():
         raise RequestError("nobody is asked here", where="--remove", hint="add --yes to remove without asking")
     for folder in chosen:
-        print(f"{folder.path}  {folder.status}  {_size(folder.bytes)}")
+        print(visible(f"{folder.path}  {folder.status}  {_size(folder.bytes)}"))
     if not chosen:
         print("nothing to remove")
         return 0

@@ -12,6 +12,7 @@ from typing import Any
 
 from contactlab.commands.common import ROOM_TO_SPARE, add_row, console, print_json, registry_with, table
 from contactlab.errors import RequestError, SceneError, did_you_mean
+from contactlab.outside_files import text_outside, usable
 from contactlab.scene.scene import bundled_scenes, find_scene, load_scene
 from contactlab.scene.toml_text import read_toml
 
@@ -98,9 +99,12 @@ def new_scene(options: argparse.Namespace) -> int:
     source, shown = find_scene(options.source, registry)
     load_scene(options.source, registry)  # what is wrong with it is told here, and not at the first run of the copy
     file = Path(f"{name}.toml")
-    if file.exists():
-        raise RequestError("the file is there already", where=str(file), hint="choose another name")
-    text = named(source.read_text(encoding="utf-8"), Path(name).name, str(options.source))
+    if usable(file, "new-scene").exists():
+        raise RequestError(
+            "the file is there already", where="new-scene", got=str(file), allowed="a name that is free",
+            hint="choose another name",
+        )  # fmt: skip
+    text = named(text_outside(source, shown, "a scene"), Path(name).name, str(options.source))
     text = seen_from(file.parent, text, source.parent)
     try:
         file.write_text(text, encoding="utf-8")

@@ -14,6 +14,7 @@ from contactlab.cases.verdict import WORST
 from contactlab.errors import RequestError
 from contactlab.jobs.archive import CHOICES
 from contactlab.matrix.run import Matrix
+from contactlab.outside_files import text_outside
 
 COLUMNS = (
     *CHOICES, "verdict", "measure", "value", "least", "most", "unit", "status", "reason", "cpu_s", "run"
@@ -80,12 +81,11 @@ def verdicts(path: Path) -> dict[Key, str]:
     """The verdict of each cell in a matrix.csv: the worst of its rows. Raises RequestError where it is none."""
     path = path / "matrix.csv" if path.is_dir() else path
     try:
-        with path.open(newline="", encoding="utf-8") as file:
-            found: dict[Key, str] = {}
-            for row in csv.DictReader(file):
-                key = tuple(row[name] for name in CHOICES)
-                found[key] = min((found.get(key, row["verdict"]), row["verdict"]), key=_rank)
-            return found
+        found: dict[Key, str] = {}
+        for row in csv.DictReader(text_outside(path, str(path), "a matrix.csv").splitlines(keepends=True)):
+            key = tuple(row[name] for name in CHOICES)
+            found[key] = min((found.get(key, row["verdict"]), row["verdict"]), key=_rank)
+        return found
     except (OSError, KeyError, ValueError) as error:
         raise RequestError(
             "no matrix can be read here", where=str(path), got=str(error), allowed="a matrix.csv"

@@ -7,6 +7,7 @@ import json
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from numbers import Real
 from types import SimpleNamespace
 from typing import Any
 
@@ -14,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from contactlab.api import Element, Mesh, MeshSource
+from contactlab.arguments import arguments
 from contactlab.errors import RequestError, did_you_mean
 from contactlab.meshing.file import EVERYTHING, quads_of
 from contactlab.meshing.refine import refined
@@ -72,6 +74,7 @@ class _Parts:
     sets: dict[str, np.ndarray] = field(default_factory=dict)
 
 
+@arguments(sets=Mapping, scale=Real)
 def mesh(points: Any, cells: Any = None, sets: Mapping[str, EdgeSet] | None = None, scale: float = 1.0) -> MeshSpec:
     """Make a mesh for a body of a scene: `scene.with_({"bodies.clip.mesh": contactlab.mesh(points, cells, sets)})`.
 

@@ -14,6 +14,7 @@ import numpy as np
 from contactlab.api import Element, Floats, Mesh, MeshSource
 from contactlab.meshing.refine import Indices, Quads, refined
 from contactlab.meshing.room import check_file_size, check_refined_size
+from contactlab.outside_files import GROWTH, bounded_memory
 
 CELLS = {"quad": 4, "quad8": 8, "quad9": 9}
 LINES = ("line", "line3")
@@ -63,8 +64,14 @@ def _read(path: Path) -> Any:
         raise ValueError("reading mesh files needs the library meshio, which is not installed") from missing
     words = io.StringIO()
     try:
-        with contextlib.redirect_stdout(words), contextlib.redirect_stderr(words):
+        size = path.stat().st_size
+        with contextlib.redirect_stdout(words), contextlib.redirect_stderr(words), bounded_memory(size):
             return meshio.read(path)
+    except MemoryError as error:
+        raise ValueError(
+            f"path: got {path.name}, {size} bytes that take more than {GROWTH:g} times as many to read, "
+            "allowed: a mesh file that is not packed so much"
+        ) from error
     except (Exception, SystemExit) as error:
         said = " ".join(f"{words.getvalue()} {error if not isinstance(error, SystemExit) else ''}".split())
         raise ValueError(

@@ -36,27 +36,27 @@ def check_sizes(scene: Scene, registry: Registry) -> None:
             got=scene.threads,
             allowed=f"at most {most}: {THREADS_PER_CORE} for each core of this machine",
         )
-    size = _no_nodes(scene, registry)
+    size, slaves = _no_nodes(scene, registry), _slaves(scene)
     for name, body in scene.bodies.items():
-        _add(size, scene, registry, name, _cells(body.mesh, scene.level), _sides(body.mesh, scene.level))
+        _add(size, scene, registry, slaves, name, _cells(body.mesh, scene.level), _sides(body.mesh, scene.level))
         got = f"{body.mesh.get('cells')} at level {scene.level}, {size.words}"
         _fits(size.bytes, scene.where(f"bodies.{name}.mesh.cells"), got)
 
 
 def check_meshed_size(scene: Scene, registry: Registry, bodies: Sequence[Body]) -> None:
     """The same once there are meshes: from a file, or of a kind whose `cells` are not all of its cells."""
-    size = _no_nodes(scene, registry)
+    size, slaves = _no_nodes(scene, registry), _slaves(scene)
     for body in bodies:
-        _add(size, scene, registry, body.name, len(body.cells), _edges(body))
+        _add(size, scene, registry, slaves, body.name, len(body.cells), _edges(body))
         _fits(size.bytes, scene.where(f"bodies.{body.name}.mesh"), f"{len(body.cells)} cells, {size.words}")
 
 
 def estimated_bytes(scene: Scene, registry: Registry, cells: Mapping[str, int] | None = None) -> float:
     """Bytes that the model of a scene will take, with so many cells in its bodies, or as many as it says."""
-    size = _no_nodes(scene, registry)
+    size, slaves = _no_nodes(scene, registry), _slaves(scene)
     for name, body in scene.bodies.items():
         number = _cells(body.mesh, scene.level) if cells is None else cells[name]
-        _add(size, scene, registry, name, number, _sides(body.mesh, scene.level))
+        _add(size, scene, registry, slaves, name, number, _sides(body.mesh, scene.level))
     return size.bytes
 
 
@@ -91,8 +91,27 @@ def _no_nodes(scene: Scene, registry: Registry) -> ModelSize:
     return ModelSize(not issubclass(integrator, ExplicitIntegrator), scene.time.end == "auto", scene.threads)
 
 
+Slaves = Mapping[str, list[tuple[str, bool]]]
+"""Edge sets of each body that are slaves, and whether with friction."""
+
+
+def _slaves(scene: Scene) -> Slaves:
+    found: dict[str, list[tuple[str, bool]]] = {}
+    for contact in scene.contacts:
+        for target in contact.targets[0]:
+            body, _, edge_set = target.partition(".")
+            found.setdefault(body, []).append((edge_set, contact.friction is not None))
+    return found
+
+
 def _add(
-    size: ModelSize, scene: Scene, registry: Registry, name: str, cells: float, edges: Callable[[str], float]
+    size: ModelSize,
+    scene: Scene,
+    registry: Registry,
+    slaves: Slaves,
+    name: str,
+    cells: float,
+    edges: Callable[[str], float],
 ) -> None:
     """A body of so many cells, with so many `edges` of cells in each of its edge sets."""
     body = scene.bodies[name]
@@ -102,11 +121,8 @@ def _add(
     )
     size.add(cells, element, law)
     nodes = max(len(edge) - 1 for edge in element.edges)
-    for contact in scene.contacts:
-        for target in contact.targets[0]:
-            of, _, edge_set = target.partition(".")
-            if of == name:
-                size.add_contact(nodes * edges(edge_set), contact.friction is not None)
+    for edge_set, friction in slaves.get(name, ()):
+        size.add_contact(nodes * edges(edge_set), friction)
 
 
 def _sides(mesh: Mapping[str, Any], level: int) -> Callable[[str], float]:

@@ -6,11 +6,13 @@ import re
 from pathlib import Path
 
 from contactlab.api.part import Part
+from contactlab.arguments import NAME, arguments
 from contactlab.errors import PartError
 from contactlab.parts.contract import BASES
 from contactlab.parts.registry import default_registry
 
 
+@arguments(part=(type, *NAME), name=str)
 def use(part: type | str | Path, name: str = "") -> str:
     """Offer a part to all scenes that this program loads from now on, and give back the name that scenes know it by.
 

@@ -105,11 +105,8 @@ def _add_records(counts: Counts, scene: Scene, model: Model, length: Length) -> 
 
 def _every(scene: Scene, model: Model, steps: float) -> float:
     """Steps from one row of the contact record to the next."""
-    from contactlab.results.frame import layout_of
-    from contactlab.results.record_plan import RecordPlan
-
-    plan = RecordPlan.of(scene.record, layout_of(model, scene, {}, {}), round(steps))
-    return plan.every if plan is not None else math.inf
+    recorded = model.contact is not None and scene.record.budget != 0.0
+    return (scene.record.every or 1) if recorded else math.inf
 
 
 def recorders_in(scene: Scene) -> list[str]:

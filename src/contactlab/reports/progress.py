@@ -10,6 +10,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
 
 from contactlab.jobs import progress as shown
+from contactlab.reports.terminal import Terminal
 
 
 def progress_of(total: int | None = None, show: bool | None = None) -> shown.Progress:
@@ -17,7 +18,7 @@ def progress_of(total: int | None = None, show: bool | None = None) -> shown.Pro
 
     show  None: on a terminal alone; False: nowhere
     """
-    console = Console(stderr=True)
+    console = Terminal(stderr=True)
     if show is False or (show is None and not sys.stderr.isatty()):
         return shown.Silence()
     return _Bars(console, total) if console.is_terminal else _Lines(console, total)

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from contactlab.api.drawing.units import Units
 from contactlab.reports.numbers import significant
+from contactlab.reports.terminal import Terminal
 from contactlab.results.peaks import final_force, peak_force, peak_pressure
 from contactlab.results.results import Results
 from contactlab.studies.measure_run import driven_support
@@ -37,7 +38,7 @@ def print_run(
 
     verbose  adds forces, contacts and energies; profile where the time went
     """
-    console = console or Console()
+    console = console or Terminal()
     console.print(render_run(results, scene))
     if verbose or profile:
         from contactlab.reports.run_details import render_details

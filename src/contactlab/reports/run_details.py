@@ -12,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from contactlab.api.drawing.units import Units
+from contactlab.api.thinning import Thinning
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.run import moment, number, vector
 from contactlab.results.results import Results
@@ -74,6 +75,8 @@ def _run_lines(summary: Mapping[str, Any], units: Units) -> Iterator[Line]:
         yield "Gauss-Seidel iterations per step", significant(sweeps / max(1, steps), 3), ""
     if summary.get("iterations"):
         yield "Newton iterations per step", significant(summary["iterations"] / max(1, steps), 3), ""
+    for name, thinned in summary.get("thinned", {}).items():
+        yield f"{name}, recorded", str(Thinning(**thinned)), ""
     for level in summary.get("nested", ()):
         yield f"level {level['level']} before", f"{level['iterations']} iterations", ""
     for key, value in summary.get("resolved", {}).items():

@@ -16,6 +16,7 @@ from contactlab.api.drawing.units import Units
 from contactlab.api.warning import RunWarning
 from contactlab.reports.findings import heading
 from contactlab.reports.numbers import heading_unit, percent, quantity
+from contactlab.reports.terminal import Terminal
 from contactlab.studies.columns import Column
 from contactlab.studies.table import Row, Table
 
@@ -87,9 +88,9 @@ class _Shown:
 
 def print_table(table: Table, console: Console | None = None) -> None:
     """Print the table; where nobody says how wide it may be, as wide as it needs to be."""
-    console = console or Console()
+    console = console or Terminal()
     if not console.is_terminal and "COLUMNS" not in os.environ:
-        console = Console(file=console.file, width=max(WIDTH, console.width))
+        console = Terminal(file=console.file, width=max(WIDTH, console.width))
     console.print(render(table, console.width))
 
 
@@ -102,7 +103,7 @@ def render(table: Table, width: int = WIDTH) -> RenderableType:
     same: list[_Shown] = []
     left_out: list[_Shown] = []
     for column in _least_important_first(columns):
-        if Console(width=1000).measure(_draw(table, columns)).maximum <= width:
+        if Terminal(width=1000).measure(_draw(table, columns)).maximum <= width:
             break
         columns.remove(column)
         if column.constant:

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rich import box
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.table import Table as RichTable
 from rich.text import Text
 
 from contactlab.api.drawing.units import Units
 from contactlab.reports.numbers import heading_unit, quantity
+from contactlab.reports.terminal import Terminal
 from contactlab.reports.times_table import HEADS, times_rows
 from contactlab.studies.table import Row, Table
 
@@ -24,7 +25,7 @@ def _beside(table: Table, width: int) -> Iterator[Sequence[Row]]:
     rows = list(table.rows)
     while rows:
         count = len(rows)
-        while count > 1 and Console(width=1000).measure(_draw(table, rows[:count])).maximum > width:
+        while count > 1 and Terminal(width=1000).measure(_draw(table, rows[:count])).maximum > width:
             count -= 1
         yield rows[:count]
         rows = rows[count:]

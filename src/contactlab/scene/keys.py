@@ -300,14 +300,15 @@ class Record:
     every: int | None = key(
         None,
         least=1,
-        says="steps from one row of the contact record to the next; not written: 1, more where the budget is short",
+        says="steps from one row of the contact record to the next; not written: 1",
     )
     budget: float | None = key(
         None,
         unit="MB",
         least=0.0,
-        says="size of the contact record, which has fewer steps where it would be larger, and of the displacements of "
-        "Newton's iterations; 0: neither; not written: 64, of a run in a comparison 3",
+        says="size of the contact record, whose older steps are thinned when it is reached, and of the displacements "
+        "of Newton's iterations; 0: neither; scalars of steps may take four times as much, and 40 000 steps at least; "
+        "not written: 64, of a run in a comparison 3",
     )
     last: int | None = key(
         None,

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from contactlab.arguments import NAME, arguments
 from contactlab.errors import Location, SceneError, did_you_mean
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.parts.scenes_and_commands import core_scenes
@@ -58,6 +59,7 @@ class Scene:
     )
 
     @classmethod
+    @arguments(data=Mapping, origin=Location, registry=Registry)
     def from_data(
         cls, data: Mapping[str, Any], origin: Location | None = None, registry: Registry | None = None
     ) -> Scene:
@@ -92,6 +94,7 @@ class Scene:
         """The place of a dotted key, for errors."""
         return self.origin.at(key)
 
+    @arguments(changes=Mapping)
     def with_(self, changes: Mapping[str, Any] | None = None, **keys: Any) -> Scene:
         """Give the scene other values at dotted keys and check it: `with_({"contacts.0.swap": True}, level=2)`.
 
@@ -123,6 +126,7 @@ class Scene:
         return {field for field in fields if is_required(fields[field])}
 
 
+@arguments(name_or_path=NAME, registry=Registry)
 def load_scene(name_or_path: str | Path, registry: Registry | None = None) -> Scene:
     """A bundled scene by its name, or the scene in a TOML file. Raises SceneError or PartError."""
     registry = registry or default_registry()

@@ -10,6 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.errors import Location, SceneError
+from contactlab.outside_files import read_outside
+
+LARGEST = 16 << 20  # bytes of a scene or study
 
 _AT_LINE = re.compile(r"^(?P<what>.*?) \(at (?:line (?P<line>\d+), column (?P<column>\d+)|end of document)\)$")
 _HEADER = re.compile(r"\s*(?P<open>\[\[?)\s*(?P<key>[^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
@@ -20,19 +23,7 @@ _DELIMITERS = ('"""', "'''")
 
 def read_toml(path: Path, shown: str) -> tuple[dict[str, Any], dict[str, int]]:
     """Data of a TOML file and the line of each key. Raises SceneError; `shown` names the file in it."""
-    if path.is_dir():
-        raise SceneError("this is a folder", where=shown, got=str(path), allowed="a TOML file")
-    if path.exists() and not path.is_file():
-        raise SceneError(
-            "this is no file: a device or a pipe may never end", where=shown, got=str(path), allowed="a TOML file"
-        )
-    try:
-        content = path.read_bytes()
-    except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        raise SceneError(
-            f"the file cannot be read: {reason}", where=shown, got=str(path), allowed="a TOML file"
-        ) from error
+    content = read_outside(path, shown, "a TOML file", LARGEST, SceneError)
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

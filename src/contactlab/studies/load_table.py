@@ -14,6 +14,7 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import ContactCurve
 from contactlab.api.warning import RunWarning
+from contactlab.arguments import NAME, arguments
 from contactlab.errors import RequestError, one_line
 from contactlab.results.load import load_results
 from contactlab.scene.toml_text import parse_toml
@@ -29,6 +30,7 @@ from contactlab.studies.table import Row, Table
 T = TypeVar("T")
 
 
+@arguments(folder=NAME)
 def load_table(folder: str | Path) -> Table:
     """The table of the comparison in `folder`, equal to what `compare` gave back.
 

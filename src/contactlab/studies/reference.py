@@ -27,6 +27,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError, Where, did_you_mean
+from contactlab.outside_files import text_outside
 from contactlab.studies.profile import Profile, Window, norm
 
 FOLDER = Path(__file__).parent.parent / "data" / "references"
@@ -144,8 +145,7 @@ def _bare(path: Path) -> Reference:
     Without a spread it is taken as exact. Headings may go on after these words: x_mm, p_MPa.
     """
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            names = next(csv.reader(file), [])
+        names = next(csv.reader(_lines(path)), [])
         columns = {c: _heading(names, c) for c in ("x", "p", "spread")}
         if not columns["x"] or not columns["p"]:
             raise ValueError(f"its columns are {', '.join(names)}")
@@ -163,6 +163,10 @@ def _bare(path: Path) -> Reference:
     )
 
 
+def _lines(path: Path) -> list[str]:
+    return text_outside(path, str(path), "a CSV file").splitlines(keepends=True)
+
+
 def _heading(names: Sequence[str], word: str) -> str:
     """The column whose heading begins with a word; empty where there is none."""
     plain = {name: name.strip().lower().replace("pressure", "p") for name in names}
@@ -174,7 +178,7 @@ def _heading(names: Sequence[str], word: str) -> str:
 
 def _read(path: Path) -> Reference:
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(text_outside(path, str(path), "a reference in JSON"))
         profile, spread = _read_curve(path.parent / data["curve"], data["columns"], data.get("mirror", False))
         return Reference(
             name=data["name"],
@@ -188,7 +192,7 @@ def _read(path: Path) -> Reference:
             holds_for=data.get("holds_for", {}),
             level=data.get("level"),
         )
-    except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         raise RequestError(
             "the reference cannot be read",
             where=str(path),
@@ -199,8 +203,9 @@ def _read(path: Path) -> Reference:
 
 
 def _read_curve(path: Path, columns: Mapping[str, str], mirror: bool) -> tuple[Profile, Floats]:
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = list(csv.DictReader(_lines(path)))
+    if len(rows) < 2:
+        raise ValueError(f"{path.name}: {len(rows)} rows, and a curve has two at least")
     x, pressure = (np.array([float(row[columns[c]]) for row in rows]) for c in ("x", "pressure"))
     named = columns.get("spread")
     spread = np.array([float(row[named]) for row in rows]) if named else np.zeros(len(x))

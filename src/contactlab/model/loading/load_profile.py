@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import io
+import warnings
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import Floats
 from contactlab.errors import PartError, SceneError, below, one_line
+from contactlab.outside_files import text_outside
 
 if TYPE_CHECKING:
     from contactlab.api import Function, Profile
@@ -113,9 +117,12 @@ def with_mean(profile: Profile, found: Floats, lengths: Floats, where: Where) ->
 
 def read_pairs(file: str, where: Where) -> Floats:
     """The table (n, 2) in a CSV file: places or times, and factors [-]. Raises SceneError where there is none."""
+    text = text_outside(Path(file), where, ROWS, kind=SceneError)
     try:
-        table = np.loadtxt(file, delimiter=",", ndmin=2)
-    except (OSError, ValueError) as error:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # an empty file has no rows, which is said below
+            table = np.loadtxt(io.StringIO(text), delimiter=",", ndmin=2)
+    except ValueError as error:
         raise SceneError("no table can be read here", where=where, got=str(error), allowed=ROWS) from error
     if table.shape[1] != 2 or len(table) < 2 or not np.all(np.diff(table[:, 0]) > 0.0) or not np.isfinite(table).all():
         raise SceneError(
