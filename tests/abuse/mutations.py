@@ -305,10 +305,10 @@ RECORDER = (
         ("rounds stresses in place", "        self.grid.write(row, frame)\n", "        for fields in frame.cells.values():\n            fields['stress'][:] = np.round(fields['stress']) + 1e-3\n        self.grid.write(row, frame)\n"),
         ("writes beside the folder", "GrowingFile(folder / FILE, new=True)", "GrowingFile(folder.parent / FILE, new=True)"),
         ("needs a frame to close", "        try:\n            made =", "        assert self.history is not None\n        try:\n            made ="),
-        ("cannot close a run that failed", "            text = json.dumps(summary)", "            text = json.dumps({'steps': summary['steps'], 'status': {'finished': 0}[summary['status']]})"),
-        ("keeps the block of steps, which is used again", "        self.step_rows.write(self.steps_written, block, len(block))", "        self.__dict__.setdefault('kept', []).append(block)\n        for old in self.kept:\n            assert np.isfinite(old).all()\n        self.step_rows.write(self.steps_written, block, len(block))"),
+        ("cannot close a run that failed", "json.dumps(summary))\n            stored", "json.dumps({'steps': summary['steps'], 'status': {'finished': 0}[summary['status']]}))\n            stored"),
+        ("keeps the block of steps, which is used again", "        self.steps_kept.add([block,", "        self.__dict__.setdefault('kept', []).append(block)\n        for old in self.kept:\n            assert np.isfinite(old).all()\n        self.steps_kept.add([block,"),
         ("every second frame is lost", "    def frame(self, frame: Frame) -> None:\n", "    def frame(self, frame: Frame) -> None:\n        if frame.number % 2:\n            return\n"),
-        ("steps are lost", "        if self.steps_written + len(block)", "        return\n        if self.steps_written + len(block)"),
+        ("steps are lost", "        self.steps_kept.add([block,", "        return\n        self.steps_kept.add([block,"),
         ("one room for all runs", "        self.events.add(event)", "        VtkHdfRecording.__dict__['iterations'].__dict__.setdefault('all', []).append(event)\n        for one in VtkHdfRecording.__dict__['iterations'].__dict__['all']:\n            self.events.add(one)"),
         ("displacements recorded half as large", "        self.grid.write(row, frame)\n", "        import dataclasses\n        self.grid.write(row, dataclasses.replace(frame, displacement=0.5 * frame.displacement))\n")),
 )  # fmt: skip

@@ -74,10 +74,12 @@ def test_a_record_beyond_its_budget_is_thinned_and_says_so(small_scene: MakeScen
     run = simulate(small_scene({"record.budget": 0.02}), tmp_path / "run")
     steps = run.contact["contacts.0"].steps
     assert 0.4 * 0.02e6 < steps.nbytes <= 0.02e6
-    stride = np.diff(steps["step"])
-    assert (stride == stride[0]).all()
-    assert stride[0] > 1
-    assert any(event.text.startswith(f"contact is recorded every {stride[0]} steps") for event in run.events)
+    kept, thinning = steps["step"], run.thinned["contact"]
+    until, stride = thinning.until, thinning.stride
+    assert stride > 1
+    assert set(range(until + 1, int(run.summary["steps"]) + 1)) <= set(kept.tolist())
+    assert set(range(stride, until + 1, stride)) <= set(kept.tolist())
+    assert any(f"of the contact record every {stride}th of the steps" in event.text for event in run.events)
 
 
 def test_a_run_of_a_comparison_keeps_its_budget_where_it_is_taken_up_by_itself(
@@ -116,7 +118,7 @@ def test_damaged_rows_are_not_given_as_numbers(small_scene: MakeScene, tmp_path:
         row = table[10]
         row["pressure"][3] += 1.0
         table[10] = row
-    with pytest.raises(contactlab.errors.RequestError, match=r"1 of .* recorded steps of contact are damaged"):
+    with pytest.raises(contactlab.errors.RequestError, match=r"1 of .* rows of contacts/contacts.0/steps are damaged"):
         _ = contactlab.load_results(tmp_path / "run").contact["contacts.0"].steps
     whole = contactlab.load_results(tmp_path / "run", salvage=True).contact["contacts.0"].steps
     assert 11 not in whole["step"]

@@ -14,7 +14,7 @@ from contactlab_statics.iteration import NewtonIteration
 from contactlab.errors import RequestError
 from contactlab.results.iterate_sampler import IterateSampler
 from contactlab.results.load import load_results
-from contactlab.results.record_plan import RecordPlan, iterate_bytes
+from contactlab.results.record_plan import IteratePlan, iterate_bytes
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
@@ -125,7 +125,7 @@ class StillModel:
 
 
 def test_the_window_is_that_of_steps() -> None:
-    plan = RecordPlan(1, np.inf, 1, 1, 100, 75)
+    plan = IteratePlan(100)
     for first, last, expected in ((1, np.inf, 1), (5, 5, 1), (1, 4, 0), (6, np.inf, 0)):
         sampler = IterateSampler(StillModel(), plan, first, last, 0)  # type: ignore[arg-type]
         sampler.seen()
@@ -134,7 +134,7 @@ def test_the_window_is_that_of_steps() -> None:
 
 def test_an_integrator_that_tells_of_too_few_leaves_nothing_false() -> None:
     """Numbers would belong to other iterations: what cannot be told apart is not recorded."""
-    sampler = IterateSampler(StillModel(), RecordPlan(1, np.inf, 1, 1, 100, 75), 1, np.inf, 0)  # type: ignore[arg-type]
+    sampler = IterateSampler(StillModel(), IteratePlan(100), 1, np.inf, 0)  # type: ignore[arg-type]
     sampler.seen()
     assert sampler.take(3) == []
     for _ in range(2):

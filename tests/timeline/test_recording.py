@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import resource
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 from contactlab.api.drawing.colours import CLOSED, STATES, rgb
-from contactlab.errors import RequestError
+from contactlab.errors import ContactlabWarning, RequestError
 from contactlab.parts.registry import default_registry
 from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
@@ -687,16 +688,20 @@ def test_warnings_stand_on_the_page_and_among_the_events(small_scene: MakeScene,
     assert any(text.startswith("body ") and "von Mises" in text for text in events)
 
 
-def test_full_disk_is_said_and_leaves_nothing_half(
-    run: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    from contactlab_rerun import timeline_file
+def test_full_disk_is_said_and_leaves_nothing_half(run: Results, tmp_path: Path) -> None:
+    """The library would wait for ever: it never hears of it."""
+    from contactlab.run.recorders import record_again, record_stored
 
-    from contactlab.run.recorders import record_again
-
-    monkeypatch.setattr(timeline_file.shutil, "disk_usage", lambda folder: type("Usage", (), {"free": 1000}))
-    with pytest.raises(OSError, match="No space left"):
-        record_again(default_registry().make("recorder", "rerun"), tmp_path, run)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))
+    rerun = default_registry().make("recorder", "rerun")
+    try:
+        with pytest.raises(OSError, match="File too large"):
+            record_again(rerun, tmp_path, run)
+        with pytest.warns(ContactlabWarning, match="rerun cannot write to .*: file too large; the results are whole"):
+            record_stored({"rerun": rerun}, tmp_path, run)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
     assert list(tmp_path.iterdir()) == []
 
 

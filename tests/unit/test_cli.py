@@ -12,7 +12,8 @@ from pathlib import Path
 import pytest
 
 import contactlab
-from contactlab.cli import _worded, main
+from contactlab.cli import main
+from contactlab.commands.program import _worded
 from contactlab.errors import ContactlabWarning
 from contactlab.parts.machine import blas_kernels
 from contactlab.parts.registry import Registry

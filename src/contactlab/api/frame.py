@@ -133,6 +133,7 @@ class Layout:
     steps       names of the scalars of every step, see docs/results-in-paraview-and-python.md
     has_velocity  False in statics
     frames      stored frames that the scene asks for
+    budget      [MB] of the contact record, and what else is kept of each step is bounded by
     """
 
     scene: str
@@ -147,6 +148,7 @@ class Layout:
     steps: tuple[str, ...]
     has_velocity: bool
     frames: int
+    budget: float = 64.0
 
 
 @dataclass(frozen=True, eq=False)

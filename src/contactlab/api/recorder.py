@@ -19,8 +19,8 @@ FAILURE, WARNING = "failure", "warning"
 class Recording(ABC):
     """The recording of one run. Subclasses must define `frame` and `close`.
 
-    An OSError (disk full) from any method stops the run and keeps what was written; after any other
-    exception the run continues without this recorder, with a warning.
+    An OSError (disk full) of a recording that keeps the run's state stops the run and keeps what was written; after
+    any other exception, and an OSError of other recordings, the run continues without this recorder, with a warning.
 
     keeps_state  `save` stores what it is given, so that the run can be resumed
     """
@@ -62,6 +62,14 @@ class Recording(ABC):
         Called for recorders with `every_field`, in runs that fail or give a warning.
         """
 
+    def news(self) -> Sequence[str]:
+        """Sentences for the log of the run since the frame before; called after each frame."""
+        return ()
+
+    def facts(self) -> Mapping[str, Any]:
+        """Entries for the summary of the run, such as what was left out; called before `close`."""
+        return {}
+
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:  # noqa: B027
         """Keep all that a restart needs. Called from time to time, at an interrupt, and at the end."""
 
@@ -79,7 +87,8 @@ class Recorder(ABC):
     every_iterate  its recordings take `iterates`
     every_field  its recordings take `last_steps`
     stores_results  results are read back from its recordings, and other recordings are made from them
-    shown_file  name of the file that `show` opens; empty where there is nothing to show
+    shown_file  name of the file that `show` opens, which is made of the stored results when a run is over, if they are
+                stored; empty where there is nothing to show
     """
 
     by_default: ClassVar[bool] = False

@@ -114,6 +114,7 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
     from contactlab.model.build import build
     from contactlab.model.held_arrays import held_arrays
     from contactlab.run.prepare import prepare_run
+    from contactlab.run.recorders import record_stored
     from contactlab.run.steps import steps
 
     import_module("contactlab.run.simulation")  # as a run does
@@ -140,7 +141,7 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
         run.schedule.adapt()
         run.store()
         arrays = held_arrays(model, integrator=integrator.advance, run=run)
-        run.finish("interrupted", "trial run")
+        record_stored(run.when_over, Path(folder), run.finish("interrupted", "trial run"))
     return TrialRun(
         kernels=[*rows, *(row for row in kernels.rows({}, 1) if row.kernel not in {r.kernel for r in rows})],
         modules=imported_modules(scene.registry.packages()),

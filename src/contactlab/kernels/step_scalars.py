@@ -6,7 +6,8 @@ from contactlab.api.compiled.kernel import kernel, section, summation
 from contactlab.api.compiled.unpack import unpack
 
 MODEL = "d2 d1 d1 l1 l1 l1"
-CONTACT = "d2 d2 d2 i1 i1 i1 d2 i1 d1 d1 d2 i1 d1"
+CONTACT = "d2 d2 d2 i1 i1 i1 d2 i1 d1 d1 d2 i1 d1 i1 i1"
+ACTIVE, STICKING = 1, 2
 
 
 @summation
@@ -70,39 +71,53 @@ def _pair(first, slot):
 
 @kernel
 def contact_scalars(row, bound, column, count, factored):
-    """Fill active, sticking and penetration of every pair, from `column` on.
+    """Fill active, sticking, penetration and changed of every pair, from `column` on.
 
     bound       arrays buffer (BLOCK, columns), position (N, 2), multipliers (1 or 2, conditions),
                 pair_start (first slot of each pair, end of the last), of the rows start, node,
-                normal_weight, slot, measure, offset, bound, of the factored rows slot and left
+                normal_weight, slot, measure, offset, bound, of the factored rows slot and left;
+                states (conditions,) of the step before, which become those of this one, and scratch (conditions,)
     count       rows in use, factored those of the other kind; in a step one of them is zero
 
     Active are conditions with a force, sticking those of them below their friction bound;
-    penetration is the deepest gap of the conditions at the end of the step [mm].
+    penetration is the deepest gap of the conditions at the end of the step [mm], changed how many conditions
+    became active or not, or sticking or not.
     """
     (
         buffer, position, forces, first, start, node, weight, slot, measure, offset, bounds, factored_slot, left,
+        states, now,
     ) = unpack(bound, CONTACT)  # fmt: skip
     out, pairs, friction = buffer[row], first.size - 1, bounds.shape[1] > 0
-    for i in range(3 * pairs):
+    for i in range(4 * pairs):
         out[column + i] = 0.0
+    for i in range(now.size):
+        now[i] = 0
     for k in range(factored):
-        at = column + 3 * _pair(first, factored_slot[k])
+        at = column + 4 * _pair(first, factored_slot[k])
         if forces[0, factored_slot[k]] > 0.0:
             out[at] += 1.0
+            now[factored_slot[k]] = ACTIVE
         out[at + 2] = max(out[at + 2], -left[k])
     for k in range(count):
-        at = column + 3 * _pair(first, slot[k])
+        at = column + 4 * _pair(first, slot[k])
         pressed = forces[0, slot[k]]
         pulled = abs(forces[1, slot[k]]) if friction else 0.0
         if pressed > 0.0 or pulled > 0.0:
             out[at] += 1.0
+            now[slot[k]] = ACTIVE
             if friction:
                 limit = bounds[0, k] * pressed + min(bounds[1, k] * measure[k], bounds[2, k] * pressed)
                 if pulled < limit * (1.0 - 1e-9):
                     out[at + 1] += 1.0
+                    now[slot[k]] = STICKING
         across, along = offset[k], 0.0
         for z in range(start[k], start[k + 1]):
             across += weight[z, 0] * position[node[z], 0]
             along += weight[z, 1] * position[node[z], 1]
         out[at + 2] = max(out[at + 2], -(across + along))
+    for p in range(pairs):
+        changed = 0
+        for i in range(first[p], first[p + 1]):
+            changed += states[i] != now[i]
+            states[i] = now[i]
+        out[column + 4 * p + 3] = changed

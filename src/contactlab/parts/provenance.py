@@ -39,8 +39,9 @@ def part_specs(scene: Scene) -> Iterator[tuple[str, str, str]]:
 
 def _functions(scene: Scene) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Place in the scene and table of every function: of profiles, and of values in time."""
+    data = scene.data
     for table in ("bodies", "rigid", "supports", "loads", "effects"):
-        yield from _functions_in(scene.data.get(table, ()), table)
+        yield from _functions_in(data.get(table, ()), table)
 
 
 def _functions_in(value: Any, place: str) -> Iterator[tuple[str, Mapping[str, Any]]]:

@@ -24,7 +24,7 @@ SERIAL, FRAMES, STEPS, EVENTS, LENGTH, CHECKSUM, OWN = range(7)
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A saved instant: everything a restart needs, and how much of the run was stored by then.
+    """A saved instant: everything a restart needs, and how much of the run was stored by then (`steps`: its last one).
 
     memory   arrays by name, as `contactlab.model.memory` and the simulation named them
     summary  content of `summary.json` for a run that ends here, as text
@@ -67,11 +67,6 @@ class Slots:
             fixed(place, "header", (7,), "i8")[:] = 0
         return cls(group)
 
-    @staticmethod
-    def bytes_for(memory: Mapping[str, Floats]) -> int:
-        """Space that slots for these arrays take."""
-        return 2 * 8 * sum(array.size for array in memory.values())
-
     def write(
         self,
         growing: GrowingFile,
@@ -88,12 +83,12 @@ class Slots:
         if len(text) > self.texts[slot].room:
             # both, and twice as much as is needed: a summary grows with what happens in the run
             growing.grow(self.texts, TEXT * -(-2 * len(text) // TEXT) - self.texts[slot].room)
-        self.memories[slot].id.write(h5py.h5s.ALL, h5py.h5s.ALL, flat)
+        growing.write_around(self.memories[slot], flat)
         self.texts[slot].write(0, text, len(text))
-        growing.flush()  # a header on the disk says that its state is there
         self.serial += 1
         header = header_of(np.array([self.serial, frames, steps, events, len(text)], np.int64), flat, text)
         self.headers[slot].id.write(h5py.h5s.ALL, h5py.h5s.ALL, header)
+        growing.flush()
 
     def newest(self, frames: int, steps: int, events: int, salvage: bool = False) -> Checkpoint | None:
         """The newest whole checkpoint that needs no more than so many frames, steps and events.

@@ -20,7 +20,7 @@ from contactlab.results.contact_nodes import facing_segments, node_values
 from contactlab.results.slips import slips_of
 
 if TYPE_CHECKING:
-    from contactlab.results.record_plan import RecordPlan
+    from contactlab.results.record_plan import Window
 
 BLOCK = 512  # rows between hand-overs
 
@@ -29,14 +29,14 @@ Block = Mapping[str, np.ndarray]
 
 
 class ContactSampler:
-    """Samples the contacts of a model after steps that the plan keeps. `sample` is what the loop calls.
+    """Samples the contacts of a model after the steps of a window. `sample` is what the loop calls.
 
     `take` gets a block of at most BLOCK rows of every contact, and may keep it.
     """
 
-    def __init__(self, model: Model, layout: Layout, plan: RecordPlan, take: Callable[[Block], None]) -> None:
+    def __init__(self, model: Model, layout: Layout, window: Window, take: Callable[[Block], None]) -> None:
         assert model.contact is not None
-        self.plan, self.take, self.count = plan, take, 0
+        self.window, self.take, self.count = window, take, 0
         self.types = {contact.name: contact_record(contact) for contact in layout.contacts}
         self.when: Floats = np.zeros((2, BLOCK))
         self.arrays = {name: _columns(kind) for name, kind in self.types.items()}
@@ -57,10 +57,8 @@ class ContactSampler:
         self.take(block)
 
     def _sample_of(self, model: Model, recorders: list[Callable[[int], None]]) -> Callable[[Step, float], None]:
-        clock, following, (numbers, times) = model.state["clock"], self.plan.following, self.when
-        due, every = following(model.state.step), self.plan.every
-        # rows up to there are followed by one `every` steps on
-        even = min(self.plan.first + (self.plan.sure - 1) * every, self.plan.last - every)
+        clock, window, (numbers, times) = model.state["clock"], self.window, self.when
+        due, every, last = window.following(model.state.step), window.every, window.last
 
         def sample(step: Step, dt: float) -> None:
             nonlocal due
@@ -71,7 +69,7 @@ class ContactSampler:
             for record in recorders:
                 record(row)
             times[row], numbers[row] = clock[0], number
-            due = number + every if number <= even else following(int(number))
+            due = number + every if number + every <= last else math.inf
             self.count = row + 1
             if row + 1 == BLOCK:
                 self.flush()

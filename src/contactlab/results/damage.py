@@ -11,7 +11,7 @@ import numpy as np
 
 from contactlab.api.frame import Layout
 from contactlab.errors import RequestError, one_line
-from contactlab.results.checksums import Damage, broken_seals, of_rows
+from contactlab.results.checksums import Damage, broken_seals
 from contactlab.results.frame_sums import StoredSums
 from contactlab.results.result_file import FILE
 
@@ -76,8 +76,8 @@ def _slab(file: Any, layout: Layout, name: str, number: int) -> np.ndarray:
     return np.asarray(table[number * height : (number + 1) * height])
 
 
-def check_all(file: Any, layout: Layout, frames: int, steps: int) -> None:
-    """Raise Damage where anything stored up to there is not as it was written."""
+def check_all(file: Any, layout: Layout, frames: int) -> None:
+    """Raise Damage where anything of the first frames, or stored once, is not as it was written."""
     if broken := broken_seals(file):
         raise Damage(f"{', '.join(broken)} {'is' if len(broken) == 1 else 'are'} damaged")
     if frames:
@@ -85,14 +85,3 @@ def check_all(file: Any, layout: Layout, frames: int, steps: int) -> None:
         lost = sorted(set(range(frames)) - set(whole))
         if lost:
             raise Damage(f"{len(lost)} of {frames} frames are damaged, the first is number {lost[0]}")
-    good = whole_steps(file, 0, steps)
-    if not good.all():
-        raise Damage(f"{np.count_nonzero(~good)} of {steps} steps are damaged, the first is row {int(np.argmin(good))}")
-
-
-def whole_steps(file: Any, begin: int, end: int) -> np.ndarray:
-    """Which rows of the scalars of steps are as they were written (end - begin,)."""
-    own = file["contactlab"]
-    if begin == end:
-        return np.ones(0, np.bool_)
-    return np.asarray(of_rows(own["steps"][begin:end]) == own["checksums/steps"][begin:end])

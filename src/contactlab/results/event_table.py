@@ -44,7 +44,6 @@ class EventTable:
         """Append one event to the table."""
         count, begin = self.count, len(self.group[WORDS])
         text = np.frombuffer(event.text.encode(), np.uint8)
-        self.growing.reserve(len(text))
         self._resize(count + 1, begin + len(text))
         self.group[WORDS][begin:] = text
         row = (event.step, event.time, event.level, begin + len(text), of_text(*_stored(event)))

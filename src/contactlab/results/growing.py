@@ -1,18 +1,14 @@
 """Datasets that grow in a file which stays readable whatever happens.
 
-Space for many rows is set aside on the disk before HDF5 hears of them: a full disk is then met while
-the file is whole, and storing a row writes only where there is room already. Metadata that changes
-with every row is what a killed process can leave half written, so chunks are allocated with the
-space, and a row changes nothing but numbers.
+Room for many rows is set aside on the disk before any is written, with the chunks and headers that belong to it, in
+one change of the file (`journaled.py`): a full disk is then met while the file is whole, and a row changes nothing
+but numbers.
 
 h5py's low-level calls are used where something happens at every frame: they cost a fifth.
 """
 
 from __future__ import annotations
 
-import errno
-import os
-import shutil
 import zlib
 from collections.abc import Iterable
 from pathlib import Path
@@ -21,63 +17,64 @@ from typing import Any
 import h5py
 import numpy as np
 
-HEADERS = ("v108", "v108")  # the oldest format whose headers have checksums; later ones do not survive a kill
-METADATA = 65536  # bytes set aside beside the rows, for headers
-CHUNK_INDEX = 100  # bytes for each chunk: entries of up to 48 in nodes that may be half empty
+from contactlab.results.journaled import JournaledFile, written
+
+HEADERS = ("v108", "v108")  # the oldest format whose headers have checksums; later ones mark a file as open
 
 
 class GrowingFile:
-    """An HDF5 file open for writing, without a lock so that others can read it meanwhile.
+    """An HDF5 file open for writing, which others can read meanwhile.
 
     A new file has another name until `publish`: half of a beginning is nothing that anyone could read.
     """
 
     def __init__(self, path: Path, new: bool) -> None:
-        self.path = path
-        self.present = path.with_name(path.name + ".new") if new else path
-        self.file = h5py.File(self.present, "w" if new else "r+", libver=HEADERS, locking=False)
-        self.descriptor = os.open(self.present, os.O_RDWR)
+        self.path, self.published = path, not new
+        self.below = JournaledFile.create(path.with_name(path.name + ".new")) if new else JournaledFile.resume(path)
+        self.file = h5py.File(self.below, "w" if new else "r+", libver=HEADERS)
+
+    @property
+    def descriptor(self) -> int:
+        """Descriptor of the file, for rows that go to their places without HDF5."""
+        return self.below.descriptor
 
     def publish(self) -> None:
-        """Everything so far is whole, and flushed: a new file gets its name."""
-        if self.present != self.path:
+        """Everything so far is whole: a new file gets its name."""
+        if not self.published:
             self.flush()
-            self.present = self.present.replace(self.path)
-
-    def reserve(self, size: int, metadata: int = METADATA) -> None:
-        """Take `size` more bytes of disk. Raises OSError where there are none, before anything is written."""
-        self.file.flush()
-        end = os.fstat(self.descriptor).st_size
-        wanted = size + metadata
-        try:
-            os.posix_fallocate(self.descriptor, 0, end + wanted)
-        except AttributeError:
-            if shutil.disk_usage(self.path.parent).free < wanted:
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self.path)) from None
-        except OSError as error:
-            if error.errno not in (errno.EOPNOTSUPP, errno.EINVAL):
-                raise OSError(error.errno, os.strerror(error.errno or 0), str(self.path)) from error
+            self.below.path.replace(self.path)
+            self.below.journal(self.path)
+            self.published = True
 
     def grow(self, columns: Iterable[Column], rows: int) -> None:
         """Make room for `rows` more rows of each of the columns."""
         columns = list(columns)
-        self.reserve(sum(column.growth(rows) for column in columns))
         for column in columns:
             column.resize(column.room + rows)
-        self.file.flush()
+        self.flush()
         for column in columns:
             column.find_places(self.descriptor)
 
+    def write_around(self, dataset: h5py.Dataset, values: np.ndarray) -> None:
+        """Fill a dataset of fixed size; HDF5, and so the journal, need not see what nobody reads yet."""
+        place = dataset.id.get_offset()
+        if place is None or not self.published:
+            dataset.id.write(h5py.h5s.ALL, h5py.h5s.ALL, values)
+        else:
+            written(self.below.descriptor, values.reshape(-1).view(np.uint8).data, place)
+
     def flush(self) -> None:
-        """Make everything written so far what a reader sees."""
+        """Make everything written so far what a reader sees, at once. Raises OSError where the disk is full."""
         h5py.h5f.flush(self.file.id)
+        self.below.commit()
 
     def close(self) -> None:
-        """Close the file; nothing is lost if that fails half-way."""
+        """Close the file with all changes, or as it was at the last flush where the disk takes no more."""
         try:
             self.file.close()
+            self.below.commit()
         finally:
-            os.close(self.descriptor)
+            self.below.close()
 
 
 class Column:
@@ -108,13 +105,6 @@ class Column:
         """Size of one row in bytes."""
         return int(self.height * np.prod(self.shape, dtype=np.int64) * self.dtype.itemsize)
 
-    def growth(self, rows: int) -> int:
-        """Bytes that `rows` rows more take: whole chunks, and what tells where they are."""
-        chunk, *inner = self.dataset.chunks
-        before, after = (-(-number * self.height // chunk) for number in (self.room, self.room + rows))
-        size = int(chunk * np.prod(inner, dtype=np.int64) * self.dtype.itemsize)
-        return int((after - before) * (size + CHUNK_INDEX))
-
     def resize(self, rows: int) -> None:
         """Change the number of rows to `rows`."""
         self.places = {}
@@ -132,12 +122,16 @@ class Column:
 
         self.dataset.id.chunk_iter(note)
 
-    def write(self, row: int, values: Any, rows: int = 1) -> None:
-        """Fill `rows` rows from `row` on; there must be room."""
+    def rows(self, begin: int, end: int) -> np.ndarray:
+        """Read rows from `begin` to `end`."""
+        return np.asarray(self.dataset[begin * self.height : end * self.height])
+
+    def write(self, row: int, values: Any, rows: int = 1, around: bool = True) -> None:
+        """Fill `rows` rows from `row` on, there must be room; not `around` HDF5: with the next change of the file."""
         size = (rows * self.height, *self.shape)
         data: Any = np.ascontiguousarray(values, self.dtype).reshape(size)
         self.sum = zlib.crc32(data)
-        if data.size and not (self.places and self._placed(row * self.height, data)):
+        if data.size and not (around and self.places and self._placed(row * self.height, data)):
             space = self.dataset.id.get_space()
             space.select_hyperslab((row * self.height, *(0 for _ in self.shape)), size)
             self.dataset.id.write(h5py.h5s.create_simple(size), space, data)
@@ -151,17 +145,16 @@ class Column:
             low, high = max(begin, chunk * first), min(end, (chunk + 1) * first)
             part: Any = data[low - begin : high - begin]
             place = self.places[chunk] + (low - chunk * first) * (data.nbytes // len(data))
-            if os.pwrite(self.descriptor, part, place) != part.nbytes:  # the file system has gone back on its word
-                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            written(self.descriptor, part.reshape(-1).view(np.uint8).data, place)
         return True
 
 
 class Number:
     """A whole number kept as an attribute, rewritten in place."""
 
-    def __init__(self, owner: h5py.HLObject, name: str) -> None:
+    def __init__(self, owner: h5py.HLObject, name: str, start: int = 0) -> None:
         if name not in owner.attrs:
-            owner.attrs[name] = np.int64(0)
+            owner.attrs[name] = np.int64(start)
         self.attribute = h5py.h5a.open(owner.id, name.encode())
         self._value = np.zeros((), np.int64)
         self.attribute.read(self._value)

@@ -7,7 +7,7 @@ import numpy as np
 from contactlab.api.frame import Iterate
 from contactlab.model.implicit_model import ImplicitModel
 from contactlab.results.precision import PLACES, placed
-from contactlab.results.record_plan import RecordPlan
+from contactlab.results.record_plan import IteratePlan
 
 
 class IterateSampler:
@@ -16,12 +16,12 @@ class IterateSampler:
     first, last  steps whose iterations are looked at: `record.from` and `record.to`
     """
 
-    def __init__(self, model: ImplicitModel, plan: RecordPlan, first: int, last: float, done: int) -> None:
+    def __init__(self, model: ImplicitModel, plan: IteratePlan, first: int, last: float, done: int) -> None:
         self.model, self.plan, self.first, self.last = model, plan, first, last
         self.number = done
         self.due = plan.following(done)
         self.waiting: list[Iterate] = []
-        self.told = done > plan.whole
+        self.told = done > plan.sure
 
     def seen(self) -> None:
         """An iteration has ended."""
@@ -43,11 +43,11 @@ class IterateSampler:
 
     def thinned(self) -> str:
         """What a reader of the run is told when iterations are left out for the first time; else empty."""
-        if self.told or self.number <= self.plan.whole:
+        if self.told or self.number <= self.plan.sure:
             return ""
         self.told = True
         return (
-            f"from iteration {self.plan.whole} on displacements of some iterations are left out: they would be larger "
+            f"from iteration {self.plan.sure} on displacements of some iterations are left out: they would be larger "
             "than record.budget; record.from and record.to choose a window"
         )
 

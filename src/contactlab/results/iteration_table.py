@@ -64,7 +64,6 @@ class IterationTable:
         kind = f"S{max(WORD, -(-size // WORD) * WORD)}"
         self.statuses = Column(self.group, STATUSES, kind, 1, (), ROOM)
         if self.statuses.room < self.numbers.room:
-            self.growing.reserve(self.statuses.growth(self.numbers.room))
             self.statuses.resize(self.numbers.room)
             self.statuses.write(0, np.zeros(self.numbers.room, self.statuses.dtype), self.numbers.room)
 

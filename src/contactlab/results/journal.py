@@ -22,7 +22,7 @@ from contactlab.results.sample import Sample
 
 if TYPE_CHECKING:
     from contactlab.results.contact_sampler import ContactSampler
-    from contactlab.results.record_plan import RecordPlan
+    from contactlab.results.record_plan import Window
     from contactlab.results.steps import Sample as StepSample
     from contactlab.results.steps import StepSampler
 
@@ -31,8 +31,8 @@ class Journal:
     """Samples of one run in memory; frames, steps and events go to its recordings, by the recorder's name.
 
     `wanted` names the recordings that want every step's scalars ("steps"), the contact record ("contact_steps"), states
-    after iterations ("iterates") and all of the last steps ("last_steps"); `plan` says which steps the contact record
-    has. With `past`, an interrupted run is taken up where it was saved. `share` is the fraction of the run that is
+    after iterations ("iterates") and all of the last steps ("last_steps"); `window` says which steps the contact record
+    takes. With `past`, an interrupted run is taken up where it was saved. `share` is the fraction of the run that is
     done at a time [s].
     """
 
@@ -44,7 +44,7 @@ class Journal:
         wanted: Mapping[str, frozenset[str]],
         history_file: HistoryFile | None = None,
         past: Results | None = None,
-        plan: RecordPlan | None = None,
+        window: Window | None = None,
         share: Callable[[float], float] = float,
     ) -> None:
         self.share = share
@@ -60,11 +60,12 @@ class Journal:
         self.peaks = Peaks(layout, model.explicit)
         self.full = False
         self.wanted = wanted
+        self.step_sampler = self._every_step_sampler() if wanted["steps"] else None
         self.samplers: list[StepSampler | ContactSampler] = []
-        if wanted["steps"]:
-            self.samplers.append(self._every_step_sampler())
-        if wanted["contact_steps"] and plan is not None:
-            self.samplers.append(self._contact_sampler(plan))
+        if self.step_sampler is not None:
+            self.samplers.append(self.step_sampler)
+        if wanted["contact_steps"] and window is not None:
+            self.samplers.append(self._contact_sampler(window))
         if past is not None:
             self._take_up(past)
         self.history_file = history_file
@@ -112,6 +113,18 @@ class Journal:
         if self.recordings:
             frame: Frame = frame_of(self.model, sample)
             self._tell("frame", lambda recording: recording.frame(frame))
+            for recording in list(self.recordings.values()):
+                for text in recording.news():
+                    self.tell("info", text)
+
+    def saved(self) -> dict[str, Floats]:
+        """Arrays by name: what sampling a step needs of the step before."""
+        return self.step_sampler.saved() if self.step_sampler is not None else {}
+
+    def restore(self, memory: Mapping[str, Floats]) -> None:
+        """Go back to saved arrays."""
+        if self.step_sampler is not None:
+            self.step_sampler.restore(memory)
 
     def tell(self, level: Level, text: str) -> None:
         """Record an event at the present step."""
@@ -153,7 +166,8 @@ class Journal:
         """
         full = self.full
         reasons = [why for s in self.samplers for why in self._quietly("steps", lambda _, s=s: s.flush())]  # type: ignore[misc]
-        written = self._written(summary)
+        facts = {name: fact for recording in self.recordings.values() for name, fact in recording.facts().items()}
+        written = self._written({**summary, **facts})
         reasons += self._quietly("close", lambda recording: recording.close(written))
         if reasons and not full:
             written |= {"status": "failed", "reason": reasons[0]}
@@ -171,10 +185,10 @@ class Journal:
 
         return StepSampler(self.model, len(self.layout.steps), self._steps)
 
-    def _contact_sampler(self, plan: RecordPlan) -> ContactSampler:
+    def _contact_sampler(self, window: Window) -> ContactSampler:
         from contactlab.results.contact_sampler import ContactSampler
 
-        return ContactSampler(self.model, self.layout, plan, self._contact_steps)
+        return ContactSampler(self.model, self.layout, window, self._contact_steps)
 
     def _flush(self) -> None:
         for sampler in self.samplers:
@@ -203,10 +217,7 @@ class Journal:
         self.events, self.iterations = list(past.events), list(past.iterations)
         for row in self.rows:
             self.peaks.frame(row)
-        for scalars in past.step_blocks():
-            self.peaks.steps(scalars)
-        for record in past.contact_step_blocks():
-            self.peaks.contact_steps(record)
+        self.peaks.restore(past.summary.get("peaks", {}))
 
     def _steps(self, block: Floats) -> None:
         self.peaks.steps(block)
@@ -223,9 +234,13 @@ class Journal:
             self._one(name, what, call)
 
     def _one(self, name: str, what: str, call: Callable[[Recording], None]) -> None:
-        """One call of one recording: a full disk stops the run, any other fault only this recorder."""
+        """One call of one recording: a full disk stops the run whose state it keeps, any other fault this recorder."""
+        recording = self.recordings[name]
         try:
-            self._or_stop(name, call, self.recordings[name])
+            if recording.keeps_state:
+                self._or_stop(name, call, recording)
+            else:
+                call(recording)
         except SimulationFailure:
             raise
         except (Exception, SystemExit) as error:

@@ -6,16 +6,18 @@ import json
 import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import Iterate, IterationRow
+from contactlab.api.thinning import Thinning
+from contactlab.arguments import NAME, arguments
 from contactlab.errors import RequestError, one_line
 from contactlab.results.checkpoint_slots import Checkpoint, Slots
-from contactlab.results.checksums import Damage
-from contactlab.results.contact_table import StoredContactSteps, check_record, recorded_rows, rows_up_to
+from contactlab.results.checksums import GROUP, Damage, of_rows
+from contactlab.results.contact_table import recorded, recorded_up_to, stored_record
 from contactlab.results.damage import BROKEN, TABLES, check_all, damage_told, whole_frames
 from contactlab.results.event_table import read_events
 from contactlab.results.final_fields import FinalFields
@@ -26,14 +28,16 @@ from contactlab.results.last_steps_file import stored_last_steps
 from contactlab.results.layout_file import read_layout
 from contactlab.results.result_file import FILE
 from contactlab.results.results import ContactHistory, Results
-from contactlab.results.stored_file import opened
+from contactlab.results.stored_file import check_storage, opened
 from contactlab.results.stored_frames import StoredFrames, curve_of
-from contactlab.results.stored_steps import StoredSteps
+from contactlab.results.stored_rows import StoredRows, up_to
 from contactlab.results.stored_text import read_columns, read_text
+from contactlab.results.thinned_table import pieces_of, thinning_of
 
 T = TypeVar("T")
 
 
+@arguments(folder=NAME, salvage=bool)
 def load_results(folder: str | Path, salvage: bool = False) -> Results:
     """The results of the run in `folder`, equal to what `simulate` gave back; as far as it went if it was killed.
 
@@ -64,9 +68,10 @@ def load_checkpoint(folder: Path) -> tuple[Results, Checkpoint] | None:
         if reader.checkpoint is None:
             return None
         reader.limit(reader.checkpoint)
-        check_all(file, reader.layout, reader.frames, reader.steps)
-        check_record(reader.own, reader.layout, reader.recorded)
+        check_all(file, reader.layout, reader.frames)
         run = reader.results()
+        for rows in (run.step_source, *(run.contact[c.name].step_source for c in reader.layout.contacts)):
+            cast(StoredRows, rows).check(reader.own)
         check_iterates(reader.own, len(run.iterations))
         return run, reader.checkpoint
 
@@ -75,13 +80,15 @@ class _Reader:
     """One open file. With `salvage` what is damaged is left out, and `lost` tells of it."""
 
     def __init__(self, file: Any, folder: Path, salvage: bool = False) -> None:
+        check_storage(file)
         self.file, self.folder, self.own = file, folder, file["contactlab"]
         self.salvage = salvage
         self.lost: list[str] = []
         self.layout = read_layout(self.own)
         self.frames = self._or("the frames", lambda: _frame_count(file, salvage), 0)
-        self.steps = self._or("the steps", lambda: int(self.own["steps"].attrs["count"]), 0)
-        self.recorded = self._or("the contact record", lambda: recorded_rows(self.own, self.layout), 0)
+        nothing: list[tuple[int, int]] = []
+        self.steps = self._or("the steps", lambda: pieces_of(self.own["steps"]), nothing)
+        self.recorded = self._or("the contact record", lambda: recorded(self.own, self.layout), nothing)
         self.events = self._or("the events", lambda: len(self.own["events/step"]), 0)
         self.last_step = math.inf
         slots = self._or("the saved state", lambda: Slots.of(self.own), None)
@@ -93,7 +100,9 @@ class _Reader:
         self.numbers = self._numbers()
 
     def _newest(self, slots: Slots | None) -> Checkpoint | None:
-        return slots.newest(self.frames, self.steps, self.events, self.salvage) if slots is not None else None
+        last = [end for begin, end in self.steps if end > begin][-1:]
+        steps = int(self.own["steps"][last[0] - 1, 0]) if last else 0
+        return slots.newest(self.frames, steps, self.events, self.salvage) if slots is not None else None
 
     def _or(self, what: str, read: Callable[[], T], otherwise: T) -> T:
         """What `read` gives; `otherwise`, where that fails and only what is whole is wanted."""
@@ -115,19 +124,24 @@ class _Reader:
 
     def limit(self, checkpoint: Checkpoint) -> None:
         """See no more than was stored when the checkpoint was made."""
-        self.frames, self.steps, self.events = checkpoint.frames, checkpoint.steps, checkpoint.events
+        self.frames, self.events = checkpoint.frames, checkpoint.events
         self.numbers = self.numbers[: self.frames]
         self.last_step = float(checkpoint.memory["state.clock"][1])
-        self.recorded = rows_up_to(self.own, self.layout, self.recorded, self.last_step)
+        self.steps = up_to(self.steps, lambda row: int(self.own["steps"][row, 0]), self.last_step)
+        self.recorded = recorded_up_to(self.own, self.layout, self.recorded, self.last_step)
 
     def results(self) -> Results:
         """Read all that the file holds into one `Results`."""
         contact = self._contacts()
         frames = StoredFrames(self.folder, self.layout, self.numbers)
         end = FinalFields(self.layout, self.checkpoint, frames)
-        steps = StoredSteps(self.folder, self.steps, self.salvage)
-        if self.salvage and self.steps and (missing := self.steps - sum(len(block) for block in steps)):
-            self.lost.append(f"{missing} of {self.steps} steps")
+        columns = len(self.layout.steps)
+        thinning = self._or("the steps", lambda: thinning_of(self.own["steps"]), Thinning())
+        steps = StoredRows(
+            self.folder, "steps", f"{GROUP}/steps", of_rows, np.dtype("f8"), self.steps, thinning, self.salvage, columns
+        )
+        if self.salvage and (missing := steps.total - sum(len(block) for block in steps)):
+            self.lost.append(f"{missing} of {steps.total} steps")
         iterations = self._or(
             "the iterations", lambda: read_iterations(self.own, self.last_step, self.salvage), list[IterationRow]()
         )
@@ -179,7 +193,7 @@ class _Reader:
             "reason": "the run ended without a word before its first state was saved",
             "parts": dict(self.layout.parts),
             "versions": dict(self.layout.versions),
-            "steps": self.steps,
+            "steps": sum(end - begin for begin, end in self.steps),
         }
 
     def _rows(self, name: str, table: Any) -> Floats:
@@ -201,7 +215,7 @@ class _Reader:
         found = {}
         for contact in self.layout.contacts:
             table = self._rows(f"curves of {contact.name}", self.own[f"contacts/{contact.name}/curves"])
-            record = StoredContactSteps(self.folder, contact, self.recorded, self.salvage)
+            record = stored_record(self.own, self.folder, self.layout, contact, self.recorded, self.salvage)
             curves = [curve_of(values) for values in table]
             found[contact.name] = ContactHistory(list(times), curves, record)
         return found

@@ -62,6 +62,21 @@ class Peaks:
             k = int(np.argmax(highest))
             _keep(self.recorded, name, float(highest[k]), int(rows["step"][k]), float(rows["time"][k]))
 
+    def restore(self, data: Mapping[str, Any]) -> None:
+        """Look at peaks that `as_data` gave: the steps they are from may have been thinned since.
+
+        One that a frame had is not above that frame by more than `SINGLE`, and changes nothing.
+        """
+        contacts = data.get("contacts", {})
+        for found, peaks in (
+            (self.reactions, data.get("reactions", {})),
+            (self.recorded, {name: peak["pressure"] for name, peak in contacts.items()}),
+        ):
+            for name, peak in peaks.items():
+                value = peak["value"]
+                if value is not None and _keep(found, name, value, peak["step"], peak["time"]) and "vector" in peak:
+                    found[name]["vector"] = peak["vector"]
+
     def as_data(self, share: Callable[[float], float]) -> dict[str, Any]:
         """Peaks by support, and the largest pressure and resultant of each contact; `share` of a time [s]."""
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
 from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout
+from contactlab.api.thinning import Thinning
 from contactlab.api.warning import RunWarning
 from contactlab.results.contact_blocks import blocks_of
 from contactlab.results.named import Named
@@ -149,7 +150,7 @@ class Results:
     @property
     def step_count(self) -> int:
         """Steps whose scalars were recorded."""
-        return sum(len(block) for block in self.step_source)
+        return _rows_of(self.step_source)
 
     def step_blocks(self) -> Iterator[Floats]:
         """The same (b, len(layout.steps)), some steps at a time."""
@@ -158,7 +159,15 @@ class Results:
     @property
     def contact_step_count(self) -> int:
         """Steps of which the contacts were recorded node by node."""
-        return sum(map(len, self._record(self.layout.contacts[0].name))) if self.layout.contacts else 0
+        return _rows_of(self._record(self.layout.contacts[0].name)) if self.layout.contacts else 0
+
+    @property
+    def thinned(self) -> Mapping[str, Thinning]:
+        """What is left out of the scalars of `steps` and of the `contact` record because `record.budget` was used up.
+
+        Of the steps up to `until` only each `stride`th is there, beside those in which a contact state changed.
+        """
+        return {name: Thinning(**values) for name, values in self.summary.get("thinned", {}).items()}
 
     def contact_step_blocks(self) -> Iterator[Mapping[str, np.ndarray]]:
         """The record of all contacts by name, some steps at a time."""
@@ -236,6 +245,11 @@ class Results:
         return isinstance(other, Results) and _same(_content(self), _content(other))
 
     __hash__ = None  # type: ignore[assignment]
+
+
+def _rows_of(blocks: Sequence[np.ndarray]) -> int:
+    total = getattr(blocks, "total", None)  # of stored ones it is known without reading them
+    return sum(map(len, blocks)) if total is None else int(total)
 
 
 def _content(results: Results) -> dict[str, Any]:

@@ -52,8 +52,6 @@ class ShownTimes:
 
     def append(self, time: float) -> None:
         """Show one more frame; all that belongs to it has been written."""
-        if len(self.times) % CHUNK == 0:
-            self.growing.reserve(2 * 8 * CHUNK)
         self._show(np.append(self.times, time))
 
     def cut(self, count: int) -> None:

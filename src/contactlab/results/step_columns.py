@@ -10,10 +10,12 @@ COUNTS = ("step", "time", "dt", "sweeps", "iterations", "residual", "cost.elemen
 """Step number, time and length [s], contact sweeps, Newton iterations, contact residual, wall time of the
 step's stresses and forces and of its contact [s]."""
 
-CONTACT = ("active", "sticking", "penetration")
-"""Of each contact: conditions with a force, sticking ones, and how deep the worst one is violated at the end of the
-step [mm]: zero up to the solver's tolerance where multipliers are exact. (`max_penetration` of stored frames
-is geometric: nodes and segment middles of either side.)"""
+CHANGED = "changed"
+CONTACT = ("active", "sticking", "penetration", CHANGED)
+"""Of each contact: conditions with a force, sticking ones, how deep the worst one is violated at the end of the
+step [mm]: zero up to the solver's tolerance where multipliers are exact (`max_penetration` of stored frames
+is geometric: nodes and segment middles of either side), and how many conditions changed between open, stick and slip
+in the step."""
 
 
 def step_columns(supports: Sequence[str], contacts: Sequence[str], contact_work: bool = False) -> tuple[str, ...]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,16 +10,16 @@ import numpy as np
 from contactlab.api import FactoredRows, Floats, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.state import WORK
-from contactlab.kernels.step_scalars import CONTACT, MODEL, model_scalars, step_scalars
+from contactlab.kernels.step_scalars import ACTIVE, CONTACT, MODEL, STICKING, model_scalars, step_scalars
 from contactlab.model.model import Model
 from contactlab.results.energies import split_of
 
 if TYPE_CHECKING:
     from contactlab.model.contact.explicit_system import ContactSystem
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
-    from contactlab.model.contact.pair import ContactPair
     from contactlab.model.contact.work_split import WorkSplit
 
+SAVED = "recorded.states"
 BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step
 
 Sample = Callable[[Step, float], None]
@@ -33,9 +33,19 @@ class StepSampler:
 
     def __init__(self, model: Model, columns: int, take: Callable[[Floats], None]) -> None:
         self.rows: Floats = np.zeros((BLOCK, columns))
+        pairs = model.contact.pairs if model.contact is not None else ()
+        self.states = np.zeros((2, pairs[-1].first_slot + pairs[-1].slots if pairs else 0), np.int32)
         self.count = 0
         self.take = take
         self.sample = _with_split(self, _sample_of(self, model), split_of(model))
+
+    def saved(self) -> dict[str, Floats]:
+        """The states of the conditions at the last step, by a name."""
+        return {SAVED: self.states[0].astype(np.float64)}
+
+    def restore(self, memory: Mapping[str, Floats]) -> None:
+        """Go back to saved states."""
+        self.states[0] = memory[SAVED]
 
     def flush(self) -> None:
         """Hand on the rows since the last time."""
@@ -85,14 +95,14 @@ def _with_rows(sampler: StepSampler, model: Model) -> Sample:
     bound, works = _bound_model(sampler.rows, model), len(WORK)
     address, elements, solving = bound.address, model.seconds, contact.seconds
     rows, factored = contact.rows, contact.factored
-    bound_rows = _bound_rows(sampler.rows, model, contact)
+    bound_rows = _bound_rows(sampler, model, contact)
     rows_address = bound_rows.address
 
     def sample(step: Step, dt: float) -> None:
         nonlocal elements, solving, rows, factored, bound_rows, rows_address
         if contact.rows is not rows or contact.factored is not factored:  # they were made anew with more room
             rows, factored = contact.rows, contact.factored
-            bound_rows = _bound_rows(sampler.rows, model, contact)
+            bound_rows = _bound_rows(sampler, model, contact)
             rows_address = bound_rows.address
         row, of_elements, of_contact = sampler.count, model.seconds - elements, contact.seconds - solving
         elements, solving = model.seconds, contact.seconds
@@ -120,9 +130,14 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
         elements, solving = model.seconds, contact.seconds
         counts = (step.sweeps, step.iterations, step.residual)
         at = model_scalars(row, bound.address, dt, *counts, of_elements, of_contact, works)
+        before, now = sampler.states
         for pair in contact.pairs:
-            sampler.rows[row, at : at + 3] = _conditions_of(contact.conditions, pair)
-            at += 3
+            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            now[own], penetration = _conditions_of(contact.conditions, own)
+            active, sticking = np.count_nonzero(now[own]), np.count_nonzero(now[own] == STICKING)
+            sampler.rows[row, at : at + 4] = active, sticking, penetration, np.count_nonzero(now[own] != before[own])
+            at += 4
+        before[:] = now
         sampler.count = row + 1
         if row + 1 == BLOCK:
             sampler.flush()
@@ -130,10 +145,10 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
     return sample
 
 
-def _conditions_of(conditions: Any, pair: ContactPair) -> tuple[int, int, float]:
-    """Count active and sticking conditions of one pair, and find its penetration."""
-    c, own = conditions, slice(pair.first_slot, pair.first_slot + pair.slots)
-    pressed, pulled = c.force[0, own], np.abs(c.force[-1, own]) if len(c.force) > 1 else np.zeros(pair.slots)
+def _conditions_of(c: Any, own: slice) -> tuple[np.ndarray, float]:
+    """Find the states of the conditions of one pair, and its penetration."""
+    pressed = c.force[0, own]
+    pulled = np.abs(c.force[-1, own]) if len(c.force) > 1 else np.zeros_like(pressed)
     active = (pressed > 0.0) | (pulled > 0.0)
     sticking = np.zeros_like(active)
     if c.bound.shape[1]:
@@ -142,7 +157,7 @@ def _conditions_of(conditions: Any, pair: ContactPair) -> tuple[int, int, float]
             capped = np.fmin(adhesion * c.measure[own], cap * pressed)
         sticking = active & (pulled < (coefficient * pressed + capped) * (1.0 - 1e-9))
     deepest = np.where(c.present[own], -c.gap[own], 0.0).max(initial=0.0)
-    return int(active.sum()), int(sticking.sum()), float(deepest)
+    return np.where(sticking, STICKING, active * ACTIVE), float(deepest)
 
 
 def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
@@ -150,11 +165,11 @@ def _bound_model(buffer: Floats, model: Model) -> BoundArrays:
     return BoundArrays(MODEL, buffer, model.state.buffer, model.mass, _places(model), starts, dofs)
 
 
-def _bound_rows(buffer: Floats, model: Model, contact: ContactSystem | ImplicitContactSystem) -> BoundArrays:
+def _bound_rows(sampler: StepSampler, model: Model, contact: ContactSystem | ImplicitContactSystem) -> BoundArrays:
     pairs, r, factored = contact.pairs, contact.rows, contact.factored or FactoredRows.allocate(0, 0)
     starts = np.array([*(pair.first_slot for pair in pairs), pairs[-1].first_slot + pairs[-1].slots], np.int32)
     of_rows = (r.start, r.node, r.normal_weight, r.slot, r.measure, r.offset, r.bound, factored.slot, factored.left)
-    return BoundArrays(CONTACT, buffer, model.position, contact.multipliers, starts, *of_rows)
+    return BoundArrays(CONTACT, sampler.rows, model.position, contact.multipliers, starts, *of_rows, *sampler.states)
 
 
 _FIELDS = ("clock", "velocity", "work", "reaction")

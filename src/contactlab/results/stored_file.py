@@ -6,9 +6,42 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.errors import RequestError
+from contactlab.results.checksums import Damage
 from contactlab.results.damage import BROKEN, TABLES
+from contactlab.results.journaled import JournaledFile
 from contactlab.results.layout_file import READ
 from contactlab.results.result_file import FILE
+
+
+class Foreign(Damage):
+    """A file takes something from another one."""
+
+
+def check_inside(file: Any) -> None:
+    """Raise Foreign where a file takes anything from another file: it may be any file of whoever reads it."""
+    import h5py
+
+    inside = h5py.h5l.TYPE_HARD, h5py.h5l.TYPE_SOFT
+
+    def look(name: bytes, info: Any) -> bytes | None:
+        return None if info.type in inside else name
+
+    if name := file.id.links.visit(look, info=True):
+        raise Foreign(f"its {name.decode(errors='replace')} lies in another file")
+
+
+def check_storage(file: Any) -> None:
+    """The same for the numbers of each dataset, which may lie in another file without a link."""
+    import h5py
+
+    def look(name: bytes) -> None:
+        item = h5py.h5o.open(file.id, name)
+        if isinstance(item, h5py.h5d.DatasetID):
+            made = item.get_create_plist()
+            if made.get_layout() == h5py.h5d.VIRTUAL or made.get_external_count():
+                raise Foreign(f"the numbers of {name.decode(errors='replace')} lie in another file")
+
+    h5py.h5o.visit(file.id, look)
 
 
 def opened(folder: Path) -> Any:
@@ -22,12 +55,19 @@ def opened(folder: Path) -> Any:
             found, where=str(folder), allowed="the folder of a run whose record.recorders include vtkhdf (the default)"
         )
     try:
-        file = h5py.File(path, "r", locking=False)
+        over = JournaledFile.read_only(path)
+        file = h5py.File(path, "r", locking=False) if over is None else h5py.File(over, "r")
     except OSError as error:
         raise RequestError(f"the file cannot be read: {error}", where=str(path), hint=TABLES) from error
     try:
+        check_inside(file)
         ours = "contactlab" in file and "VTKHDF" in file
         version = file["contactlab"].attrs.get("format") if ours else None
+    except Foreign as problem:
+        file.close()
+        raise RequestError(
+            f"the file is refused: {problem}", where=str(path), allowed="a file that holds all of the run itself"
+        ) from problem
     except BROKEN:
         ours = False
     if not ours:

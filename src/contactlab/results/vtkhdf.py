@@ -19,6 +19,7 @@ import numpy as np
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import ContactCurve, ContactLayout, Event, Frame, Iterate, IterationRow, Layout, StoredRun
 from contactlab.api.recorder import Recorder, Recording
+from contactlab.api.thinning import RECENT
 from contactlab.results.checkpoint_slots import TEXT, Slots
 from contactlab.results.checksums import GROUP as SUMS
 from contactlab.results.checksums import of_rows, seal
@@ -26,22 +27,26 @@ from contactlab.results.contact_table import ROOM, ContactTable, is_recorded
 from contactlab.results.event_table import EventTable
 from contactlab.results.frame_sums import FrameSums
 from contactlab.results.grid_file import GridFile, frame_bytes, write_grid
-from contactlab.results.growing import Column, GrowingFile, Number
+from contactlab.results.growing import Column, GrowingFile
 from contactlab.results.iterate_table import IterateTable
 from contactlab.results.iteration_table import GROUP, IterationTable
 from contactlab.results.last_steps_file import excerpt, last_steps_folder
 from contactlab.results.layout_file import FORMAT, write_layout
 from contactlab.results.packed_file import pack
+from contactlab.results.record_plan import MEGABYTE
 from contactlab.results.result_file import FILE, RESUMABLE
+from contactlab.results.step_columns import CHANGED
 from contactlab.results.stored_text import read_columns, write_columns, write_text
+from contactlab.results.thinned_table import ThinnedTable
 
+KEPT = {"steps": "the scalars of steps", "contact": "the contact record"}
+SHARE = 4.0  # of the budget of the contact record is for the scalars of steps: a million of the usual ones
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
 STEP_ROWS = 1024  # steps by which their room grows, at least
 CHUNK_STEPS = 256
 METADATA = 350_000.0  # bytes of a file beside its numbers, as measured: some 60 datasets and what is set aside for them
 FRAME_METADATA = 1200.0  # and of a frame: each dataset tells where its chunk is
 PACKED = 3 << 20  # bytes from which a file is compressed: of smaller ones it saves less than it takes of a short run
-SUMMARY_METADATA = 8192  # bytes for the one dataset that is added at the end
 
 
 @dataclass(frozen=True)
@@ -60,7 +65,8 @@ class VtkHdf(Recorder):
         curves = 8.0 * len(ContactCurve.COLUMNS) * sum(len(contact.slave_nodes) for contact in layout.contacts)
         frames = layout.frames * (frame_bytes(layout) + curves + FRAME_METADATA)
         beside = METADATA + (ROOM if layout.contacts else 0.0)
-        return beside + frames + 8.0 * steps * (len(layout.steps) + 1) + 2.0 * (memory + TEXT)
+        kept = min(steps, most_steps(layout))
+        return beside + frames + 8.0 * kept * (len(layout.steps) + 1) + 2.0 * (memory + TEXT)
 
     def open(self, folder: Path, layout: Layout) -> Recording:
         """Create the file of a new run."""
@@ -69,7 +75,9 @@ class VtkHdf(Recorder):
     def resume(self, folder: Path, layout: Layout, run: StoredRun) -> Recording:
         """The file as it lies, cut back to what `run` holds."""
         recording = VtkHdfRecording(GrowingFile(folder / FILE, new=False), layout)
-        recording.cut(len(run.frames), run.step_count, len(run.events), len(run.iterations), run.contact_step_count)
+        last = run.summary.get("steps", 0)
+        recording.cut(len(run.frames), last, len(run.events), len(run.iterations))
+        recording.frame_steps = (0, run.frames[-1].step) if len(run.frames) else (0, 0)
         return recording
 
 
@@ -96,17 +104,15 @@ class VtkHdfRecording(Recording):
         self.sums: FrameSums | None = None
         if self.history is not None:
             self.sums = self._frame_sums()
-        self.step_rows = Column(self.own, "steps", "f8", 1, (len(layout.steps),), CHUNK_STEPS)
-        self.step_sums = Column(self.own.require_group(SUMS), "steps", "u8", 1, (), CHUNK_STEPS)
-        write_columns(self.own, "steps", layout.steps)
+        self.steps_kept = _step_table(growing, self.own, layout)
+        self.last_step = self.steps_kept.last_step
         write_columns(self.own, "curves", ContactCurve.COLUMNS)
-        self.step_count = Number(self.step_rows.dataset, "count")
-        self.steps_written = self.step_count.value
         self.events = EventTable(growing, self.own)
         self.newton = IterationTable(growing, self.own) if GROUP in self.own else None
         self.iterated = IterateTable.there(growing, self.own)
         self.contact = ContactTable(growing, self.own, layout) if is_recorded(self.own, layout) else None
         self.slots = Slots.of(self.own)
+        self.frame_steps = 0, 0
 
     def frame(self, frame: Frame) -> None:
         """Append a frame to the file."""
@@ -125,15 +131,12 @@ class VtkHdfRecording(Recording):
         self.sums.write(row, [column.sum for column in self._summed().values()])
         self._show_steps()
         self.grid.times.append(frame.time)
-        self.growing.publish()
+        self.frame_steps = self.frame_steps[1], frame.step
 
     def steps(self, block: Floats) -> None:
         """Append the scalars of several steps."""
-        if self.steps_written + len(block) > self.step_rows.room:
-            self.growing.grow([self.step_rows, self.step_sums], max(STEP_ROWS, self.steps_written // 8))
-        self.step_rows.write(self.steps_written, block, len(block))
-        self.step_sums.write(self.steps_written, of_rows(block), len(block))
-        self.steps_written += len(block)
+        self.steps_kept.add([block, of_rows(block)], block[:, 0].astype(np.int64))
+        self.last_step = int(block[-1, 0])
 
     def contact_steps(self, block: Mapping[str, np.ndarray]) -> None:
         """Append rows of the contact record."""
@@ -167,55 +170,69 @@ class VtkHdfRecording(Recording):
             whole.close(excerpt(self.layout, end, frames))
             pack(folder / FILE)
 
+    def news(self) -> Sequence[str]:
+        """What is left out since the frame before, because the budget is used up."""
+        before, present = self.frame_steps
+        return [
+            f"record.budget is used up: of {KEPT[name]} {table.thinning}"
+            for name, table in self._thinned().items()
+            if before < table.sparser_at <= present
+        ]
+
+    def facts(self) -> Mapping[str, Any]:
+        """What is left out."""
+        thinned = {name: table.thinning.as_data() for name, table in self._thinned().items() if table.sparser_at}
+        return {"thinned": thinned} if thinned else {}
+
+    def _thinned(self) -> dict[str, ThinnedTable]:
+        contact = {"contact": self.contact.kept} if self.contact is not None else {}
+        return {"steps": self.steps_kept, **contact}
+
     def save(self, memory: Mapping[str, Floats], summary: Mapping[str, Any]) -> None:
-        """Keep what a restart needs, and let readers see everything so far."""
+        """Keep what a restart needs, and let readers see everything so far; a new file gets its name."""
         if self.slots is None:
-            self.growing.reserve(Slots.bytes_for(memory))
             self.slots = Slots.create(self.own, memory)
         self._show_steps()
         self.slots.write(
-            self.growing, memory, json.dumps(summary), self.grid.times.count, self.steps_written, self.events.count
+            self.growing, memory, json.dumps(summary), self.grid.times.count, self.last_step, self.events.count
         )
-        self.growing.flush()
+        self.growing.publish()
 
     def close(self, summary: Mapping[str, Any]) -> None:
         """Give the spare room back and write the summary."""
         try:
             made = self.newton.count if self.newton is not None else 0
-            recorded = self.contact.count if self.contact is not None else 0
-            self.cut(self.grid.times.count, self.steps_written, self.events.count, made, recorded)
-            text = json.dumps(summary)
-            self.growing.reserve(len(text), metadata=SUMMARY_METADATA)
+            self.cut(self.grid.times.count, self.last_step, self.events.count, made)
             if "summary" in self.own:
                 del self.own["summary"]
-            stored = write_text(self.own, "summary", text)
+            stored = write_text(self.own, "summary", json.dumps(summary))
             stored.attrs["serial"] = self.slots.serial if self.slots is not None else 0
+            if self.grid.times.count:
+                self.growing.publish()
         finally:
             self.growing.close()
         if summary["status"] not in RESUMABLE:
             pack(self.growing.path, PACKED)
 
-    def cut(self, frames: int, steps: int, events: int, iterations: int, contact_steps: int) -> None:
-        """Have exactly so much of everything, and no spare room."""
+    def cut(self, frames: int, last_step: int, events: int, iterations: int) -> None:
+        """Have exactly so much of everything, up to this step, and no spare room."""
         self.grid.cut(frames)
         for column in self._own_columns():
             column.resize(frames)
-        self.step_rows.resize(steps)
-        self.step_sums.resize(steps)
-        self.steps_written = steps
-        self.step_count.write(steps)
+        self.steps_kept.cut(last_step)
+        self.last_step = last_step
         self.events.cut(events)
         if self.newton is not None:
             self.newton.cut(iterations)
         if self.iterated is not None:
             self.iterated.cut(iterations)
         if self.contact is not None:
-            self.contact.cut(contact_steps)
+            self.contact.cut(last_step)
         self.growing.flush()
 
     def _show_steps(self) -> None:
         """Let readers see the steps and iterations so far."""
-        self.step_count.write(self.steps_written)
+        self.steps_kept.show()
         if self.newton is not None:
             self.newton.show()
         if self.iterated is not None:
@@ -242,6 +259,25 @@ class VtkHdfRecording(Recording):
         more = max(8, row // 8) if row else self.layout.frames + SPARE_FRAMES
         self.growing.grow([*self.grid.columns, *self._own_columns()], more)
         self.grid.fill_offsets(row, row + more)
+
+
+def _step_table(growing: GrowingFile, own: h5py.Group, layout: Layout) -> ThinnedTable:
+    rows = Column(own, "steps", "f8", 1, (len(layout.steps),), CHUNK_STEPS)
+    sums = Column(own.require_group(SUMS), "steps", "u8", 1, (), CHUNK_STEPS)
+    write_columns(own, "steps", layout.steps)
+    most = most_steps(layout)
+    changed = [number for number, name in enumerate(layout.steps) if name.endswith(f".{CHANGED}")]
+
+    def look(begin: int, end: int) -> tuple[np.ndarray, np.ndarray]:
+        values = rows.rows(begin, end)
+        return values[:, 0].astype(np.int64), np.any(values[:, changed] > 0.0, axis=1)
+
+    return ThinnedTable(growing, rows.dataset, [rows, sums], look, most, STEP_ROWS)
+
+
+def most_steps(layout: Layout) -> int:
+    """Steps whose scalars are kept at most."""
+    return max(4 * RECENT, int(SHARE * layout.budget * MEGABYTE / (8 * (len(layout.steps) + 1))))
 
 
 def _curves(own: h5py.Group, contact: ContactLayout) -> Column:

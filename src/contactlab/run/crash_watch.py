@@ -17,14 +17,15 @@ KILLED = "the process ended without a word (killed, or left by os._exit)"
 
 def main(folder: str, scene: str, trace: str) -> None:
     """Wait for the end of the run; leave `crash.txt` and `summary.json` if it came too early."""
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, signal.SIG_IGN)  # typed at the terminal they are meant for the run
+    for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+        if hasattr(signal, name):
+            signal.signal(getattr(signal, name), signal.SIG_IGN)  # at the terminal they are meant for the run
     if sys.stdin.buffer.read(1):
         return
     text = Path(trace).read_text(errors="replace")
     Path(trace).unlink()
     reason = described(text)
-    print(f"contactlab: {scene}: failed: {reason}", file=sys.stderr)
+    print(f"contactlab: {printable(scene)}: failed: {reason}", file=sys.stderr)
     if not Path(folder).is_dir():
         return
     if text:
@@ -32,7 +33,14 @@ def main(folder: str, scene: str, trace: str) -> None:
     summary = Path(folder, "summary.json")
     if not summary.exists():
         told = {"format": 1, "scene": scene, "status": "failed", "reason": reason}
-        summary.write_text(json.dumps(told, indent=1) + "\n")
+        written = summary.with_suffix(".json.new")
+        written.write_text(json.dumps(told, indent=1) + "\n")
+        written.replace(summary)
+
+
+def printable(text: str) -> str:
+    """The text without what commands a terminal."""
+    return "".join(character for character in text if character.isprintable())
 
 
 def described(text: str) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import json
+import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -23,6 +25,17 @@ RESULT_FILES = (
     "matrix.csv",
     "archive.sqlite",
 )
+OF_A_BEGINNING = {"scene.toml", "history.csv", "summary.json"}
+"""What a run may leave that was killed before its first state was saved."""
+WRITTEN = {
+    ".toml", ".json", ".csv", ".txt", ".html", ".svg", ".png", ".pdf", ".gif", ".mp4", ".tex", ".vtkhdf", ".rrd",
+    ".sqlite", ".new", ".packed", ".journal",
+}  # fmt: skip
+"""Endings of the files that results may consist of."""
+BESIDE = ("runs", "last-steps", "finest", "chosen", "contact.csv", "iterations.csv", "crash.txt", "summary.json.new")
+"""What may be written beside `RESULT_FILES`."""
+HEADER = b"step,time,"
+"""How `history.csv` begins."""
 
 
 @contextmanager
@@ -41,7 +54,7 @@ def results_folder(out: Path | str | None, name: str, resume: bool = False) -> I
     if out is None:
         folder = fresh_folder(name)
     else:
-        folder = made_folder(Path(out)) if resume else claimed_folder(Path(out))
+        folder = resumed_folder(Path(out)) if resume else claimed_folder(Path(out))
     try:
         yield folder
     except BaseException:
@@ -72,10 +85,14 @@ def _plain(name: str) -> str:
 def claimed_folder(folder: Path) -> Path:
     """`folder`, made if need be. Raises RequestError where it holds results."""
     try:
-        found = [name for name in RESULT_FILES if (folder / name).exists()]
+        found = [name for name in RESULT_FILES if os.path.lexists(folder / name)]
+        anew = set(found) <= OF_A_BEGINNING and _has_only_begun(folder)
+        _refuse_links(folder, [*RESULT_FILES, *BESIDE])
     except OSError as error:
         raise _unusable(folder, error) from error
-    if found:
+    if anew:
+        (folder / "summary.json").unlink(missing_ok=True)
+    elif found:
         raise RequestError(
             "the folder holds results already",
             where=f"results folder {folder}",
@@ -97,14 +114,61 @@ def run_folder(out: Path | str | None, resume: bool) -> Path | None:
     if not resume:
         return claimed_folder(folder)
     over = [name for name in ("summary.json", "table.json") if (folder / name).exists()]
-    if over and not list(folder.glob("results.vtkhdf*")):
+    if over == ["summary.json"] and _has_only_begun(folder):
+        return claimed_folder(folder)
+    if over and not (folder / "results.vtkhdf").exists():
         raise RequestError(
             "the folder holds no run that could be taken up",
             where=f"results folder {folder}",
             got=f"{over[0]} without results.vtkhdf",
             hint="leave record.recorders away, or name vtkhdf there",
         )
-    return made_folder(folder)
+    return resumed_folder(folder)
+
+
+def resumed_folder(folder: Path) -> Path:
+    """`folder`, made if need be, with the results that are to be continued. Raises RequestError."""
+    made_folder(folder)
+    try:
+        _refuse_links(folder, [p.name for p in folder.iterdir() if p.suffix in WRITTEN or p.name in BESIDE])
+    except OSError as error:
+        raise _unusable(folder, error) from error
+    return folder
+
+
+def _refuse_links(folder: Path, names: Iterable[str]) -> None:
+    """Raise RequestError where one of these is a link: whoever made the folder could have us write anywhere."""
+    for name in names:
+        path = folder / name
+        if path.is_symlink():
+            raise RequestError(
+                "a link stands where a result is to be written",
+                where=f"results folder {folder}",
+                got=f"{name} -> {path.readlink()}",
+                allowed="the file itself, or nothing",
+                hint="put the file in its place, remove the link, or name another folder",
+            )
+
+
+def _has_only_begun(folder: Path) -> bool:
+    """Whether a run began here and ended before it saved a state: nothing is lost when it begins again.
+
+    Its history then has the initial state at most, and its summary (of a full disk, or by `crash_watch`) no steps.
+    """
+    history, summary = folder / "history.csv", folder / "summary.json"
+    if (folder / "results.vtkhdf").exists() or not (history.exists() or summary.exists()):
+        return False
+    with contextlib.suppress(FileNotFoundError), history.open("rb") as file:
+        lines = file.readlines(1 << 20)
+        if len(lines) > 2 or not b"".join(lines).startswith(HEADER[: len(lines) and len(lines[0])]):
+            return False
+    try:
+        told = json.loads(summary.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return True
+    except ValueError:
+        return False
+    return isinstance(told, dict) and told.get("status") == "failed" and told.get("steps", 0) == 0
 
 
 @contextmanager

@@ -8,11 +8,10 @@ from __future__ import annotations
 import signal
 import sys
 import threading
-from contextlib import contextmanager
 
 TYPE_CHECKING = False  # the module typing takes longer to import than all of this
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable
     from types import FrameType, TracebackType
     from typing import Any
 
@@ -55,17 +54,6 @@ def _listen(handler: Callable[[int, FrameType | None], None]) -> dict[signal.Sig
         return {}
     heard = [number for number in SIGNALS if signal.getsignal(number) not in (signal.SIG_IGN, None)]
     return {number: signal.signal(number, handler) for number in heard}
-
-
-@contextmanager
-def signals_as_ctrl_c() -> Iterator[None]:
-    """While it is entered, each of the signals raises KeyboardInterrupt."""
-    before = _listen(_interrupt)
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def interrupt_on_signals() -> None:

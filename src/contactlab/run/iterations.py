@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from contactlab.model.implicit_model import ImplicitModel
 from contactlab.results.iterate_sampler import IterateSampler
-from contactlab.results.record_plan import RecordPlan, iterate_bytes
+from contactlab.results.record_plan import IteratePlan, iterate_bytes
 
 if TYPE_CHECKING:
     from contactlab.api import Layout
@@ -18,17 +18,17 @@ if TYPE_CHECKING:
 IN_A_STEP = 6  # iterations of a step, for an estimate of what their states take
 
 
-def iterate_plan(model: Model, record: Record, layout: Layout) -> RecordPlan | None:
+def iterate_plan(model: Model, layout: Layout) -> IteratePlan | None:
     """Which iterations are kept; None where there are none, or no room for any."""
-    return RecordPlan.of_iterations(record, layout, _conditions(model)) if isinstance(model, ImplicitModel) else None
+    return IteratePlan.of(layout, _conditions(model)) if isinstance(model, ImplicitModel) else None
 
 
-def iterates_on_disk(model: Model, plan: RecordPlan, layout: Layout, steps: int) -> float:
+def iterates_on_disk(model: Model, plan: IteratePlan, layout: Layout, steps: int) -> float:
     """About what the states of a run of so many steps take [bytes]."""
     return min(plan.rows, IN_A_STEP * steps) * float(iterate_bytes(layout, _conditions(model)))
 
 
-def record_iterates(run: Run, plan: RecordPlan, record: Record) -> None:
+def record_iterates(run: Run, plan: IteratePlan, record: Record) -> None:
     """Copy states after iterations from here on."""
     assert isinstance(run.model, ImplicitModel)
     steps = record.from_ or 1, record.to or math.inf

@@ -18,7 +18,7 @@ from contactlab.api import Frame, Step, StepStatus
 from contactlab.api.recorder import FAILURE, WARNING
 from contactlab.results.frame import frame_of
 from contactlab.results.last_steps_file import drop_last_steps, has_last_steps
-from contactlab.results.record_plan import BUDGET, MEGABYTE
+from contactlab.results.record_plan import MEGABYTE
 from contactlab.results.sample import take_sample
 from contactlab.run.guards import EVERY
 from contactlab.run.kept_states import KeptStates
@@ -40,7 +40,7 @@ def length_of(record: Record, layout: Layout) -> int:
     from contactlab.results.grid_file import frame_bytes
 
     wanted = LENGTH if record.last is None else record.last
-    room = min(MEMORY / IN_MEMORY, (BUDGET if record.budget is None else record.budget) / STORED)
+    room = min(MEMORY / IN_MEMORY, layout.budget / STORED)
     return min(wanted, int(room * MEGABYTE / max(1.0, frame_bytes(layout))))
 
 

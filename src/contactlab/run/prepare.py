@@ -20,7 +20,7 @@ from contactlab.results.journal import Journal
 from contactlab.results.results import Results
 from contactlab.run.guards import Guards
 from contactlab.run.kept_states import KeptStates
-from contactlab.run.recorders import at_work, check_disk_space, open_recordings, recorders_of
+from contactlab.run.recorders import at_work, check_disk_space, open_recordings, recorders_of, when_over
 from contactlab.run.restart import changed_versions, saved_run
 from contactlab.run.run import Run
 from contactlab.run.schedule import Schedule
@@ -28,7 +28,6 @@ from contactlab.run.watches import Watching
 
 if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
-    from contactlab.results.record_plan import RecordPlan
     from contactlab.scene.scene import Scene
 
 
@@ -56,7 +55,8 @@ def prepare_run(
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
     # there is never a frame without a step: room for more would be taken for nothing
     steps = run.schedule.estimated_steps()
-    layout = replace(layout, frames=min(layout.frames, steps))
+    budget = layout.budget if scene.record.budget is None else scene.record.budget
+    layout = replace(layout, frames=min(layout.frames, steps), budget=budget)
     check_frame_size(layout.frames, len(layout.nodes), scene.where("record.frames"))
     working = at_work(recorders)
     wanted = {
@@ -68,22 +68,28 @@ def prepare_run(
     if folder is None:
         run.journal = Journal(model, layout, {}, wanted, share=run.schedule.share)
         return run
-    plan = _record_plan(scene, layout, steps) if wanted["contact_steps"] else None
+    window = None
+    if wanted["contact_steps"] and layout.contacts and layout.budget:
+        from contactlab.results.record_plan import Window
+
+        window = Window.of(scene.record, layout)
     memory = sum(array.nbytes for array in run.saved().values())
-    record = plan.disk_bytes(layout, steps) if plan is not None else 0.0
+    record = window.disk_bytes(layout, steps) if window is not None else 0.0
     iterates = None
     if wanted["iterates"] and not model.explicit:
         from contactlab.run.iterations import iterate_plan, iterates_on_disk, record_iterates
 
-        iterates = iterate_plan(model, scene.record, layout)
+        iterates = iterate_plan(model, layout)
         record += iterates_on_disk(model, iterates, layout, steps) if iterates is not None else 0.0
-    check_disk_space(working, folder, layout, steps, memory, record, scene.where("record.frames"))
+    run.when_over = when_over(recorders)
+    check_disk_space({**working, **run.when_over}, folder, layout, steps, memory, record, scene.where("record.frames"))
     claimed = HistoryFile(folder)
     past = _take_up(run, layout, folder) if resume else None
     write_scene(folder, layout.scene)
     recordings = open_recordings(recorders, folder, layout, past)
-    run.journal = Journal(model, layout, recordings, wanted, claimed, past, plan, run.schedule.share)
-    run.plan = plan
+    run.journal = Journal(model, layout, recordings, wanted, claimed, past, window, run.schedule.share)
+    if past is not None:
+        run.journal.restore(run.saved_memory)
     if iterates is not None:
         record_iterates(run, iterates, scene.record)
     if wanted["last_steps"] and scene.record.last != 0:
@@ -99,12 +105,6 @@ def _keep_last_steps(run: Run, scene: Scene, registry: Registry, folder: Path) -
         run.last_steps = LastSteps(run.model, length, lambda: build(scene, registry), scene.record.warnings == "all")
         run.last_steps.begin(folder)
         run.kept = KeptStates(run.last_steps.states)
-
-
-def _record_plan(scene: Scene, layout: Layout, steps: int) -> RecordPlan | None:
-    from contactlab.results.record_plan import RecordPlan
-
-    return RecordPlan.of(scene.record, layout, steps)
 
 
 def _take_up(run: Run, layout: Layout, folder: Path) -> Results | None:

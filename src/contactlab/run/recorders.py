@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import shutil
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.api.frame import Layout
 from contactlab.api.recorder import Recorder, Recording, replay
-from contactlab.errors import RequestError, SceneError, one_line
+from contactlab.errors import ContactlabWarning, RequestError, SceneError, one_line
 from contactlab.meshing.room import in_words
 from contactlab.results.results import Results
 
@@ -38,13 +39,15 @@ def default_recorders(registry: Registry) -> list[str]:
 
 
 def at_work(recorders: Mapping[str, Recorder]) -> dict[str, Recorder]:
-    """Those that record during a run. The others make their files of what is stored, when somebody looks."""
+    """Those that record during a run. Where results are stored, files to look at are made of them later."""
     stored = any(recorder.stores_results for recorder in recorders.values())
-    return {
-        name: recorder
-        for name, recorder in recorders.items()
-        if not (stored and recorder.on_view and recorder.shown_file)
-    }
+    return {name: recorder for name, recorder in recorders.items() if not (stored and recorder.shown_file)}
+
+
+def when_over(recorders: Mapping[str, Recorder]) -> dict[str, Recorder]:
+    """Those that record what is stored when a run is over; the rest of the others do when somebody looks."""
+    working = at_work(recorders)
+    return {name: r for name, r in recorders.items() if name not in working and not r.on_view}
 
 
 def check_disk_space(
@@ -79,7 +82,7 @@ def open_recordings(
 ) -> dict[str, Recording]:
     """The recordings of a run in `folder`; of an interrupted run `past` they go on.
 
-    A recorder that works when somebody looks is only asked whether it can; what it made of the run before is removed.
+    A recorder that works later is only asked whether it can; what it made of the run before is removed.
     Raises RequestError where the folder cannot be written or a recorder cannot begin.
     """
     opened: dict[str, Recording] = {}
@@ -103,6 +106,20 @@ def open_recordings(
                 hint="name other recorders, or mend this one",
             ) from error
     return opened
+
+
+def record_stored(recorders: Mapping[str, Recorder], folder: Path, run: Results) -> None:
+    """Let these recorders make their files of a run that is stored; what fails is a warning."""
+    for name, recorder in recorders.items():
+        try:
+            record_again(recorder, folder, run)
+        except OSError as error:
+            place = folder if error.filename is None else error.filename
+            text = f"{name} cannot write to {place}: {(error.strerror or str(error)).lower()}; the results are whole"
+            warnings.warn(text, ContactlabWarning, stacklevel=3)
+        except (Exception, SystemExit) as error:
+            text = f"the recorder {name} failed: {one_line(error)}; the results are whole"
+            warnings.warn(text, ContactlabWarning, stacklevel=3)
 
 
 def record_again(recorder: Recorder, folder: Path, run: Results) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,10 +28,10 @@ from contactlab.run.schedule import Schedule
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
 
 if TYPE_CHECKING:
+    from contactlab.api import Recorder
     from contactlab.model.bound_integrator import BoundIntegrator
     from contactlab.results.checkpoint_slots import Checkpoint
     from contactlab.results.iterate_sampler import IterateSampler
-    from contactlab.results.record_plan import RecordPlan
     from contactlab.run.last_steps import LastSteps
     from contactlab.run.nested import NestedStart
 
@@ -64,15 +64,14 @@ class Run:
     last_steps: LastSteps | None = None
     journal: Journal = field(init=False)
     nested: NestedStart | None = None
-    plan: RecordPlan | None = None
+    saved_memory: Mapping[str, Floats] = field(default_factory=dict)
     iterates: IterateSampler | None = None
+    when_over: Mapping[str, Recorder] = field(default_factory=dict)
 
     def store_start(self) -> None:
         """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
         if not self.journal.frames:
             self.store()
-            if self.plan is not None and (told := self.plan.told()):
-                self.journal.tell("info", told)
             for pair in self.model.contact.pairs if self.model.contact is not None else ():
                 if pair.start_gaps is not None and (told := pair.start_gaps.told()):
                     self.journal.tell("info", f"{pair.name}: {told}")
@@ -236,11 +235,13 @@ class Run:
     @property
     def _followers(self) -> tuple[Any, ...]:
         more = (self.watching, split_of(self.model))
-        return self.schedule, self.guards, self.counts, self.monitor, *(part for part in more if part is not None)
+        recorded = (self.journal,) if hasattr(self, "journal") else ()  # it is opened after the rest is restored
+        return self.schedule, self.guards, self.counts, self.monitor, *(p for p in (*more, *recorded) if p is not None)
 
     def restore(self, checkpoint: Checkpoint, folder: Path) -> None:
         """Back to a checkpoint. Raises RequestError where it is not one of this model."""
         check_memory(checkpoint.memory, self.saved(), folder)
+        self.saved_memory = checkpoint.memory
         restore_model(self.model, checkpoint.memory)
         for part in self._followers:
             part.restore(checkpoint.memory)

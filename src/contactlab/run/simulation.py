@@ -6,11 +6,12 @@ import math
 import sys
 import warnings
 from collections.abc import Callable, Mapping
+from numbers import Real
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING
 
 from contactlab.api import Watch
+from contactlab.arguments import NAME, arguments
 from contactlab.errors import (
     ContactlabError,
     ContactlabWarning,
@@ -23,6 +24,7 @@ from contactlab.errors import (
 from contactlab.model.build import build
 from contactlab.parts.error_origin import part_at_fault, part_errors
 from contactlab.parts.machine import with_one_blas_thread
+from contactlab.parts.registry import Registry
 from contactlab.results.peak_memory import reset_peak
 from contactlab.results.results import Results
 from contactlab.run.ahead import compile_ahead
@@ -31,15 +33,13 @@ from contactlab.run.folders import run_folder
 from contactlab.run.guards import EVERY
 from contactlab.run.interruption import Interrupted, Interruption
 from contactlab.run.prepare import prepare_run
+from contactlab.run.recorders import record_stored, recorders_of, when_over
 from contactlab.run.restart import finished_results
 from contactlab.run.run import Run
 from contactlab.run.steps import steps
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
+from contactlab.scene.scene import Scene, load_scene
 from contactlab.views import view
-
-if TYPE_CHECKING:
-    from contactlab.parts.registry import Registry
-    from contactlab.scene.scene import Scene
 
 OURS = (ArithmeticError, LookupError, ValueError, TypeError, AttributeError, ContactlabError)
 """What a wrong array ends in; anything else that no part raised is a mistake of the core and is shown as one."""
@@ -50,6 +50,9 @@ Progress = Callable[[float, int, float, float], None]
 """Called with fraction done, step, time [s] and energy error."""
 
 
+@arguments(
+    scene=(Scene, *NAME), out=NAME, registry=Registry, resume=bool, watch=Mapping, work=Real, guards=bool,
+)  # fmt: skip
 @with_one_blas_thread
 def simulate(
     scene: Scene,
@@ -71,39 +74,43 @@ def simulate(
     called with the run before its first step.
     A run that fails is a result too: see `Results.status` and `Results.reason`. Raises RequestError
     (scene, part or folder wrong) before the first step, and Interrupted, which carries the results,
-    after Ctrl-C or SIGTERM. BLAS has one thread meanwhile, so that bits do not depend on their number.
+    after Ctrl-C, SIGTERM or SIGHUP. BLAS has one thread meanwhile, so that bits do not depend on their number.
     """
-    from contactlab.scene.scene import load_scene
-
     scene = load_scene(scene) if isinstance(scene, str | Path) else scene
     registry = registry or scene.registry
     if progress is None and "ipykernel" in sys.modules and view("bar.in_notebook")():
         progress = view("bar.notebook_bar")(scene.name)
     folder = run_folder(out, resume)
     if resume and not watch and folder is not None and (over := finished_results(folder, scene)) is not None:
+        missing = when_over(recorders_of(scene, registry))
+        missing = {name: r for name, r in missing.items() if not (folder / r.shown_file).is_file()}
+        record_stored(missing, folder, over)  # it was killed after its last step
         return over
     began = perf_counter()
     reset_peak()
-    compile_ahead(scene)
-    model = build(scene, registry)
-    with part_errors(registry):
-        watching = Watching(model, watch) if watch else None
-        run = prepare_run(model, scene, registry, folder, resume, watching)
-    if work < math.inf:
-        run.work_limit = WorkLimit(run.counts, work)
-    if not guards:
-        run.guards = NoGuards()
-    run.clock.build_s = perf_counter() - began
-    if announce is not None:
-        announce(run)
-    with Interruption(run.schedule.stop) as interruption:
+    with Interruption() as interruption:
+        compile_ahead(scene)
+        model = build(scene, registry)
+        with part_errors(registry):
+            watching = Watching(model, watch) if watch else None
+            run = prepare_run(model, scene, registry, folder, resume, watching)
+        if work < math.inf:
+            run.work_limit = WorkLimit(run.counts, work)
+        if not guards:
+            run.guards = NoGuards()
+        run.clock.build_s = perf_counter() - began
+        if announce is not None:
+            announce(run)
+        interruption.ends_by(run.schedule.stop)
         status, reason = _guarded(run, registry, interruption, progress)
         run.failed(status)
-    results = run.finish(status, reason)
+        results = run.finish(status, reason)
+        if folder is not None and run.when_over and results.frames:
+            record_stored(run.when_over, folder, results)
     results.watched = watching.found() if watching is not None else {}
     for broken in registry.run_finished(results.summary, results.folder):
         warnings.warn(f"{broken.origin}: {broken.reason}", ContactlabWarning, stacklevel=2)
-    if status == "interrupted":
+    if interruption.name:  # a run that was over by then is whole, but whoever asked for more does not want it
         raise Interrupted(results)
     return results
 

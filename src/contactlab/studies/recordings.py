@@ -14,7 +14,7 @@ from contactlab.results.inventory import flat
 from contactlab.results.load import load_results
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
-from contactlab.run.recorders import at_work, recorders_of
+from contactlab.run.recorders import at_work, recorders_of, when_over
 from contactlab.scene.toml_text import parse_toml
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def record_comparison(
     Those that work when somebody looks do it only `for_good`: where the runs will not stay.
     """
     recorders = recorders_of(scene, registry)
-    working = recorders if for_good else at_work(recorders)
+    working = recorders if for_good else {**at_work(recorders), **when_over(recorders)}
     for name in recorders.keys() - working.keys():  # what was made before these runs
         (folder / recorders[name].shown_file).unlink(missing_ok=True)
     gathering = {name: r for name, r in working.items() if type(r).compared is not Recorder.compared}

@@ -1,4 +1,4 @@
-"""Which steps the contact record keeps."""
+"""Which steps the contact record takes, and which iterations have their states stored."""
 
 from __future__ import annotations
 
@@ -6,36 +6,32 @@ import math
 
 import pytest
 
-from contactlab.results.record_plan import MEANT, RecordPlan
+from contactlab.results.record_plan import IteratePlan, Window
 
 
-def kept(plan: RecordPlan, steps: int) -> list[int]:
-    found, step = [], 0
-    while (step := plan.following(step)) <= steps:
-        found.append(int(step))
-        if not math.isfinite(step):
-            break
+def taken(plan: Window | IteratePlan, last: int) -> list[int]:
+    found, number = [], 0.0
+    while (number := plan.following(int(number))) <= last:
+        found.append(int(number))
     return found
 
 
 @pytest.mark.parametrize(("first", "last", "every"), [(1, math.inf, 1), (5, 60, 3), (10, 10, 1)])
-def test_all_steps_of_the_window_within_the_budget(first: int, last: float, every: int) -> None:
-    plan = RecordPlan(first, last, every, every, 400, 300)
-    assert kept(plan, 100) == [s for s in range(first, 101) if s <= last and (s - first) % every == 0]
+def test_all_steps_of_the_window(first: int, last: float, every: int) -> None:
+    assert taken(Window(first, last, every), 100) == [s for s in range(first, 101, every) if s <= last]
 
 
-def test_never_more_rows_than_the_budget_however_long_the_run() -> None:
-    rows = 400
-    plan = RecordPlan(1, math.inf, 1, 2, rows, int(MEANT * rows))
-    found = kept(plan, 5_000)
-    assert found[: plan.sure] == list(range(1, 2 * plan.sure, 2))
+def test_never_more_iterations_than_the_budget_however_long_the_run() -> None:
+    plan = IteratePlan(400)
+    found = taken(plan, 5_000)
+    assert found[: plan.sure] == list(range(1, plan.sure + 1))
     assert found[-1] > 2_000
     # stretches have half as many rows each: their sum stays below a third of the first one
-    assert len(found) <= rows
+    assert len(found) <= plan.rows
 
 
-def test_what_follows_depends_on_the_step_alone() -> None:
-    plan = RecordPlan(3, 900, 1, 1, 80, 60)
-    found = kept(plan, 1000)
-    for step in range(1000):
-        assert plan.following(step) == next((s for s in found if s > step), math.inf)
+def test_what_follows_depends_on_the_number_alone() -> None:
+    plan = IteratePlan(80)
+    found = taken(plan, 1500)
+    for number in range(1000):
+        assert plan.following(number) == next(s for s in found if s > number)

@@ -15,6 +15,7 @@ from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.timelines import frame_times
 
 COUNTS = ("solver", "nodes")
+COUNTED = ("active", "sticking", "changed")  # the last one is not there in older runs
 LINES = (*(style.colour for style in STYLES), "#F0E442", "#9AA0A6", "#F4A582", "#B2DF8A")
 """Colours of the lines of one plot, no two alike among the ten that a plot has at most."""
 ROWS = 8192  # steps that are sent together: what a call costs is then shared by many
@@ -55,7 +56,8 @@ def all_series(layout: Layout) -> list[Series]:
         groups.append(Series("reaction", _columns(layout, names), names))
     for contact in layout.contacts:
         name = contact.name
-        groups.append(_series(layout, f"nodes/{name}", (f"{name}.active", f"{name}.sticking")))
+        counted = [column for what in COUNTED if (column := f"{name}.{what}") in layout.steps]
+        groups.append(_series(layout, f"nodes/{name}", counted))
         groups.append(_series(layout, f"violation/{name}", (f"{name}.penetration",)))
     return groups
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import threading
 from pathlib import Path
 from uuid import uuid4
 
@@ -11,11 +13,47 @@ import rerun.blueprint as rrb
 APPLICATION = "contactlab"
 
 
-def stream_to(file: Path) -> rr.RecordingStream:
-    """Open a stream that writes into a file of its own."""
-    stream = rr.RecordingStream(APPLICATION, recording_id=uuid4())
-    stream.save(file)
-    return stream
+PATIENCE = 60.0  # s that the library may take to let go of its end of a pipe
+
+
+class FileStream:
+    """A stream of the library that ends in a file.
+
+    The library waits for ever where it cannot write (a quota, a limit of file size). So it writes into a pipe that is
+    always read, and what reads it knows when the disk is full. Systems without pipes by name have the library write.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.stream = rr.RecordingStream(APPLICATION, recording_id=uuid4())
+        self.error: OSError | None = None
+        self.reader: threading.Thread | None = None
+        if not Path("/dev/fd").is_dir():
+            self.stream.save(path)
+            return
+        path.unlink(missing_ok=True)
+        self.file = path.open("xb", buffering=0)
+        self.source, self.end = os.pipe()
+        self.reader = threading.Thread(target=self._read, name="contactlab-rerun", daemon=True)
+        self.reader.start()
+        self.stream.save(f"/dev/fd/{self.end}")
+
+    def _read(self) -> None:
+        while data := os.read(self.source, 1 << 20):
+            try:
+                while data and self.error is None:
+                    data = data[self.file.write(data) :]
+            except OSError as error:
+                self.error = error
+
+    def close(self) -> None:
+        """End the stream; `error` is what the disk said."""
+        self.stream.disconnect()
+        if self.reader is not None:
+            os.close(self.end)
+            self.reader.join(PATIENCE)
+            self.file.close()
+            if not self.reader.is_alive():
+                os.close(self.source)
 
 
 def drop_streams() -> None:

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import errno
 import math
-import os
-import shutil
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -28,14 +25,13 @@ from contactlab_rerun.opening import OPENS
 from contactlab_rerun.profiles import Profile, log_profile, profile_of
 from contactlab_rerun.series import SeriesWriter
 from contactlab_rerun.step_pictures import log_pictures
-from contactlab_rerun.stream import drop_streams, stream_to
+from contactlab_rerun.stream import FileStream, drop_streams
 
 if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
 
 MOST_TRACKS = 12  # in the view of a comparison
 MESHES = 2.5e6  # bytes of all meshes of a recording, where it is not said which frames are drawn
-ROOM = 1 << 20  # bytes of disk that must be left: the library does not tell when there are none
 
 
 class TimelineFile:
@@ -44,7 +40,9 @@ class TimelineFile:
     def __init__(self, path: Path, options: Rerun, timeline: str) -> None:
         self.path, self.options, self.timeline = path, options, timeline
         self.present = path.with_name(path.name + ".new")
-        self.recording = stream_to(self.present)
+        self.stream: FileStream | None = FileStream(self.present)
+        self.recording = self.stream.stream
+        self.error: OSError | None = None
         self.runs: list[tuple[Gathered, Appearance, SeriesWriter]] = []
 
     def open_run(self, run: Gathered, appearance: Appearance) -> SeriesWriter:
@@ -56,14 +54,14 @@ class TimelineFile:
     def finish(self, summaries: Sequence[Mapping[str, Any]]) -> None:
         """Write everything that waited for the end. Raises OSError where the disk is full."""
         try:
-            _need_room(self.path.parent)
             if all(run.instants for run, _, _ in self.runs):
                 self._finish(summaries)
-            _need_room(self.path.parent)
-        except Exception:
+            self._close()
+            if self.error is not None:
+                raise OSError(self.error.errno, self.error.strerror, str(self.present))
+        except BaseException:
             self.abandon()
             raise
-        self._close()
         self.present.replace(self.path)
 
     def abandon(self) -> None:
@@ -73,10 +71,13 @@ class TimelineFile:
 
     def _close(self) -> None:
         """Whoever writes steps must have let go of the stream, or its threads stay until the next file is closed."""
-        self.recording.disconnect()
-        self.runs.clear()
-        del self.recording
-        drop_streams()
+        if self.stream is not None:
+            self.stream.close()
+            self.error = self.stream.error
+            self.runs.clear()
+            del self.recording
+            self.stream = None
+            drop_streams()
 
     def _finish(self, summaries: Sequence[Mapping[str, Any]]) -> None:
         several = len(self.runs) > 1
@@ -180,8 +181,3 @@ def _label(field: str, units: str) -> str:
     name = {VON_MISES: "von Mises stress"}.get(field, field.replace("_", " "))
     unit = Units.of_label(units).pressure if field in (VON_MISES, PRESSURE) else ""
     return f"{name} [{unit}]" if unit else name
-
-
-def _need_room(folder: Path) -> None:
-    if shutil.disk_usage(folder).free < ROOM:
-        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(folder))
