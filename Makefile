@@ -48,7 +48,7 @@ check-parts: $(INSTALLED)
 paper: $(INSTALLED)
 	$(BIN)/python benchmarks/studies/paper/make.py
 
-# all pages that hold measured numbers, from what is kept; CASES=FOLDER takes the rows of a matrix in it
+# pages of measured numbers into build/docs, from what is kept; CASES=FOLDER takes the rows of a matrix in it
 # first, or draws the figures of `make paper`; DEMO=FOLDER those of the front page and its pictures
 pages: $(INSTALLED)
 	$(BIN)/python benchmarks/studies/pages.py $(CASES) $(DEMO)

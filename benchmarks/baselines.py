@@ -47,8 +47,8 @@ def keep(entries: Sequence[Entry], new: Entry, file: Path = FILE) -> None:
 
 HEAD = """# Performance over versions
 
-Ratios of `make bench` (what they are: [benchmarks](benchmarks.md)), kept by `python benchmarks/bench.py --update` and \
-written here by `python benchmarks/bench.py --versions`. Only columns of one kind of machine compare.
+Ratios of `make bench` (what they are: [benchmarks](benchmarks.md)), kept by \
+`python benchmarks/bench.py --update`. Only columns of one kind of machine compare.
 """
 
 

@@ -3,7 +3,6 @@
     python benchmarks/bench.py                  # `make bench`: some twenty minutes
     python benchmarks/bench.py --quick          # `make bench QUICK=1`: three minutes, no large meshes
     python benchmarks/bench.py --update         # keep these ratios as the newest of this kind of machine
-    python benchmarks/bench.py --versions       # measure nothing: docs/performance-over-versions.md from what is kept
 
 Ratios are between things measured in turns in one process (peers: in processes of their own, in turns), CPU time,
 medians. They belong to the machine all the same, as the share of memory in them differs (ours over Akantu was 25 on
@@ -39,7 +38,6 @@ from bench_page import write_page
 from machine import kind, machine
 
 HERE = Path(__file__).resolve().parent
-VERSIONS = HERE.parent / "docs" / "performance-over-versions.md"
 LOSS = 0.2  # share of a ratio that may be lost before it is called a loss
 PEERS = ("akantu", "kratos")
 LESS_IS_BETTER = ("contact over elements", "numpy law", "exponent", "bytes", "python calls")
@@ -198,14 +196,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--quick", action="store_true", help="small sizes and few rounds")
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--update", action="store_true", help="keep the ratios, with machine and version")
-    parser.add_argument("--versions", action="store_true", help="only write the page of the ratios that are kept")
     parser.add_argument(
         "--out", type=Path, default=Path("runs/bench"), help="folder of the page, its plots and numbers"
     )
     chosen = parser.parse_args(arguments)
-    if chosen.versions:
-        VERSIONS.write_text(baselines.page(baselines.load()), encoding="utf-8")
-        return 0
     found = measure(chosen.quick, min(chosen.rounds, 5) if chosen.quick else chosen.rounds)
     ratios = ratios_of(found)
     kept = baselines.load()

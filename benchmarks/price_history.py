@@ -1,8 +1,7 @@
 """Prices of effects by version: what each effect costs in a step of two blocks, so that a dearer one is seen.
 
-    python benchmarks/price_history.py          # measures (contactlab calibrate), keeps a column, writes the page
+    python benchmarks/price_history.py          # measures (contactlab calibrate) and keeps a column
     python benchmarks/price_history.py --kept   # the column is of the prices that this machine has already
-    python benchmarks/price_history.py --page   # measures nothing: docs/price-history.md from what is kept
 
 Columns are kept in `benchmarks/price_history.json`, one for each kind of machine and commit. An effect that costs a
 fifth more than in the column before of the same kind of machine is printed, and the exit status is 1.
@@ -32,7 +31,6 @@ from contactlab.prices.samples import base_scene, cells
 
 HERE = Path(__file__).resolve().parent
 FILE = HERE / "price_history.json"
-PAGE = HERE.parent / "docs" / "price-history.md"
 DEARER = 0.2  # of a price: less is the scatter of two calibrations
 LEAST = 2.0  # us per step: prices below it are not judged
 STEPS = 1000
@@ -79,22 +77,18 @@ def new_entry(prices: PriceList, machine: dict[str, Any]) -> Entry:
 
 
 def page(entries: Sequence[Entry]) -> str:
-    """docs/price-history.md."""
+    """The page of the columns that are kept."""
     return baselines.page(entries, HEAD, "effect")
 
 
 def main(words: Sequence[str] | None = None) -> int:
-    """Measure, keep, compare and write."""
+    """Measure, keep and compare."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kept", action="store_true", help="use the prices that this machine has")
-    parser.add_argument("--page", action="store_true", help="only write the page")
     chosen = parser.parse_args(words)
-    lost: dict[str, float] = {}
-    if not chosen.page:
-        lost = _keep(chosen.kept)
-        for name, share in lost.items():
-            print(f"  {name}: {share:.0%} dearer")
-    PAGE.write_text(page(baselines.load(FILE)), encoding="utf-8")
+    lost = _keep(chosen.kept)
+    for name, share in lost.items():
+        print(f"  {name}: {share:.0%} dearer")
     return 1 if lost else 0
 
 

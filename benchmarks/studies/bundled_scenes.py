@@ -3,7 +3,6 @@
     python benchmarks/studies/bundled_scenes.py                  # all that has no row in bundled_scenes.csv yet
     python benchmarks/studies/bundled_scenes.py --only stack     # rows with this in their names, anew: a scene,
                                                                  # an algorithm or an integrator
-    python benchmarks/studies/bundled_scenes.py page             # writes docs/bundled-scenes.md from the rows
 
 Each row is a `contactlab run` of its own with at most `LIMIT` CPU seconds. A run is judged by the invariants of its
 `summary.json`; one that breaks an invariant beyond its limit and has no warning of that code is *silent*.
@@ -30,7 +29,6 @@ from contactlab.scene.scene import bundled_scenes, load_scene
 
 HERE = Path(__file__).parent
 STORED, SOURCE = HERE / "bundled_scenes.csv", HERE / "bundled_scenes.md"
-PAGE = HERE.parents[1] / "docs" / "bundled-scenes.md"
 ALGORITHMS = ("mortar-p0", "mortar-p1", "node-on-segment")
 INTEGRATORS = ("central-difference", "newton", "implicit-dynamics")
 LIMIT = 90  # CPU seconds of one run
@@ -105,7 +103,7 @@ def keep(rows: list[dict[str, str]]) -> None:
 
 
 def page(rows: list[dict[str, str]]) -> str:
-    """docs/bundled-scenes.md."""
+    """The page of bundled scenes."""
     text = SOURCE.read_text(encoding="utf-8")
     counts = Counter(row["ended"] for row in rows)
     silent = [row for row in rows if row["silent"]]
@@ -141,20 +139,17 @@ def missing(rows: list[dict[str, str]]) -> str:
 
 
 def main() -> None:
-    """Run what is missing, keep each row as it is done, write the page."""
+    """Run what is missing, and keep each row as it is done; `make pages` shows them."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", nargs="?", choices=["page"], help="write the page alone")
     parser.add_argument("--only", metavar="TEXT", help="rows of scenes, algorithms or integrators with this name, anew")
     chosen = parser.parse_args()
     rows = stored()
-    if chosen.what is None:
-        known = {tuple(row[key] for key in KEYS[:4]) for row in rows}
-        for key in plan():
-            if (chosen.only in key) if chosen.only else (key not in known):
-                rows.append(measure(key))
-                keep(rows)
-                print(*rows[-1].values(), sep=" | ", file=sys.stderr, flush=True)
-    PAGE.write_text(page(stored()), encoding="utf-8")
+    known = {tuple(row[key] for key in KEYS[:4]) for row in rows}
+    for key in plan():
+        if (chosen.only in key) if chosen.only else (key not in known):
+            rows.append(measure(key))
+            keep(rows)
+            print(*rows[-1].values(), sep=" | ", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

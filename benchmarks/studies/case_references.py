@@ -4,7 +4,7 @@
 
 makes runs of a question at its levels up to LEVEL; rows are kept in case_references.csv, and runs that are there are
 not made again. A level is not begun that would take a run more than so many CPU seconds. `references_page.py` makes
-docs/references.md of the rows.
+the page of the rows.
 """
 
 from __future__ import annotations

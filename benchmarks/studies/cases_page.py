@@ -1,27 +1,23 @@
-"""docs/cases.md from a matrix: every case with its numbers, the algorithms side by side.
+"""The page of every case with its numbers, the algorithms side by side, from rows that are kept in cases.csv.
 
-    contactlab matrix --out runs/cases && python benchmarks/studies/cases_page.py runs/cases
-
-The rows come from the archive in that folder (the newest of each configuration) and are kept in cases.csv; without a
-folder the page is written anew from there. A test compares page and rows.
+`make pages CASES=FOLDER` takes them from the archive of a matrix (the newest of each configuration).
 """
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import case_rows
 import kept_rows
 from kept_rows import Row
 
-from contactlab.jobs.archive import CHOICES, FILE
+from contactlab.jobs.archive import CHOICES
 from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
 
 HERE = Path(__file__).parent
 ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")
-STORED, PAGE = HERE / "cases.csv", HERE.parents[1] / "docs" / "cases.md"
+STORED = HERE / "cases.csv"
 
 HEAD = """# Every case, with its numbers
 
@@ -56,7 +52,7 @@ def stored() -> list[Row]:
 
 
 def page(rows: list[Row]) -> str:
-    """docs/cases.md."""
+    """The page of these rows."""
     cells = {tuple(row[name] for name in CHOICES): row["cell"] for row in rows}
     counts = ", ".join(f"{list(cells.values()).count(v)} {v}" for v in ORDER if v in cells.values() or v == "silent")
     text = [HEAD.format(counts=f"Of {len(cells)} cells: {counts}.")]
@@ -101,14 +97,3 @@ def allowed(row: Row) -> str:
     if not most:
         return f">= {least}"
     return f"+-{most}" if least == f"-{most}" else f"{least} to {most}"
-
-
-def main(words: list[str]) -> None:
-    """Take rows from an archive where one is named, and write the page."""
-    if words:
-        keep(rows_of(Path(words[0]) / FILE))
-    PAGE.write_text(page(stored()), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main(sys.argv[1:])

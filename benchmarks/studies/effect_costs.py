@@ -2,7 +2,6 @@
 
     python benchmarks/studies/effect_costs.py                # all scenes, rows to effect_costs.csv; some 10 CPU minutes
     python benchmarks/studies/effect_costs.py dropped-block  # rows of this scene anew
-    python benchmarks/studies/effect_costs.py page           # writes docs/effect-costs.md from the rows
 
 Each scene is a `contactlab compare SCENE --effects` of its own, one run at a time.
 """
@@ -23,7 +22,6 @@ from contactlab.reports.numbers import percent
 
 HERE = Path(__file__).parent
 STORED, SOURCE = HERE / "effect_costs.csv", HERE / "effect_costs.md"
-PAGE = HERE.parents[1] / "docs" / "effect-costs.md"
 COULOMB = 'contacts.0.friction={use="coulomb", mu=0.2}'
 SOFT = (
     'materials.soft={use="linear-hardening", young=7000, poisson=0.3, density=2.7e-9, yield_stress=300, hardening=500}'
@@ -102,7 +100,7 @@ def change(row: Row) -> float | None:
 
 
 def page(rows: list[Row]) -> str:
-    """docs/effect-costs.md."""
+    """The page of these rows."""
     judged = [row for row in rows if row["share"] and change(row) is not None]
     declared = [row for row in judged if row["declared"] == "yes"]
     idle = [row for row in declared if float(row["share"]) > DEAR and change(row) < NOTHING]
@@ -129,15 +127,12 @@ def _percent(text: str) -> str:
 
 
 def main() -> None:
-    """Measure what is asked for, keep the rows and write the page."""
-    asked = sys.argv[1:]
+    """Measure what is asked for and keep the rows; `make pages` shows them."""
     rows = stored()
-    if asked != ["page"]:
-        for scene in asked or SCENES:
-            rows = [row for row in rows if row["scene"] != scene] + measure(scene)
-            rows.sort(key=lambda row: list(SCENES).index(row["scene"]))
-            kept_rows.write(STORED, KEYS, rows)
-    PAGE.write_text(page(rows), encoding="utf-8")
+    for scene in sys.argv[1:] or SCENES:
+        rows = [row for row in rows if row["scene"] != scene] + measure(scene)
+        rows.sort(key=lambda row: list(SCENES).index(row["scene"]))
+        kept_rows.write(STORED, KEYS, rows)
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
     python benchmarks/studies/foreseen_prices.py               # all scenes, to foreseen_prices.csv; some 20 minutes
     python benchmarks/studies/foreseen_prices.py dropped-block # rows of this scene anew
     python benchmarks/studies/foreseen_prices.py --again       # foresees the kept runs anew, without running any
-    python benchmarks/studies/foreseen_prices.py page          # writes docs/prices.md from the rows
 
 Needs the prices of this machine (`contactlab calibrate`), and compares trials of the scenes too where there are some
 (`contactlab calibrate all`, runs of their own, made before or after). Each run of a bill is made in this process, one
@@ -37,7 +36,6 @@ from contactlab.studies.removable import variants
 
 HERE = Path(__file__).parent
 STORED, SOURCE = HERE / "foreseen_prices.csv", HERE / "foreseen_prices.md"
-PAGE = HERE.parents[1] / "docs" / "prices.md"
 WARM, NAP = "disc-on-block", 3.0  # a scene with explicit and static runs; s
 LONG, MOST = 2.0, 30.0  # s: a longer run is made once, not at all
 TIMES = 3  # that a shorter run is made: the median counts
@@ -224,7 +222,7 @@ def _error(row: Row, column: str = "foreseen_s") -> float:
 
 
 def page(rows: list[Row]) -> str:
-    """docs/prices.md."""
+    """The page of these rows."""
     text = SOURCE.read_text(encoding="utf-8")
     text = text.replace("<!-- spread -->", f"{100.0 * SPREAD:.0f}")
     for name, column in (("findings", "foreseen_s"), ("tried", "tried_s")):
@@ -279,12 +277,12 @@ def stored() -> list[Row]:
 
 
 def main() -> None:
-    """Measure what is asked for, keep the rows, print what came out and write the page."""
+    """Measure what is asked for, keep the rows and print what came out."""
     asked, rows = sys.argv[1:], stored()
     if asked == ["--again"]:
         rows = again(rows, load_prices(), load_trials())
         kept_rows.write(STORED, KEYS, rows)
-    elif asked != ["page"]:
+    else:
         prices, quiet, scenes = load_prices(), Quiet(default_registry()), list(core_scenes())
         _warm_up(quiet)
         for scene in asked or scenes:
@@ -301,8 +299,6 @@ def main() -> None:
         for one in effects(rows, column):
             if abs(one.of_bill) > WITHIN:
                 print(f"    {one.scene}, {one.name}: foreseen {one.foreseen_s:.3g} s, measured {one.measured_s:.3g} s")
-    if SOURCE.exists():
-        PAGE.write_text(page(rows), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""docs/friction.md from rows of all cells of the case `disc-with-friction` (case_rows.py): `make pages`."""
+"""build/docs/friction.md from rows of all cells of the case `disc-with-friction` (case_rows.py): `make pages`."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _values(rows: list[Row], measure: str, nodes: bool | None = None) -> np.ndar
 
 
 def page(rows: list[Row]) -> str:
-    """docs/friction.md."""
+    """The page of these rows."""
     text = (HERE / "friction.md").read_text()
     if not rows:
         return text

@@ -1,4 +1,4 @@
-"""docs/full-matrix.md from the archive of `contactlab matrix --full`: all verdicts, and why some cells have no answer.
+"""build/docs/full-matrix.md from the archive of `contactlab matrix --full`: verdicts, and why some are no answer.
 
     contactlab matrix --full --out runs/full && make pages CASES=runs/full
 
@@ -77,7 +77,7 @@ def unanswered(rows: list[Row]) -> Counter[tuple[str, str, str]]:
 
 
 def page(rows: list[Row]) -> str:
-    """docs/full-matrix.md."""
+    """The page of these rows."""
     found = Counter(row["verdict"] for row in rows)
     counts = ", ".join(f"{found[v]} {v}" for v in ORDER if found[v] or v == "silent") + "."
     minutes = sum(float(row["cpu_s"]) for row in rows) / 60.0

@@ -1,4 +1,4 @@
-"""docs/hard-cases.md from rows of cells (case_rows.py) and from those of million_steps.py: `make pages`.
+"""build/docs/hard-cases.md from rows of cells (case_rows.py) and from those of million_steps.py: `make pages`.
 
 Cells of hard cases are those of level 2, of `long-run` those of a million steps.
 """
@@ -39,7 +39,7 @@ def million_table(rows: list[Row]) -> list[str]:
 
 
 def page(rows: list[Row]) -> str:
-    """docs/hard-cases.md."""
+    """The page of these rows."""
     text = (HERE / "hard_cases.md").read_text()
     for case in case_rows.HARD:
         own = [row for row in rows if row["case"] == case]

@@ -1,6 +1,6 @@
 """Numbers of docs/matrix.md between its marks: how many cells there are, and what the quick matrix costs.
 
-They come from the plan of today and from the rows of cases.csv, as everything on docs/cases.md.
+They come from the plan of today and from the rows of cases.csv, as everything on build/docs/cases.md.
 """
 
 from __future__ import annotations

@@ -1,16 +1,14 @@
-"""All pages that hold measured numbers, written from what is kept: `make pages`.
+"""Pages of measured numbers, from the rows that are kept beside this file: `make pages`.
 
-    python benchmarks/studies/pages.py              # from the rows that are kept beside this file
+    python benchmarks/studies/pages.py              # builds them in build/docs, and fills the numbers of pages of docs
     python benchmarks/studies/pages.py runs/full    # first takes rows of cases from the archive of a matrix there
     python benchmarks/studies/pages.py runs/paper   # first draws the paper's figures from the archive of `make paper`
     python benchmarks/studies/pages.py runs/demo    # first takes rows and pictures of the comparison there
-    python benchmarks/studies/pages.py --check      # writes nothing; exit status 1 where a page is stale
+    python benchmarks/studies/pages.py --check      # writes nothing; exit status 1 if numbers in docs are stale
 
-docs/cases.md, full-matrix.md, numbers of matrix.md, hard-cases.md, statics-cases.md and friction.md come from archives
-of `contactlab matrix` (what studies add on finer meshes is marked there); docs/paper.md and its figures from that of
-`make paper`; the front page has pictures and numbers of `make demo`. A folder may hold some of the cases: the others
-stay as they are kept.
-Numbers in prose are marks in a page's source, filled like tables.
+Pages that hold nothing but numbers are built and not committed; `make site` builds them, too. Numbers in the prose of
+matrix.md and of the front page are filled in where they stand. A folder may hold some of the cases: the others stay
+as they are kept.
 """
 
 from __future__ import annotations
@@ -21,9 +19,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 HERE = Path(__file__).parent
-DOCS = HERE.parents[1] / "docs"
-sys.path[:0] = [str(HERE), str(HERE / "paper")]
+ROOT = HERE.parents[1]
+DOCS, BUILT_DOCS = ROOT / "docs", ROOT / "build" / "docs"
+sys.path[:0] = [str(HERE / place) for place in (".", "paper", "..", "../kernels")]
 
+import baselines  # noqa: E402
 import bundled_scenes  # noqa: E402
 import case_rows  # noqa: E402
 import cases_page  # noqa: E402
@@ -36,79 +36,48 @@ import hard_cases  # noqa: E402
 import kept_runs  # noqa: E402
 import make  # noqa: E402
 import matrix_page  # noqa: E402
+import price_history  # noqa: E402
 import references_page  # noqa: E402
 import statics_cases  # noqa: E402
 
 
-def cases() -> str:
-    """docs/cases.md."""
-    return cases_page.page(cases_page.stored())
-
-
-def full() -> str:
-    """docs/full-matrix.md."""
-    return full_page.page(full_page.stored())
-
-
-def matrix() -> str:
-    """docs/matrix.md."""
-    return matrix_page.page(cases_page.stored())
-
-
-def hard() -> str:
-    """docs/hard-cases.md."""
-    return hard_cases.page(hard_cases.stored())
-
-
-def statics() -> str:
-    """docs/statics-cases.md."""
-    return statics_cases.page(statics_cases.stored())
-
-
-def rubbing() -> str:
-    """docs/friction.md."""
-    return friction.page(friction.stored())
-
-
 def paper() -> str:
-    """docs/paper.md: numbers of its figures, as `make paper` kept them beside the pictures."""
+    """Numbers of the paper's figures, as `make paper` kept them beside the pictures, in the text of its page."""
     return make.filled(make.PAGE.read_text(), json.loads(make.NUMBERS.read_text()))
 
 
-def scenes() -> str:
-    """docs/bundled-scenes.md."""
-    return bundled_scenes.page(bundled_scenes.stored())
-
-
-def prices() -> str:
-    """docs/prices.md."""
-    return foreseen_prices.page(foreseen_prices.stored())
-
-
-def effects() -> str:
-    """docs/effect-costs.md."""
-    return effect_costs.page(effect_costs.stored())
-
-
-def references() -> str:
-    """docs/references.md."""
-    return references_page.page(references_page.stored())
-
-
-PAGES: dict[str, Callable[[], str]] = {
-    "cases.md": cases, "full-matrix.md": full, "matrix.md": matrix, "hard-cases.md": hard, "statics-cases.md": statics,
-    "friction.md": rubbing, "paper.md": paper, "bundled-scenes.md": scenes,
-    "effect-costs.md": effects,
-    "prices.md": prices,
-    "references.md": references,
+BUILT: dict[str, Callable[[], str]] = {
+    "cases.md": lambda: cases_page.page(cases_page.stored()),
+    "full-matrix.md": lambda: full_page.page(full_page.stored()),
+    "hard-cases.md": lambda: hard_cases.page(hard_cases.stored()),
+    "statics-cases.md": lambda: statics_cases.page(statics_cases.stored()),
+    "friction.md": lambda: friction.page(friction.stored()),
+    "paper.md": paper,
+    "bundled-scenes.md": lambda: bundled_scenes.page(bundled_scenes.stored()),
+    "effect-costs.md": lambda: effect_costs.page(effect_costs.stored()),
+    "prices.md": lambda: foreseen_prices.page(foreseen_prices.stored()),
+    "price-history.md": lambda: price_history.page(baselines.load(price_history.FILE)),
+    "performance-over-versions.md": lambda: baselines.page(baselines.load()),
+    "references.md": lambda: references_page.page(references_page.stored()),
+}
+"""Pages that are built, and what they hold."""
+FILLED: dict[str, Callable[[], str]] = {
+    "matrix.md": lambda: matrix_page.page(cases_page.stored()),
     "../README.md": demo_page.page,
-}  # fmt: skip
-"""Every page, seen from docs, and what it must be."""
+}
+"""Pages of docs with numbers in their prose, and what they must be."""
+
+
+def build(folder: Path = BUILT_DOCS) -> None:
+    """Write all pages that are built."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for name, made in BUILT.items():
+        (folder / name).write_text(made(), encoding="utf-8")
 
 
 def stale() -> list[str]:
-    """Pages that are not what their rows say, and pictures that were drawn with other rows."""
-    pages = [name for name, made in PAGES.items() if (DOCS / name).read_text(encoding="utf-8") != made()]
+    """Pages of docs that are not what their rows say, and pictures that were drawn with other rows."""
+    pages = [name for name, made in FILLED.items() if (DOCS / name).read_text(encoding="utf-8") != made()]
     return [*pages, *(f"pictures/{name}" for name in demo_page.stale_pictures())]
 
 
@@ -128,15 +97,17 @@ def _keep(folder: Path) -> None:
 
 
 def main(words: list[str]) -> int:
-    """Write all pages, or say which are stale."""
+    """Write all pages, or report which are stale."""
     if words == ["--check"]:
         found = stale()
         print("\n".join(f"docs/{name} is stale: make pages" for name in found) or "all pages are what their rows say")
         return 1 if found else 0
     for folder in map(Path, words):
         _keep(folder)
-    for name, made in PAGES.items():
+    for name, made in FILLED.items():
         (DOCS / name).write_text(made(), encoding="utf-8")
+    build()
+    print(f"built {len(BUILT)} pages in {BUILT_DOCS.relative_to(ROOT)}")
     return 0
 
 

@@ -22,6 +22,7 @@ from contactlab.scene.scene import bundled_scenes
 ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 KEPT = DOCS / "pictures" / "shown.json"
+PAPER = ROOT / "benchmarks" / "studies" / "paper" / "page.md"
 
 
 def demo_rows() -> str:
@@ -29,9 +30,9 @@ def demo_rows() -> str:
     return (ROOT / "benchmarks" / "studies" / "demo.csv").read_text(encoding="utf-8")
 
 
-def numbers_of(page: str) -> str:
-    """All numbers in tables of a page: words around them may change."""
-    lines = (DOCS / page).read_text(encoding="utf-8").splitlines()
+def numbers_of(page: str, heading: str) -> str:
+    """All numbers in tables of a page from a heading on: words around them may change."""
+    lines = (DOCS / page).read_text(encoding="utf-8").partition(heading)[2].splitlines()
     return " ".join(number for line in lines if line.startswith("|") for number in re.findall(r"\d[\d.e+-]*", line))
 
 
@@ -49,7 +50,7 @@ def figure(name: str) -> str:
     return json.dumps(found[name], sort_keys=True)
 
 
-def timeline(page: str, scene: str, folder: str) -> str:
+def timeline(page: str | Path, scene: str, folder: str) -> str:
     """The command of a page that runs a scene into runs/FOLDER, and the scene without its comments."""
     text = (DOCS / page).read_text(encoding="utf-8").replace("\\\n", " ")
     (command,) = re.findall(rf"^contactlab (?:run|compare) (?:.*) --out runs/{folder}\b.*$", text, re.MULTILINE)
@@ -58,7 +59,7 @@ def timeline(page: str, scene: str, folder: str) -> str:
     return json.dumps([command.split(), settings])
 
 
-_BENCHMARKS = partial(numbers_of, "benchmarks.md")
+_BENCHMARKS = partial(numbers_of, "benchmarks.md", "## Speed")
 _STEP = partial(timeline, "find-the-step.md", "disc-on-block", "chatter")
 _INSIDE = {"run": "rough", "comparison": "three", "statics": "statics"}
 SHOWN: dict[str, Callable[[], str]] = {
@@ -75,7 +76,7 @@ SHOWN: dict[str, Callable[[], str]] = {
     "paper/figure-16.png": partial(figure, "f16"),
     "paper/figure-16-penetration.svg": partial(figure, "f16"),
     "paper/friction-with-depth.svg": partial(figure, "paths"),
-    "paper/forging-timeline.png": partial(timeline, "paper.md", "three-body-forging", "forging"),
+    "paper/forging-timeline.png": partial(timeline, PAPER, "three-body-forging", "forging"),
 }  # fmt: skip
 """Every stored picture by its name in docs, and what it shows."""
 

@@ -1,4 +1,4 @@
-"""docs/references.md: what scenes and cases without an exact answer are compared with (rows of case_references.py).
+"""build/docs/references.md: what scenes and cases without an exact answer are compared with (case_references.py).
 
 The value of a question is the mean over its runs of the limit of each over its levels, with an error by the rule of
 `contactlab.studies.make_reference.common_limit`, and the change by twice as many load steps on top of that.
@@ -171,7 +171,7 @@ def failures(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def page(rows: Sequence[Row]) -> str:
-    """docs/references.md."""
+    """The page of these rows."""
     parts = {
         "curves": curves(), "values": values(rows), "contributors": contributors(rows), "tried": tried(rows),
         "failures": failures(rows),

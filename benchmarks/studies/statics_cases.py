@@ -1,9 +1,8 @@
-"""docs/statics-cases.md: rows of all cells of static and implicit cases (case_rows.py), and what a study adds to them.
+"""The page of static cases: rows of all cells of static and implicit cases (case_rows.py), and what studies add.
 
     python benchmarks/studies/statics_cases.py [STUDY ...]
 
 measures a study on meshes finer than those of a matrix (all without a name), whose rows are kept in statics_cases.csv.
-With `page` in place of studies nothing is measured.
 """
 
 from __future__ import annotations
@@ -24,7 +23,6 @@ from statics.mindlin import case_mindlin
 
 HERE = Path(__file__).parent
 STORED, TEXT = HERE / "statics_cases.csv", HERE / "statics_cases.md"
-PAGE = HERE.parents[1] / "docs" / "statics-cases.md"
 COLUMNS = ("case", "variant", "measured", "value", "criterion", "verdict")
 
 STUDIES: dict[str, Callable[[], Rows]] = {
@@ -87,7 +85,7 @@ def study_table(rows: list[Row]) -> list[str]:
 
 
 def page(rows: list[Row]) -> str:
-    """docs/statics-cases.md from the rows of the studies, and those of cells."""
+    """The page from the rows of the studies, and those of cells."""
     text, cells = TEXT.read_text(), [row for row in case_rows.stored() if row["case"] in case_rows.STATICS]
     for case in case_rows.STATICS:
         own = [row for row in cells if row["case"] == case]
@@ -99,13 +97,12 @@ def page(rows: list[Row]) -> str:
 
 
 def main(cases: list[str]) -> None:
-    """Measure the named studies, keep the others, write the page."""
-    unknown = [case for case in cases if case not in (*STUDIES, "page")]
+    """Measure the named studies, and keep the others."""
+    unknown = [case for case in cases if case not in STUDIES]
     if unknown:
         sys.exit(f"no study {unknown[0]!r}; there are: {', '.join(STUDIES)}")
-    for case in [] if cases == ["page"] else cases or list(STUDIES):
+    for case in cases or list(STUDIES):
         measure(case)
-    PAGE.write_text(page(stored()))
 
 
 if __name__ == "__main__":

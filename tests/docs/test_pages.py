@@ -20,7 +20,9 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = [*sorted(DOCS.rglob("*.md")), *sorted(ROOT.glob("*.md")), *sorted(ROOT.glob("plugins/*/*.md"))]
 TUTORIALS = sorted((DOCS / "tutorials").glob("*.md"))
+BUILT = (ROOT / "benchmarks" / "studies" / "pages.py").read_text().split("\nBUILT: ")[1].split("\n}\n")[0]
 MADE = {
+    *re.findall(r'^    "([\w-]+\.md)": ', BUILT, re.MULTILINE),
     *("gallery.md", "index.md", "contributing.md"),
     *(f"reference/{name}.md" for name in ("python", "contract", "parts")),
     *(f"tutorials/{path.stem}.md" for path in (DOCS / "notebooks").glob("*.ipynb")),
@@ -147,7 +149,7 @@ class TestSite:
 
     def test_cases_of_the_gallery_lead_to_their_numbers(self, tool: ModuleType) -> None:
         registry = default_registry()
-        headings = anchors((DOCS / "cases.md").read_text())
+        headings = anchors(tool.pages.BUILT["cases.md"]())
         places = {sys.modules["gallery"]._anchor(registry.part_class("case", name)) for name in registry.names("case")}
         assert places <= headings
 

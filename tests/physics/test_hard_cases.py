@@ -3,7 +3,7 @@
 Both mortars meet every criterion and break no invariant, but for what is listed here with its cause. Silent cells of
 any algorithm, results that are wrong and look right, are listed, too. Lists can only shrink: what is met must leave
 them. Tests that a cell of this matrix repeats are not written a second time. What a cell finds is also what
-docs/cases.md says of it, so that the page cannot be of another version.
+build/docs/cases.md says of it, so that the page cannot be of another version.
 """
 
 from __future__ import annotations

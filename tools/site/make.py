@@ -16,8 +16,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "studies"))
 sys.path.insert(0, str(Path(__file__).parent))
 
+import pages
 from gallery import gallery
 from notebooks import page_of
 
@@ -45,6 +47,7 @@ def main(runs: bool = True) -> None:
     """Write all pages anew."""
     shutil.rmtree(PAGES, ignore_errors=True)
     shutil.copytree(ROOT / "docs", PAGES)
+    pages.build(PAGES)
     for name in ("site.css", "iframe-worker.js"):
         shutil.copy(ROOT / "tools" / "site" / name, PAGES)
     (PAGES / "index.md").write_text(home((ROOT / "README.md").read_text(encoding="utf-8")), encoding="utf-8")

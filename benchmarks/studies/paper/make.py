@@ -1,4 +1,4 @@
-"""All figures and numbers of docs/paper.md: `make paper`, or some of them: `python make.py f07 f14`.
+"""All figures and numbers of the paper's page: `make paper`, or some of them: `python make.py f07 f14`.
 
 Runs go into the archive in runs/paper, and what is there is not run again. Each figure leaves its pictures and its
 numbers in docs/paper; the page is page.md here with the numbers put in. `make pages CASES=FOLDER` draws all figures
@@ -37,7 +37,6 @@ def main(wanted: list[str]) -> int:
         began = process_time()
         draw(name, figures[name])
         print(f"{name}: {process_time() - began:.0f} s of processor time", flush=True)
-    (ROOT / "docs" / "paper.md").write_text(filled(PAGE.read_text(), json.loads(NUMBERS.read_text())))
     return 0
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from contactlab.prices.price_list import PriceList
     from contactlab.scene.scene import Scene
 
-SPREAD = 0.3  # of a price where the length of the run is known: some nine bundled runs in ten (docs/prices.md)
+SPREAD = 0.3  # of a price where the length of the run is known: some nine bundled runs in ten (build/docs/prices.md)
 
 
 @dataclass(frozen=True)

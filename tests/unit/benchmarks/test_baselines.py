@@ -68,14 +68,6 @@ def test_the_page_has_a_table_for_each_kind_of_machine() -> None:
     assert "LLVM 20.1" in text
 
 
-def test_the_page_in_the_docs_is_that_of_the_kept_ratios() -> None:
-    """`python benchmarks/bench.py --versions` writes it."""
-    import baselines
-
-    page = BENCHMARKS.parent / "docs" / "performance-over-versions.md"
-    assert page.read_text(encoding="utf-8") == baselines.page(baselines.load())
-
-
 def test_the_machine_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     import machine
 

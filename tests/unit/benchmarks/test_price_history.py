@@ -1,4 +1,4 @@
-"""Prices of effects by version: pages are those of the kept numbers, and what became dearer is found."""
+"""Prices of effects by version: what became dearer is found."""
 
 from __future__ import annotations
 
@@ -8,23 +8,12 @@ from pathlib import Path
 import pytest
 
 BENCHMARKS = Path(__file__).parents[3] / "benchmarks"
-DOCS = BENCHMARKS.parent / "docs"
 
 
 @pytest.fixture(autouse=True)
 def importable(monkeypatch: pytest.MonkeyPatch) -> None:
     folders = (BENCHMARKS, BENCHMARKS / "kernels", BENCHMARKS / "studies")
     monkeypatch.setattr(sys, "path", [*map(str, folders), *sys.path])
-
-
-def test_the_page_over_versions_is_that_of_the_kept_prices() -> None:
-    """`python benchmarks/price_history.py --page` writes it."""
-    import baselines
-    import price_history
-
-    entries = baselines.load(price_history.FILE)
-    assert entries
-    assert (DOCS / "price-history.md").read_text(encoding="utf-8") == price_history.page(entries)
 
 
 def test_what_became_dearer_is_found() -> None:

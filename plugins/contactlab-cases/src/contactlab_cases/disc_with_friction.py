@@ -20,7 +20,7 @@ FORCES = {
     (0.05, SHALLOW): (60.349, 0.011, 4), (0.05, DEEP): (3973.44, 0.0015, 4),
     (0.2, SHALLOW): (60.420, 0.0018, 8), (0.2, DEEP): (4088.17, 0.00011, 8),
 }  # fmt: skip
-"""By friction and depth: reaction [N/mm], its uncertainty, level of the static runs behind it (docs/references.md)."""
+"""By friction and depth: reaction [N/mm], its uncertainty, level of its static runs (build/docs/references.md)."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class DiscWithFriction(Case):
         deep = self.depth == DEEP
         slack, few = (0.005, "a/h = 10") if deep else (0.03, "five nodes carry the force")
         value, known, level = FORCES[self.mu, self.depth]
-        answer = Answer(value, "finest", known, "own static runs (docs/references.md)", level)
+        answer = Answer(value, "finest", known, "own static runs (build/docs/references.md)", level)
         return (
             error("reaction", slack / setup.level, few, answer=answer, codes=("coarse-facets", "pressure-saw")),
             within("reaction with the slaves exchanged, less one", -slack, slack, few),

@@ -17,7 +17,7 @@ from contactlab_cases.statics import WORK, iterations
 ENDS = {"everywhere": (0.717, 0.717), "closed": (0.715, 0.727)}
 """Where contact ends in the other code, least and largest [mm]."""
 LIFTS = {"everywhere": (2.276e-3, 0.0042), "closed": (4.899e-4, 0.0053)}
-"""How far the free corner lifts [mm], and its uncertainty: own runs with up to FINEST segments (docs/references.md).
+"""How far the free corner lifts [mm], and its uncertainty: own runs up to FINEST segments (build/docs/references.md).
 
 The other code gives 2.25e-3 and 4.9e-4 on one mesh that is not known.
 """
@@ -56,7 +56,7 @@ class TrescaBlock(Case):
         """The end of contact, within one segment of the published place."""
         h, (least, most) = 1.3 / (self.segments * setup.level), ENDS[self.where]
         value, known = LIFTS[self.where]
-        lift = Answer(value, "finest", known, "own runs (docs/references.md)", FINEST // self.segments)
+        lift = Answer(value, "finest", known, "own runs (build/docs/references.md)", FINEST // self.segments)
         answer = Answer(0.5 * (least + most), "other-code", (most - least) / least, "independent active-set code")
         return (
             Number(
