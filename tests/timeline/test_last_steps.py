@@ -72,7 +72,7 @@ def test_steps_before_a_warning_that_is_judged_at_the_end(
 ) -> None:
     """Only where the scene asks for it; they are those of a run with a frame in each."""
     monkeypatch.setattr("contactlab.run.energy_guard.MADE", 1e9)  # no guard warns
-    changes = {"time.end": 4e-6, "record.last": 30}
+    changes = {"time.end": 4e-6, "record.last": 30, "contacts.0.algorithm": "node-on-segment"}
     plain = simulate(small_scene(changes), tmp_path / "plain")
     assert plain.warnings
     assert not plain.last_steps, "none of its warnings is one of a guard"

@@ -56,7 +56,8 @@ class Material(ABC):
         stress = formulas_of(cls).get("stress")
         if stress is None:
             return
-        cls.kinematics = next(kind for name, kind in _KINEMATICS.items() if name in stress.arguments)
+        if "kinematics" not in vars(cls):
+            cls.kinematics = next(kind for name, kind in _KINEMATICS.items() if name in stress.arguments)
         cls.has_energy = cls.has_energy or "energy" in formulas_of(cls)
         for name in ("tangent", "wave_speeds"):
             if getattr(cls, name) is getattr(Material, name):

@@ -15,8 +15,8 @@ from contactlab.api.drawing.units import Units
 from contactlab.api.thinning import Thinning
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.run import moment, number, vector
+from contactlab.results.force_curve import THE_END_ONLY
 from contactlab.results.results import Results
-from contactlab.results.summary import THE_END_ONLY
 from contactlab.studies.measure_run import reaction_against_pressure
 from contactlab.studies.measures import mirror_asymmetry
 from contactlab.studies.profile import FoldedSurfaceError, Profile

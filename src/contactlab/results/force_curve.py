@@ -10,12 +10,13 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.errors import RequestError, did_you_mean
-from contactlab.results.summary import THE_END_ONLY
 
 if TYPE_CHECKING:
     from contactlab.api.drawing.units import Units
 
 COMPONENTS = ("x", "y", "magnitude")
+IN_TIME, QUASI_STATIC, THE_END_ONLY = "in time", "quasi-static", "the end only"
+"""What the history of a run shows, the entry `history.curve` of `summary.json`."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.api.frame import Layout
-from contactlab.results.summary import THE_END_ONLY
+from contactlab.results.force_curve import THE_END_ONLY
 
 Peak = dict[str, Any]
 """`value`, `step`, `time` and `share` of the loading or of time; of a force its `vector` as well."""

@@ -14,6 +14,7 @@ from contactlab.api.compiled.kernel import COMPILATION
 from contactlab.api.frame import Layout
 from contactlab.model.model import Model
 from contactlab.results.cost import cost_of
+from contactlab.results.force_curve import IN_TIME, QUASI_STATIC, THE_END_ONLY
 from contactlab.results.invariants import invariants
 from contactlab.results.reaction_balance import reaction_mismatch
 from contactlab.results.sample import Sample
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from contactlab.results.contact_report import ContactReport
 
 FORMAT = 1
-IN_TIME, QUASI_STATIC, THE_END_ONLY = "in time", "quasi-static", "the end only"
 
 
 @dataclass

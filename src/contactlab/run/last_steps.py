@@ -48,11 +48,20 @@ class LastSteps:
     """Takes the frames of the last `length` steps of one run, and hands them to a journal.
 
     rebuild      gives another model of the same scene, as it was before the first step
+    share        the fraction of the run that is done at a time [s]
     all_warnings  warnings judged at frames and at the end count, not only those of guards
     """
 
-    def __init__(self, model: Model, length: int, rebuild: Callable[[], Model], all_warnings: bool = False) -> None:
-        self.model, self.length, self.rebuild, self.all_warnings = model, length, rebuild, all_warnings
+    def __init__(
+        self,
+        model: Model,
+        length: int,
+        rebuild: Callable[[], Model],
+        share: Callable[[float], float],
+        all_warnings: bool = False,
+    ) -> None:
+        self.model, self.length, self.rebuild, self.share = model, length, rebuild, share
+        self.all_warnings = all_warnings
         self.frames: deque[Frame] = deque(maxlen=length)
         self.known: int | None = None
 
@@ -67,7 +76,7 @@ class LastSteps:
         return () if self.model.explicit else (self._seen,)
 
     def _seen(self, step: Step, dt: float) -> None:
-        self.frames.append(_frame(self.model, step, 0))
+        self.frames.append(self._frame(self.model, step))
 
     def judged(self, journal: Journal, kept: KeptStates) -> None:
         """Warnings since the last look are none of a guard: they come from a frame, or from the end."""
@@ -112,7 +121,7 @@ class LastSteps:
                 step = advance(dt)
                 if step.status is not StepStatus.accepted or not np.isfinite(model.position).all():
                     break
-                frames.append(_frame(model, step, 0))
+                frames.append(self._frame(model, step))
                 number = model.state.step
                 if number in later and not later[number].is_that_of(model):
                     journal.tell("info", f"the steps up to step {number} did not come out again as they were")
@@ -121,6 +130,5 @@ class LastSteps:
             pass  # what stopped the run, most likely: the steps before it are there
         return list(frames)
 
-
-def _frame(model: Model, step: Step, number: int) -> Frame:
-    return frame_of(model, take_sample(model, number, float(step.sweeps)))
+    def _frame(self, model: Model, step: Step) -> Frame:
+        return frame_of(model, take_sample(model, 0, float(step.sweeps), self.share(model.state.time)))

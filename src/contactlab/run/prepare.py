@@ -102,7 +102,9 @@ def _keep_last_steps(run: Run, scene: Scene, registry: Registry, folder: Path) -
 
     length = length_of(scene.record, run.journal.layout)
     if length:
-        run.last_steps = LastSteps(run.model, length, lambda: build(scene, registry), scene.record.warnings == "all")
+        run.last_steps = LastSteps(
+            run.model, length, lambda: build(scene, registry), run.schedule.share, scene.record.warnings == "all"
+        )
         run.last_steps.begin(folder)
         run.kept = KeptStates(run.last_steps.states)
 

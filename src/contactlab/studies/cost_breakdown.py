@@ -12,7 +12,7 @@ import numpy as np
 from contactlab.api import Floats, Record
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
-from contactlab.results.summary import THE_END_ONLY
+from contactlab.results.force_curve import THE_END_ONLY
 from contactlab.scene.scene import Scene
 from contactlab.studies.measure_run import driven_support, without_compilation
 from contactlab.studies.plan import Combination, Plan, compared_scene, find_scene

@@ -25,7 +25,7 @@ TRIED: dict[str, tuple[int, list[str]]] = {
     "matrix": (0, ["two-bars", "--contact", "mortar-p0", "--jobs", "1", "--out", "matrix"]),
     "archive": (0, ["list", "compared"]),
     "view": (2, ["compared"]),
-    "plot": (2, ["nothing", "force"]),
+    "plot": (0, ["compared", "force"]),
     "runs": (0, []),
     "explain": (0, ["two-bars"]),
     "calibrate": (2, ["--rounds", "0"]),  # what it starts is called below
