@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from contactlab.errors import SceneError
+from contactlab.missing_effects.quasi_static import quasi_static_detectors
 from contactlab.model.build import build
 from contactlab.results.results import Results
 from contactlab.run.prepare import schedule_of
@@ -169,6 +170,28 @@ def test_steps_of_quasi_static_implicit_dynamics_follow_the_period() -> None:
     model = build(scene := blocks("implicit-dynamics", late | {"duration": 1e3}), scene.registry)
     with pytest.raises(SceneError, match=r"supports.1.uy.duration"):
         schedule_of(model, scene)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "uy", "key", "line"),
+    [
+        ("central-difference", {"duration": LATE}, "supports.1.uy.duration", "supports.1.uy.duration = 0.02 "),
+        ("central-difference", {"begin": LATE}, "time.ramp", "write time.ramp = "),
+        ("implicit-dynamics", {"duration": LATE}, "supports.1.uy.duration", "supports.1.uy.duration = 0.02 "),
+        ({"use": "implicit-dynamics", "steps": 20}, {"duration": LATE}, "integrator.steps", "or leave it out"),
+    ],
+)
+def test_a_loading_that_is_too_fast_is_told_by_the_key_that_slows_it(
+    integrator: Any, uy: dict[str, float], key: str, line: str
+) -> None:
+    """Steps that are longer than half a period vibrate however slow the loading is."""
+    scene = blocks(integrator, {"ramp": "linear", "to": TO, **uy}, time={"history": True})
+    detector = next(iter(quasi_static_detectors(scene, build(scene, scene.registry))))
+    detector.worst[:] = 0.9, 1.0
+    told = detector.warning()
+    assert told is not None
+    assert told.key == key
+    assert line in told.text
 
 
 # --- values that go to and fro ----------------------------------------------------------------------

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from contactlab.api import RunWarning
+from contactlab.api import ImplicitIntegrator, RunWarning
 from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
 from contactlab.model.model import Model
+from contactlab.model.timing import A_PERIOD
 from contactlab.results.reaction_balance import reaction_mismatch
 
 SHARE = 0.01  # of kinetic over internal energy
@@ -129,12 +130,29 @@ def _slower(model: Model, share: float, code: str, what: str, whole: str) -> Run
 
 def _slow_key(model: Model) -> str:
     """The key of the scene that sets how fast it is loaded."""
-    return model.timing.because or "time.ramp"
+    if _steps_needed(model):
+        return "integrator.steps"
+    because = model.timing.because
+    return "time.ramp" if not because or because.endswith(".begin") else because
 
 
 def _slowly(model: Model, factor: float) -> str:
-    """The line that makes the loading slower by a factor."""
-    key, last = _slow_key(model), factor * model.timing.last
-    if key.endswith((".points", ".file")):
+    """The line that makes the loading slower by a factor, or steps shorter if they do not resolve vibrations."""
+    key = _slow_key(model)
+    if steps := _steps_needed(model):
+        return f"write {key} = {steps} or more, or leave it out: steps are longer than half a period of the lowest mode"
+    if key == "time.ramp":
+        return f"write {key} = {factor * model.timing.ramp:.3g} or more"
+    last = factor * model.timing.last
+    if key.endswith((".points", ".file", ".function")) or key.rpartition(".")[2].isdigit():
         return f"stretch the times of {key} to {last:.3g} s or more"
     return f"write {key} = {last:.3g} or more"
+
+
+def _steps_needed(model: Model) -> int:
+    """The number of implicit steps of the loading that resolves the lowest mode, if the scene gives fewer; else 0."""
+    integrator, timing = model.integrator, model.timing
+    if not isinstance(integrator, ImplicitIntegrator) or not integrator.fixes_steps():
+        return 0
+    steps = math.ceil(A_PERIOD * timing.last / timing.period)
+    return steps if integrator.wished_steps() < steps else 0

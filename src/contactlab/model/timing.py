@@ -37,6 +37,7 @@ class Pace(NamedTuple):
 
 THE_WAY = Pace(100.0, 0.2, 3.0)  # every state on the way in equilibrium
 LONGEST_HOLD = 50.0  # periods: contact that closes late takes its own time, however fast the ramp was
+A_PERIOD = 2  # implicit steps of the lowest mode's period in a run until it settles: with one, vibrations do not fade
 THE_END = Pace(6.0, 1.0, 0.0)  # the way left to what it may be: half of critical damping of w1 when it is over
 
 

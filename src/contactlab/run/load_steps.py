@@ -10,6 +10,7 @@ import numpy as np
 from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step, StepStatus
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.loading.held_bodies import free_motions
+from contactlab.model.timing import A_PERIOD
 from contactlab.run.load_path import LoadPath, TimePath
 from contactlab.run.schedule import Schedule
 from contactlab.run.swings import Swing, frame_warnings, step_warnings
@@ -24,7 +25,6 @@ SHORTEST = 2.0**-12  # of the wished step: below it the run is given up
 MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
 SAME = 1e-6  # relative: residuals of two attempts that differ by less are the same
 EACH_WAY = 2.0  # times the steps of a load, for each way of one that goes to and fro: friction work is right to 2 %
-A_PERIOD = 2  # steps of the lowest mode's period in a run until it settles: of one, vibrations do not fade
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NEARLY = 1e-9  # of a step: differences below it are round-off
 
