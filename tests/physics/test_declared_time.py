@@ -162,6 +162,15 @@ def test_bodies_that_are_thrown_in_statics_are_refused(key: str) -> None:
     build(moving := scene.with_({"integrator": "implicit-dynamics"}), moving.registry)
 
 
+@pytest.mark.parametrize("integrator", EACH[:2])
+@pytest.mark.parametrize("key", ["velocity", "spin"])
+def test_an_initial_motion_that_quasi_static_damping_takes_is_told(integrator: str, key: str) -> None:
+    scene = blocks(integrator).with_({f"bodies.u.{key}": [0.0, -100.0] if key == "velocity" else 3.0})
+    for time, told in (({}, {f"bodies.u.{key}"}), ({"end": LATE}, set()), ({"damping": 0.0}, set())):
+        model = build(changed := scene.with_({"time": time}), changed.registry)
+        assert {warning.key for warning in model.warnings if warning.code == "damped-velocity"} == told
+
+
 def test_steps_of_quasi_static_implicit_dynamics_follow_the_period() -> None:
     """The midpoint rule keeps vibrations that are shorter than a step; a hundred million steps are refused instead."""
     late = {"ramp": "linear", "to": TO, "duration": LATE}

@@ -210,6 +210,13 @@ def maxwell_stress(time: Any) -> Any:
     return peak * np.exp(-(time - risen) / RELAXATION)
 
 
+def test_a_time_that_the_program_chose_is_told_where_a_law_depends_on_rate(maxwell: Registry) -> None:
+    """The ramp of 0.2 s is over before the run: what relaxes after it depends on an end that nobody wrote."""
+    for law, time, told in (("maxwell", {}, True), ("maxwell", {"end": 1.0}, False), ("linear-elastic", {}, False)):
+        scene = relaxing(maxwell, 5, law).with_({"time": time})
+        assert ("chosen-time" in {warning.code for warning in build(scene, maxwell).warnings}) == told
+
+
 def test_a_hold_is_followed_where_a_law_depends_on_rate(maxwell: Registry) -> None:
     """As many steps as the scene wishes; the error of the law's own rule halves with their length."""
     errors = []

@@ -86,7 +86,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
         loading=Loading(supports.sets, (*loads, *effects), effects),
         increment=increment,
     )
-    for warning in (*timing.beyond, *told):
+    for warning in (*timing.told, *told):
         model.warnings.add(warning)
     model.start.mirror = _mirror(scene, bodies, reference)
     model.internal_force(0.0)

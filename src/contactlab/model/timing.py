@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -37,6 +37,7 @@ class Pace(NamedTuple):
 
 THE_WAY = Pace(100.0, 0.2, 3.0)  # every state on the way in equilibrium
 LONGEST_HOLD = 50.0  # periods: contact that closes late takes its own time, however fast the ramp was
+LITTLE = 0.01  # of an initial motion
 A_PERIOD = 2  # implicit steps of the lowest mode's period in a run until it settles: with one, vibrations do not fade
 THE_END = Pace(6.0, 1.0, 0.0)  # the way left to what it may be: half of critical damping of w1 when it is over
 
@@ -57,7 +58,7 @@ class Timing:
              False where the scene fixes the hold: the run then takes all of it
     follows  whether states on the loading path are meant to be in equilibrium
     ramps    what ramps that name no duration go by; a way in equilibrium begins and ends without a jolt
-    beyond   warnings of what the scene declares behind its end
+    told     warnings of what the scene declares behind its end, or leaves to the program although it counts
     """
 
     end: float | None
@@ -71,7 +72,7 @@ class Timing:
     until_settled: bool
     ramps: RampTime
     follows: bool = True
-    beyond: tuple[RunWarning, ...] = ()
+    told: tuple[RunWarning, ...] = ()
 
     def resolved(self) -> dict[str, float]:
         """What `auto` chose, as keys of `[time]`; empty if the end is fixed."""
@@ -108,7 +109,8 @@ def find_timing(
         ramps = RampTime(1.0 if time.ramp is None else time.ramp)
         end, because = _latest(scene, ramps)
         end += time.hold or 0.0
-        return Timing(end, ramps.duration, end, because, 0.0, end, 0.0, 0.0, False, ramps)
+        told = tuple(_rated(bodies, end, because))
+        return Timing(end, ramps.duration, end, because, 0.0, end, 0.0, 0.0, False, ramps, told=told)
     from contactlab.model.bodies.frequency import lowest_frequency
 
     frequency = lowest_frequency(bodies, positions, mass, supports.dof, _directions(supports), joints())
@@ -128,8 +130,9 @@ def find_timing(
     damping = pace.damping * frequency if time.damping is None else time.damping
     relaxation = pace.relaxation / frequency if time.relaxation is None else time.relaxation
     settles = time.hold is None
+    told = (*_rated(bodies, last, because), *_thrown(scene, damping, last))
     return Timing(
-        None, ramp, last, because, hold, period, damping, relaxation, settles, ramps, bool(history)
+        None, ramp, last, because, hold, period, damping, relaxation, settles, ramps, bool(history), told
     )  # fmt: skip
 
 
@@ -139,7 +142,7 @@ def _written(scene: Scene, end: float) -> Timing:
     ramps = RampTime(end, end=end) if time.ramp is None else RampTime(time.ramp)
     cut = tuple(beyond(scene, ramps, end))
     damping = time.damping or 0.0
-    return Timing(end, ramps.duration, end, "time.end", 0.0, end, damping, 0.0, False, ramps, beyond=cut)
+    return Timing(end, ramps.duration, end, "time.end", 0.0, end, damping, 0.0, False, ramps, told=cut)
 
 
 def _latest(scene: Scene, ramps: RampTime) -> tuple[float, str]:
@@ -148,6 +151,29 @@ def _latest(scene: Scene, ramps: RampTime) -> tuple[float, str]:
     if last > (1.0 + NEARLY) * ramps.duration:
         return last, key
     return ramps.duration, "" if scene.time.ramp is None else "time.ramp"
+
+
+def _rated(bodies: tuple[Body, ...], last: float, because: str) -> Iterator[RunWarning]:
+    """Warnings of laws that depend on rate in a run whose time nobody gave."""
+    for body in bodies:
+        if body.material.rate_dependent and not because:
+            yield RunWarning(
+                "chosen-time", last, 0.0, "time.end",
+                f"the law of body {body.name} depends on rate, and the scene does not say how long the run takes: its "
+                f"stresses are for the {last:.3g} s that the program chose; write time.end in seconds",
+            )  # fmt: skip
+
+
+def _thrown(scene: Scene, damping: float, last: float) -> Iterator[RunWarning]:
+    """Warnings of bodies with an initial motion, which the damping of a quasi-static run takes away."""
+    for name, spec in scene.bodies.items():
+        key = "velocity" if any(spec.velocity) else "spin"
+        if np.any(getattr(spec, key)) and damping * last > LITTLE:
+            yield RunWarning(
+                "damped-velocity", damping * last, LITTLE, f"bodies.{name}.{key}",
+                f'bodies.{name}.{key}: a run with end = "auto" is quasi-static, and its damping ({damping:.3g} 1/s for '
+                f"{last:.3g} s) takes the initial motion away; write time.end in seconds, or time.damping = 0",
+            )  # fmt: skip
 
 
 def _directions(supports: SupportPlan) -> Floats:

@@ -50,7 +50,7 @@ class Schedule:
     def _too_coarse(self) -> Iterator[RunWarning]:
         """Warnings of values that go to and fro faster than steps and frames can show."""
         yield from frame_warnings(self.swings, self.frame_every, self.scene.record.frames)
-        yield from step_warnings(self.swings, self._each_way, True, "time.step", self.first)
+        yield from step_warnings(self.swings, self._each_way, bool(self.model.history), "time.step", self.first)
 
     def _each_way(self, swing: Swing) -> float:
         """Steps of the shortest way of a value that goes to and fro."""

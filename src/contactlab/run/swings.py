@@ -23,7 +23,8 @@ ALIKE = 1e-3  # of the variation: two sets of samples that see as much have seen
 SMALL = 1e-2  # of the range: turns within it are not followed
 LARGE = 0.2  # of the range: smaller ways need not be resolved
 EDGE = 0.005  # of a way
-EACH_WAY = 8  # steps: friction work is then right to some 5 %
+EACH_WAY = 6  # steps: friction work is then right to 2 % (sliding, and partial slip of a disc), with 4 to 10 %
+CURVE = 5  # frames: of fewer nobody draws a curve
 SEEN = 2  # frames, or steps without memory, of each way: fewer show a curve of another period
 
 
@@ -144,7 +145,7 @@ def step_warnings(
 def frame_warnings(swings: list[Swing], every: float, frames: int) -> Iterator[RunWarning]:
     """Warnings of values that go to and fro faster than frames `every` so many seconds show."""
     for swing in swings:
-        if (found := swing.shortest / every) < SEEN * (1.0 - ALIKE):
+        if frames >= CURVE and (found := swing.shortest / every) < SEEN * (1.0 - ALIKE):
             yield RunWarning(
                 "coarse-frames", found, SEEN, "record.frames",
                 f"{swing.key} goes to and fro, {swing.shortest:.3g} s each way, and record.frames = {frames} stores "

@@ -172,5 +172,5 @@ def _adrift(bodies: Sequence[Body], stiffness: Any, positions: Floats, nodal: Fl
 def _stretch(positions: Floats, nodal: Floats, own: Ints) -> Floats:
     """An even stretch about the centre of mass: how neighbours squeeze a body that nothing else holds."""
     x = positions.reshape(-1)[own]
-    centre = [(x * nodal)[own % 2 == c].sum() / nodal[own % 2 == c].sum() for c in range(2)]
+    centre = [(x * nodal)[own % 2 == c].sum() / max(nodal[own % 2 == c].sum(), 1e-300) for c in range(2)]
     return np.asarray(x - np.asarray(centre)[own % 2])
