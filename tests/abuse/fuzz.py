@@ -34,7 +34,7 @@ from damages import damage, everything, outcome  # noqa: E402
 from strange_meshes import strange_mesh  # noqa: E402
 from strange_scenes import BASES, Scenes  # noqa: E402
 
-from contactlab.api.compiled.compiler import COMPILATION  # noqa: E402
+from contactlab.api.compiled.kernel import COMPILATION  # noqa: E402
 from contactlab.errors import RequestError  # noqa: E402
 from contactlab.meshing import room  # noqa: E402
 from contactlab.model import sizes  # noqa: E402

@@ -109,6 +109,7 @@ BRANCHES = {
     "contactlab.kernels.contact.banded_rows.own_nodes",
     "contactlab.kernels.contact.banded_rows.solved",
     "contactlab.kernels.checks.deepest",
+    "contactlab.kernels.contact.passing.passages",
 }
 """Kernels that depend on how surfaces lie, or look at them now and then: a run may come to need them later than in
 its first steps."""

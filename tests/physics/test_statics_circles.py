@@ -57,6 +57,10 @@ class Columns:
     def folded(self) -> bool:
         return False
 
+    def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
+        """All of it: conditions see surfaces from anywhere."""
+        return 1.0
+
     def scale(self, flexibility: Floats) -> None:
         """Statuses do not depend on the contact's stiffness."""
 

@@ -155,6 +155,12 @@ class ImplicitContact(Protocol):
     def forces(self, normal: Floats, tangential: Floats) -> None:
         """Fill (N, 2) [N] each with the nodal forces of the trial multipliers; the second (0, 2) without friction."""
 
+    def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
+        """Share of a motion (N, 2) [mm] from `position` (N, 2) before a node is `depth` segments inside the other side.
+
+        It is 1 if no node passes through the other side, however long the motion is.
+        """
+
     def scale(self, flexibility: Floats) -> None:
         """Derive stiffnesses from the flexibility (N, 2) [mm/N] of nodes, 0 where held, from the next `evaluate` on."""
 

@@ -9,7 +9,6 @@ import numpy as np
 from contactlab.api import Floats, Ints, RunWarning, Surface
 from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.model.bodies.body import Body
-from contactlab.model.contact.near_list import segment_lengths
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
@@ -50,6 +49,8 @@ class WrongSide:
 
     def update(self) -> None:
         """Take in segment lengths and normals at the slave nodes that are pressed now."""
+        from contactlab.model.contact.near_list import segment_lengths  # of contacts alone
+
         pair, position = self.pair, self.model.position
         forces = self.model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]
         slots = np.flatnonzero(forces > 0.0)

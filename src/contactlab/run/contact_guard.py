@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from contactlab.kernels.checks import deepest, status_changes
+from contactlab.model.bodies.body import Body
+from contactlab.model.loading.held_bodies import free_motions, hold, loose_motions
 from contactlab.model.model import Model
 from contactlab.run.stopping import node_name, stop
 
 if TYPE_CHECKING:
     from contactlab.model.contact.pair import ContactPair
+    from contactlab.model.implicit_model import ImplicitModel
 
 LOOSE = 1e-6  # natural residual of a contact solve that counts as not converged
 PATIENCE = 50  # consecutive steps with a loose residual before the run is stopped
@@ -19,6 +22,7 @@ FLICKER = 0.3  # share of the conditions whose status changes within a step
 FEWEST = 4  # conditions below which a share means nothing: a corner's one or two alternate by nature
 CHATTER = 100  # consecutive steps that flicker before the run is stopped
 TOO_DEEP = 0.5  # segment lengths
+APART = 0.1  # segment lengths between surfaces that do not touch any more
 FAR_SIDE = 2.0  # segment lengths beyond which a node is on the far side of a thin body
 
 
@@ -27,6 +31,7 @@ class ContactGuard:
 
     pressed, closed    (k,) multipliers that pressed at the last step, and at any time
     loose, flickering  consecutive steps whose contact was not solved, or whose conditions changed too much
+    before             (N, 2) [mm] positions at the last look
     """
 
     def __init__(self, model: Model, shorter: str) -> None:
@@ -36,6 +41,8 @@ class ContactGuard:
         self.pressed = np.zeros(len(self.forces), np.bool_)
         self.closed = self.pressed.copy()
         self.loose = self.flickering = 0
+        self.before = model.position.copy() if self.pairs else model.position
+        self.unheld = () if model.integrator.inertia else _unheld(model, self.pairs)
 
     def after_step(self, residual: float) -> None:
         """Stop where the contact was not solved, or flickered, for many steps."""
@@ -97,6 +104,52 @@ class ContactGuard:
         for pair in self.pairs:
             examine_pair(pair)
 
+    def look(self) -> None:
+        """Check where surfaces are, and which way they have come since the last look."""
+        if not self.pairs:
+            return
+        self.check_penetration()
+        self._check_passage()
+        for body, pairs in self.unheld:
+            self._check_held(body, pairs)
+        self.before[:] = self.model.position
+
+    def _check_passage(self) -> None:
+        """Stop where nodes have come through the other side, farther than their depth is looked for."""
+        from contactlab.model.contact.passage import first_passage
+
+        position = self.model.position
+        moved = 2.0 * np.sqrt(2.0) * float(np.abs(position - self.before).max())  # of two nodes, along both axes
+        if moved <= (FAR_SIDE - TOO_DEEP) * min(pair.size for pair in self.pairs):
+            return
+        passage = first_passage(self.pairs, self.before, position, TOO_DEEP)
+        if passage is not None:
+            x, y = position[passage.node]
+            stop(
+                self.model,
+                f"{passage.pair.name}: {node_name(self.model, passage.node)} has passed through the other side, to "
+                f"({x:.4g}, {y:.4g})",
+                f"it moved too far at once: try {self.shorter}, or look whether anything holds the bodies",
+            )
+
+    def _check_held(self, body: Body, pairs: tuple[ContactPair, ...]) -> None:
+        """Stop where a body that contacts alone hold has left all of them: nothing says where it is."""
+        for pair in pairs:
+            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            if (self.forces[own] > 0.0).any() or pair.gaps[:, 0].min() <= APART * pair.size:
+                return
+        own = slice(body.first, body.first + body.count)
+        moved = float(np.hypot(*(self.model.position[own] - self.before[own]).mean(axis=0)))
+        size = min(pair.size for pair in pairs)
+        if moved > APART * size and (loose := loose_motions(cast("ImplicitModel", self.model)).get(body.name)):
+            stop(
+                self.model,
+                f"body {body.name} has moved by {moved:.3g} out of all its contacts, and nothing holds it against "
+                f"{' or '.join(loose)}",
+                f"try more integrator.steps, or {hold(body.name, loose)}",
+                "not-converged",
+            )
+
     def check_penetration(self) -> None:
         """Stop where a node lies deep in the other side, by geometry alone."""
         for pair in self.pairs:
@@ -116,3 +169,14 @@ class ContactGuard:
                     f"a segment (allowed {TOO_DEEP:.0%})",
                     f"try the other side as slave, a finer slave, or {self.shorter}",
                 )
+
+
+def _unheld(model: Model, pairs: tuple[ContactPair, ...]) -> tuple[tuple[Body, tuple[ContactPair, ...]], ...]:
+    """Bodies that supports leave free to move, with the contacts that are to hold them."""
+    found = []
+    for body in model.bodies:
+        nodes = range(body.first, body.first + body.count)
+        own = tuple(pair for pair in pairs if pair.slave.nodes[0] in nodes or pair.master.nodes[0] in nodes)
+        if own and free_motions(body, model.prescribed):
+            found.append((body, own))
+    return tuple(found)

@@ -33,12 +33,12 @@ class GuardedStep:
             self.objections += 1
             if self.objections > MOST:
                 raise
-            self.guards.restore(memory)
             model.state.restore(start)
             model.begin_step(0.0)
             model.internal_force(0.0)
             # forces of that evaluation may differ from those that were reached by a step, in their last digits
             model.state.restore(start)
+            self.guards.restore(memory)
             return step._replace(status=StepStatus.not_converged, reason=failure.reason)
         self.objections = 0
         return step

@@ -54,7 +54,7 @@ class Guards:
         self.contact.check_numbers()
         self.motion.check_speed()
         self.motion.check_cells()
-        self.contact.check_penetration()
+        self.contact.look()
 
     def at_the_end(self) -> None:
         """Check for the last time: energy that has not lasted long enough to stop a run is told, much more stops it."""
@@ -80,3 +80,4 @@ class Guards:
         contact.loose, contact.flickering = int(loose), int(flickering)
         contact.pressed[:] = memory["guards.pressed"] % 2.0 == 1.0
         contact.closed[:] = memory["guards.pressed"] >= 2.0
+        contact.before[:] = self.model.position

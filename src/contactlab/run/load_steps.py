@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step, StepStatus
+from contactlab.api import Conditions, Floats, ImplicitIntegrator, RunWarning, Step, StepStatus
 from contactlab.errors import SceneError, SimulationFailure
-from contactlab.model.loading.held_bodies import free_motions
+from contactlab.model.loading.held_bodies import hold, loose_motions
 from contactlab.model.timing import A_PERIOD
 from contactlab.run.load_path import LoadPath, TimePath
 from contactlab.run.schedule import Schedule
@@ -17,6 +17,7 @@ from contactlab.run.swings import Swing, frame_warnings, step_warnings
 
 if TYPE_CHECKING:
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
+    from contactlab.model.implicit_model import ImplicitModel
 
 CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
 FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it
@@ -26,6 +27,7 @@ MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
 SAME = 1e-6  # relative: residuals of two attempts that differ by less are the same
 EACH_WAY = 2.0  # times the steps of a load, for each way of one that goes to and fro: friction work is right to 2 %
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
+USED = 0.9  # of the friction that a contact can carry: more of it is a limit that the load comes to
 NEARLY = 1e-9  # of a step: differences below it are round-off
 
 
@@ -162,21 +164,23 @@ class LoadSchedule(Schedule):
         )
 
     def _loose(self) -> str:
-        """Bodies that nothing but contact holds in statics, in words."""
+        """Say what nothing holds in statics, and what would."""
         if self.model.integrator.inertia:
             return ""
-        free = {body.name: free_motions(body, self.model.prescribed) for body in self.model.bodies}
-        told = [f"{name} ({', '.join(motions)})" for name, motions in free.items() if motions]
-        return f"; held by contact and effects alone: {', '.join(told)}" if told else ""
+        loose = loose_motions(cast("ImplicitModel", self.model))
+        told = [f"{body} against {' or '.join(motions)}" for body, motions in loose.items()]
+        return f"; nothing holds {', nor '.join(told)}" if told else ""
 
     def _advice(self) -> str:
         """Say what to try after the shortest step failed."""
-        if not self.model.integrator.inertia and not self.state.step and self.model.loading.loads:
+        loose = {} if self.model.integrator.inertia else loose_motions(cast("ImplicitModel", self.model))
+        for body, motions in loose.items():
             return (
-                "nothing was in equilibrium yet, and loads push already: hold every body by supports, or let it begin "
-                "in touch with what is to hold it; a body that moves freely needs an integrator with inertia "
-                "(implicit-dynamics), a load that is there from the start a ramp"
+                f"{hold(body, motions)}; or let it begin in touch with what is to hold it; "
+                "what moves freely needs inertia (implicit-dynamics)"
             )
+        if used := self._used_friction():
+            return used
         if self.model.contact is not None:
             return (
                 "the shortest step failed, and none helps where forces jump (a node on a vertex of a coarse master) or "
@@ -184,6 +188,20 @@ class LoadSchedule(Schedule):
                 "(swap), finer cells, less friction, or more integrator.steps"
             )
         return StepStatus.gave_up.value
+
+    def _used_friction(self) -> str:
+        """Say which contacts carry nearly all the friction that they can at the last state in balance, if any."""
+        contact, told = self._contact(), []
+        if contact is None or not len(contact.conditions.slip):
+            return ""
+        for pair in contact.pairs:
+            used = friction_share(contact.conditions, pair.first_slot, pair.slots)
+            if used > USED:
+                told.append(f"friction of {pair.name} carries {used:.1%} of what it can")
+        if not told:
+            return ""
+        done = f"{self.path.fraction(self.state.time):.2%} of the loading"
+        return f"{', '.join(told)} at {done}: more load may have no equilibrium, a limit load; press more, or hold it"
 
     def share(self, time: float) -> float:
         """How much of the loading is done at a time [s], 0 to 1; where the end is open, of its ramp."""
@@ -256,3 +274,13 @@ def repeats(before: Step, step: Step) -> bool:
         return False
     first, second = (np.array([(one.force, one.contact) for one in attempt.trace]) for attempt in (before, step))
     return np.allclose(first, second, rtol=SAME, atol=0.0)
+
+
+def friction_share(conditions: Conditions, first: int, count: int) -> float:
+    """Tangential forces of the conditions from `first` on over their bounds."""
+    own = slice(first, first + count)
+    pressed, pulled = conditions.force[0, own], np.abs(conditions.force[1, own])
+    coefficient, adhesion, cap = conditions.bound[:, own]
+    with np.errstate(invalid="ignore"):  # no force under an infinite cap
+        bound = coefficient * pressed + np.fmin(adhesion * conditions.measure[own], cap * pressed)
+    return float(pulled.sum() / max(bound.sum(), 1e-300))

@@ -79,6 +79,10 @@ class ImplicitFloor:
         if len(tangential):
             tangential[:, 0] = self.conditions.force[1]
 
+    def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
+        """All of it: nothing lies behind a floor, and what is below it is seen from anywhere."""
+        return 1.0
+
     def scale(self, flexibility: Floats) -> None:
         """Stiffnesses of the conditions from those of single nodes (N, 2) [mm/N]."""
         held = flexibility[:, 1] == 0.0

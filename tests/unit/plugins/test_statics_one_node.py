@@ -44,6 +44,10 @@ class Obstacle:
     def forces(self, normal: Floats, tangential: Floats) -> None:
         normal[0], tangential[0] = (0.0, -self.conditions.force[0, 0]), (self.conditions.force[1, 0], 0.0)
 
+    def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
+        """All of it: conditions see surfaces from anywhere."""
+        return 1.0
+
     def scale(self, flexibility: Floats) -> None:
         self.conditions.stiffness[:] = 1.0 / flexibility[0, 1]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -45,15 +46,57 @@ def attempt(*residuals: float) -> Step:
     return Step(FAILED, reason="for a test", trace=tuple(Iteration(r, 0.1 * r, 1, 0, 0, 1.0) for r in residuals))
 
 
-def test_a_body_held_by_contact_alone_is_told_so_at_the_first_failure() -> None:
-    results = simulate(floating())
+def test_a_body_that_its_load_moves_until_surfaces_meet_is_in_balance_there() -> None:
+    """10 MPa on 1.6 mm, whatever the gap was: no spring and no support holds the disc."""
+    for gap in (0.01, 5.0):
+        results = simulate(floating().with_({"bodies.disc.shift": [0.0, gap]}))
+        assert results.status == "finished", results.reason
+        assert results.summary["reactions"]["block.bottom"][1] == pytest.approx(16.0, rel=1e-6)
+
+
+def test_a_body_that_its_load_moves_away_is_told_with_its_motion_at_the_first_failure() -> None:
+    """Nothing is there for it to meet."""
+    ramp = {"ramp": "linear", "to": 10.0}
+    results = simulate(floating().with_({"loads": [{"on": "disc.top", "ty": ramp}]}))
     assert results.status == "not-converged"
     told = taken_back(results)
-    assert "held by contact and effects alone: disc (sliding along x, sliding along y, turning)" in told[0]
+    assert "nothing holds disc against sliding along x or sliding along y or turning" in told[0]
     # the second attempt fails as the first did, in its first iteration, and is the last
     assert len(told) == 1
     assert "as the longer one before it" in results.reason
+    assert '[[supports]] with on = "disc.EDGE_SET" and ux = 0.0, uy = 0.0' in results.reason
     assert results.summary["iterations"] == 0
+
+
+@pytest.mark.parametrize(("push", "holds"), [(0.999, True), (1.25, False)])
+def test_a_load_beyond_what_friction_can_carry_is_told_as_a_limit(push: float, holds: bool) -> None:
+    """A layer pressed by 4 MPa and pushed by shares of mu = 0.5 times that, both in proportion: 1.25 never holds.
+
+    Ends slip first, so that the last state in balance carries all that it can to a per cent.
+    """
+    layer = {"use": "rectangle", "x": [0.0, 2.0], "y": [0.0, 0.25], "cells": [4, 1]}
+    soft = {"use": "linear-elastic", "young": 1000.0, "poisson": 0.25, "density": 1e-9}
+    friction = {"use": "coulomb", "mu": 0.5}
+    first = {"ramp": "linear", "to": -4.0, "duration": 0.5}
+    then = {"ramp": "linear", "to": 2.0 * push, "begin": 0.5, "duration": 0.5}
+    scene = Scene.from_data(
+        {
+            "format": 1,
+            "time": {"end": 1.0},
+            "integrator": "newton",
+            "materials": {"soft": soft},
+            "bodies": {"block": {"element": "q1", "material": "soft", "mesh": layer}},
+            "rigid": {"floor": {"line": [[4.0, 0.0], [-2.0, 0.0]]}},
+            "contacts": [{"slave": "block.bottom", "master": "floor", "algorithm": "mortar-p1", "friction": friction}],
+            "loads": [{"on": "block.top", "ty": first}, {"on": "block.top", "tx": then}],
+        }
+    )
+    results = simulate(scene)
+    assert results.status == ("finished" if holds else "not-converged")
+    if not holds:
+        told = re.search(r"friction of contacts\.0 carries ([0-9.]+)% of what it can", results.reason)
+        assert told, results.reason
+        assert 99.0 < float(told[1]) <= 100.0
 
 
 def test_attempts_are_compared_by_their_residuals() -> None:

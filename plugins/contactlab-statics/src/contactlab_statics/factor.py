@@ -68,6 +68,15 @@ def magnitudes(matrix: Any) -> Any:
     return csc_array((np.abs(matrix.data), matrix.indices, matrix.indptr), shape=matrix.shape)
 
 
+def with_diagonal(matrix: Any, factor: float, diagonal: Floats) -> Any:
+    """factor times a CSC matrix plus a diagonal, on its pattern; held nodes without any stiffness need no entry."""
+    column = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
+    place = np.flatnonzero(matrix.indices == column)
+    data = factor * matrix.data
+    data[place] += diagonal[column[place]]
+    return csc_array((data, matrix.indices, matrix.indptr), matrix.shape)
+
+
 def _permuted(matrix: Any, order: NDArray[np.int64]) -> Any:
     """The matrix (CSC) with rows and columns in another order."""
     place = np.empty(len(order), np.int32)

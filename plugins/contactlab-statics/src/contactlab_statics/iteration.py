@@ -8,8 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from contactlab.api import Floats, ImplicitEquations, Iteration, State
+from contactlab_statics.active_set import SLIP
 from contactlab_statics.convergence import Residual
-from contactlab_statics.factor import SingularSystem
+from contactlab_statics.factor import SingularSystem, with_diagonal
 from contactlab_statics.line_search import SHORTEST, LineSearch
 from contactlab_statics.saddle import SaddleSystem
 from contactlab_statics.scales import AWAY, Scales
@@ -19,6 +20,8 @@ AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may
 FALLING, FALL = 6, 0.9  # residuals in a row, each below that of the one before: then more iterations are made
 MORE = 4  # times the wished iterations, at most
 TOUCHING = 1e-9  # segment lengths
+SOFT = 1e-10  # of the stiffest node: springs in place of what holds a body, while none does
+NEAR, FARTHEST = 0.01, 2.0  # segments deep that a body meets what is to hold it; sizes of the model to look for it
 
 
 @dataclass
@@ -47,6 +50,7 @@ class NewtonIteration:
         self.scales = Scales(equations.reference, self.trial.held)
         self.search = LineSearch(self.trial, self.scales)
         self.system = SaddleSystem(equations.reference, self.trial.held)
+        self.soft = False  # whether the last correction needed soft springs
 
     def run(self, dt: float, target: Floats, limited: int | None = None) -> Outcome:
         """Iterate until the state is in balance with prescribed displacements `target` (p,) [mm].
@@ -59,7 +63,7 @@ class NewtonIteration:
         self.scales.floor = 0.0
         trial.balance.update_stresses(dt)
         given = np.zeros(trial.u.size)
-        began = 0  # of the iterations since forces were taken over
+        began, softly = 0, 0  # iterations when forces were taken over; times that only soft springs kept balance
         while self._goes_on(outcome.trace[began:]):
             self._linearise(dt)
             if not outcome.trace and self._at_rest(target, outcome):
@@ -80,7 +84,11 @@ class NewtonIteration:
             outcome.trace.append(self._record(residual, changed, length, note))
             trial.equations.iterated()
             if residual.largest <= self.tolerance and rest == 0.0:
-                if not self._augment(outcome):
+                if softly := softly + 1 if self.soft else 0:
+                    if softly > 1:
+                        outcome.reason = "in balance, and nothing would resist if a body were pushed"
+                        return outcome
+                elif not self._augment(outcome):
                     return outcome
                 began = len(outcome.trace)
             if not np.isfinite(residual.largest):
@@ -130,18 +138,60 @@ class NewtonIteration:
 
     def _correction(self, given: Floats, left: float) -> tuple[Floats, Floats]:
         """Of displacements and multipliers; what is held by nothing but friction is held from its first touch on."""
+        contact, self.soft = self.trial.contact, False
         try:
             du, dy = self._solved(given, left)
-        except SingularSystem:
-            if not self._hold():
-                raise
+        except SingularSystem as singular:
+            problem = str(singular)
         else:
             farthest = float(np.abs(du).max())
             if farthest <= AWAY * self.scales.size or self.scales.size == 0.0:
                 return du, dy
-            if not self._hold():
-                raise SingularSystem(f"it moves nodes by {farthest / self.scales.size:.0e} times the size of the model")
-        return self._solved(given, left)
+            problem = f"it moves nodes by {farthest / self.scales.size:.0e} times the size of the model"
+        if self._hold():
+            return self._solved(given, left)
+        if contact is None:
+            raise SingularSystem(problem)
+        return self._softly(given, problem)
+
+    def _softly(self, given: Floats, problem: str) -> tuple[Floats, Floats]:
+        """Correct with soft springs in place of what does not hold a body yet; raises SingularSystem if nothing will.
+
+        A body that its load drives is moved by it until surfaces meet, or the first condition that slides is back where
+        it sticks, and nothing else is in this iteration; motions that nothing drives need no more than the springs
+        until others hold them.
+        """
+        trial, self.soft = self.trial, True
+        force, spring = trial.force.reshape(-1), SOFT * float(self.stiffness.diagonal().max())
+        shifted = with_diagonal(self.stiffness, 1.0, np.full(force.size, spring))
+        du, dy = self.system.step(shifted, force, np.zeros_like(given), trial.contact, trial.response, np.inf)
+        drives = spring * float(du @ du) > 0.5 * float(force @ du) > 0.0
+        if drives or np.abs(du).max() > AWAY * self.scales.size:
+            du *= FARTHEST * self.scales.size / np.abs(du).max()
+            share = min(self._free_share(du, NEAR), self._share_to_stick(du))
+            if share == 1.0:
+                raise SingularSystem(problem)
+            given[:] = 0.0
+            return share * du, np.zeros_like(dy)
+        if np.any(given):
+            du, dy = self.system.step(shifted, force, given, trial.contact, trial.response, np.inf)
+        if not np.abs(du).max() <= AWAY * self.scales.size:
+            raise SingularSystem(problem)
+        return du, dy
+
+    def _share_to_stick(self, du: Floats) -> float:
+        """Share of a motion that takes back the slip of the first condition that slips: all did, and none held."""
+        contact, slips = self.trial.contact, np.flatnonzero(self.trial.response.status == SLIP).astype(np.int32)
+        if contact is None or not len(slips):
+            return 1.0
+        slip, change = contact.conditions.slip[slips], contact.linearise(slips).slip @ du
+        back = slip * change < 0.0
+        return min(1.0, float((-slip[back] / change[back]).min(initial=1.0)))
+
+    def _free_share(self, du: Floats, depth: float) -> float:
+        assert self.trial.contact is not None
+        place = self.trial.equations.reference + self.trial.u
+        return self.trial.contact.free_share(place, du.reshape(place.shape), depth)
 
     def _solved(self, given: Floats, left: float) -> tuple[Floats, Floats]:
         t = self.trial
@@ -154,7 +204,7 @@ class NewtonIteration:
             return False
         c = contact.conditions
         touch = c.present & (c.force[0] == 0.0) & (np.abs(c.gap) <= TOUCHING * c.size)
-        c.force[0, touch] = 2.0 * TOUCHING * (c.stiffness * c.size)[touch]
+        c.force[0, touch] = 2.0 * TOUCHING * c.stiffness[touch] * c.size[touch]
         self.trial.update_forces()
         return bool(touch.any())
 

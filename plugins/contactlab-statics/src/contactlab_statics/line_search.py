@@ -12,7 +12,7 @@ DEEPEST = 1.0  # segment lengths that a correction may push a surface into the o
 CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once statuses go round in circles
 SHORTEST = 1.0 / 64.0  # of a correction: below it the step is given up
 FEW_CELLS = 50.0  # segments across the model where no condition tells their length
-MOST_PIECES = 64  # of a correction that is watched on its way
+MOST_PIECES = 64  # of a correction at whose ends conditions are asked, too
 
 
 class LineSearch:
@@ -75,7 +75,8 @@ class LineSearch:
         trial, u, y = self.trial, self.trial.u, self.trial.multipliers
         start, y_start = u.copy(), y.copy()
         length, note = self._reach(start, du)
-        while length >= SHORTEST:
+        shortest = SHORTEST * length
+        while length >= shortest > 0.0:
             u[:] = start + length * du
             if length == 1.0:
                 u.reshape(-1)[trial.held] = (start.reshape(-1) + given)[trial.held]
@@ -87,27 +88,33 @@ class LineSearch:
         return note, 0.0
 
     def _reach(self, start: Floats, du: Floats) -> tuple[float, str]:
-        """Fraction of a correction at which the first condition is pushed too deep."""
+        """Fraction of a correction at which the first condition is pushed too deep, or a node through a surface."""
         contact = self.trial.contact
         if contact is None:
             return 1.0, ""
-        conditions, reference = contact.conditions, self.trial.equations.reference
-        force = conditions.force.copy()
+        conditions, place = contact.conditions, self.trial.equations.reference + start
         smallest = float(conditions.size[conditions.present].min(initial=np.inf))
         if not np.isfinite(smallest):
             smallest = self.scales.size / FEW_CELLS
-        pieces = min(max(1, int(np.ceil(np.hypot(*du.T).max() / smallest))), MOST_PIECES)
-        length, note = 1.0, ""
+        pieces = max(1, int(np.ceil(np.hypot(*du.T).max() / smallest)))
+        length = 1.0 if pieces == 1 else contact.free_share(place, du, DEEPEST)
+        if pieces <= MOST_PIECES:
+            length = min(length, self._watched(place, du, pieces))
+        return length, "surfaces would pass through each other" if length < 1.0 else ""
+
+    def _watched(self, place: Floats, du: Floats, pieces: int) -> float:
+        """Fraction of a correction at which a condition sees a surface too deep in the other; 1 if none does."""
+        contact = self.trial.contact
+        assert contact is not None
+        conditions, length = contact.conditions, 1.0
+        force = conditions.force.copy()
         for piece in range(1, pieces + 1):
-            part = piece / pieces
-            contact.evaluate(reference + start + part * du)
+            contact.evaluate(place + piece / pieces * du)
             depth = np.divide(
                 -conditions.gap, conditions.size, out=np.zeros_like(conditions.gap), where=conditions.present
             )
             if depth.max() > DEEPEST:
-                length, note = part, "surfaces would pass through each other"
-                if depth.max() > 2.0 * DEEPEST and piece > 1:
-                    length = (piece - 1) / pieces
+                length = (piece - 1 if depth.max() > 2.0 * DEEPEST and piece > 1 else piece) / pieces
                 break
         conditions.force[:] = force
-        return length, note
+        return length

@@ -11,10 +11,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array
 
 from contactlab.api import WORK, Floats, ImplicitEquations, State, Step, StepStatus
 from contactlab_statics.contact_forces import ContactForces
+from contactlab_statics.factor import with_diagonal
 from contactlab_statics.impulses import solve_impulses
 from contactlab_statics.iteration import NewtonIteration, take_back
 
@@ -122,7 +122,7 @@ class TimeStep:
     def stiffness(self, dt: float) -> Any:
         """Of stresses, mean loads and inertia."""
         inertia = (2.0 / dt + self.damping) / dt * self.mass.reshape(-1)
-        matrix = _with_diagonal(self.equations.stiffness(self.share * dt), self.share, inertia)
+        matrix = with_diagonal(self.equations.stiffness(self.share * dt), self.share, inertia)
         self.equations.add_load_stiffness(self.time, matrix, 0.5, 2.0 / dt)
         return matrix
 
@@ -197,12 +197,3 @@ class TimeStep:
         impulse = (pressed + stuck).reshape(-1)[held]
         state["reaction"].reshape(-1)[held] -= impulse / self.dt
         work[EXTERNAL] -= float(impulse @ self.v.reshape(-1)[held])
-
-
-def _with_diagonal(matrix: Any, factor: float, diagonal: Floats) -> Any:
-    """factor times a CSC matrix plus a diagonal, on its pattern; held nodes without any stiffness need no entry."""
-    column = np.repeat(np.arange(matrix.shape[1]), np.diff(matrix.indptr))
-    place = np.flatnonzero(matrix.indices == column)
-    data = factor * matrix.data
-    data[place] += diagonal[column[place]]
-    return csc_array((data, matrix.indices, matrix.indptr), matrix.shape)

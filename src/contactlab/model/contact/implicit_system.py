@@ -18,6 +18,7 @@ from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.model.contact.held_together import held_together
 from contactlab.model.contact.linearisation import PairDerivatives, PairLinearisation
 from contactlab.model.contact.pair import ContactPair
+from contactlab.model.contact.passage import first_passage
 from contactlab.model.contact.step_rows import StepRows
 from contactlab.model.examination import examine_pair
 
@@ -182,6 +183,11 @@ class ImplicitContactSystem:
             normal += pushed.reshape(-1, 2)
         own[:] = 0.0
         linear.add_forces(force, normal, tangential)
+
+    def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
+        """How much of a motion no surface passes through; see `contactlab.api.ImplicitContact`."""
+        passage = first_passage(self.pairs, position, position + motion, depth)
+        return 1.0 if passage is None else passage.share
 
     def scale(self, flexibility: Floats) -> None:
         """Nodal flexibilities from which contact stiffnesses follow."""

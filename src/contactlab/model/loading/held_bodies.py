@@ -12,8 +12,13 @@ from contactlab.model.bodies.body import Body
 from contactlab.model.loading.supports import Prescribed, SupportPlan
 
 if TYPE_CHECKING:
+    from contactlab.model.implicit_model import ImplicitModel
     from contactlab.scene.scene import Scene
 
+RANK = 1e-6  # of the largest resistance: what less resists is free
+ROUND = 1e-12  # of the stiffness: what less is added by loads is round-off
+FREE = 0.1  # of a unit motion: bodies that move together share one
+TOUCHING = 1e-6  # segments apart: closed as soon as a force comes
 MOTIONS = ("sliding along x", "sliding along y", "turning")
 
 
@@ -46,6 +51,50 @@ def free_motions(body: Body, supports: SupportPlan | Prescribed) -> list[str]:
     if held == 0:
         return list(MOTIONS)
     return [MOTIONS[int(np.argmax(np.abs(mode)))] for mode in loose]
+
+
+def loose_motions(model: ImplicitModel) -> dict[str, tuple[str, ...]]:
+    """Rigid motions that neither supports, effects nor closed contacts resist at the present state, by body."""
+    bodies = [body for body in model.bodies if free_motions(body, model.prescribed)]
+    if not bodies:
+        return {}
+    modes = np.zeros((model.reference.size, 3 * len(bodies)))
+    for number, body in enumerate(bodies):
+        modes[2 * body.first : 2 * (body.first + body.count), 3 * number : 3 * number + 3] = _rigid_modes(body)
+    rows = [modes[model.prescribed.dof]]
+    if model.loading.loads:
+        stiffness = model.stiffness(0.0)
+        bare = stiffness @ modes
+        model.add_load_stiffness(model.state.time, stiffness, 1.0, 0.0)
+        added = stiffness @ modes - bare
+        rows.append(added / max(float(np.abs(added).max()), ROUND * float(np.abs(stiffness.diagonal()).max())))
+    if model.contact is not None:
+        model.contact.evaluate(model.position)
+        c = model.contact.conditions
+        closed = c.present & ((c.force[0] > 0.0) | (c.gap <= TOUCHING * c.size))
+        sticks = np.flatnonzero(closed & (c.bound[0] * c.force[0] + c.bound[1] > 0.0)) if len(c.slip) else None
+        along, across = model.contact.directions(np.flatnonzero(closed).astype(np.int32))
+        rows.append(along @ modes)
+        if across is not None and sticks is not None:
+            rows.append((across @ modes)[np.searchsorted(np.flatnonzero(closed), sticks)])
+    _, sizes, directions = np.linalg.svd(np.concatenate(rows))
+    free = directions[int((sizes > RANK * max(1.0, sizes.max(initial=0.0))).sum()) :]
+    found: dict[str, tuple[str, ...]] = {}
+    for number, body in enumerate(bodies):
+        share = np.linalg.norm(free[:, 3 * number : 3 * number + 3], axis=0)  # of each motion that is free
+        if (most := float(share.max(initial=0.0))) > FREE:
+            least = (1.0 - FREE) * most
+            found[body.name] = tuple(motion for motion, own in zip(MOTIONS, share, strict=True) if own >= least)
+    return found
+
+
+def hold(body: str, motions: tuple[str, ...]) -> str:
+    """What to write so that something holds a body against some of `MOTIONS`."""
+    keys = [f"u{motion[-1]} = 0.0" for motion in motions if motion[-1] in "xy"] or ["ux = 0.0"]
+    return (
+        f'hold it: [[supports]] with on = "{body}.EDGE_SET" and {", ".join(keys)}, friction, or a soft spring, '
+        f'[[effects]] with use = "spring" and on = "{body}.EDGE_SET"'
+    )
 
 
 def _rigid_modes(body: Body) -> Floats:

@@ -1,0 +1,41 @@
+"""Whether surfaces pass through each other in a motion, however long it is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from contactlab.api import Floats, Ints, Surface
+from contactlab.kernels.contact.passing import find_passages
+from contactlab.model.contact.pair import ContactPair
+
+
+class Passage(NamedTuple):
+    """The first node that passes through the other side of its pair: after which share of a motion, and which node."""
+
+    share: float
+    pair: ContactPair
+    node: int
+
+
+def first_passage(pairs: Iterable[ContactPair], before: Floats, after: Floats, depth: float) -> Passage | None:
+    """The first node of any pair that is more than `depth` segments inside the other side after a motion.
+
+    All nodes move along straight lines from `before` to `after` (N, 2). Nodes that come out behind the other side count
+    as well: what holds them back is in front of it.
+    """
+    found = None
+    for pair in pairs:
+        for own, other in ((pair.slave, pair.master), (pair.master, pair.slave)):
+            points, chain = (_both(surface, before, after) for surface in (own, other))
+            shares = find_passages(points, chain, other.segments, depth * pair.size)
+            first = int(np.argmin(shares))
+            if shares[first] < (found.share if found is not None else np.inf):
+                found = Passage(float(shares[first]), pair, int(own.nodes[first]))
+    return found
+
+
+def _both(surface: Surface, before: Floats, after: Floats) -> tuple[Floats, Floats, Ints]:
+    return before[surface.nodes], after[surface.nodes], surface.nodes

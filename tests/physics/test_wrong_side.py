@@ -1,0 +1,92 @@
+"""Bodies that only contacts are to hold end in front of what holds them, or the run says that they do not."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactlab
+from contactlab.scene.scene import Scene
+
+GAP, LOAD, WIDTH = 0.01, 2.0, 1.8
+SOFT = {"use": "linear-elastic", "young": 1000.0, "poisson": 0.25, "density": 1e-9}
+
+
+def across_a_gap(algorithm: str, swap: bool, spring: float, gap: float = GAP, **integrator: Any) -> Scene:
+    """A disc above a block, pressed by a load; a spring holds it until surfaces meet, or nothing does."""
+    disc = {"use": "arc-block", "radius": 2.0, "half_width": 0.9, "top": 1.0, "cells": [10, 3]}
+    block = {"use": "rectangle", "x": [-2.0, 2.0], "y": [-1.0, 0.0], "cells": [16, 4]}
+    return Scene.from_data(
+        {
+            "format": 1,
+            "symmetry": "x",
+            "integrator": {"use": "newton", **integrator},
+            "materials": {"soft": SOFT},
+            "bodies": {
+                "disc": {"element": "q1", "material": "soft", "mesh": disc, "shift": [0.0, gap]},
+                "block": {"element": "q1", "material": "soft", "mesh": block},
+            },
+            "contacts": [{"slave": "disc.arc", "master": "block.top", "algorithm": algorithm, "swap": swap}],
+            "supports": [{"on": "block.bottom", "ux": 0.0, "uy": 0.0}, {"on": "disc.top", "ux": 0.0}],
+            "loads": [{"on": "disc.top", "ty": {"ramp": "linear", "to": -LOAD}}],
+            "effects": [{"use": "spring", "on": "disc.top", "stiffness": [0.0, spring]}] if spring else [],
+        }
+    )
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "node-on-segment"])
+@pytest.mark.parametrize(("swap", "steps"), [(False, 1), (True, 10)])
+@pytest.mark.parametrize("spring", [0.1, 0.001])
+def test_a_load_across_a_gap_ends_on_the_block(algorithm: str, swap: bool, steps: int, spring: float) -> None:
+    """The first correction is load over spring, 36 to 3600 mm; the block carries all but the force of the spring.
+
+    The springs, of a stiffness per mm^2, hold the gap and what both bodies give way: less than 0.04 mm.
+    """
+    results = contactlab.simulate(across_a_gap(algorithm, swap, spring, steps=steps))
+    assert results.status == "finished", results.reason
+    carried = results.summary["reactions"]["block.bottom"][1]
+    assert LOAD * WIDTH - 0.04 * spring * WIDTH < carried < LOAD * WIDTH
+
+
+@pytest.mark.parametrize("gap", [GAP, 3.0])
+def test_no_spring_is_needed_where_a_load_drives_a_body_to_what_holds_it(gap: float) -> None:
+    """To the tolerance of the equilibrium; the gap closes, however wide it was."""
+    results = contactlab.simulate(across_a_gap("mortar-p0", False, 0.0, gap))
+    assert results.status == "finished", results.reason
+    assert results.summary["reactions"]["block.bottom"][1] == pytest.approx(LOAD * WIDTH, rel=1e-6)
+
+
+def thrown(steps: int, law: str = "linear-elastic") -> Scene:
+    """A block that flies onto a plate held at both ends, by a third to twice its own height in a step."""
+    body, plate = [-0.5, 0.5], {"use": "rectangle", "x": [-3.0, 3.0], "y": [-0.3, 0.0], "cells": [24, 2]}
+    block = {"use": "rectangle", "x": body, "y": [0.2, 1.2], "cells": [4, 4]}
+    held = [{"on": f"plate.{side}", "ux": 0.0, "uy": 0.0} for side in ("left", "right")]
+    return Scene.from_data(
+        {
+            "format": 1,
+            "time": {"end": 5e-4},
+            "integrator": {"use": "implicit-dynamics", "steps": steps},
+            "materials": {"soft": {**SOFT, "use": law}},
+            "bodies": {
+                "block": {"element": "q1", "material": "soft", "mesh": block, "velocity": [0.0, -2e4]},
+                "plate": {"element": "q1", "material": "soft", "mesh": plate},
+            },
+            "contacts": [{"slave": "block.bottom", "master": "plate.top", "algorithm": "mortar-p0"}],
+            "supports": held,
+        }
+    )
+
+
+@pytest.mark.parametrize("steps", [1, 5])
+def test_a_body_that_flies_in_large_steps_does_not_pass_through_a_plate(steps: int) -> None:
+    """The free flight ends 10 mm lower: steps are cut until the block meets the plate, and it is on top at the end."""
+    results = contactlab.simulate(thrown(steps))
+    assert results.status == "finished", results.reason
+    assert results.summary["steps"] > steps
+    reference = results.layout.nodes
+    at = reference + results.displacement
+    under = np.abs(reference[:, 0]) <= 0.5
+    above = at[under & (reference[:, 1] == 0.2), 1].min()
+    assert above > at[under & (reference[:, 1] == 0.0), 1].max() - 0.02  # a tenth of a segment
