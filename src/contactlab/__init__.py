@@ -15,22 +15,30 @@ if TYPE_CHECKING:
 
     from contactlab.comparison import compare
     from contactlab.errors import ContactlabError
+    from contactlab.laboratory import check, choose, error_budget
     from contactlab.meshing.arrays import mesh
     from contactlab.parts.from_python import use
     from contactlab.results.load import load_results
+    from contactlab.results.results import Results
     from contactlab.run.interruption import Interrupted
     from contactlab.run.simulation import simulate
     from contactlab.scene.scene import Scene, load_scene
     from contactlab.studies.load_table import load_table
+    from contactlab.studies.table import Table
 
 __version__ = "0.1.0"
 
 __all__ = [
     "ContactlabError",
     "Interrupted",
+    "Results",
     "Scene",
+    "Table",
     "__version__",
+    "check",
+    "choose",
     "compare",
+    "error_budget",
     "load_results",
     "load_scene",
     "load_table",
@@ -42,8 +50,13 @@ __all__ = [
 _HOMES = {
     "ContactlabError": "contactlab.errors",
     "Interrupted": "contactlab.run.interruption",
+    "Results": "contactlab.results.results",
     "Scene": "contactlab.scene.scene",
+    "Table": "contactlab.studies.table",
+    "check": "contactlab.laboratory",
+    "choose": "contactlab.laboratory",
     "compare": "contactlab.comparison",
+    "error_budget": "contactlab.laboratory",
     "load_results": "contactlab.results.load",
     "load_scene": "contactlab.scene.scene",
     "load_table": "contactlab.studies.load_table",
@@ -64,4 +77,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted(__all__)

@@ -33,6 +33,7 @@ LAYERS = (
     ("accuracy", "matrix"),
     ("reports",),
     ("comparison",),
+    ("testing", "laboratory"),
     ("testing", "prices", "commands", "cli", "__main__"),
 )
 

@@ -1,0 +1,144 @@
+"""`contactlab.choose`, `error_budget` and `check`: the commands of these names as functions that return objects."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
+from numbers import Integral, Real
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from contactlab.accuracy.choose import Chosen, Wish, choose_plan
+from contactlab.accuracy.error_budget import ErrorBudget, budget_plan
+from contactlab.accuracy.run import point_text
+from contactlab.arguments import NAME, arguments
+from contactlab.errors import RequestError
+from contactlab.jobs.driver import Driver
+from contactlab.jobs.scheduler import LOCAL
+from contactlab.parts.registry import Registry, default_registry
+from contactlab.reports.progress import progress_of
+from contactlab.run.folders import results_folder
+from contactlab.scene.scene import Scene, load_scene
+from contactlab.testing.check_part import PartReport, check_part
+from contactlab.testing.find import subjects
+
+_MANY = {
+    "out": NAME, "jobs": Integral, "registry": Registry, "resume": bool, "time_limit": Real, "scheduler": str,
+    "progress": bool,
+}  # fmt: skip
+
+
+@arguments(scene=(Scene, *NAME), error=Real, budget=Real, search=Real, **_MANY)
+def choose(
+    scene: Scene | str | Path,
+    error: float = 0.01,
+    *,
+    budget: float = 60.0,
+    search: float = 120.0,
+    out: str | Path | None = None,
+    jobs: int | None = None,
+    registry: Registry | None = None,
+    resume: bool = False,
+    time_limit: float | None = None,
+    scheduler: str = LOCAL,
+    progress: bool | None = None,
+) -> Chosen:
+    """Find the cheapest algorithm, element and mesh that reach a pressure error.
+
+    scene       a scene, the name of a bundled scene, or a TOML file
+    error       relative error of the contact pressure to reach
+    budget      CPU time that the chosen run may take [s]
+    search      CPU time that all trials together may take [s]
+    out         folder that keeps the trials for `resume`; none: no files
+    jobs        runs at a time; one per core by default
+    time_limit  wall time of one trial [s]
+    scheduler   "local", "dask" or tcp://HOST:PORT of a dask scheduler
+
+    `Chosen.settings` are the keys for `scene.with_`; empty if nothing reaches the error, and `Chosen.why` says why.
+    Raises RequestError for a wrong request, KeyboardInterrupt after Ctrl-C; finished trials stay in `out`.
+    """
+    own = _scene(scene, registry)
+    wish = Wish(float(error), float(budget), float(search))
+    with _driver(out, resume, jobs, scheduler, time_limit, progress) as driver:
+        assert driver.folder is not None
+        say = driver.progress.told
+        plan = choose_plan(
+            own, wish, registry or default_registry(), driver.folder, lambda point: say(point_text(point)), say
+        )
+        return driver.result(plan)
+
+
+@arguments(scene=(Scene, *NAME), **_MANY)
+def error_budget(
+    scene: Scene | str | Path,
+    *,
+    out: str | Path | None = None,
+    jobs: int | None = None,
+    registry: Registry | None = None,
+    resume: bool = False,
+    time_limit: float | None = None,
+    scheduler: str = LOCAL,
+    progress: bool | None = None,
+) -> ErrorBudget:
+    """Estimate the parts of the error of a run: mesh, load increments, ramp, enforcement, each halved in turn.
+
+    scene  a scene, the name of a bundled scene, or a TOML file; the other arguments are those of `choose`
+
+    `ErrorBudget.shares` is empty if the run as it is does not finish; `reason` says why.
+    Raises RequestError for a wrong request, KeyboardInterrupt after Ctrl-C; finished runs stay in `out`.
+    """
+    own = _scene(scene, registry)
+    with _driver(out, resume, jobs, scheduler, time_limit, progress) as driver:
+        return driver.result(budget_plan(own, registry or default_registry(), driver.progress.told))
+
+
+@arguments(target=NAME, kind=str, files=Sequence, settings=Mapping, only=Sequence)
+def check(
+    target: str | Path,
+    kind: str = "",
+    *,
+    files: Sequence[str] = (),
+    settings: Mapping[str, Any] | None = None,
+    only: Sequence[str] = (),
+) -> list[PartReport]:
+    """Validate plugin components: unit checks, cases with known solutions, cost of a call.
+
+    target    name of a component, Python file or folder of a package
+    kind      "contact", "material" ... if the name belongs to several kinds
+    files     further Python files with components
+    settings  values of its fields
+    only      names of checks; all by default
+
+    Returns a report for each component; `report.right` if nothing failed, `report.outcomes` with a reason each.
+    Raises RequestError if no component of this name is found.
+    """
+    return [check_part(subject, only=list(only)) for subject in subjects(str(target), kind, files, settings)]
+
+
+def _scene(scene: Scene | str | Path, registry: Registry | None) -> Scene:
+    return scene if isinstance(scene, Scene) else load_scene(scene, registry)
+
+
+@contextmanager
+def _driver(
+    out: str | Path | None,
+    resume: bool,
+    jobs: int | None,
+    scheduler: str,
+    time_limit: float | None,
+    progress: bool | None,
+) -> Iterator[Driver]:
+    """Start a driver in `out` or in a temporary folder. Raises KeyboardInterrupt if it was interrupted."""
+    with ExitStack() as stack:
+        if out is not None:
+            folder = stack.enter_context(results_folder(out, "", resume))
+        elif resume:
+            raise RequestError("runs can only be resumed in their folder", where="resume", allowed="out = a folder")
+        else:
+            folder = Path(stack.enter_context(TemporaryDirectory()))
+        shown = progress_of(None, progress)
+        driver = stack.enter_context(Driver(folder, jobs, scheduler, time_limit, shown))
+        yield driver
+        if driver.interrupted:
+            raise KeyboardInterrupt

@@ -1,0 +1,72 @@
+"""The commands as functions: public names stay what they are, results are objects, wrong requests are refused."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import typing
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import contactlab
+from contactlab.errors import RequestError
+
+AFTER_ALL = """
+import importlib, pkgutil, types, contactlab
+for module in pkgutil.walk_packages(contactlab.__path__, "contactlab."):
+    if not module.name.endswith("__main__") and ".data." not in module.name:
+        try:
+            importlib.import_module(module.name)
+        except ImportError:
+            pass
+print([name for name in contactlab.__all__ if isinstance(getattr(contactlab, name), types.ModuleType)], dir(contactlab))
+"""
+
+
+def test_no_submodule_takes_the_place_of_a_public_name() -> None:
+    done = subprocess.run([sys.executable, "-c", AFTER_ALL], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == f"[] {sorted(contactlab.__all__)}"
+
+
+@pytest.mark.parametrize("name", ["check", "choose", "compare", "error_budget", "load_table", "simulate"])
+def test_functions_say_what_they_return(name: str) -> None:
+    returned = typing.get_type_hints(getattr(contactlab, name))["return"]
+    assert returned is not typing.Any
+
+
+def test_a_part_is_checked() -> None:
+    (report,) = contactlab.check("coulomb", only=["numbers_in_range"])
+    assert report.right
+    assert report.outcomes[-1].check == "numbers_in_range"
+
+
+def test_an_error_budget_is_kept_and_found_again(tmp_path: Path) -> None:
+    first = contactlab.error_budget("two-bars", out=tmp_path / "budget", jobs=1)
+    assert first.status == "finished"
+    assert {share.knob.name for share in first.shares} >= {"mesh"}
+    again = contactlab.error_budget("two-bars", out=tmp_path / "budget", jobs=1, resume=True)
+    np.testing.assert_array_equal([share.pressure for share in again.shares], [s.pressure for s in first.shares])
+
+
+def test_a_choice_that_has_no_reference_says_so() -> None:
+    """Every finer mesh of the bars is refused, so that no error can be measured."""
+    found = contactlab.choose("two-bars", 0.05, search=5.0, jobs=1)
+    assert not found.settings
+    assert "nothing to measure errors against" in found.why
+
+
+@pytest.mark.parametrize(
+    ("call", "where"),
+    [
+        (lambda: contactlab.choose("two-bars", "1 %"), "choose, argument error"),  # type: ignore[arg-type]
+        (lambda: contactlab.error_budget("two-bars", resume=True), "resume"),
+        (lambda: contactlab.error_budget(7), "error_budget, argument scene"),  # type: ignore[arg-type]
+        (lambda: contactlab.check(["coulomb"]), "check, argument target"),  # type: ignore[arg-type]
+    ],
+)
+def test_wrong_requests_name_the_argument(call: typing.Callable[[], object], where: str) -> None:
+    with pytest.raises(RequestError) as refused:
+        call()
+    assert refused.value.where == where
