@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from plugin_page import COMMANDS, FILES
+from plugin_page import COMMANDS, FILES, PAGE
 from strangers import Told, fresh_environment, run_all, written
 
 import contactlab
@@ -47,6 +47,7 @@ OWN = {
     "check plain-leapfrog": ["check", "plain-leapfrog", "--json", "--card", "card"],
     "check soft": ["check", "soft", "--json"],
     # its block on an incline alone takes twelve seconds: plain NumPy, a millisecond a step
+    "check dual-mortar": ["check", "dual-mortar", "--json", *(word for name in SOME for word in ("--only", name))],
     "check closest-point": ["check", "closest-point", "--json", *(word for name in SOME for word in ("--only", name))],
 }
 PYTEST = ["pytest", "-q", "-p", "no:cacheprovider", "--import-mode=importlib", "--rootdir", "."]
@@ -65,9 +66,13 @@ def packages_in(folder: Path) -> list[Path]:
     return sorted(file.parent for file in folder.rglob("pyproject.toml"))
 
 
+def test_the_page_shows_the_dual_mortar_that_is_tested() -> None:
+    assert (OUTSIDE / "dual-mortar" / "src" / "dual_mortar" / "contact.py").read_text() in PAGE
+
+
 def test_strangers_join_every_command(tmp_path: Path) -> None:
     packages = packages_in(tmp_path)
-    assert len(packages) == 1 + len(KINDS) + 3
+    assert len(packages) == 1 + len(KINDS) + 4
     python = fresh_environment(tmp_path, packages)
     told, of_tests = told_by(python, tmp_path, [path for path in packages if (path / "tests").exists()])
     passed = int(re.findall(r"(\d+) passed", of_tests)[0])
@@ -83,8 +88,9 @@ def test_strangers_join_every_command(tmp_path: Path) -> None:
     explained(told["contactlab explain"], told["explain"])
     carded(proved(told, "integrator", "plain-leapfrog"), tmp_path / "card")
     proved(told, "enforcement", "soft")
-    outcomes = {check["name"]: check["outcome"] for check in proved(told, "contact", "closest-point")["checks"]}
-    assert {outcomes[name] for name in SOME} == {"passed"}
+    for name in ("closest-point", "dual-mortar"):
+        outcomes = {check["name"]: check["outcome"] for check in proved(told, "contact", name)["checks"]}
+        assert {outcomes[one] for one in SOME} == {"passed"}
 
 
 def told_by(python: Path, place: Path, tested: list[Path]) -> tuple[dict[str, str], str]:

@@ -31,7 +31,7 @@ def test_run_names_the_parts_and_their_packages(tmp_path: Path, monkeypatch: pyt
     assert summary["balance"]["ledger_error"] < 1e-6
 
 
-def pressed(enforcement: Any) -> Any:
+def pressed(enforcement: Any, algorithm: str = "mortar-p1") -> Any:
     """A plate pressed on a floor and drawn along."""
     results = contactlab.simulate(
         contactlab.Scene.from_data(
@@ -47,7 +47,7 @@ def pressed(enforcement: Any) -> Any:
                 "rigid": {"floor": {"line": [[3.0, 0.0], [-1.0, 0.0]]}},
                 "contacts": [
                     {
-                        "slave": "plate.bottom", "master": "floor", "algorithm": "mortar-p1",
+                        "slave": "plate.bottom", "master": "floor", "algorithm": algorithm,
                         "enforcement": enforcement, "friction": {"use": "coulomb", "mu": MU},
                     }
                 ],
@@ -68,3 +68,10 @@ def test_the_enforcement_tends_to_exact_multipliers() -> None:
         errors.append(abs(found[1] - exact[1]) / abs(exact[1]))
         assert abs(found[0]) == pytest.approx(MU * abs(found[1]), rel=1e-3)
     assert 0.0 < errors[1] < 0.15 * errors[0] < 0.01
+
+
+def test_multipliers_of_formulas_carry_the_same_force() -> None:
+    """A plate pressed on a floor by a dual mortar: the pressure differs on the last segments alone."""
+    shipped, own = (pressed("active-set", name)["reactions"]["plate.top"] for name in ("mortar-p1", "dual-mortar"))
+    assert own[1] == pytest.approx(shipped[1], rel=1e-3)
+    assert abs(own[0]) == pytest.approx(MU * abs(own[1]), rel=1e-6)

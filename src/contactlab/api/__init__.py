@@ -49,6 +49,8 @@ from contactlab.api.profile import Profile
 from contactlab.api.record import Record
 from contactlab.api.recorder import Recorder, Recording
 from contactlab.api.reference import ReferenceSolution, Scalar, Solution
+from contactlab.api.segment_contact import SegmentContact
+from contactlab.api.segments import Overlap
 from contactlab.api.state import WORK, State
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 from contactlab.api.tensors import UNIT, Tensor, Vector
@@ -116,6 +118,7 @@ __all__ = [
     "Memory",
     "Mesh",
     "MeshSource",
+    "Overlap",
     "Part",
     "PieceDerivatives",
     "Pieces",
@@ -131,6 +134,7 @@ __all__ = [
     "RunMeasure",
     "RunWarning",
     "Scalar",
+    "SegmentContact",
     "Setup",
     "Shape",
     "Solution",

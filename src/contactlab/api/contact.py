@@ -57,6 +57,12 @@ class Pieces:
     M           (capacity, r, k) [mm]  integral of master trace l times multiplier basis j
     T           (capacity, k, k) [mm]  integral of linear hat i times multiplier basis j
     normal      (multipliers, 2) unit vectors from the master towards the slave
+
+    Filled by algorithms between segments alone:
+
+    ends        (capacity, 4) xi and eta, 0 to 1, where a piece begins, and where it ends
+    segment     (capacity, 2) int32, its slave and master segment
+    averaged    whether all normals are the averaged ones of the slave
     """
 
     slave: Ints
@@ -66,6 +72,9 @@ class Pieces:
     M: Floats
     T: Floats
     normal: Floats
+    ends: Floats
+    segment: Ints
+    averaged: bool = False
 
     @classmethod
     def allocate(cls, capacity: int, widths: tuple[int, int, int], multipliers: int) -> Pieces:
@@ -79,6 +88,8 @@ class Pieces:
             np.zeros((capacity, r, k)),
             np.zeros((capacity, k, k)),
             np.zeros((multipliers, 2)),
+            np.zeros((capacity, 4)),
+            np.zeros((capacity, 2), np.int32),
         )
 
 

@@ -10,13 +10,13 @@ from __future__ import annotations
 
 import inspect
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property, update_wrapper, wraps
 from typing import Any
 
 from contactlab.api.compiled.late import late
 
-__all__ = ["Formula", "array_method", "formula", "formulas_of", "in_python", "install"]
+__all__ = ["Formula", "array_method", "declare", "formula", "formulas_of", "in_python", "install"]
 
 
 class Formula:
@@ -89,18 +89,24 @@ def install(kind: type, root: type, names: Iterable[str], allowed: Iterable[str]
     methods  module that has a function of each name, called with the part and the arguments of the method
     root     the abstract class: what follows from a formula is not put over what an author gives
     """
-    found = {name: value for name, value in vars(kind).items() if isinstance(value, Formula)}
-    allowed = {*allowed, *found, *formulas_of(kind)} - set(names)
-    for name in found.keys() & set(names):
-        value = found[name]
-        unknown = [argument for argument in value.arguments if argument not in allowed]
-        if unknown:
-            raise TypeError(
-                f"{kind.__name__}.{name}: got the argument {unknown[0]}, allowed: {', '.join(sorted(allowed))} "
-                f"({value.place})"
-            )
+    own = {name for name, value in vars(kind).items() if isinstance(value, Formula)}
+    helps = (own | set(formulas_of(kind))) - set(names)
+    declare(kind, dict.fromkeys(names, (*allowed, *helps)))
+    for name in own & set(names):
         by_hand = getattr(kind, f"{name}_by_hand", None)
         setattr(kind, name, by_hand or array_method(getattr(root, name), methods, name))
+
+
+def declare(kind: type, allowed: Mapping[str, Iterable[str]]) -> None:
+    """Note the formulas in the body of a part; raise TypeError where one asks for what is not `allowed` by its name."""
+    found = {name: value for name, value in vars(kind).items() if isinstance(value, Formula)}
+    for name in found.keys() & allowed.keys():
+        for argument in found[name].arguments:
+            if argument not in allowed[name]:
+                raise TypeError(
+                    f"{kind.__name__}.{name}: got the argument {argument}, allowed: "
+                    f"{', '.join(sorted(allowed[name]))} ({found[name].place})"
+                )
     kind.__formulas__ = found  # type: ignore[attr-defined]
 
 

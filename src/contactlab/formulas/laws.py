@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import weakref
 from collections import namedtuple
-from dataclasses import fields
 from functools import cache, cached_property
 from typing import Any
 
@@ -29,6 +28,7 @@ from contactlab.api.formulas import formulas_of
 from contactlab.api.mathematics import seeds
 from contactlab.api.tensors import Tensor
 from contactlab.formulas import law_kernels as points
+from contactlab.formulas.parameters import parameters_of, values_of
 
 
 class _Kernels:
@@ -39,8 +39,7 @@ class _Kernels:
         self.memory: Any = namedtuple("Memory", kind.history_names) if kind.history_size else None
         remembers = self.memory is not None or "dt" in self.formulas["stress"].arguments
         self.template = points.step if remembers else points.stress
-        self.numbers = tuple(field.name for field in fields(kind) if str(field.type) in _NUMBERS)  # type: ignore[arg-type]
-        self.parameters: Any = namedtuple("Parameters", self.numbers)  # type: ignore[misc]
+        self.parameters = parameters_of(kind)
 
     @cached_property
     def stress(self) -> Any:
@@ -82,8 +81,6 @@ class _Kernels:
         return made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", self.given(name))
 
 
-_NUMBERS = {f"{kind}{rest}" for kind in ("float", "int", "bool") for rest in ("", " | None")}
-_NUMBERS |= {str(kind) for kind in (float, int, bool)}
 _GIVEN = {"F": "measure", "H": "measure", "G": "measure", "history": "history", "dt": "dt", "p": "p"}
 ARGUMENTS = tuple(_GIVEN)
 _of_class = cache(_Kernels)
@@ -94,8 +91,7 @@ class _Bound:
 
     def __init__(self, law: Material) -> None:
         self.kernels = _of_class(type(law))
-        values = [np.nan if (x := getattr(law, name)) is None else float(x) for name in self.kernels.numbers]
-        self.values = np.array(values).reshape(-1, 1)
+        self.values = values_of(law)
         self.remembers = self.kernels.template is points.step
 
     @cached_property

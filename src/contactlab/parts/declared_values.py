@@ -83,6 +83,9 @@ def _wanted_in_tuple(entry: Any, value: Any) -> str:
     if entry is str:
         fits = isinstance(value, tuple) and all(isinstance(text, str) for text in value)
         return "" if fits else "a tuple of texts"
+    if entry is float:
+        fits = isinstance(value, tuple) and all(isinstance(x, float | int | np.number) for x in value)
+        return "" if fits else "a tuple of numbers"
     if get_origin(entry) is not tuple:
         return "" if isinstance(value, tuple) and value else "a tuple with something in it"
     fits = isinstance(value, tuple) and all(isinstance(row, tuple) and all(map(_whole, row)) for row in value)

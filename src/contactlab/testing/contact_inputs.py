@@ -15,6 +15,8 @@ from contactlab.testing.assertions import Check, NotApplicable, identical, requi
 from contactlab.testing.surfaces import Chains, chains, conditions, curved, dense, flat, stations
 
 SURFACE = ("nodes", "segments", "node_segments", "edges", "segment_edge")
+FILLED = ("slave", "multiplier", "master", "D", "M", "T")
+"""Arrays of pieces that every algorithm fills."""
 GARBAGE = {np.dtype(np.int32): -7, np.dtype(np.float64): np.nan}
 NUMBERS = ("start", "node", "owner")
 """Arrays of gap conditions that hold int32."""
@@ -41,12 +43,11 @@ def asked(algorithm: Any, view: ContactView, garbage: bool = False) -> list[Floa
     room = algorithm.capacity(view.slave, view.near) + 4 * len(view.slave.nodes)
     out = Pieces.allocate(room, algorithm.widths(view.slave, view.master), multipliers)
     if garbage:
-        for f in fields(out):
-            array = getattr(out, f.name)
-            if f.name != "normal":  # of multipliers without a piece it stays what it was
-                array[...] = GARBAGE[array.dtype]
+        for name in FILLED:  # normals of multipliers without a piece stay what they were
+            array = getattr(out, name)
+            array[...] = GARBAGE[array.dtype]
     count = algorithm.pieces(view, out)
-    used = [np.array(getattr(out, f.name)[:count]) for f in fields(out) if f.name != "normal"]
+    used = [np.array(getattr(out, name)[:count]) for name in FILLED]
     return [*used, out.normal[np.unique(used[1])]]
 
 

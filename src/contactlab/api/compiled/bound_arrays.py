@@ -39,6 +39,7 @@ __all__ = [
     "Singles2",
     "layout_of",
     "members",
+    "table_of",
 ]
 
 ADDRESS_BITS: Final = 48
@@ -75,6 +76,12 @@ def members(table: type) -> dict[str, str | type]:
 def layout_of(table: type) -> str:
     """The layout of all arrays of a table in order, including those of the tables within it."""
     return " ".join(held if isinstance(held, str) else layout_of(held) for held in members(table).values())
+
+
+def table_of(table: type, arrays: Iterator[Any]) -> Any:
+    """The named tuple of arrays as a kernel unpacks it, for kernels that run as plain Python."""
+    held = members(table).values()
+    return table(*(next(arrays) if isinstance(one, str) else table_of(one, arrays) for one in held))
 
 
 class BoundArrays:

@@ -27,6 +27,7 @@ from numba.core.errors import NumbaError
 from contactlab.api import mathematics
 from contactlab.api.compiled import dual, kernel, records
 from contactlab.api.compiled import mathematics as compiled_mathematics
+from contactlab.api.compiled.unpack import unpack
 from contactlab.api.formulas import Formula, in_python
 from contactlab.errors import WrongAnswer
 
@@ -143,14 +144,16 @@ class _Copies:
         return False
 
     def copied(self, function: Any) -> Any:
-        """A function of the same code with other globals."""
+        """A function of the same code with other globals; those of the core keep the arrays of NumPy."""
+        of_core = function.__module__.startswith("contactlab.")
         names: dict[str, Any] = {"__builtins__": builtins, "__name__": function.__module__}
         cells = tuple(CellType(self.of(cell.cell_contents)) for cell in function.__closure__ or ())
         copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__, cells)
         copy.__module__, copy.__qualname__ = function.__module__, function.__qualname__
         copy.__kwdefaults__ = function.__kwdefaults__
         self.known[function] = copy
-        names.update((name, self.of(held)) for name, held in _globals_of(function))
+        for name, held in _globals_of(function):
+            names[name] = held if of_core and isinstance(held, ModuleType) else self.of(held)
         return copy
 
 
@@ -297,6 +300,7 @@ def _put_column(array: Any, number: int, numbers: Any) -> None:
 
 
 _PYTHON: dict[Any, Any] = {
+    unpack: lambda table, kind: table,
     dual.value: _value,
     dual.seed: _seed,
     dual.derivatives: _derivatives,

@@ -86,7 +86,9 @@ def derivatives_of(algorithm: Any, at: Chains) -> tuple[PieceDerivatives, Pieces
     """What the algorithm gives as derivatives of its pieces."""
     view = view_of(at)
     pieces, count = pieces_of(algorithm, view)
-    out = PieceDerivatives.allocate(12 * count, algorithm.widths(at.slave, at.master), 40 * len(at.slave.nodes))
+    out = PieceDerivatives.allocate(
+        32 * count, algorithm.widths(at.slave, at.master), 40 * len(at.slave.nodes) + 32 * count
+    )
     assert algorithm.derivatives(view, pieces, count, out)
     return out, pieces, count, view
 

@@ -1,0 +1,110 @@
+"""Contact between segments by two formulas: where two segments see each other, and which functions weigh the gap."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Final, Literal
+
+import numpy as np
+
+from contactlab.api.arrays import Flags, Floats, Ints
+from contactlab.api.compiled.late import late
+from contactlab.api.contact import ContactAlgorithm, ContactView, Pieces
+from contactlab.api.derivatives import GapGradients, PieceDerivatives
+from contactlab.api.formulas import declare
+from contactlab.api.segments import Covered, MasterSegment, Overlap, SlaveSegment
+from contactlab.api.surface import Candidates, Surface
+from contactlab.api.tensors import Number
+
+_ARGUMENTS: Final[Mapping[str, tuple[str, ...]]] = {
+    "overlap": ("slave", "master", "p"),
+    "basis": ("xi", "covered", "p"),
+}
+
+
+@dataclass(frozen=True)
+class SegmentContact(ContactAlgorithm):
+    """Contact integrated over the parts of slave segments that see a master segment, by two formulas.
+
+        overlap(slave, master)  which part of a slave segment sees a master segment: an `Overlap`
+        basis(xi)               values at xi of the two multipliers at the ends of a slave segment, xi from 0 to 1
+
+    The gap is weighed by the basis and integrated over the overlaps: D, M and T of `Pieces`. `basis` may also ask for
+    `covered`, the part of the segment that has a partner, and both for p, the numbers among the fields of the part.
+    Search, flanks, quadratic edges, integration, normals and all derivatives are the core's.
+
+    A method of `ContactAlgorithm` that is written in the body of a part takes the place of the one made from formulas.
+    Where that is `pieces`, it fills `ends` and `segment` of `Pieces`, which derivatives are made from.
+
+    multipliers  which nodes of quadratic slave edges carry them: "nodes" all, "vertices" those at ends of edges;
+                 "auto" is all without friction and the ends with it (mortar-operators.md, quadratic edges)
+
+    breaks        where in 0 to 1 the basis jumps or bends
+    basis_degree  of the polynomials in xi that the basis consists of between breaks: integrals are exact up to it
+    """
+
+    multipliers: Literal["auto", "nodes", "vertices"] = "auto"
+
+    breaks: ClassVar[tuple[float, ...]] = ()
+    basis_degree: ClassVar[int] = 1
+    gradient_nodes: ClassVar[int] = 12
+
+    def __init_subclass__(cls, **named: Any) -> None:
+        super().__init_subclass__(**named)
+        declare(cls, _ARGUMENTS)
+
+    @staticmethod
+    @abstractmethod
+    def overlap(slave: SlaveSegment, master: MasterSegment) -> Overlap:
+        """The part of a slave segment that sees a master segment. A formula."""
+
+    @staticmethod
+    @abstractmethod
+    def basis(xi: Number, covered: Covered) -> tuple[Number, Number]:
+        """Values at xi of the multipliers at both ends of a slave segment. A formula."""
+
+    def with_friction(self) -> ContactAlgorithm:
+        """Multipliers at the ends of quadratic edges, unless told otherwise."""
+        return replace(self, multipliers="vertices") if self.multipliers == "auto" else self
+
+    def carriers(self, slave: Surface) -> Flags:
+        """All nodes, or those at the ends of edges."""
+        carries = np.ones(len(slave.nodes), np.bool_)
+        if self.multipliers == "vertices":
+            carries[slave.edges[:, 2:].ravel()] = False
+        return carries
+
+    def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
+        """One slave edge, two multipliers, one master edge."""
+        return slave.edges.shape[1], 2, master.edges.shape[1]
+
+    def capacity(self, slave: Surface, near: Candidates) -> int:
+        """One piece for each pair of near segments."""
+        return len(near.master)
+
+    def pieces(self, view: ContactView, out: Pieces) -> int:
+        """Integrals of the basis over all overlaps; normals point from master to slave."""
+        return int(late("contactlab.formulas.segments").pieces(self, view, out))
+
+    def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
+        """Derivatives of the formulas, chained."""
+        return bool(late("contactlab.formulas.segments").derivatives(self, view, pieces, count, out))
+
+    def gradients(
+        self, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats, out: GapGradients
+    ) -> bool:
+        """The same, of separations."""
+        module = late("contactlab.formulas.segments")
+        return bool(module.gradients(self, view, pieces, count, owner, separation, out))
+
+    def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
+        """Ends of the overlaps."""
+        out[:count] = pieces.ends[:count]
+        return pieces.averaged
+
+    def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
+        """Averaged normals of the slave; where they turn at ends and vertices all pieces are integrated again."""
+        if not late("contactlab.formulas.segments").normals(view, pieces, count, out):
+            super().normals(view, pieces, count, out)

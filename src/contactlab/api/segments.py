@@ -1,0 +1,98 @@
+"""What formulas of contact between segments see: two segments, and where they see each other."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from contactlab.api.mathematics import copysign, nan, sqrt
+from contactlab.api.tensors import Number, Vector
+
+
+class MasterSegment(NamedTuple):
+    """A master segment; the body lies on its left.
+
+    start, end  [mm] its nodes; a point is at(eta), eta from 0 to 1
+    """
+
+    start: Vector
+    end: Vector
+
+    def edge(self) -> Vector:
+        """From its start to its end [mm]."""
+        return self.end - self.start
+
+    def at(self, eta: Number) -> Vector:
+        """The point at eta [mm]."""
+        return self.start + eta * self.edge()
+
+    def normal(self) -> Vector:
+        """Outward unit normal."""
+        return self.edge().turned().unit()
+
+
+class SlaveSegment(NamedTuple):
+    """A slave segment and the normals of its nodes, each the average of the segments that meet there.
+
+    start   [mm] its first node; a point is at(xi), xi from 0 to 1
+    edge    [mm] from its first to its second node
+    normal  outward unit normal of its first node
+    turn    from that to the one of its second node
+    """
+
+    start: Vector
+    edge: Vector
+    normal: Vector
+    turn: Vector
+
+    def at(self, xi: Number) -> Vector:
+        """The point at xi [mm]."""
+        return self.start + xi * self.edge
+
+    def normal_at(self, xi: Number) -> Vector:
+        """The normal at xi, linear between its nodes and a little shorter than 1 there."""
+        return self.normal + xi * self.turn
+
+    def sees(self, point: Vector) -> Number:
+        """The xi whose normal meets a point, the root that continues the flat case; beyond 0 to 1 too, nan if none."""
+        x, y = self.start.x - point.x, self.start.y - point.y
+        constant = x * self.normal.y - y * self.normal.x
+        linear = (self.edge.x * self.normal.y - self.edge.y * self.normal.x) + (x * self.turn.y - y * self.turn.x)
+        square = self.edge.x * self.turn.y - self.edge.y * self.turn.x
+        root = linear * linear - 4.0 * square * constant
+        if root < 0.0:
+            return nan
+        return -2.0 * constant / (linear + copysign(sqrt(root), linear))
+
+    def between(self, first: Number, second: Number) -> tuple[Number, Number]:
+        """The part of the segment between two xi in any order: low and high; low is above high where there is none."""
+        low: Number = 1.0
+        high: Number = 0.0
+        if first == first and second == second:
+            low, high = max(0.0, min(first, second)), min(1.0, max(first, second))
+        return low, high
+
+    def meets(self, master: MasterSegment, xi: Number) -> Number:
+        """The eta at which the normal at xi meets the line of a master segment, 0 at its start and 1 at its end."""
+        normal, edge, point = self.normal_at(xi), master.edge(), self.at(xi)
+        x, y = point.x - master.start.x, point.y - master.start.y
+        return (x * normal.y - y * normal.x) / (edge.x * normal.y - edge.y * normal.x)
+
+
+class Overlap(NamedTuple):
+    """The part of a slave segment that sees a master segment.
+
+    low, high          xi where it begins and ends: nothing is shared where low is not below high
+    eta_low, eta_high  where these meet the master segment; between them eta is linear in xi
+    """
+
+    low: Number
+    high: Number
+    eta_low: Number
+    eta_high: Number
+
+
+class Covered(NamedTuple):
+    """The part of a slave segment that has a partner, of all masters together: xi from `low` to `high`."""
+
+    low: Number
+    high: Number

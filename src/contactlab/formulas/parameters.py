@@ -1,0 +1,33 @@
+"""The parameters p of formulas: the numbers among the fields of a part."""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from dataclasses import fields
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import Floats
+
+_NUMBERS = {f"{kind}{rest}" for kind in ("float", "int", "bool") for rest in ("", " | None")}
+_NUMBERS |= {str(kind) for kind in (float, int, bool)}
+
+
+@cache
+def numbers_of(kind: type) -> tuple[str, ...]:
+    """Names of the fields that hold a number."""
+    return tuple(field.name for field in fields(kind) if str(field.type) in _NUMBERS)  # type: ignore[arg-type]
+
+
+@cache
+def parameters_of(kind: type) -> Any:
+    """A named tuple of them."""
+    return namedtuple("Parameters", numbers_of(kind))  # type: ignore[misc]
+
+
+def values_of(part: Any) -> Floats:
+    """The numbers (n, 1) of a part; nan for None."""
+    values = [getattr(part, name) for name in numbers_of(type(part))]
+    return np.array([np.nan if x is None else float(x) for x in values]).reshape(-1, 1)

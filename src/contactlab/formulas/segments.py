@@ -1,0 +1,150 @@
+"""Contact between segments from formulas: the array methods of `SegmentContact`."""
+
+from __future__ import annotations
+
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import ContactView, Floats, GapGradients, Ints, PieceDerivatives, Pieces, SegmentContact
+from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache, table_of
+from contactlab.api.compiled.contact_tables import GradientsTable, SurfaceTable
+from contactlab.api.compiled.formulas import Slot, made
+from contactlab.api.formulas import formulas_of, in_python
+from contactlab.api.segments import Covered
+from contactlab.formulas import segment_derivatives as changes
+from contactlab.formulas import segment_kernels as kernels
+from contactlab.formulas.parameters import numbers_of, parameters_of, values_of
+from contactlab.formulas.segment_normals import inward_normals, turned_normals
+from contactlab.formulas.segment_tables import Both, Derived, Separated
+
+DEPTH = 2.0
+"""Longest segment lengths of the slave: deeper overlaps are the far side of a thin body, not contact."""
+
+_PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS = (BoundCache() for _ in range(4))
+
+
+class _Kernels:
+    """The kernels of one class of contact algorithms, each made when it is first asked for."""
+
+    def __init__(self, kind: type[SegmentContact]) -> None:
+        self.kind, self.formulas, self.in_python = kind, formulas_of(kind), in_python()
+
+    def given_arrays(self, bound: BoundArrays, table: type) -> Any:
+        """How the kernels are given bound arrays: by their address, or in plain Python as the table that they fill."""
+        return table_of(table, iter(bound.arrays)) if self.in_python else bound.address
+
+    @cached_property
+    def pieces(self) -> Any:
+        return self._made(kernels.pieces)
+
+    @cached_property
+    def derivatives(self) -> Any:
+        return self._made(changes.piece_derivatives)
+
+    @cached_property
+    def gradients(self) -> Any:
+        return self._made(changes.separation_gradients)
+
+    @cached_property
+    def given(self) -> dict[Slot, Any]:
+        """What is put into the templates."""
+        kind, breaks = self.kind, tuple(map(float, self.kind.breaks))
+        found: dict[Slot, Any] = {
+            kernels.OVERLAP: self._called("overlap", "slave, master, p", slave="slave", master="master"),
+            kernels.BASIS: self._called("basis", "u, low, high, p", xi="u", covered="Covered(low, high)"),
+            kernels.COVERED: "covered" in self.formulas["basis"].arguments,
+            kernels.PARTS: len(breaks) + 1, kernels.BREAKS: breaks or (0.5,),
+            kernels.PARAMETERS: kernels.parameters if numbers_of(kind) else kernels.no_parameters,
+            kernels.FIELDS: parameters_of(kind),
+        }  # fmt: skip
+        names = (kernels.POINTS, kernels.WEIGHTS), (kernels.QUADRATIC_POINTS, kernels.QUADRATIC_WEIGHTS)
+        for (points, weights), trace in zip(names, (1, 2), strict=True):
+            rule = np.polynomial.legendre.leggauss((kind.basis_degree + trace) // 2 + 1)
+            found[points], found[weights] = tuple((0.5 + 0.5 * rule[0]).tolist()), tuple((0.5 * rule[1]).tolist())
+        return found
+
+    def _called(self, name: str, arguments: str, **given: str) -> Any:
+        """A formula, called with what the templates have."""
+        words = ", ".join(given.get(word, word) for word in self.formulas[name].arguments)
+        names: dict[str, Any] = {
+            "formula": self.formulas[name].function, "Covered": Covered, "__name__": self.kind.__module__,
+        }  # fmt: skip
+        exec(f"def {name}({arguments}):\n    return formula({words})", names)
+        return names[name]
+
+    def _made(self, template: Any) -> Any:
+        return made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", self.given)
+
+
+_of_class = cache(_Kernels)
+
+
+def pieces(part: SegmentContact, view: ContactView, out: Pieces) -> int:
+    """`ContactAlgorithm.pieces`."""
+    made_of = _of_class(type(part))
+    arrays = made_of.given_arrays(_PIECES.of(out, _bound, view, part), Both)
+    count, turned = made_of.pieces(arrays, view.reach, DEPTH, _vertices(part))
+    out.averaged = turned == 0
+    return int(count)
+
+
+def derivatives(part: SegmentContact, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
+    """`ContactAlgorithm.derivatives`."""
+    made_of = _of_class(type(part))
+    arrays = made_of.given_arrays(_DERIVATIVES.of(out, _bound_derivatives, view, pieces, part), Derived)
+    out.count, out.normal_count = made_of.derivatives(arrays, count, _vertices(part))
+    return True
+
+
+def gradients(
+    part: SegmentContact, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats,
+    out: GapGradients,
+) -> bool:  # fmt: skip
+    """`ContactAlgorithm.gradients`."""
+    if not pieces.averaged:
+        return False
+    made_of = _of_class(type(part))
+    bound = _GRADIENTS.of(out, _bound_gradients, view, pieces, owner, separation, part)
+    arrays = made_of.given_arrays(bound, Separated)
+    out.count, out.normal_count = count, made_of.gradients(arrays, count, _vertices(part))
+    return True
+
+
+def normals(view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
+    """The averaged normals, where directions at ends and vertices are these, too; else False."""
+    inward_normals(view.at.slave, view.slave.segments, out)
+    return not turned_normals(_NORMALS.of(pieces, _bound, view, None).address, count, out)
+
+
+def _vertices(part: SegmentContact) -> bool:
+    return part.multipliers == "vertices"
+
+
+def _bound(out: Pieces, view: ContactView, part: SegmentContact | None) -> BoundArrays:
+    return BoundArrays(Both, *_both(view, out, part))
+
+
+def _bound_derivatives(out: PieceDerivatives, view: ContactView, pieces: Pieces, part: SegmentContact) -> BoundArrays:
+    return BoundArrays(
+        Derived, *_both(view, pieces, part), out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT,
+        out.normal_of, out.normal_moved, out.dnormal,
+    )  # fmt: skip
+
+
+def _bound_gradients(
+    out: GapGradients, view: ContactView, pieces: Pieces, owner: Ints, separation: Floats, part: SegmentContact
+) -> BoundArrays:
+    return BoundArrays(
+        Separated, *_both(view, pieces, part), owner, separation,
+        GradientsTable(out.multiplier, out.node, out.value, out.normal_of, out.normal_moved, out.dnormal),
+    )  # fmt: skip
+
+
+def _both(view: ContactView, out: Pieces, part: SegmentContact | None) -> tuple[Any, ...]:
+    """The arrays of a `Both`."""
+    surfaces = (SurfaceTable(s.segments, s.node_segments, s.edges, s.segment_edge) for s in (view.slave, view.master))
+    arrays = out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal, out.ends, out.segment
+    numbers = np.zeros((0, 1)) if part is None else values_of(part)
+    return (*surfaces, *view.at, view.near.start, view.near.master, *arrays, numbers)

@@ -1,0 +1,139 @@
+"""Contact between segments by formulas: against the shipped algorithms, differences, and compiled ones.
+
+They run as plain Python here: each class of compiled ones takes seconds to compile.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from contactlab_mortar.mortar import MortarP0, MortarP1
+from dense_pieces import AGREED, SURFACES, along, central, derivatives_of, drawn_move, fold, pieces_of, summed, view_of
+from segment_formulas import Constant, Dual, Leaning, Linear
+
+from contactlab.api import Floats, GapGradients, SegmentContact, formula
+
+SIDES = ("nodes", "vertices")
+FOLDED = {**SURFACES, "fold": fold()}
+
+
+@pytest.fixture(autouse=True)
+def in_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("CONTACTLAB_PYTHON", "1")
+
+
+def dense_derivatives(algorithm: Any, name: str) -> tuple[Floats, ...]:
+    """dD, dM and dT by coordinates and entries of the dense matrices."""
+    found, _, _, view = derivatives_of(algorithm, FOLDED[name])
+    m, r, n = len(view.slave.nodes), len(view.master.nodes), found.count
+    out = []
+    for nodes, values, size in (
+        (found.slave, found.dD, m), (found.master, found.dM, r), (found.multiplier, found.dT, m)
+    ):  # fmt: skip
+        dense = np.zeros((2 * (m + r), size, m))
+        np.add.at(dense, (found.moved[:n, None, None], nodes[:n, :, None], found.multiplier[:n, None, :]), values[:n])
+        out.append(dense)
+    return tuple(out)
+
+
+@pytest.mark.parametrize("vertices", SIDES)
+@pytest.mark.parametrize(("own", "shipped"), [(Constant, MortarP0), (Linear, MortarP1)])
+@pytest.mark.parametrize("name", FOLDED)
+def test_formulas_give_what_is_written_by_hand(name: str, own: Any, shipped: Any, vertices: str) -> None:
+    """D, M and T of size 0.1 to one to 1e-14, their derivatives, of size one to ten, to 1e-12."""
+    view = view_of(FOLDED[name])
+    (pieces, count), (others, number) = (pieces_of(kind(vertices), view) for kind in (own, shipped))
+    assert count == number
+    for one, other in zip(summed(pieces, count, view), summed(others, number, view), strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-14)
+    for one, other in zip(
+        dense_derivatives(own(vertices), name), dense_derivatives(shipped(vertices), name), strict=True
+    ):
+        np.testing.assert_allclose(one, other, atol=1e-12)
+
+
+@pytest.mark.parametrize("vertices", SIDES)
+@pytest.mark.parametrize("name", FOLDED)
+def test_derivatives_of_a_basis_that_asks_what_is_covered_are_central_differences(name: str, vertices: str) -> None:
+    """Of D, M and T, and of the normals, along a random move of all nodes."""
+    at, algorithm = FOLDED[name], Dual(vertices)
+    found, pieces, _, view = derivatives_of(algorithm, at)
+    move, n, k, expected = drawn_move(at), found.count, len(pieces.normal), central(algorithm, at, drawn_move(at))
+    step = along(view, at, found.moved[:n], move)[:, None, None]
+    sides = (found.slave, found.dD, len(at.slave.nodes)), (found.master, found.dM, len(at.master.nodes))
+    for (nodes, values, size), wanted in zip((*sides, (found.multiplier, found.dT, k)), expected[:3], strict=True):
+        change = np.zeros((size, k))
+        np.add.at(change, (nodes[:n, :, None], found.multiplier[:n, None, :]), step * values[:n])
+        # flanks that count in part bend: differences of them are worse
+        np.testing.assert_allclose(change, wanted, atol=1e-7 if name == "steep" else AGREED)
+    change, n = np.zeros_like(pieces.normal), found.normal_count
+    step = along(view, at, found.normal_moved[:n], move)[:, None]
+    np.add.at(change, found.normal_of[:n], step * found.dnormal[:n])
+    # directions at ends turn by a hundred per segment where they begin to
+    np.testing.assert_allclose(change, expected[3], atol=2e-6 * max(1.0, np.abs(expected[3]).max()))
+
+
+@pytest.mark.parametrize("name", ["curved", "partly covered", "quadratic"])
+def test_biorthogonal_multipliers_have_a_diagonal_t(name: str) -> None:
+    """Whatever is covered of a segment; its sums are those of hats: the length that is covered."""
+    view = view_of(FOLDED[name])
+    T, hats = (summed(*pieces_of(algorithm, view), view)[2] for algorithm in (Dual("nodes"), Linear("nodes")))
+    np.testing.assert_allclose(T, np.diag(np.diag(T)), atol=1e-15)
+    np.testing.assert_allclose(np.diag(T), hats.sum(axis=1), atol=1e-15)
+
+
+@pytest.mark.parametrize("vertices", SIDES)
+@pytest.mark.parametrize("algorithm", [Linear, Dual])
+@pytest.mark.parametrize("name", ["partly covered", "quadratic"])
+def test_gradients_are_those_of_the_derivatives(name: str, algorithm: Any, vertices: str) -> None:
+    """Of D^T x - M^T y - T^T r at fixed positions x and y and separations r."""
+    view = view_of(FOLDED[name])
+    pieces, count = pieces_of(algorithm(vertices), view)
+    pieces.averaged, k = True, len(pieces.normal)  # what directions are at ends does not matter to separations
+    r = np.random.default_rng(5).normal(size=(k, 2))
+    found = GapGradients.allocate(count, 2, algorithm.gradient_nodes, 4 * k)
+    assert algorithm(vertices).gradients(view, pieces, count, np.arange(k, dtype=np.int32), r, found)
+    dD, dM, dT = dense_derivatives(algorithm(vertices), name)
+    wanted = np.einsum("zik,id->zkd", dD, view.at.slave) - np.einsum("zik,id->zkd", dM, view.at.master)
+    wanted -= np.einsum("zik,id->zkd", dT, r)
+    got = np.zeros_like(wanted)
+    for p in range(count):
+        for v, node in enumerate(found.node[p]):
+            for j in range(2):
+                if node >= 0:
+                    got[2 * node : 2 * node + 2, found.multiplier[p, j]] += found.value[p, j, :, v].T
+    np.testing.assert_allclose(got, wanted, atol=1e-13)
+
+
+def test_formulas_know_the_fields_of_their_part() -> None:
+    view = view_of(FOLDED["curved"])
+    hats, more = (summed(*pieces_of(algorithm, view), view)[2] for algorithm in (Linear(), Leaning(lean=0.5)))
+    np.testing.assert_allclose(more.sum(), 1.5 * hats.sum(), rtol=1e-14)
+
+
+def test_compiled_formulas_give_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Values and derivatives to round-off."""
+    view = view_of(FOLDED["partly covered"])
+    plain, (pieces, count) = dense_derivatives(Dual(), "partly covered"), pieces_of(Dual(), view)
+    monkeypatch.delenv("CONTACTLAB_PYTHON")
+
+    class Compiled(Dual):
+        pass
+
+    found, number = pieces_of(Compiled(), view)
+    assert number == count
+    np.testing.assert_allclose(found.M[:count], pieces.M[:count], atol=1e-15)
+    for one, other in zip(dense_derivatives(Compiled(), "partly covered"), plain, strict=True):
+        np.testing.assert_allclose(one, other, atol=1e-13)
+
+
+def test_a_formula_that_asks_for_what_is_not_known_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"Wrong.basis: got the argument eta, allowed: covered, p, xi"):
+
+        class Wrong(SegmentContact):
+            @formula
+            def basis(eta: Any) -> Any:
+                """Not of this side."""
+                return eta
