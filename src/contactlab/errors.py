@@ -101,6 +101,7 @@ def _seen(code: int) -> str:
 
 
 DEEPEST = 6  # tables in tables that are shown
+LONGEST = 60  # entries of a list: more than a line has room for
 
 
 def show(value: object, most: int = 120) -> str:
@@ -119,7 +120,7 @@ def _written(value: object, depth: int) -> str:
     if isinstance(value, Mapping):
         return "{" + ", ".join(f"{key} = {_written(item, depth - 1)}" for key, item in value.items()) + "}"
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(_written(item, depth - 1) for item in value) + "]"
+        return "[" + ", ".join(_written(item, depth - 1) for item in value[:LONGEST]) + "]"
     if isinstance(value, int) and value.bit_length() > 200:
         return f"an integer of {value.bit_length() * 0.30103:.0f} digits"  # Python writes none of more than 4300
     return str(value)

@@ -44,10 +44,14 @@ def read_outside(
     """The content of a file, unpacked where its name says that it is packed. Raises an error of this kind."""
     try:
         # a pipe that nobody writes to would be waited for: it is opened without waiting, and looked at once it is open
-        with os.fdopen(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0)), "rb") as file:
-            _check(os.fstat(file.fileno()), path, where, allowed, most, kind)
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+        try:
+            _check(os.fstat(descriptor), path, where, allowed, most, kind)
             name = UNPACKERS.get(path.suffix.lower())
-            content = (file if name is None else import_module(name).open(file)).read(most + 1)
+            with os.fdopen(descriptor, "rb", closefd=False) as file:
+                content = (file if name is None else import_module(name).open(file)).read(most + 1)
+        finally:
+            os.close(descriptor)
     except RequestError:
         raise
     except Exception as error:  # each unpacker has exceptions of its own

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import random
-import resource
 import signal
 import subprocess
 import sys
@@ -19,7 +19,9 @@ import numpy as np
 import pytest
 
 import contactlab
+from contactlab.results.journaled import JournaledFile
 from contactlab.results.precision import PLACES
+from contactlab.results.vtkhdf import VtkHdfRecording
 from contactlab.run.simulation import simulate
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="children that are killed are made by fork")
@@ -279,19 +281,20 @@ def test_a_disk_that_is_full_at_the_very_end_is_told_once(
 ) -> None:
     """All steps are made and saved; only the summary that is written when the file is closed finds no room."""
     scene, folder = small_scene({"time.end": 2e-6}), tmp_path / "full"
-    monkeypatch.setattr(
-        "contactlab.results.vtkhdf.pack", lambda path, least: None
-    )  # compressed it is smaller than it was
-    whole = simulate(scene, tmp_path / "whole")
-    most = (tmp_path / "whole/results.vtkhdf").stat().st_size - 1500  # of a summary of some thousand characters
-    _, hard = before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (most, hard))
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error")  # the reason of the results says it
-            results = simulate(scene, folder)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    whole, close = simulate(scene, tmp_path / "whole"), VtkHdfRecording.close
+
+    def no_room(file: JournaledFile) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    def close_on_a_full_disk(recording: VtkHdfRecording, summary: Any) -> None:
+        with monkeypatch.context() as full:
+            full.setattr(JournaledFile, "commit", no_room)
+            close(recording, summary)
+
+    with monkeypatch.context() as full, warnings.catch_warnings():
+        full.setattr(VtkHdfRecording, "close", close_on_a_full_disk)
+        warnings.simplefilter("error")  # the reason of the results says it
+        results = simulate(scene, folder)
     assert results.status == json.loads((folder / "summary.json").read_text())["status"] == "failed"
     assert results.summary["steps"] == whole.summary["steps"]
     assert results.reason.count(f"vtkhdf cannot write to {folder}") == 1

@@ -94,8 +94,11 @@ def mesh(points: Any, cells: Any = None, sets: Mapping[str, EdgeSet] | None = No
         data = _data(parts)
         quads_of(_as_file(data), "", 1.0)
         spec = _spec(data)
-    except ValueError as error:
-        raise RequestError(f"no mesh can be made of this: {error}", where="contactlab.mesh") from error
+    except (ValueError, TypeError, OverflowError, IndexError) as error:
+        raise RequestError(
+            f"no mesh can be made of this: {error}", where="contactlab.mesh", got=[points, cells, sets],
+            allowed="points (N, 2), cells (n, 4), (n, 8) or (n, 9), edge sets (k, 2) or (k,), which are numbers",
+        ) from error  # fmt: skip
     return spec
 
 

@@ -52,7 +52,10 @@ def opened(folder: Path) -> Any:
     if not path.is_file():
         found = "the folder has no results.vtkhdf" if folder.is_dir() else "there is no such folder"
         raise RequestError(
-            found, where=str(folder), allowed="the folder of a run whose record.recorders include vtkhdf (the default)"
+            found,
+            where=str(folder),
+            got=str(folder),
+            allowed="the folder of a run whose record.recorders include vtkhdf (the default)",
         )
     try:
         over = JournaledFile.read_only(path)

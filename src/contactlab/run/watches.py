@@ -21,6 +21,9 @@ class Watching:
         self.watches, self.view = dict(watches), ModelView(model)
         self.memories: dict[str, Memory] = {}
         for name, watch in self.watches.items():
+            if not isinstance(watch, Watch):
+                allowed = "objects derived from contactlab.api.Watch"
+                raise RequestError("this is no watch", where=f"watch.{name}", got=watch, allowed=allowed)
             try:
                 found = watch.begin(self.view)
             except LookupError as error:

@@ -29,8 +29,17 @@ def changed(
     result = copy.deepcopy(dict(data))
     numbered = [(_numbered(key, result), value) for key, value in changes.items()]
     for path, value in sorted(numbered, key=lambda change: _depth(change[0])):
-        _set(result, path, copy.deepcopy(value), is_part, switch)
+        _set(result, path, _copied(value, path), is_part, switch)
     return result, [".".join(path) for path, _ in numbered]
+
+
+def _copied(value: Any, path: list[str]) -> Any:
+    try:
+        return copy.deepcopy(value)
+    except RecursionError as error:
+        raise SceneError(
+            "the value is nested too deeply", where=".".join(path), got=value, allowed="a value that TOML can hold"
+        ) from error
 
 
 def _depth(path: list[str]) -> int:
@@ -38,7 +47,7 @@ def _depth(path: list[str]) -> int:
 
 
 def _numbered(key: str, data: Mapping[str, Any]) -> list[str]:
-    path = key.split(".")
+    path = key.split(".") if isinstance(key, str) else [""]
     if not all(path):
         raise SceneError("this is no key", where="override", got=key, allowed="names joined by dots: contacts.0.swap")
     if len(path) > 1 and path[0] in NAMED_LISTS and not path[1].isdecimal():

@@ -52,13 +52,20 @@ def construct(cls: type[T], values: Mapping[str, Any], where: Where) -> T:
 _REFUSAL = re.compile(r"(?P<name>\w+): (?:got (?P<got>.+?), allowed:? (?P<allowed>.+)|(?P<other>.+))", re.DOTALL)
 
 
+def _told(message: str, where: Where, got: object) -> SceneError:
+    """The error of a message "problem: what is allowed"."""
+    problem, _, allowed = message.rpartition(": ")
+    return SceneError(problem or message, where=where, got=got, allowed=allowed if problem else "")
+
+
 def _refused(cls: type, message: str, values: Mapping[str, Any], where: Where) -> SceneError:
     match = _REFUSAL.fullmatch(message)
     if match is None or match["name"] not in keys_of(cls):
-        return SceneError(message or f"{cls.__name__} refuses these values", where=where, got=dict(values))
+        message = message or f"{cls.__name__} refuses these values"
+        return _told(message, where, {key: value for key, value in values.items() if value is not None})
     at, got = below(where, match["name"]), values.get(keys_of(cls)[match["name"]].name, NOTHING)
     if match["other"]:
-        return SceneError(match["other"], where=at, got=got)
+        return _told(match["other"], at, got)
     return SceneError("this value is not allowed", where=at, got=got, allowed=match["allowed"])
 
 
@@ -80,7 +87,7 @@ def unknown_key(name: str, known: list[str], where: Where) -> SceneError:
         where=below(where, name),
         got=name,
         allowed=", ".join(known) if known else "no keys at all",
-        hint=did_you_mean(name, known),
+        hint=did_you_mean(str(name), known),
     )
 
 
@@ -88,7 +95,7 @@ def _missing_key(field: dataclasses.Field[Any], hint: Any, written: list[str], w
     says = field.metadata.get("says", "")
     return SceneError(
         f'the key "{field.name}" is missing' + (f" ({says})" if says else ""),
-        where=where,
+        where=where if str(where) else field.name,
         got=written,
         allowed=in_words(hint, field.metadata),
         hint=f"add {field.name} = ...",

@@ -18,6 +18,7 @@ _AT_LINE = re.compile(r"^(?P<what>.*?) \(at (?:line (?P<line>\d+), column (?P<co
 _HEADER = re.compile(r"\s*(?P<open>\[\[?)\s*(?P<key>[^\[\]]+?)\s*\]\]?\s*(?:#.*)?$")
 _KEY = re.compile(r"\s*(?P<key>[A-Za-z0-9_\"'. -]+?)\s*=")
 _ENDLESS = re.compile(r"[0-9_]{4300}")
+_DEEP = re.compile(r"""(?:[ \t]*+[\w"'-]*+[ \t]*+\.){2000}""")  # the reader of TOML takes gigabytes for a longer key
 _DELIMITERS = ('"""', "'''")
 
 
@@ -37,6 +38,10 @@ def read_toml(path: Path, shown: str) -> tuple[dict[str, Any], dict[str, int]]:
 
 def parse_toml(text: str, shown: str) -> dict[str, Any]:
     """The data of a TOML text. Raises SceneError with the line."""
+    if (deep := _DEEP.search(text)) is not None:
+        where = f"{shown}, line {text.count(chr(10), 0, deep.end()) + 1}"
+        got = f"{text[deep.start() : deep.start() + 40].strip()}..."
+        raise SceneError("the key has too many parts", where=where, got=got, allowed="less than 2000, joined by dots")
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -63,7 +68,7 @@ _HINTS = {
 def _broken_toml(text: str, message: str, shown: str) -> SceneError:
     match = _AT_LINE.match(message)
     if match is None:
-        return SceneError(f"this is no TOML: {message}", where=shown)
+        return SceneError(f"this is no TOML: {message}", where=shown, got=text[:80], allowed="a TOML file")
     lines = text.splitlines() or [""]
     number = min(int(match["line"] or len(lines)), len(lines))
     got = lines[number - 1].strip()

@@ -40,7 +40,7 @@ def load_table(folder: str | Path) -> Table:
     path = folder / "table.json"
     if not path.is_file():
         raise RequestError(
-            "the folder holds no comparison", where=str(folder), allowed="a folder with table.json",
+            "the folder holds no comparison", where=str(folder), got=str(folder), allowed="a folder with table.json",
             hint="load_results reads a single run" if (folder / "summary.json").is_file() else "",
         )  # fmt: skip
     try:

@@ -112,7 +112,7 @@ def test_a_cosine_has_its_resultant(make) -> None:
         ({"by": "x"}, "one of these four"),
         ({"by": "x", "cosine": [1.0, 0.5, 0.0]}, "cosine.*not allowed"),
         ({"by": "x", "table": [[1.0, 1.0], [0.0, 2.0]]}, "rising first numbers"),
-        ({"by": "x", "file": "nowhere.csv"}, "no table can be read"),
+        ({"by": "x", "file": "nowhere.csv"}, "the file cannot be read"),
         ({"by": "z", "cosine": [1.0, 0.5, 1.0]}, "not one of the choices"),
     ],
 )

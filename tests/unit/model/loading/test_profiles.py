@@ -95,7 +95,7 @@ def test_values_in_time_follow_a_function_and_a_file(make, tmp_path) -> None:
         ({"loads": [{"on": "upper.top", "tx": {"ramp": "function", "to": 1.0, "duration": 1.0, "function": ELLIPSE}}]},
          "none beside times in seconds"),
         ({"loads": [{"on": "upper.top", "tx": {"ramp": "table", "to": 1.0, "file": "nowhere.csv"}}]},
-         "no table can be read"),
+         "the file cannot be read"),
         ({"effects": [{"use": "gravity", "acceleration": [0.0, 1.0], "profile": {"by": "s", "function": ELLIPSE}}]},
          r"effects.0.profile.by.*no arc length"),
         ({"effects": [{"use": "gravity", "acceleration": [0.0, 1.0],
