@@ -90,3 +90,17 @@ def test_a_body_that_flies_in_large_steps_does_not_pass_through_a_plate(steps: i
     under = np.abs(reference[:, 0]) <= 0.5
     above = at[under & (reference[:, 1] == 0.2), 1].min()
     assert above > at[under & (reference[:, 1] == 0.0), 1].max() - 0.02  # a tenth of a segment
+
+
+@pytest.mark.parametrize("steps", [5, 20])
+def test_large_steps_of_a_nonlinear_body_are_cut_for_their_energy(steps: int) -> None:
+    """The midpoint rule keeps the energy of linear bodies alone, so that a run of 5 steps was stopped.
+
+    A step may make a thousandth of the energy that there is, and some ten steps bounce.
+    """
+    results = contactlab.simulate(thrown(steps, "neo-hookean"))
+    assert results.status == "finished", results.reason
+    assert not {"energy-at-end", "ledger"} & {one.code for one in results.warnings}
+    balance = results.summary["balance"]
+    energy = 0.5 * SOFT["density"] * 1.0 * 2e4**2  # type: ignore[operator]
+    assert balance["kinetic"] + balance["stored"] - balance["contact"] == pytest.approx(energy, rel=0.02)

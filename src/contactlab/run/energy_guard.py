@@ -5,11 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats, RunWarning
-from contactlab.model.energy import energy_gain
+from contactlab.model.energy import EnergyGain, energy_gain
 from contactlab.model.model import Model
 from contactlab.run.stopping import stop
 
 UNEXPLAINED = 0.01  # energy stored without work, over the largest that was there, was supplied or is to come
+IN_A_STEP = 1e-3  # of it, in one step of an implicit run: a longer step is cut, whose error falls with its cube
 GAIN = 0.1  # the same for energy that contact makes: weak conditions on coarse meshes make some per cent
 MADE = 0.01  # energy that contact has made in all, whatever damping took of it since: told
 TOO_MUCH_MADE = 0.1  # and the run is stopped
@@ -26,6 +27,7 @@ class EnergyGuard:
     largest  [mJ] largest energy that was there or was supplied so far
     since    (3,) steps since which energies are too high: stored without work, gained, made by contact; -1 if not
     pushed   [mJ] what contact gave to push out the weak overlaps of the start
+    unexplained  [mJ] energy stored without work at the end of the last implicit step
     """
 
     def __init__(self, model: Model, shorter: str, wave_speed: float) -> None:
@@ -40,18 +42,15 @@ class EnergyGuard:
         self.come = _come(model) if "velocity" in model.state else None
         self.facets = [(pair, own) for pair in pairs if (own := pair.start_gaps) is not None and own.by_facets]
         self.pushed, self.rate, self.counted = 0.0, 0.0, 0.0
-        self.scale = self.largest
+        self.scale, self.unexplained = self.largest, 0.0
 
     def check(self, last: bool = False) -> None:
         """Stop where energy has appeared for many steps; at the `last` step also where there is very much more."""
         if "velocity" not in self.model.state:
             return
-        energy, gained, unexplained = energy_gain(self.model)
-        self.largest = max(self.largest, abs(energy), abs(float(self.work[1])))
+        energy, gained, unexplained = self._measure()
         self._push_facets()
         gained -= self.pushed
-        # what was supplied so far grows with the square of the loading
-        self.scale = max(self.largest, abs(float(self.work[1])) / self._loaded() ** 2)
         self._overshoot()
         if self._too_much(0, unexplained, UNEXPLAINED, last):
             stop(
@@ -70,6 +69,20 @@ class EnergyGuard:
             )
         if self.judges_contact:
             self._made_by_contact(float(self.work[3]) - self.pushed, last)
+
+    def step_made_energy(self) -> bool:
+        """Whether the step just made by itself stored more energy than it may: stresses change too much in it."""
+        if self.come is None:
+            return False
+        before, (_, _, self.unexplained) = self.unexplained, self._measure()
+        return self.unexplained - before > IN_A_STEP * self.scale
+
+    def _measure(self) -> EnergyGain:
+        found = energy_gain(self.model)
+        self.largest = max(self.largest, abs(found.energy), abs(float(self.work[1])))
+        # what was supplied so far grows with the square of the loading
+        self.scale = max(self.largest, abs(float(self.work[1])) / self._loaded() ** 2)
+        return found
 
     def _loaded(self) -> float:
         """How much of its loading the run has seen, above 0 and up to 1."""

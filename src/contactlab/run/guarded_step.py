@@ -10,6 +10,7 @@ from contactlab.errors import SimulationFailure
 from contactlab.run.guards import Guards
 from contactlab.run.watches import NoGuards
 
+ENERGY = "the bodies hold more energy at its end than work was done on them: stresses change too much in it"
 MOST = 5  # times in a row that a step is cut for a guard: what 1/32 of it does not cure is no matter of its length
 
 
@@ -29,16 +30,19 @@ class GuardedStep:
             return step
         try:
             self.guards.check_positions()
+            reason = ENERGY if self.guards.step_made_energy() and self.objections < MOST else ""
         except SimulationFailure as failure:
-            self.objections += 1
-            if self.objections > MOST:
+            if self.objections == MOST:
                 raise
-            model.state.restore(start)
-            model.begin_step(0.0)
-            model.internal_force(0.0)
-            # forces of that evaluation may differ from those that were reached by a step, in their last digits
-            model.state.restore(start)
-            self.guards.restore(memory)
-            return step._replace(status=StepStatus.not_converged, reason=failure.reason)
-        self.objections = 0
-        return step
+            reason = failure.reason
+        if not reason:
+            self.objections = 0
+            return step
+        self.objections += 1
+        model.state.restore(start)
+        model.begin_step(0.0)
+        model.internal_force(0.0)
+        # forces of that evaluation may differ from those that were reached by a step, in their last digits
+        model.state.restore(start)
+        self.guards.restore(memory)
+        return step._replace(status=StepStatus.not_converged, reason=reason)

@@ -56,6 +56,10 @@ class Guards:
         self.motion.check_cells()
         self.contact.look()
 
+    def step_made_energy(self) -> bool:
+        """Whether the step just made is too long for the energy: it is cut if it can be."""
+        return self.energy.step_made_energy()
+
     def at_the_end(self) -> None:
         """Check for the last time: energy that has not lasted long enough to stop a run is told, much more stops it."""
         self.check()
@@ -68,7 +72,7 @@ class Guards:
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on, as arrays of a checkpoint."""
         contact, energy = self.contact, self.energy
-        pushed = energy.pushed, energy.rate, energy.counted
+        pushed = energy.pushed, energy.rate, energy.counted, energy.unexplained
         numbers = (contact.loose, self.motion.input_speed, contact.flickering, energy.largest, *pushed, *energy.since)
         return {"guards": np.array(numbers, np.float64), "guards.pressed": contact.pressed + 2.0 * contact.closed}
 
@@ -76,7 +80,7 @@ class Guards:
         """Go back to where `memory` was saved."""
         contact, energy = self.contact, self.energy
         loose, self.motion.input_speed, flickering, energy.largest, *more = memory["guards"].tolist()
-        (energy.pushed, energy.rate, energy.counted), energy.since[:] = more[:3], more[3:]
+        (energy.pushed, energy.rate, energy.counted, energy.unexplained), energy.since[:] = more[:4], more[4:]
         contact.loose, contact.flickering = int(loose), int(flickering)
         contact.pressed[:] = memory["guards.pressed"] % 2.0 == 1.0
         contact.closed[:] = memory["guards.pressed"] >= 2.0

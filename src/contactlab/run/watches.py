@@ -90,6 +90,10 @@ class NoGuards:
     def check_positions(self) -> None:
         """Do nothing, wherever the nodes are."""
 
+    def step_made_energy(self) -> bool:
+        """Whatever a step makes, it is kept."""
+        return False
+
     def at_the_end(self) -> None:
         """Do nothing at the end of the run."""
 
