@@ -14,7 +14,8 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from statistics import median
 from typing import Any
 
@@ -32,8 +33,12 @@ FORCE = 0.05  # of the median of the scene's runs
 MADE = 0.1  # of the largest energy: what guards allow contact to make
 
 
-def scenes(words: list[str]) -> Iterator[tuple[str, str, bool, Scene]]:
-    """Name, element, side and scene of every run."""
+Asked = tuple[str, str, bool, Callable[[], Scene]]
+"""Name, element, side and scene of a run, which may be refused."""
+
+
+def scenes(words: list[str]) -> Iterator[Asked]:
+    """Yield the runs of bundled scenes, element by element."""
     for element in ELEMENTS:
         for name in sorted(bundled_scenes()):
             if words and not any(word in name for word in words):
@@ -42,11 +47,11 @@ def scenes(words: list[str]) -> Iterator[tuple[str, str, bool, Scene]]:
             bodies = {f"bodies.{body}.element": element for body in scene.data["bodies"]}
             for swap in (False, True):
                 sides = {f"contacts.{k}.swap": swap for k in range(len(scene.data.get("contacts", ())))}
-                yield name, element, swap, scene.with_({**bodies, **sides, "record.recorders": []})
+                yield name, element, swap, partial(scene.with_, {**bodies, **sides, "record.recorders": []})
 
 
-def jobs(words: list[str]) -> Iterator[tuple[str, str, bool, Scene]]:
-    """The same of the first runs of cases, with the first of their integrators."""
+def jobs(words: list[str]) -> Iterator[Asked]:
+    """Yield the first runs of cases, with the first of their integrators."""
     registry = default_registry()
     for name in registry.names("case"):
         if words and not any(word in name for word in words):
@@ -57,8 +62,7 @@ def jobs(words: list[str]) -> Iterator[tuple[str, str, bool, Scene]]:
                 setup = Setup(registry.names("contact")[0], swap, element, case.integrators[0])
                 for job in case.plan(setup, {}):
                     if job.guards:
-                        scene = scene_of(job, registry)
-                        yield f"{name} {job.name}", str(element), swap, scene.with_({"record.recorders": []})
+                        yield f"{name} {job.name}", str(element), swap, partial(scene_of, job, registry)
 
 
 def numbers(results: Any) -> tuple[float, float]:
@@ -80,9 +84,10 @@ def main() -> int:
     forces: dict[str, list[float]] = {}
     stopped: list[tuple[str, str, str]] = []
     count = 0
-    for name, element, swap, scene in (jobs if options.cases else scenes)(options.words):
+    for name, element, swap, make in (jobs if options.cases else scenes)(options.words):
         side = "exchanged" if swap else "as declared"
         try:
+            scene = make()
             results = contactlab.simulate(scene, work=options.work)
         except ContactlabError as error:
             print(f"| {name} | {element} | {side} | refused | {str(error).splitlines()[0]} |", flush=True)

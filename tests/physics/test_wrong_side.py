@@ -104,3 +104,27 @@ def test_large_steps_of_a_nonlinear_body_are_cut_for_their_energy(steps: int) ->
     balance = results.summary["balance"]
     energy = 0.5 * SOFT["density"] * 1.0 * 2e4**2  # type: ignore[operator]
     assert balance["kinetic"] + balance["stored"] - balance["contact"] == pytest.approx(energy, rel=0.02)
+
+
+def test_forces_of_a_beam_that_rests_on_single_nodes_are_an_answer() -> None:
+    """Each roller carries half of the load; no pressure is known where one node presses, and forces are exact."""
+    roller = {"radius": 0.5, "angles": [0.0, 180.0]}
+    friction = {"use": "coulomb", "mu": 0.2}
+    beam = {"use": "rectangle", "x": [-5.0, 5.0], "y": [0.0, 0.5], "cells": [20, 1]}
+    sides = {"left": -3.0, "right": 3.0}
+    contact = {"slave": "beam.bottom", "algorithm": "mortar-p0", "friction": friction}
+    scene = Scene.from_data(
+        {
+            "format": 1,
+            "integrator": "newton",
+            "materials": {"soft": SOFT},
+            "bodies": {"beam": {"element": "q2", "material": "soft", "mesh": beam}},
+            "rigid": {name: {"arc": {**roller, "centre": [x, -0.5]}, "segment": 0.1} for name, x in sides.items()},
+            "contacts": [{**contact, "master": name} for name in sides],
+            "loads": [{"on": "beam.top", "ty": {"ramp": "linear", "to": -0.1}}],
+        }
+    )
+    results = contactlab.simulate(scene)
+    assert results.status == "finished", results.reason
+    for name in sides:
+        assert results.summary["reactions"][name][1] == pytest.approx(0.5, rel=1e-6)
