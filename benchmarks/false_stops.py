@@ -2,6 +2,7 @@
 
     python benchmarks/false_stops.py                          # all bundled scenes
     python benchmarks/false_stops.py --work 20000 disc stack  # longer, those whose name has one of these words
+    python benchmarks/false_stops.py --friction 0.2 disc      # runs with friction have another pace
     python benchmarks/false_stops.py --cases hertz ironing    # the first runs of cases
 
 A run that is stopped is made again without guards. The stop is in error if that run comes to the same point as the
@@ -37,8 +38,8 @@ Asked = tuple[str, str, bool, Callable[[], Scene]]
 """Name, element, side and scene of a run, which may be refused."""
 
 
-def scenes(words: list[str]) -> Iterator[Asked]:
-    """Yield the runs of bundled scenes, element by element."""
+def scenes(words: list[str], mu: float | None) -> Iterator[Asked]:
+    """Yield the runs of bundled scenes, element by element, with the friction of their own or of `mu`."""
     for element in ELEMENTS:
         for name in sorted(bundled_scenes()):
             if words and not any(word in name for word in words):
@@ -46,7 +47,11 @@ def scenes(words: list[str]) -> Iterator[Asked]:
             scene = contactlab.load_scene(name)
             bodies = {f"bodies.{body}.element": element for body in scene.data["bodies"]}
             for swap in (False, True):
-                sides = {f"contacts.{k}.swap": swap for k in range(len(scene.data.get("contacts", ())))}
+                sides: dict[str, Any] = {}
+                for k in range(len(scene.data.get("contacts", ()))):
+                    sides[f"contacts.{k}.swap"] = swap
+                    if mu is not None:
+                        sides[f"contacts.{k}.friction"] = {"use": "coulomb", "mu": mu}
                 yield name, element, swap, partial(scene.with_, {**bodies, **sides, "record.recorders": []})
 
 
@@ -80,11 +85,13 @@ def main() -> int:
     parser.add_argument("words", nargs="*", help="parts of names")
     parser.add_argument("--cases", action="store_true", help="cases instead of bundled scenes")
     parser.add_argument("--work", type=float, default=2500, help="steps and iterations of a run")
+    parser.add_argument("--friction", type=float, metavar="MU", help="Coulomb friction in every contact of scenes")
     options = parser.parse_args()
+    asked = jobs(options.words) if options.cases else scenes(options.words, options.friction)
     forces: dict[str, list[float]] = {}
     stopped: list[tuple[str, str, str]] = []
     count = 0
-    for name, element, swap, make in (jobs if options.cases else scenes)(options.words):
+    for name, element, swap, make in asked:
         side = "exchanged" if swap else "as declared"
         try:
             scene = make()
@@ -103,8 +110,8 @@ def main() -> int:
         force, made = numbers(free)
         known = forces.get(name) if free.status == "finished" else None
         apart = abs(force - median(known)) / max(median(known), 1e-300) if known else float("nan")
-        error = free.status in ENDED and made <= MADE and not apart > FORCE
-        verdict = "in error" if error else "right"
+        same = free.status in ENDED and made <= MADE and not apart > FORCE
+        verdict = "in error" if same else "right"
         stopped.append((name, verdict, results.reason))
         print(
             f"|  | stopped {verdict} | without guards {free.status} | {force:.5g}, {apart:.1%} apart, contact made "
