@@ -64,7 +64,7 @@ def main() -> None:
     changes |= {f"bodies.{body}.element": given.element for body in ("disc", "block")}
     if given.mu:
         changes["contacts.0.friction"] = {"use": "coulomb", "mu": given.mu}
-    published, conjugate = Timed(changes, "published"), Timed(changes, "conjugate")
+    published, conjugate = Timed(changes, "frozen"), Timed(changes, "consistent")
     count = given.steps // TURNS
     for run in (published, conjugate):
         run.steps(count // 2)  # kernels are loaded meanwhile

@@ -58,7 +58,7 @@ def rungs(largest: int) -> Iterator[Rung]:
 def main() -> None:
     """Run the ladder and print it."""
     arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("--forces", choices=("conjugate", "published"), default="conjugate")
+    arguments.add_argument("--forces", choices=("consistent", "frozen"), default="consistent")
     arguments.add_argument("--element", default="q1")
     arguments.add_argument("--largest", type=int, default=RATIOS[-1])
     given = arguments.parse_args()

@@ -32,7 +32,7 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("scene", nargs="?", default="disc-on-block")
     arguments.add_argument("--cells", nargs=2, type=int, default=[72, 12])
-    arguments.add_argument("--forces", choices=("conjugate", "published"), default="published")
+    arguments.add_argument("--forces", choices=("consistent", "frozen"), default="frozen")
     arguments.add_argument("--algorithm", default="mortar-p0")
     given = arguments.parse_args()
     enforcement = {"use": "forward-increment", "forces": given.forces}

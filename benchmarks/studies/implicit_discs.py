@@ -101,8 +101,8 @@ def main() -> None:
     for algorithm in ALGORITHMS:
         for segments in (4, 8):
             for friction in (False, True):
-                found = run(discs(algorithm, segments, friction, "conjugate"))
-                published = run(discs(algorithm, segments, friction, "published"))
+                found = run(discs(algorithm, segments, friction, "consistent"))
+                published = run(discs(algorithm, segments, friction, "frozen"))
                 rubbing = f"{-found.rubbing:.1%}" if friction else ""
                 print(
                     f"| {algorithm} | {segments} | {MU if friction else 'none'} | {-found.contact:.1%} | {rubbing} "

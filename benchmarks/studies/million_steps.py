@@ -100,7 +100,7 @@ def main() -> None:
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("algorithm", nargs="*", default=ALGORITHMS)
     arguments.add_argument("--cells", choices=("8x2", "12x3"), default="12x3")
-    arguments.add_argument("--forces", choices=("conjugate", "published"), default="published")
+    arguments.add_argument("--forces", choices=("consistent", "frozen"), default="frozen")
     given = arguments.parse_args()
     for algorithm in given.algorithm:
         row = bounce(algorithm, given.cells, given.forces, STEPS)

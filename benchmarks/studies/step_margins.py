@@ -68,8 +68,8 @@ def main() -> None:
     print("| element | algorithm | forces | without contact | with contact |")
     print("|---|---|---|---|---|")
     for element in ("q1", "q2", "q2-lagrange"):
-        free = margin(scene(element, ALGORITHMS[0], "published", False))
-        for algorithm, forces in itertools.product(ALGORITHMS, ("published", "conjugate")):
+        free = margin(scene(element, ALGORITHMS[0], "frozen", False))
+        for algorithm, forces in itertools.product(ALGORITHMS, ("frozen", "consistent")):
             found = margin(scene(element, algorithm, forces, True))
             print(f"| {element} | {algorithm} | {forces} | {free:.2f} | {found:.2f} |", flush=True)
 

@@ -67,22 +67,22 @@ def called_kernels(scene: Scene) -> list[tuple[str, str, float]]:
 
     Types are empty where they are more than numbers and arrays; seconds are next to nothing for what is in the cache.
     """
-    from contactlab.api.compiled import kernel
+    from contactlab.api.compiled import compiler
     from contactlab.jobs.perform import warm_up
     from contactlab.run.simulation import simulate
 
     called: list[tuple[str, str, float]] = []
-    inner = kernel.Kernel.compile
+    inner = compiler.Kernel.compile
 
     def compile_and_note(self: Any, types: Any) -> Any:
-        before, outer = kernel.COMPILATION.seconds, not kernel.COMPILATION.depth
+        before, outer = compiler.COMPILATION.seconds, not compiler.COMPILATION.depth
         made = inner(self, types)
         if outer:
             name = f"{self.py_func.__module__}.{self.py_func.__name__}"
-            called.append((name, _text(types), round(kernel.COMPILATION.seconds - before, 1)))
+            called.append((name, _text(types), round(compiler.COMPILATION.seconds - before, 1)))
         return made
 
-    kernel.Kernel.compile = compile_and_note  # type: ignore[method-assign]
+    compiler.Kernel.compile = compile_and_note  # type: ignore[method-assign]
     try:
         try:
             warm_up(scene, lambda line: None)
@@ -90,7 +90,7 @@ def called_kernels(scene: Scene) -> list[tuple[str, str, float]]:
             with TemporaryDirectory() as folder:
                 simulate(scene, out=Path(folder) / "run", work=STEPS)
     finally:
-        kernel.Kernel.compile = inner  # type: ignore[method-assign]
+        compiler.Kernel.compile = inner  # type: ignore[method-assign]
     return called
 
 

@@ -149,8 +149,9 @@ def test_what_happens_is_what_was_explained(name: str) -> None:
 
 def untold(scene: Scene) -> set[tuple[str, str]]:
     """Traces that effects do not leave in this scene."""
-    conjugate = scene.integrator.get("forces") == "conjugate"
-    return (DEAD_LOADS if dead(scene) else set()) | (CONJUGATE if conjugate else set())
+    chosen = scene.integrator
+    consistent = chosen["use"] == "central-difference" and chosen.get("forces") != "frozen"
+    return (DEAD_LOADS if dead(scene) else set()) | (CONSISTENT if consistent else set())
 
 
 def check_calls(said: Explanation, run: dict[str, Any]) -> None:
@@ -218,8 +219,8 @@ EXPLICIT_ONLY = {("contact", "arrays"), ("friction", "arrays"), ("recording", "k
 """Traces that implicit runs have under other names."""
 
 
-CONJUGATE = {("friction", "calls")}
-"""Slips of conjugate forces need no normals of the start of the step."""
+CONSISTENT = {("friction", "calls")}
+"""Slips of consistent forces need no normals of the start of the step."""
 
 
 DEAD_LOADS = {("loads", "kernels")}

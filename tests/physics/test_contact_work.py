@@ -39,7 +39,7 @@ def stepped(name: str, forces: str, algorithm: str, changes: dict[str, Any], ste
     return model, parts
 
 
-@pytest.mark.parametrize("forces", ["published", "conjugate"])
+@pytest.mark.parametrize("forces", ["frozen", "consistent"])
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "node-on-segment"])
 @pytest.mark.parametrize("changes", [{}, FRICTION], ids=["frictionless", "friction"])
 def test_parts_add_up_to_the_work_of_contact(forces: str, algorithm: str, changes: dict[str, Any]) -> None:
@@ -47,20 +47,20 @@ def test_parts_add_up_to_the_work_of_contact(forces: str, algorithm: str, change
 
 
 def test_forces_of_changing_weights_are_what_a_finer_master_makes_energy_by() -> None:
-    """The part that conjugate forces cure, and no other one."""
+    """The part that consistent forces cure, and no other one."""
     made = {}
-    for forces in ("published", "conjugate"):
+    for forces in ("frozen", "consistent"):
         _, parts = stepped("disc-on-block", forces, "mortar-p0", {"time.ramp": 2e-6, **FINER}, 600)
         made[forces] = dict(zip(CONTACT_WORK, parts[-1], strict=True))
-    published, conjugate = made["published"], made["conjugate"]
-    assert published["weights"] > 5.0 * max(abs(published[part]) for part in ("step", "normals"))
-    assert published["weights"] > 300.0 * abs(conjugate["weights"])
-    assert max(abs(conjugate[part]) for part in ("step", "normals", "weights")) < 0.03 * -conjugate["closing"]
+    frozen, consistent = made["frozen"], made["consistent"]
+    assert frozen["weights"] > 5.0 * max(abs(frozen[part]) for part in ("step", "normals"))
+    assert frozen["weights"] > 300.0 * abs(consistent["weights"])
+    assert max(abs(consistent[part]) for part in ("step", "normals", "weights")) < 0.03 * -consistent["closing"]
 
 
 def test_a_block_that_falls_flat_is_stopped_by_closing_alone() -> None:
     """Nothing turns, nothing slides: what a node that is stopped loses is closing."""
-    model, parts = stepped("dropped-block", "published", "mortar-p0", {}, 1500)
+    model, parts = stepped("dropped-block", "frozen", "mortar-p0", {}, 1500)
     closing, step, normals, weights = parts[-1]
     assert closing < 0.0
     assert max(abs(normals), abs(weights)) < 1e-6 * -closing
@@ -72,7 +72,7 @@ def test_a_block_that_falls_flat_is_stopped_by_closing_alone() -> None:
 def test_conditions_that_come_finished_have_closing_and_the_step_alone() -> None:
     from contactlab.model.contact.work_split import OperatorSplit, PairSplit
 
-    model, _ = stepped("disc-on-block", "published", "mortar-p0", FAST, 250)
+    model, _ = stepped("disc-on-block", "frozen", "mortar-p0", FAST, 250)
     split = split_of(model)
     assert split is not None
     (pair,) = split.pairs

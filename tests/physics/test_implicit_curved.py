@@ -81,7 +81,7 @@ def works(cells: int, rings: int, steps: int, tmp_path: Path) -> tuple[float, fl
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(TimeStep, "_book_contact", book)
         (tmp_path / "discs.toml").write_text(
-            SCENE.format(cells=cells, more=cells + 1, rings=rings, steps=steps, forces="published")
+            SCENE.format(cells=cells, more=cells + 1, rings=rings, steps=steps, forces="frozen")
         )
         results = simulate(contactlab.load_scene(tmp_path / "discs.toml"))
     assert results.status == "finished"
@@ -99,7 +99,7 @@ def works(cells: int, rings: int, steps: int, tmp_path: Path) -> tuple[float, fl
     ],
     ids=["head on", "off centre", "friction", "friction, q2"],
 )
-def test_conjugate_forces_keep_what_is_to_be_kept(algorithm: str, changes: dict[str, Any], tmp_path: Path) -> None:
+def test_consistent_forces_keep_what_is_to_be_kept(algorithm: str, changes: dict[str, Any], tmp_path: Path) -> None:
     """Published ones make 140 % of the energy in a head-on hit of these discs: weights change as segments get near."""
     (tmp_path / "discs.toml").write_text(SCENE.format(cells=4, more=5, rings=3, steps=100, forces="auto"))
     # what is left of equations of motion is a force that nothing answers: spin is as exact as they are solved

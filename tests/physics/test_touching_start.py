@@ -19,7 +19,7 @@ Q2 = {
 }
 
 
-def touching(forces: str = "published", **more: Any) -> Scene:
+def touching(forces: str = "frozen", **more: Any) -> Scene:
     """The bundled disc with coarse quadratic cells, at the pace of an end that is reached at once."""
     enforcement = {"use": "forward-increment", "forces": forces}
     return contactlab.load_scene("disc-on-block").with_({**Q2, "contacts.0.enforcement": enforcement, **more})
@@ -42,7 +42,7 @@ def test_the_weak_gap_of_the_start_is_that_of_the_facets_and_counts_as_none(cell
     assert abs(pair.gaps[:, 0].min()) < 1e-15
 
 
-@pytest.mark.parametrize("forces", ["published", "conjugate"])
+@pytest.mark.parametrize("forces", ["frozen", "consistent"])
 @pytest.mark.parametrize("swap", [False, True])
 def test_the_end_is_that_of_statics_and_contact_has_made_no_blow(forces: str, swap: bool) -> None:
     """Pressed by 0.02, with an overlap of up to 9e-4: it counts in full at the end, as in statics, which has it too.

@@ -26,7 +26,7 @@ PLASTIC = {f"materials.soft.{key}": value for key, value in {
     "use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03,
 }.items()}  # fmt: skip
 RATE = {"materials.soft.use": "hypoelastic"}
-CONJUGATE = {"use": "central-difference", "forces": "conjugate"}
+CONSISTENT = {"use": "central-difference", "forces": "consistent"}
 STATICS = {"integrator": {"use": "newton", "steps": 10}, "time.end": 1.0, "supports.1.uy.to": -0.02}
 IMPLICIT = {"integrator": {"use": "implicit-dynamics", "steps": 40}, "supports.1.uy.to": -0.02}
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -46,7 +46,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "settling": {"time.end": "auto", "time.ramp": 3e-6, "record.frames": 7},
     "fixed step": {"time.step": 8e-9},
     "parts of the contact work": {"record.contact_work": True},
-    "parts of the contact work, conjugate": {"record.contact_work": True, "integrator": CONJUGATE},
+    "parts of the contact work, consistent": {"record.contact_work": True, "integrator": CONSISTENT},
     "newton": STATICS,
     "newton, friction": {**STATICS, **COULOMB},
     "newton, penalty": {**STATICS, "contacts.0.enforcement": "penalty"},

@@ -170,7 +170,7 @@ class ContactAlgorithm(ContactMethod):
     ) -> bool:
         """Fill `out` with the derivatives of the separations of the first `count` of `pieces`, one entry for each.
 
-        Called in every step by explicit integrators whose contact forces are conjugate, for algorithms that declare
+        Called in every step by explicit integrators whose contact forces are consistent, for algorithms that declare
         `gradient_nodes`. The separation of multiplier i is row owner[i] of `separation` (multipliers, 2) [mm]; `owner`
         (multipliers,) int32 is -1 for none. If it returns False, the core takes `derivatives`: the same but slower.
         """

@@ -164,34 +164,27 @@ class Solve(NamedTuple):
 class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
     """Finds contact forces from gap conditions. Subclasses derive from one of the classes below.
 
-    exact  closed gaps are zero and sticking conditions do not slip; False for springs, which deform
+    exact   closed gaps are zero and sticking conditions do not slip; False for springs, which deform
+    forces  how they act: "frozen" (rows are weights and normals), "consistent" (rows are the derivatives of the
+            gaps, weights and normals included, so that contact makes no energy) or "auto" (that in steps in time).
+            A part that offers the choice has a field of this name; "published" and "conjugate" are accepted as well
     """
 
     exact: ClassVar[bool] = True
+    forces = "frozen"
 
 
 class ExplicitEnforcement(Enforcement):
     """For integrators that predict positions and correct them with contact forces in the same step.
 
     factored   it has `solve_factored`, which is called first where all conditions can be given in that form
-    conjugate  rows are the whole derivatives of the gaps at the start of the step, weights and normals included, and
-               `Rows.gap` is the predicted motion less the one allowed (docs/theory/contact-energy.md);
-               otherwise rows are weights and normals at the end of the step, and `Rows.gap` is the predicted gap
+
+    Rows of consistent forces are the derivatives of the gaps at the start of the step, and `Rows.gap` is the predicted
+    motion less the one allowed (docs/theory/contact-energy.md). Rows of frozen ones are weights and normals at the end
+    of the step, and `Rows.gap` is the predicted gap.
     """
 
     factored: ClassVar[bool] = False
-
-    @property
-    def conjugate(self) -> bool:
-        """Whether its forces are to be conjugate to the gaps."""
-        return False
-
-    def conjugate_where(self, finer: float) -> bool:
-        """The same for contacts whose masters, those that can move, have segments `finer` times shorter than slaves'.
-
-        `finer` is the largest such ratio of the scene's contacts. The default does not depend on it.
-        """
-        return self.conjugate
 
     def solve_factored(
         self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats
@@ -202,7 +195,7 @@ class ExplicitEnforcement(Enforcement):
     def solve_gradients(
         self, rows: FactoredGradients, compliance: Floats, multipliers: Floats, force: Floats
     ) -> Solve | None:
-        """Like `solve_factored`, for rows that are the derivatives of their gaps; called if it is `conjugate`."""
+        """Like `solve_factored`, for rows that are the derivatives of their gaps; of consistent forces."""
         return None
 
     @abstractmethod
@@ -285,15 +278,6 @@ class ImplicitEnforcement(Enforcement):
     """
 
     augments: ClassVar[bool] = False
-
-    @property
-    def conjugate(self) -> bool:
-        """Whether normal forces act along the whole derivatives of the gaps, weights and normals included."""
-        return False
-
-    def conjugate_in(self, *, motion: bool) -> bool:
-        """The same, in statics or in steps of a `motion`. The default does not tell them apart."""
-        return self.conjugate
 
     @abstractmethod
     def respond(self, conditions: Conditions, out: Response) -> None:

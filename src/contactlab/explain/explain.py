@@ -150,16 +150,13 @@ def _history(model: Model, at_once: int) -> str:
 
 
 def _contact_forces(model: Model) -> str:
-    """Along which rows contact pushes in explicit runs, and the ratio of segments that "auto" decides by."""
+    """Along what contact forces act in explicit runs."""
     from contactlab.model.contact.explicit_system import ContactSystem
 
     contact = model.contact
     if not isinstance(contact, ContactSystem):
         return ""
-    rows = "conjugate" if contact.conjugate else "published"
-    if not contact.finer:
-        return f"{rows}; no master can move"
-    return f"{rows}; slave segments are {contact.finer:.2g} times the master's"
+    return "consistent" if contact.consistent else "frozen"
 
 
 def _seconds(trial: TrialRun | None, steps: int) -> tuple[float, float]:

@@ -70,7 +70,7 @@ def _add_contacts(counts: Counts, scene: Scene, model: Model, near: float, each:
     if model.contact is None:
         return
     counts[f"{of}contact"] += each
-    conjugate = model.explicit and getattr(model.contact, "conjugate", False)
+    conjugate = model.explicit and getattr(model.contact, "consistent", False)
     for pair, spec in zip(model.contact.pairs, scene.contacts, strict=True):
         nodes = len(pair.slave.nodes)
         parts = [f"contact {spec.algorithm['use']}"]

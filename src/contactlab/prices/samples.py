@@ -171,7 +171,7 @@ class Stages:
         ]
 
     def _conjugate(self, more: Changes) -> list[Sample]:
-        given = more | {"integrator": {"use": self.of_base["integrator"], "forces": "conjugate"}}
+        given = more | {"integrator": {"use": self.of_base["integrator"], "forces": "consistent"}}
         return [Sample(SMALL | given, 1500), Sample(cells(120, 3) | given, 320)]
 
     def _implicit_core(self, given: Changes) -> list[Sample]:

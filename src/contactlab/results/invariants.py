@@ -150,14 +150,14 @@ def _kept(model: Model) -> Iterator[Invariant]:
         limit = ROUND if model.explicit or _kept_by_steps(model) else math.inf
         yield Invariant(
             "change of the angular momentum", "angular-momentum", "", float(change[2] / arm), limit,
-            "nothing acts from outside; steps that iterate promise it with conjugate forces alone",
+            "nothing acts from outside; steps that iterate promise it with consistent forces alone",
         )  # fmt: skip
 
 
 def _kept_by_steps(model: Model) -> bool:
     """Whether steps that iterate keep angular momentum as exactly as they are solved."""
     turn = all(body.material.kinematics != "small" for body in model.bodies)
-    paired = model.contact is None or model.contact.conjugate
+    paired = model.contact is None or model.contact.consistent
     return turn and paired and model.state["work"][WORK.index("numerical")] == 0.0
 
 
@@ -213,8 +213,8 @@ def _contact(pair: ContactPair, report: ContactReport, scale: float, sharp: Flag
 def _kept_overlap(model: Model, pair: ContactPair, sample: Sample) -> Iterator[Invariant]:
     """Overlaps that came in an instant, and that forces which give no energy do not push out."""
     stored = abs(sample.energies["internal"])
-    # in statics, and with published forces in steps that iterate, pressed nodes have no overlaps
-    if getattr(model.contact, "conjugate", False) and stored > 0.0:
+    # in statics, and with frozen forces in steps that iterate, pressed nodes have no overlaps
+    if getattr(model.contact, "consistent", False) and stored > 0.0:
         yield Invariant(
             "overlaps of pressed nodes times their forces over the work of the stresses", "kept-overlap", pair.name,
             sample.contacts[pair.name].kept_work / stored, KEPT,

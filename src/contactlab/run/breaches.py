@@ -41,7 +41,7 @@ TEXTS: dict[str, tuple[str, str, str]] = {
     "kept-overlap": (
         "swap", "pressed surfaces overlap and contact forces are too small: closing the gaps would take {value} of the "
         "work of the stresses",
-        "take the side with the shorter segments as slave (swap), or finer cells of the slave",
+        "take the side with the shorter segments as slave (swap), finer cells of the slave, or forces = \"frozen\"",
     ),
     "pressure-saw": ("algorithm", "the pressure alternates from node to node by {value} of its largest value", ""),
     "shear-saw": ("algorithm", "the shear alternates from node to node by {value} of its largest value", ""),

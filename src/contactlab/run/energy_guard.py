@@ -169,10 +169,10 @@ def _come(model: Model) -> tuple[Floats, Floats]:
 def _cure(model: Model, shorter: str) -> str:
     """What to try against energy that contact makes, in words."""
     others = f"try the other side as slave, another algorithm, or {shorter}"
-    if getattr(model.contact, "conjugate", True) or not model.integrator.inertia:
+    if getattr(model.contact, "consistent", True) or not model.integrator.inertia:
         return others
     use = model.integrator.default_enforcement
-    return f'{others}; contacts.0.enforcement = {{ use = "{use}", forces = "conjugate" }} makes none'
+    return f'{others}; contacts.0.enforcement = {{ use = "{use}", forces = "consistent" }} makes none'
 
 
 def _energy_warning(step: int, share: float, limit: float, shorter: str) -> RunWarning:

@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api import Answer, Case, Job, Measure, Record, Setup
 from contactlab.api.case import error, invariant, near, reported
-from contactlab_cases.dynamics import WORK, rise
+from contactlab_cases.dynamics import WORK, pushed, rise
 from contactlab_cases.series import series, table
 
 PERIOD, FIRST, CONTACT = 16.0 / 3.0, 1.0, 2.0 / 3.0  # s: of the motion, until the first impact, of a contact
@@ -53,6 +53,8 @@ class BouncingBar(Case):
             "supports": [{"on": "bar", "ux": 0.0}],
             "bodies.bar.mesh.x": [0.0, WIDTH * CELLS / cells], "bodies.bar.mesh.cells": [1, cells],
         }  # fmt: skip
+        if explicit:  # at Courant 1 the fastest zigzag has no energy: what consistent forces leave of it grows
+            changes["contacts.0.enforcement"] = pushed("frozen")
         kept = {"use": "leapfrog-energy", "name": "bar", "body": "bar"}
         own = ("time", "force.bar.y", "energy", "displacement.bar.y", "velocity.bar.y")
         work = WORK * setup.level  # steps, so that rows never need more room

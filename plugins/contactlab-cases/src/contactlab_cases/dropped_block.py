@@ -28,12 +28,12 @@ class DroppedBlock(Case):
     """10 x 10, E = 0.05, dropped from 0.5 mm."""
 
     fall: float = FALL
-    forces: str = "auto"
+    forces: str = "consistent"
 
     title: ClassVar[str] = "dropped block"
     source: ClassVar[str] = "energy and equilibrium"
     family: ClassVar[str] = "rest"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"fall": (0.25, 0.5, 1.0), "forces": ("auto", "conjugate")}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"fall": (0.25, 0.5, 1.0), "forces": ("consistent", "frozen")}
     demands: ClassVar[frozenset[str]] = frozenset({"explicit"})
     integrators: ClassVar[tuple[str, ...]] = ("central-difference",)
     elements: ClassVar[tuple[str, ...]] = ("q1", "q1-fbar")
@@ -76,12 +76,12 @@ class PressedBlock(Case):
     """The top goes down by 0.2 below touching and up by as much above it, slowly, `cycles` times."""
 
     cycles: int = 10
-    forces: str = "auto"
+    forces: str = "consistent"
 
     title: ClassVar[str] = "pressed again and again"
     source: ClassVar[str] = "energy"
     family: ClassVar[str] = "rest"
-    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"cycles": (10, 20), "forces": ("auto", "conjugate")}
+    axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {"cycles": (10, 20), "forces": ("consistent", "frozen")}
     demands: ClassVar[frozenset[str]] = frozenset({"explicit"})
     integrators: ClassVar[tuple[str, ...]] = ("central-difference",)
     elements: ClassVar[tuple[str, ...]] = ("q1", "q1-fbar")

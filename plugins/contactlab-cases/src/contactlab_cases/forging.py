@@ -55,8 +55,8 @@ class Forging(Case):
         if setup.integrator == "newton":
             changes["integrator"] = {"use": "newton", "steps": 50}
             changes |= {f"contacts.{number}.enforcement": HELD_BY_FRICTION for number in range(3)}
-        else:  # published forces would let the billet's finer surface draw energy from the tools
-            changes["integrator"] = {"use": setup.integrator, "forces": "conjugate"}
+        else:  # frozen forces would let the billet's finer surface draw energy from the tools
+            changes["integrator"] = {"use": setup.integrator, "forces": "consistent"}
         return (Job("forged", "three-body-forging", changes, work=WORK * setup.level, fields=True, frames=50),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:

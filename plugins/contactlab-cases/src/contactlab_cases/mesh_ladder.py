@@ -41,7 +41,7 @@ class MeshLadder(Case):
     ratio: float = 1.0
     varied: str = "nothing"
 
-    title: ClassVar[str] = "mesh ratios with conjugate forces"
+    title: ClassVar[str] = "mesh ratios with consistent forces"
     source: ClassVar[str] = "energy and equilibrium"
     family: ClassVar[str] = "large deformation"
     axes: ClassVar[Mapping[str, tuple[Any, ...]]] = {
@@ -70,13 +70,13 @@ class MeshLadder(Case):
         if "explicit" in done and not done["explicit"].finished:
             return ()
         changes = {**setup.changes("disc", "block"), **self._meshes(setup), **VARIED[self.varied]}
-        pushed = {"use": "forward-increment", "forces": "conjugate"}
+        pushed = {"use": "forward-increment", "forces": "consistent"}
         own = {"contacts.0.swap": setup.swap, "contacts.0.enforcement": pushed, "time.history": True}
         # forces jump by some 1e-8 where a segment comes within reach: closer than that they may have no answer
         static = {"use": "newton", "steps": 20 if self.varied == "friction" else 10, "tolerance": TOLERANCE}
         held = {
             "integrator": static,
-            "contacts.0.swap": setup.swap, "contacts.0.enforcement": {"use": "active-set", "forces": "conjugate"},
+            "contacts.0.swap": setup.swap, "contacts.0.enforcement": {"use": "active-set", "forces": "consistent"},
         }  # fmt: skip
         still = {key: value for key, value in changes.items() if not key.startswith("time.")}
         watch = series("work.contact", most=STEPS)

@@ -29,7 +29,7 @@ class ObliqueDiscs(Case):
     mu: float = 0.2
     spin: float = 60.0
     aside: float = 0.5
-    forces: str = "auto"
+    forces: str = "consistent"
 
     title: ClassVar[str] = "oblique impact of two discs with spin"
     source: ClassVar[str] = "Routh 1860; momenta and Coulomb's law"
@@ -38,7 +38,7 @@ class ObliqueDiscs(Case):
         "mu": (0.0, 0.1, 0.2),
         "spin": (60.0, 100.0),
         "aside": (0.0, 0.5),
-        "forces": ("auto", "conjugate"),
+        "forces": ("consistent", "frozen"),
     }
     demands: ClassVar[frozenset[str]] = frozenset({"friction", "explicit"})
     integrators: ClassVar[tuple[str, ...]] = ("central-difference",)
@@ -82,7 +82,7 @@ class ObliqueDiscs(Case):
         )
 
     def _of_forces(self) -> tuple[Measure, ...]:
-        if self.forces != "conjugate":
+        if self.forces != "consistent":
             facets = "forces lean on facets, by the square of a segment's turn over 20"
             return error("angular momentum, change", 2e-3, facets), reported("largest gift of contact in a step")
         moment = "derivatives of gaps, which no rotation changes, have no moment"

@@ -27,7 +27,7 @@ CASES = (
     ("nafems-cgs1", "cgs1:Cgs1", "steel cylinder on aluminium", "NAFEMS R0081"),
     ("stiffness-contrast", "stiffness_contrast:StiffnessContrast", "stiff cylinder on a soft block", "Johnson 1985"),
     ("mesh-ratio", "mesh_ratio:MeshRatio", "meshes 1:10", "Johnson 1985"),
-    ("mesh-ladder", "mesh_ladder:MeshLadder", "mesh ratios with conjugate forces", "energy and equilibrium"),
+    ("mesh-ladder", "mesh_ladder:MeshLadder", "mesh ratios with consistent forces", "energy and equilibrium"),
     ("incompressible", "incompressible:Incompressible", "cylinder on a nearly incompressible block", "Johnson 1985"),
     ("rigid-punch", "rigid_punch:RigidPunch", "rigid flat punch", "Johnson 1985"),
     ("elastic-punch", "elastic_punch:ElasticPunch", "exponent at the corners of a square punch", "Dundurs & Lee 1972"),

@@ -23,15 +23,15 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 class CentralDifference(ExplicitIntegrator):
     """Leapfrog with lumped mass; velocities live half a step before positions.
 
-    forces  of contacts that name no enforcement: "published"; "conjugate", which make no energy and cost 1.3 to 1.9
-            times as much (docs/theory/contact-energy.md); "auto": see `forward-increment`
+    forces  of contacts that name no enforcement: "consistent" or "frozen", see `forward-increment`; "auto" leaves it to
+            that part. Consistent ones cost 1.3 to 1.9 times as much contact (docs/theory/contact-energy.md)
     """
 
     default_enforcement: ClassVar[str] = "forward-increment"
     order: ClassVar[int] = 2
     without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
 
-    forces: Literal["auto", "conjugate", "published"] = "auto"
+    forces: Literal["auto", "consistent", "frozen", "conjugate", "published"] = "auto"
 
     def enforcement(self) -> Mapping[str, Any]:
         """Multipliers by forward increments, with the forces that are asked for."""

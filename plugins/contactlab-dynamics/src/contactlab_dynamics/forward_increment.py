@@ -8,7 +8,6 @@ from typing import ClassVar, Literal
 from contactlab.api import ExplicitEnforcement, FactoredGradients, FactoredRows, Floats, Rows, Solve
 from contactlab.api.compiled.late import late
 
-FINER = 1.8  # from a ratio of 2 on, rows that are kept constant feed waves of the master (contact-energy.md)
 DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than the sweeps that it saves
 
 
@@ -16,16 +15,16 @@ DENSE_UP_TO = 128  # conditions; above, forming their compliance costs more than
 class ForwardIncrement(ExplicitEnforcement):
     """Multipliers at t_n, gap conditions at t_{n+1}: y >= 0, g >= 0, y g = 0 (docs/theory/forward-increment.md).
 
-    forces     "conjugate": derivatives of the gaps, which make no energy (docs/theory/contact-energy.md); "published":
-               weights and normals at the end of the step; "auto": conjugate where a master that can move has segments
-               more than 1.8 times shorter than its slave's, else published
+    forces     "consistent": along the derivatives of the gaps, which makes no energy (contact-energy.md);
+               "frozen": along weights and normals at the end of the step; "conjugate", "published", "auto"
+               are older names, the last of "consistent"
     tolerance  natural residual in segment lengths at which the sweeps stop
     sweeps     most sweeps in a step; a residual left over is reported
     """
 
     factored: ClassVar[bool] = True
 
-    forces: Literal["auto", "conjugate", "published"] = "auto"
+    forces: Literal["consistent", "frozen", "conjugate", "published", "auto"] = "consistent"
     tolerance: float = 1e-10
     sweeps: int = 200
 
@@ -34,15 +33,6 @@ class ForwardIncrement(ExplicitEnforcement):
             raise ValueError(f"tolerance: got {self.tolerance}, allowed: 0 < tolerance < 1")
         if self.sweeps < 1:
             raise ValueError(f"sweeps: got {self.sweeps}, allowed: at least 1")
-
-    @property
-    def conjugate(self) -> bool:
-        """Whether rows are to be the derivatives of the gaps."""
-        return self.forces == "conjugate"
-
-    def conjugate_where(self, finer: float) -> bool:
-        """Told to be, or needed: a master has more nodes between those of its slave than conditions hold."""
-        return self.conjugate or (self.forces == "auto" and finer > FINER)
 
     def solve_factored(
         self, rows: FactoredRows, compliance: Floats, multipliers: Floats, force: Floats

@@ -24,23 +24,15 @@ class ActiveSet(ImplicitEnforcement):
     scale   factor on c [-]
     start   of friction where surfaces touch without a force yet: "slip" as under no friction, or "stick", for bodies
             that nothing but friction holds; it needs more iterations elsewhere
-    forces  "conjugate": normal forces act along the derivatives of the gaps, as explicit ones of that name do
+    forces  "consistent": normal forces act along the derivatives of the gaps, as explicit ones of that name do
             (docs/theory/contact-energy.md); in steps in time they make no energy and keep angular momentum, in statics
-            they take more iterations; "published": along normals, by weights; "auto": conjugate in steps in time
+            they take more iterations; "frozen": along normals, by weights; "auto": consistent in steps in time, frozen
+            in load steps; "conjugate" and "published" are older names
     """
 
     scale: float = 1.0
     start: Literal["slip", "stick"] = "slip"
-    forces: Literal["auto", "conjugate", "published"] = "auto"
-
-    @property
-    def conjugate(self) -> bool:
-        """Whether normal forces act along the derivatives of the gaps."""
-        return self.forces == "conjugate"
-
-    def conjugate_in(self, *, motion: bool) -> bool:
-        """The same; "auto" asks for it in a motion alone."""
-        return self.conjugate or (self.forces == "auto" and motion)
+    forces: Literal["auto", "consistent", "frozen", "conjugate", "published"] = "auto"
 
     def __post_init__(self) -> None:
         if not 0.0 < self.scale < float("inf"):

@@ -1,4 +1,4 @@
-"""Rows of conjugate forces before their coupling is inverted: gaps differentiated by all that they depend on.
+"""Rows of consistent forces before their coupling is inverted: gaps differentiated by all that they depend on.
 
 What changes the weights of a piece is where its points of the master lie. Seen from a fixed place of the slave, one
 moves along its segment linearly between the ends of the piece: by beta_e m d(eta_e) for a multiplier, m the segment and

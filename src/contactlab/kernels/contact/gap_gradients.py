@@ -1,4 +1,4 @@
-"""Rows of conjugate forces: gaps differentiated by all that they depend on, G = dg/dx.
+"""Rows of consistent forces: gaps differentiated by all that they depend on, G = dg/dx.
 
 Row k of G is normal . T^-T [D^T - M^T + dW] + separation . d(normal)/dx. What a frozen row leaves out are the last two
 parts: weights that change as surfaces slide along each other, and normals that turn (docs/theory/contact-energy.md).

@@ -65,8 +65,8 @@ class FinishedRows:
         return self.pair.append_rows(out, entries, margin, multipliers, current)
 
 
-def conjugate_rows(pair: ContactPair) -> PairGradients | FinishedRows:
-    """What appends the rows of a pair whose forces are conjugate to its gaps."""
+def consistent_rows(pair: ContactPair) -> PairGradients | FinishedRows:
+    """Rows of a pair with consistent forces, as an object that appends them."""
     if not isinstance(pair, OperatorPair):
         return FinishedRows(pair)
     from contactlab.model.contact.gradients import PairGradients

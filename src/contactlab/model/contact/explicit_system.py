@@ -24,18 +24,16 @@ GROW = 1.5
 class ContactSystem:
     """The pairs and the enforcement they share. Implements `contactlab.api.ContactEquations`.
 
-    `seconds` counts the wall time of contact, `solution_s` that of the enforcement in it. `conjugate` is whether
-    forces are the derivatives of the gaps; `finer` how many times shorter the segments of masters are than slaves'.
+    `seconds` counts the wall time of contact, `solution_s` that of the enforcement in it. `consistent` is whether
+    forces act along the derivatives of the gaps.
     `compliance` is that of the last solve: displacement (N, 2) [mm/N] per contact force within its step.
     `split` sums the work by what it comes from, where the scene asks for it.
     """
 
-    conjugate: ClassVar[bool] = False
+    consistent: ClassVar[bool] = False
 
-    def __init__(
-        self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State, finer: float = 0.0
-    ) -> None:
-        self.pairs, self.enforcement, self.state, self.finer = pairs, enforcement, state, finer
+    def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
+        self.pairs, self.enforcement, self.state = pairs, enforcement, state
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)
         self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]

@@ -1,4 +1,4 @@
-"""Rows of all pairs whose forces are conjugate, before their coupling is inverted."""
+"""Rows of all pairs whose forces are consistent, before their coupling is inverted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows of a pair whose forces are conjugate: its gaps differentiated by all that they depend on."""
+"""Rows of a pair with consistent forces: its gaps differentiated by all that they depend on."""
 
 from __future__ import annotations
 

@@ -27,14 +27,19 @@ class ImplicitContactSystem:
     """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`.
 
     follows_gaps  whether normal forces act along the derivatives of the gaps
-    conjugate     whether they do so in steps of a motion, which holds gaps by rows that are those of the whole step
+    consistent    whether they do so in steps of a motion, which holds gaps by rows that are those of the whole step
     pace          how far multipliers that were merged at the start of a step come free in it: 1, at once, or less in
                   load steps that had to be cut (forces jump where one comes free: no shorter step would help otherwise)
     freedom       (k,) how free the model's multipliers were in the last accepted step, from 0 (merged) to 1
     """
 
     def __init__(
-        self, pairs: tuple[ContactPair, ...], enforcement: ImplicitEnforcement, state: State, time: Floats
+        self,
+        pairs: tuple[ContactPair, ...],
+        enforcement: ImplicitEnforcement,
+        state: State,
+        time: Floats,
+        follows_gaps: bool,
     ) -> None:
         """`time` (1,) [s] is filled with that at which conditions hold: pairs that follow it look there."""
         self.pairs, self.enforcement, self.state, self.time = pairs, enforcement, state, time
@@ -42,10 +47,8 @@ class ImplicitContactSystem:
         nodes = len(state["displacement"])
         self.linear = tuple(linearised(pair, nodes) for pair in pairs)
         # statics have no start of a step that anything would have to hold to
-        motion = "velocity" in state
-        self.follows_gaps = enforcement.conjugate_in(motion=motion)
-        self.conjugate = self.follows_gaps and motion
-        self.stepped = tuple(StepRows(linear) for linear in self.linear) if self.conjugate else ()
+        self.follows_gaps, self.consistent = follows_gaps, follows_gaps and "velocity" in state
+        self.stepped = tuple(StepRows(linear) for linear in self.linear) if self.consistent else ()
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.pace = 1.0
         self.freedom = np.ones(state["multipliers"].shape[1])
@@ -169,11 +172,11 @@ class ImplicitContactSystem:
             return
         for linear, memory in zip(self.linear, self.memories, strict=True):
             if self.follows_gaps and isinstance(linear, PairLinearisation):
-                self._add_conjugate(linear, memory, normal, tangential)
+                self._add_consistent(linear, memory, normal, tangential)
             else:
                 linear.add_forces(self.conditions.force, normal, tangential)
 
-    def _add_conjugate(self, linear: PairLinearisation, memory: Floats, normal: Floats, tangential: Floats) -> None:
+    def _add_consistent(self, linear: PairLinearisation, memory: Floats, normal: Floats, tangential: Floats) -> None:
         """Normal forces along the derivatives of the gaps; those of friction by weights."""
         force = self.conditions.force.copy()
         own = force[0, _own(linear.pair)]
@@ -206,9 +209,9 @@ class ImplicitContactSystem:
                 continue
             y_t = force[1, own] if pair.friction is not None else None
             found = linear.linearise(slots.astype(np.int32), force[0, own], y_t, memory)
-            conjugate = self.follows_gaps and isinstance(linear, PairLinearisation)
+            consistent = self.follows_gaps and isinstance(linear, PairLinearisation)
             # how directions change is taken from rows by weights: their own change needs second derivatives
-            parts.append(replace(found, normal=found.gap) if conjugate else found)
+            parts.append(replace(found, normal=found.gap) if consistent else found)
         derivatives = self._joined(parts)
         self.seconds += perf_counter() - began
         return derivatives

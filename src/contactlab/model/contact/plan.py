@@ -27,7 +27,6 @@ from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import JoinedStretches, check_facing, refuse_held_slave
 from contactlab.model.contact.contact_pairs import contact_pair
 from contactlab.model.contact.explicit_system import ContactSystem
-from contactlab.model.contact.fineness import shorter_masters
 from contactlab.model.contact.initial_gap import facet_overlap, initial_gaps, ramped_overlap, refuse_overlap
 from contactlab.model.contact.pair import ContactPair
 from contactlab.model.contact.start_gaps import ZeroStart
@@ -204,22 +203,29 @@ def build_contact(
         pairs.append(pair)
         first += plan.slots
     if explicit:
-        return _explicit_system(tuple(pairs), enforcement, state, immobile)
+        return _explicit_system(tuple(pairs), enforcement, state)
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
 
     linearised: Any = tuple(pairs)  # the build refuses algorithms and enforcements that do not iterate with others
-    return ImplicitContactSystem(linearised, enforcement, state, time)
+    consistent = follows_gaps(enforcement, motion="velocity" in state)
+    return ImplicitContactSystem(linearised, enforcement, state, time, consistent)
 
 
-def _explicit_system(
-    pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State, immobile: Flags
-) -> ContactSystem:
-    finer = shorter_masters(pairs, immobile)
-    if not enforcement.conjugate_where(finer):
-        return ContactSystem(pairs, enforcement, state, finer)
-    from contactlab.model.contact.conjugate_system import ConjugateContactSystem
+def _explicit_system(pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> ContactSystem:
+    if not follows_gaps(enforcement, motion=True):
+        return ContactSystem(pairs, enforcement, state)
+    from contactlab.model.contact.consistent_system import ConsistentContactSystem
 
-    return ConjugateContactSystem(pairs, enforcement, state, finer)
+    return ConsistentContactSystem(pairs, enforcement, state)
+
+
+def follows_gaps(enforcement: Enforcement, *, motion: bool) -> bool:
+    """Whether contact forces act along the derivatives of the gaps: what the key `forces` means in a run.
+
+    "conjugate" and "published" are older names. "auto" is "consistent" in steps in time, which these forces let keep
+    energy.
+    """
+    return enforcement.forces in ("consistent", "conjugate") or (enforcement.forces == "auto" and motion)
 
 
 def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:

@@ -43,7 +43,7 @@ class WorkSplit:
         start = reference + state["displacement"]
         self.position, self.velocity = np.stack([start, start]), state["velocity"].copy()
         self.memory = [np.zeros((2, pair.method.memory_size, len(pair.slave.nodes))) for pair in contact.pairs]
-        self.pairs = [_split_of(pair, reference, contact.conjugate) for pair in contact.pairs]
+        self.pairs = [_split_of(pair, reference, contact.consistent) for pair in contact.pairs]
 
     def saved(self) -> Mapping[str, Floats]:
         """What a restart needs."""
@@ -78,12 +78,12 @@ class WorkSplit:
             y = self.contact.multipliers[0, pair.first_slot : pair.first_slot + pair.slots]
             memory = self._remembered(pair, known[1])
             parts += split.parts(y, (left, known[0]), (reached, memory))
-            if self.contact.conjugate:
+            if self.contact.consistent:
                 frozen += split.frozen(y, moved)
                 turned += split.turned(y, moved, memory, joined=self._joins_closest_points())
         closing, step, normals, weights = parts
         step += float(np.vdot(force, left - before))
-        if self.contact.conjugate:
+        if self.contact.consistent:
             # what these forces have beside frozen rows: the derivatives of normals, and those of weights
             normals, weights = normals + turned, weights + float(np.vdot(force, moved)) - frozen - turned
         self.work += 0.5 * np.array([closing, step, normals, weights])
@@ -173,16 +173,16 @@ class PairSplit:
 class OperatorSplit(PairSplit):
     """The parts of one pair whose algorithm gives operators: normals and weights are told apart.
 
-    rows_at  where in the motion that forces work on rows belong: 0.5, its middle (conjugate forces); 1.0, its end
+    rows_at  where in the motion that forces work on rows belong: 0.5, its middle (consistent forces); 1.0, its end
     """
 
     pair: OperatorPair
 
-    def __init__(self, pair: OperatorPair, reference: Floats, conjugate: bool) -> None:
+    def __init__(self, pair: OperatorPair, reference: Floats, consistent: bool) -> None:
         super().__init__(pair, reference)
         self.gradients = PairGradients(pair)
         self.touched = np.concatenate([pair.slave.nodes, pair.master.nodes])
-        self.rows_at = 0.5 if conjugate else 1.0
+        self.rows_at = 0.5 if consistent else 1.0
 
     def parts(self, y: Floats, start: Instant, end: Instant) -> Floats:
         """As `PairSplit.parts`."""
@@ -226,9 +226,9 @@ class OperatorSplit(PairSplit):
         return SurfacePositions(positions[self.pair.slave.nodes], positions[self.pair.master.nodes])
 
 
-def _split_of(pair: ContactPair, reference: Floats, conjugate: bool) -> PairSplit:
+def _split_of(pair: ContactPair, reference: Floats, consistent: bool) -> PairSplit:
     if isinstance(pair, OperatorPair):
-        return OperatorSplit(pair, reference, conjugate)
+        return OperatorSplit(pair, reference, consistent)
     return PairSplit(pair, reference)
 
 

@@ -1,4 +1,4 @@
-"""Rows of conjugate forces before their coupling is inverted: against central differences, dense products and laws."""
+"""Rows of consistent forces before their coupling is inverted: against central differences, dense products and laws."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Rows of conjugate forces against central differences of gaps, and what they hold at the end of a step."""
+"""Rows of consistent forces against central differences of gaps, and what they hold at the end of a step."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from contactlab.testing.surfaces import curved, pair_of
 
 
 def written(algorithm: Any, at: Any) -> tuple[Any, Any, Floats]:
-    """A pair, its conjugate rows, and the algorithm's memory."""
+    """A pair, its consistent rows, and the algorithm's memory."""
     pair, memory = pair_of(algorithm, at, friction=True)
     rows = allocate_rows(pair.slots, 64, True)
     end = PairGradients(pair).append_rows(rows, 0, np.inf, np.zeros((2, pair.slots)), np.zeros_like(at.nodes), memory)

@@ -22,7 +22,7 @@ def test_a_multiplier_whose_node_has_left_the_master_has_no_force(algorithm: str
     model = build(scene, scene.registry)
     contact, at = model.contact, model.reference.copy()
     assert isinstance(contact, ImplicitContactSystem)
-    assert contact.conjugate
+    assert contact.consistent
     contact.begin_step(at, 1e-9)
     contact.evaluate(at)
     before = contact.conditions.present.copy()

@@ -1,4 +1,4 @@
-"""All contact pairs of a model, with forces conjugate to the gaps they close (docs/theory/contact-energy.md)."""
+"""All contact pairs of a model, whose forces act along the derivatives of the gaps (theory/contact-energy.md)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solv
 from contactlab.kernels.contact.factored_rows import allow_constant_motion, largest_sideways
 from contactlab.kernels.contact.gap_gradients import allow_motion
 from contactlab.kernels.contact.warm_start import extrapolate
-from contactlab.model.contact.contact_pairs import conjugate_rows
+from contactlab.model.contact.contact_pairs import consistent_rows
 from contactlab.model.contact.explicit_system import ContactSystem
 from contactlab.model.contact.factored_gradients import ModelGradients, told_by_feet
 from contactlab.model.contact.operator_pair import OperatorPair
@@ -22,22 +22,20 @@ from contactlab.model.contact.start_gaps import FacetOverlap
 ROUND = 1e-9  # of a segment: what lies that far across a normal turns it by round-off
 
 
-class ConjugateContactSystem(ContactSystem):
+class ConsistentContactSystem(ContactSystem):
     """As `ContactSystem`, with rows that are the derivatives of the gaps where the step starts."""
 
-    conjugate: ClassVar[bool] = True
+    consistent: ClassVar[bool] = True
 
-    def __init__(
-        self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State, finer: float = 0.0
-    ) -> None:
-        super().__init__(pairs, enforcement, state, finer)
+    def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
+        super().__init__(pairs, enforcement, state)
         told, self.told = told_by_feet(pairs), None
         if enforcement.factored and len(told) == len(pairs):
             self.told = ModelGradients(told, len(state["displacement"]))
         constant = FactoredRows.allocate(len(self.rows.gap), 8 * len(self.rows.gap)) if _closest(self) else None
         self.constant, self.offset = constant, np.zeros(len(self.rows.gap))
         self.factored = self.told.rows.factors if self.told is not None else constant
-        self.gradients = [conjugate_rows(pair) for pair in pairs]
+        self.gradients = [consistent_rows(pair) for pair in pairs]
         # an overlap of the start that is pushed out puts energy in on purpose
         self.strict = [not pair.pushes_overlaps_out for pair in pairs]
         self.velocity = state["velocity"]

@@ -1,4 +1,4 @@
-"""Contact forces that are conjugate to the gaps: their directions, and that they make no energy."""
+"""Contact forces that are consistent with the gaps: their directions, and that they make no energy."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.testing.surfaces import Chains, chains, curved, flat, pair_of
 
 P0, P1, NODES = MortarP0(), MortarP1(), NodeOnSegment()
-CONJUGATE = {"use": "forward-increment", "forces": "conjugate"}
-PUBLISHED = {"use": "forward-increment", "forces": "published"}
+CONSISTENT = {"use": "forward-increment", "forces": "consistent"}
+FROZEN = {"use": "forward-increment", "forces": "frozen"}
 
 
 def rough(at: Chains) -> Chains:
@@ -99,7 +99,7 @@ def test_gradients_of_pieces_are_their_derivatives(algorithm: ContactAlgorithm, 
         assert np.allclose(mine, other, rtol=0.0, atol=1e-12)
 
 
-def run(changes: dict[str, Any], name: str = "disc-on-block", forces: dict[str, str] = CONJUGATE) -> Any:
+def run(changes: dict[str, Any], name: str = "disc-on-block", forces: dict[str, str] = CONSISTENT) -> Any:
     scene = contactlab.load_scene(name).with_({"contacts.0.enforcement": forces, **changes})
     return contactlab.simulate(scene)
 
@@ -120,7 +120,7 @@ def test_disc_on_a_finer_block_carries_its_load() -> None:
 @pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "node-on-segment"])
 @pytest.mark.parametrize("name", ["dropped-block", "vertex-to-vertex", "bouncing-bar", "spinning-pair"])
 def test_no_step_gives_energy(name: str, algorithm: str) -> None:
-    scene = contactlab.load_scene(name).with_({"contacts.0.enforcement": CONJUGATE, "contacts.0.algorithm": algorithm})
+    scene = contactlab.load_scene(name).with_({"contacts.0.enforcement": CONSISTENT, "contacts.0.algorithm": algorithm})
     model = build(scene, scene.registry)
     advance, dt = model.bound_integrator().step, 0.9 * model.stable_step()
     largest = model.kinetic_energy()
@@ -154,10 +154,10 @@ def test_an_overlap_that_comes_in_an_instant_and_stays_is_told() -> None:
 
 def test_energy_that_contact_makes_is_told_and_stops_the_run() -> None:
     # damping as strong as where the way does not matter hides what contact makes
-    results = run({"bodies.block.mesh.cells": [72, 12], "time.history": True}, forces=PUBLISHED)
+    results = run({"bodies.block.mesh.cells": [72, 12], "time.history": True}, forces=FROZEN)
     assert results.status == "diverged"
     assert "contact has made" in results.summary["reason"]
-    assert 'forces = "conjugate"' in results.summary["reason"]
+    assert 'forces = "consistent"' in results.summary["reason"]
     (warning,) = [w for w in results.warnings if w.code == "contact-energy"]
     assert warning.limit == 0.01
     assert warning.value > 0.1
