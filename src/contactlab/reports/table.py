@@ -128,10 +128,10 @@ def _nothing_finished(table: Table) -> list[Text]:
 
 
 def failed_alike(table: Table) -> list[list[Row]]:
-    """Runs that did not finish, in groups whose statuses and reasons differ in numbers alone."""
+    """Runs that did not finish, in groups whose statuses and reasons differ in numbers and advice alone."""
     groups: dict[tuple[str, str], list[Row]] = {}
     for row in table.failed:
-        groups.setdefault((row.status, _NUMBER.sub("#", row.reason)), []).append(row)
+        groups.setdefault((row.status, _NUMBER.sub("#", row.reason.partition("; try ")[0])), []).append(row)
     return list(groups.values())
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import Conditions, Floats, ImplicitIntegrator, RunWarning, Step, StepStatus
+from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step, StepStatus
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.loading.held_bodies import hold, loose_motions
 from contactlab.model.timing import A_PERIOD
@@ -27,7 +27,6 @@ MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
 SAME = 1e-6  # relative: residuals of two attempts that differ by less are the same
 EACH_WAY = 2.0  # times the steps of a load, for each way of one that goes to and fro: friction work is right to 2 %
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
-USED = 0.9  # of the friction that a contact can carry: more of it is a limit that the load comes to
 NEARLY = 1e-9  # of a step: differences below it are round-off
 
 
@@ -145,23 +144,25 @@ class LoadSchedule(Schedule):
         else:
             self.part = self.cut_to * min(self.part, self.path.fraction(time + tried) - self.path.fraction(time))
         if before is not None and repeats(before, step):
-            raise self._failure(tried, f"as the longer one before it, iteration by iteration: {step.reason}")
+            raise self._failure(tried, step, "as the longer one before it, iteration by iteration")
         if self.part < SHORTEST * self.wished:
-            raise self._failure(
-                tried, f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one: {step.reason}"
-            )
+            raise self._failure(tried, step, f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one")
         self.failed, self.dt = step, self._length()
-        loose = self._loose() if before is None else ""
+        loose = f"; {self._loose().partition(';')[0]}".rstrip("; ") if before is None else ""
         return (
             f"a step of {tried:.6g} from time {time:.6g} was taken back after {step.iterations} iterations: "
             f"{step.reason}{loose}; {self.dt:.6g} is tried"
         )
 
-    def _failure(self, tried: float, how: str) -> SimulationFailure:
-        at = f"after step {self.state.step}, at time {self.state.time:.6g}"
-        return SimulationFailure(
-            "not-converged", f"{at}: a step of {tried:.3g} failed, {how}{self._loose()}; {self._advice()}"
-        )
+    def _failure(self, tried: float, step: Step, how: str) -> SimulationFailure:
+        """Say how far the load went, why it went no further and where, and what to try."""
+        from contactlab.run.failure_cause import cause_of_failure
+
+        of = "time" if self.model.integrator.inertia else "load"
+        done = f"stopped at {100.0 * self.share(self.state.time):.4g} % of the {of}, after step {self.state.step}"
+        why = self._loose() or cause_of_failure(self.model, self.scene, step.trace, tried) or self._advice()
+        attempt = f"a step of {tried:.3g} from time {self.state.time:.6g} failed, {how}: {step.reason}"
+        return SimulationFailure("not-converged", f"{done}, {why} ({attempt})")
 
     def _loose(self) -> str:
         """Say what nothing holds in statics, and what would."""
@@ -169,39 +170,19 @@ class LoadSchedule(Schedule):
             return ""
         loose = loose_motions(cast("ImplicitModel", self.model))
         told = [f"{body} against {' or '.join(motions)}" for body, motions in loose.items()]
-        return f"; nothing holds {', nor '.join(told)}" if told else ""
-
-    def _advice(self) -> str:
-        """Say what to try after the shortest step failed."""
-        loose = {} if self.model.integrator.inertia else loose_motions(cast("ImplicitModel", self.model))
-        for body, motions in loose.items():
-            return (
-                f"{hold(body, motions)}; or let it begin in touch with what is to hold it; "
-                "what moves freely needs inertia (implicit-dynamics)"
-            )
-        if used := self._used_friction():
-            return used
-        if self.model.contact is not None:
-            return (
-                "the shortest step failed, and none helps where forces jump (a node on a vertex of a coarse master) or "
-                "statuses find no rest (very high friction); try another contact algorithm, the other side as slave "
-                "(swap), finer cells, less friction, or more integrator.steps"
-            )
-        return StepStatus.gave_up.value
-
-    def _used_friction(self) -> str:
-        """Say which contacts carry nearly all the friction that they can at the last state in balance, if any."""
-        contact, told = self._contact(), []
-        if contact is None or not len(contact.conditions.slip):
-            return ""
-        for pair in contact.pairs:
-            used = friction_share(contact.conditions, pair.first_slot, pair.slots)
-            if used > USED:
-                told.append(f"friction of {pair.name} carries {used:.1%} of what it can")
+        holds = [hold(body, motions) for body, motions in loose.items()]
         if not told:
             return ""
-        done = f"{self.path.fraction(self.state.time):.2%} of the loading"
-        return f"{', '.join(told)} at {done}: more load may have no equilibrium, a limit load; press more, or hold it"
+        return (
+            f"nothing holds {', nor '.join(told)}; {holds[0]}; or let it begin in touch with what is to hold it; what "
+            "moves freely needs inertia (implicit-dynamics)"
+        )
+
+    def _advice(self) -> str:
+        """Say what to try if no cause was found."""
+        if self.model.contact is not None:
+            return "no equilibrium found; try the other side as slave (swap), another algorithm, or shorter steps"
+        return StepStatus.gave_up.value
 
     def share(self, time: float) -> float:
         """How much of the loading is done at a time [s], 0 to 1; where the end is open, of its ramp."""
@@ -274,13 +255,3 @@ def repeats(before: Step, step: Step) -> bool:
         return False
     first, second = (np.array([(one.force, one.contact) for one in attempt.trace]) for attempt in (before, step))
     return np.allclose(first, second, rtol=SAME, atol=0.0)
-
-
-def friction_share(conditions: Conditions, first: int, count: int) -> float:
-    """Tangential forces of the conditions from `first` on over their bounds."""
-    own = slice(first, first + count)
-    pressed, pulled = conditions.force[0, own], np.abs(conditions.force[1, own])
-    coefficient, adhesion, cap = conditions.bound[:, own]
-    with np.errstate(invalid="ignore"):  # no force under an infinite cap
-        bound = coefficient * pressed + np.fmin(adhesion * conditions.measure[own], cap * pressed)
-    return float(pulled.sum() / max(bound.sum(), 1e-300))

@@ -250,7 +250,9 @@ def test_a_comparison_in_which_nothing_finished_says_so_first(table: Table) -> N
 
 
 def test_runs_that_failed_alike_are_one_line(table: Table) -> None:
-    reasons = [f"Stopped at {k + 60} % of the load, near (20.{k}, -0.4): stuck" for k in range(6)]
+    reasons = [
+        f"Stopped at {k + 60} % of the load, near (20.{k}, -0.4): stuck; try swap = {k % 2 > 0}" for k in range(6)
+    ]
     rows = [replace(row, status="not-converged", reason=text) for row, text in zip(table.rows, reasons, strict=True)]
     text = " ".join(shown(render(replace(table, rows=rows))).split())
     assert text.count("stuck") == 1

@@ -53,8 +53,11 @@ def free_motions(body: Body, supports: SupportPlan | Prescribed) -> list[str]:
     return [MOTIONS[int(np.argmax(np.abs(mode)))] for mode in loose]
 
 
-def loose_motions(model: ImplicitModel) -> dict[str, tuple[str, ...]]:
-    """Rigid motions that neither supports, effects nor closed contacts resist at the present state, by body."""
+def loose_motions(model: ImplicitModel, friction: bool = True) -> dict[str, tuple[str, ...]]:
+    """Rigid motions that neither supports, effects nor closed contacts resist at the present state, by body.
+
+    friction  whether that of contacts counts
+    """
     bodies = [body for body in model.bodies if free_motions(body, model.prescribed)]
     if not bodies:
         return {}
@@ -75,7 +78,7 @@ def loose_motions(model: ImplicitModel) -> dict[str, tuple[str, ...]]:
         sticks = np.flatnonzero(closed & (c.bound[0] * c.force[0] + c.bound[1] > 0.0)) if len(c.slip) else None
         along, across = model.contact.directions(np.flatnonzero(closed).astype(np.int32))
         rows.append(along @ modes)
-        if across is not None and sticks is not None:
+        if friction and across is not None and sticks is not None:
             rows.append((across @ modes)[np.searchsorted(np.flatnonzero(closed), sticks)])
     _, sizes, directions = np.linalg.svd(np.concatenate(rows))
     free = directions[int((sizes > RANK * max(1.0, sizes.max(initial=0.0))).sum()) :]

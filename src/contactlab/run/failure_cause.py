@@ -1,0 +1,224 @@
+"""Likely causes of an implicit step that finds no equilibrium: what it is, where, and what to try."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+
+from contactlab.api import Conditions, Floats, Iteration, Surface
+from contactlab.model.loading.held_bodies import free_motions, loose_motions
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.implicit_system import ImplicitContactSystem
+    from contactlab.model.contact.pair import ContactPair
+    from contactlab.model.implicit_model import ImplicitModel
+    from contactlab.model.model import Model
+    from contactlab.scene.scene import Scene
+
+SHARP = 20.0  # degrees by which a surface turns at a corner: meshes of curves turn by less
+LAST = 8  # iterations whose changes of contact states count
+FILLET = 3.0  # segments: the radius that a snap fit needed to get past a corner
+AT_CORNER = 1.0  # longest segments beside a corner
+USED = 0.9  # of the friction that a contact can carry: more of it is a limit that the load comes to
+STICK, SLIP = 1, 2
+
+
+def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt: float) -> str:
+    """The likely cause at the last accepted state, with its place and advice; empty if none is found.
+
+    trace  iterations of the last attempt; dt  its length [s]
+    """
+    if model.contact is None:
+        return _unstable(model, dt)
+    changed = _changes(model, trace)
+    return (
+        _friction_used_up(model, scene)
+        or _at_a_corner(model, scene, changed)
+        or _unstable(model, dt)
+        or _cycling(model, scene, changed)
+        or _at_a_corner(model, scene, _closed(model))
+    )
+
+
+# --- contact states ---------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Node:
+    """A slave node, and the contact states that it had in the last iterations."""
+
+    pair: ContactPair
+    number: int
+    states: frozenset[int] = frozenset()
+
+    def position(self, model: Model) -> Floats:
+        return np.asarray(model.position[self.pair.slave.nodes[self.number]])
+
+
+def _changes(model: Model, trace: Sequence[Iteration]) -> list[_Node]:
+    """Slave nodes whose states changed in the last iterations, the most restless first."""
+    known = [np.frombuffer(one.statuses.encode(), np.uint8) - ord("0") for one in trace[-LAST:] if one.statuses]
+    if model.contact is None or len(known) < 2 or len({len(one) for one in known}) > 1:
+        return []
+    states = np.array(known).astype(int)
+    count = np.count_nonzero(np.diff(states, axis=0), axis=0)
+    found: list[tuple[int, int, _Node]] = []
+    for pair in model.contact.pairs:
+        for slot in np.flatnonzero(count[pair.first_slot : pair.first_slot + pair.slots]):
+            seen = frozenset(states[:, pair.first_slot + slot].tolist())
+            node = _Node(pair, int(slot) % len(pair.slave.nodes), seen)
+            found.append((-int(count[pair.first_slot + slot]), len(found), node))
+    return [node for *_, node in sorted(found, key=lambda one: one[:2])]
+
+
+def _closed(model: Model) -> list[_Node]:
+    """Slave nodes with a force at the last accepted state."""
+    force = model.state["multipliers"][0]
+    return [
+        _Node(pair, int(slot) % len(pair.slave.nodes))
+        for pair in (model.contact.pairs if model.contact is not None else ())
+        for slot in np.flatnonzero(force[pair.first_slot : pair.first_slot + pair.slots] > 0.0)
+    ]
+
+
+def _place(model: Model, scene: Scene, pair: ContactPair, point: Floats) -> str:
+    """Where in words: coordinates and the sides of the contact."""
+    slave, master = scene.contacts[_number(pair)].sides
+    return f"near {_coordinates(model, point)}, {slave} on {master}"
+
+
+def _coordinates(model: Model, point: Floats) -> str:
+    """A position, without digits that are round-off of the size of the model."""
+    size = float(np.ptp(model.reference, axis=0).max())
+    x, y = (float(f"{value:.4g}") if abs(value) > 1e-6 * size else 0.0 for value in point)
+    return f"({x:g}, {y:g})"
+
+
+def _number(pair: ContactPair) -> int:
+    return int(pair.name.rpartition(".")[2])
+
+
+def _at_a_corner(model: Model, scene: Scene, nodes: Sequence[_Node]) -> str:
+    """The first of some slave nodes that is at a sharp corner of either side."""
+    for node in nodes:
+        point, pair = node.position(model), node.pair
+        slave, master = scene.contacts[_number(pair)].sides
+        for name, surface in ((master, pair.master), (slave, pair.slave)):
+            for corner, angle, length in _corners(model.position, surface):
+                if np.hypot(*(corner - point)) <= AT_CORNER * length:
+                    return (
+                        f"{_place(model, scene, pair, corner)}: {name} has a sharp corner there ({angle:.0f} degrees), "
+                        f"where the direction of contact forces jumps; try a fillet of about {FILLET * length:.2g} "
+                        f"({FILLET:.0f} segments)"
+                    )
+    return ""
+
+
+def _corners(position: Floats, surface: Surface) -> Iterator[tuple[Floats, float, float]]:
+    """Convex corners of a surface: position, angle [degrees] by which it turns, and the longer of its two segments."""
+    begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
+    along = end - begin
+    into, out = surface.node_segments.T
+    for node in np.flatnonzero((into >= 0) & (out >= 0)):
+        a, b = along[into[node]], along[out[node]]
+        angle = abs(float(np.degrees(np.arctan2(a[0] * b[1] - a[1] * b[0], a @ b))))
+        if angle > SHARP:
+            yield position[surface.nodes[node]], angle, float(max(np.hypot(*a), np.hypot(*b)))
+
+
+def _cycling(model: Model, scene: Scene, changed: Sequence[_Node]) -> str:
+    """Nodes that change their states without end."""
+    if not changed:
+        return ""
+    first = changed[0]
+    spec = scene.contacts[_number(first.pair)]
+    between = "stick and slip" if first.states <= {STICK, SLIP} else "open and closed"
+    sides = f"{first.pair.name}.swap = {'false' if spec.swap else 'true'}"
+    where = _place(model, scene, first.pair, first.position(model))
+    return (
+        f"{where}: nodes switch between {between} in the last iterations, {len(changed)} of "
+        f"{len(first.pair.slave.nodes)}; try {sides}, finer cells (level = {2 * scene.level}), or more integrator.steps"
+    )
+
+
+# --- bodies that friction alone holds ---------------------------------------------------------------
+
+
+def _friction_used_up(model: Model, scene: Scene) -> str:
+    """Contacts that carry nearly all the friction that they can, while nothing else holds a body."""
+    if model.integrator.inertia or not (closed := _closed(model)):
+        return ""
+    loose = loose_motions(cast("ImplicitModel", model), friction=False)
+    contact = cast("ImplicitContactSystem", model.contact)
+    if not loose or not len(contact.conditions.slip):
+        return ""
+    used = {pair: friction_share(contact.conditions, pair.first_slot, pair.slots) for pair in contact.pairs}
+    at_limit = [
+        f"friction of {pair.name} carries {share:.1%} of what it can" for pair, share in used.items() if share > USED
+    ]
+    if not at_limit:
+        return ""
+    node = next(node for node in closed if used[node.pair] > USED)
+    held = ", ".join(f"{body} against {' or '.join(motions)}" for body, motions in loose.items())
+    where = _place(model, scene, node.pair, node.position(model))
+    return (
+        f"{where}: {', '.join(at_limit)}, and nothing else holds {held}: "
+        "this is a limit load; try less load, more pressure or friction, or a support"
+    )
+
+
+def friction_share(conditions: Conditions, first: int, count: int) -> float:
+    """Tangential forces of the conditions from `first` on over their bounds."""
+    own = slice(first, first + count)
+    pressed, pulled = conditions.force[0, own], np.abs(conditions.force[1, own])
+    coefficient, adhesion, cap = conditions.bound[:, own]
+    with np.errstate(invalid="ignore"):  # no force under an infinite cap
+        bound = coefficient * pressed + np.fmin(adhesion * conditions.measure[own], cap * pressed)
+    return float(pulled.sum() / max(bound.sum(), 1e-300))
+
+
+# --- bodies that lose their stiffness ---------------------------------------------------------------
+
+
+def _unstable(model: Model, dt: float) -> str:
+    """A body whose stiffness has a negative eigenvalue: it buckles or snaps through."""
+    if model.integrator.inertia:
+        return ""
+    for body in model.bodies:
+        if free_motions(body, model.prescribed) or not _negative(model, body.first, body.count, dt):
+            continue
+        middle = model.position[body.first : body.first + body.count].mean(axis=0)
+        flows = ", or flows plastically at its limit load" if body.material.history_size else ""
+        return (
+            f"body {body.name}, around {_coordinates(model, middle)}: its stiffness is no longer positive: it buckles "
+            f"or snaps through{flows}; try implicit-dynamics, which follows the jump, or a smaller load"
+        )
+    return ""
+
+
+def _negative(model: Model, first: int, count: int, dt: float) -> bool:
+    """Whether the stiffness of a body, with its supports, has a negative pivot."""
+    from scipy.sparse import csc_matrix
+    from scipy.sparse.linalg import splu
+
+    memory = model.state.snapshot()
+    model.internal_force(dt)
+    matrix = csc_matrix(model.stiffness(dt))  # type: ignore[attr-defined]
+    model.state.restore(memory)
+    held = np.zeros(matrix.shape[0], bool)
+    held[model.prescribed.dof] = True
+    free = np.flatnonzero(~held[2 * first : 2 * (first + count)]) + 2 * first
+    own = matrix[free][:, free]
+    if not len(free):
+        return False
+    try:
+        factor = splu(
+            csc_matrix(0.5 * (own + own.T)), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )  # fmt: skip
+    except RuntimeError:  # singular to the last digit
+        return True
+    return bool((factor.U.diagonal() < 0.0).any())

@@ -1,0 +1,142 @@
+"""A failed load step says how far it went, where, why, and what to try; no cause is named where there is none."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.api import Iteration
+from contactlab.model.build import build
+from contactlab.model.model import Model
+from contactlab.parts.registry import default_registry
+from contactlab.run.failure_cause import cause_of_failure
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, load_scene
+
+SOFT = {"use": "linear-elastic", "young": 1000.0, "poisson": 0.25, "density": 1e-9}
+
+
+def pushed(mu: float, push: float) -> Scene:
+    """A block on a floor, pressed by 8 N/mm and then pushed along it, evenly over its top."""
+    data = {
+        "time": {"end": 1.0},
+        "integrator": {"use": "newton", "steps": 4},
+        "materials": {"soft": SOFT},
+        "bodies": {
+            "block": {
+                "element": "q1", "material": "soft",
+                "mesh": {"use": "rectangle", "x": [0.0, 2.0], "y": [0.0, 0.25], "cells": [4, 1]},
+            },
+        },
+        "rigid": {"floor": {"line": [[4.0, 0.0], [-2.0, 0.0]]}},
+        "contacts": [
+            {
+                "slave": "block.bottom", "master": "floor", "algorithm": "mortar-p1",
+                "enforcement": {"use": "active-set", "start": "stick"}, "friction": {"use": "coulomb", "mu": mu},
+            }
+        ],
+        "loads": [
+            {"on": "block.top", "ty": {"ramp": "linear", "to": -4.0, "duration": 0.5}},
+            {"on": "block.top", "tx": {"ramp": "linear", "to": push, "begin": 0.5, "duration": 0.5}},
+        ],
+        "record": {"frames": 1, "recorders": []},
+    }  # fmt: skip
+    return Scene.from_data(data)
+
+
+def test_used_up_friction_is_a_limit_load() -> None:
+    """Friction carries 0.5 * 8 of the 5 that are pushed with: the load is all of 4.0 MPa down and 80 % of 2.5 aside."""
+    results = simulate(pushed(0.5, 2.5))
+    assert results.status == "not-converged"
+    share = 100.0 * results.summary["reached"]["share"]
+    assert share == pytest.approx(100.0 * (4.0 + 0.8 * 2.5) / 6.5, abs=0.1)
+    assert results.reason.startswith(f"stopped at {share:.4g} % of the load, after step ")
+    told = re.search(r"block\.bottom on floor: friction of contacts\.0 carries ([0-9.]+)% of what", results.reason)
+    assert told, results.reason
+    assert float(told[1]) > 99.0
+    assert "nothing else holds block against sliding along x: this is a limit load" in results.reason
+    # the advice: less load, or more friction
+    assert simulate(pushed(0.5, 1.9)).status == simulate(pushed(0.8, 2.5)).status == "finished"
+
+
+def test_friction_that_is_none_is_not_to_be_less() -> None:
+    reason = simulate(pushed(0.0, 2.5)).reason
+    assert "nothing holds block against sliding along x; hold it: " in reason
+    assert "less friction" not in reason
+
+
+def built(changes: dict[str, Any] | None = None) -> tuple[Model, Scene]:
+    scene = load_scene("disc-on-block").with_({"integrator": "newton", "level": 1} | (changes or {}))
+    return build(scene, default_registry()), scene
+
+
+def restless(model: Model, *slots: int, states: Sequence[int] = (0, 1)) -> list[Iteration]:
+    """Iterations in which conditions change their state again and again."""
+    assert model.contact is not None
+    still = np.zeros(sum(pair.slots for pair in model.contact.pairs), int)
+    found = []
+    for k in range(6):
+        seen = still.copy()
+        seen[list(slots)] = states[k % 2]
+        found.append(Iteration(1.0, 1.0, 1, 0, 1, 1.0, statuses="".join(map(str, seen))))
+    return found
+
+
+def test_nodes_that_change_their_states_are_named_with_their_place_and_accepted_advice() -> None:
+    model, scene = built()
+    told = cause_of_failure(model, scene, restless(model, 3, 5), 0.1)
+    x, y = model.position[model.contact.pairs[0].slave.nodes[3]]  # type: ignore[union-attr]
+    assert told.startswith(f"near ({float(f'{x:.4g}'):g}, {float(f'{y:.4g}'):g}), disc.")
+    count = len(model.contact.pairs[0].slave.nodes)  # type: ignore[union-attr]
+    assert f": nodes switch between open and closed in the last iterations, 2 of {count}; try" in told
+    assert "contacts.0.swap = true, finer cells (level = 2)" in told
+    scene.with_({"contacts.0.swap": True, "level": 2})
+    assert "between stick and slip" in cause_of_failure(model, scene, restless(model, 3, states=(1, 2)), 0.1)
+
+
+def test_without_changes_no_cause_is_invented() -> None:
+    model, scene = built()
+    assert cause_of_failure(model, scene, (), 0.1) == ""
+
+
+def test_a_restless_node_at_a_corner_of_the_master_names_the_corner() -> None:
+    """A step in the floor, below the middle of the slave."""
+    scene = pushed(0.3, 1.0).with_({"rigid.floor.line": [[1.0, -1.0], [1.0, 0.0], [-1.0, 0.0]]})
+    model = build(scene, default_registry())
+    told = cause_of_failure(model, scene, restless(model, 2), 0.1)
+    assert told.startswith("near (1, 0), block.bottom on floor: floor has a sharp corner there (90 degrees)")
+    assert told.endswith("try a fillet of about 1.5 (3 segments)")
+    assert "corner" not in cause_of_failure(model, scene, restless(model, 0), 0.1)
+
+
+@pytest.mark.parametrize(("share", "buckles"), [(0.9, False), (1.1, True)])
+def test_a_column_beyond_its_buckling_load_is_told(share: float, buckles: bool) -> None:
+    """Euler's load of a slender column between clamped ends: strains of 4 pi^2 I / (A L^2), with cells that bend."""
+    length, height = 20.0, 0.5
+    scene = Scene.from_data({
+        "integrator": "newton",
+        "time": {"end": 1.0},
+        "materials": {"soft": {**SOFT, "use": "neo-hookean", "poisson": 0.0}},
+        "bodies": {
+            "column": {
+                "element": "q2", "material": "soft",
+                "mesh": {"use": "rectangle", "x": [0.0, length], "y": [0.0, height], "cells": [20, 1]},
+            }
+        },
+        "supports": [
+            {"on": "column.left", "ux": 0.0, "uy": 0.0},
+            {"on": "column.right", "ux": {"ramp": "linear", "to": -0.1}, "uy": 0.0},
+        ],
+    })  # fmt: skip
+    model = build(scene, default_registry())
+    strain = share * np.pi**2 / 3.0 * (height / length) ** 2
+    model.state["displacement"][:, 0] = -strain * model.reference[:, 0]
+    told = cause_of_failure(model, scene, (), 0.1)
+    assert told.startswith("body column, around (9.9") is buckles
+    assert (
+        "its stiffness is no longer positive: it buckles or snaps through; try implicit-dynamics" in told
+    ) is buckles
