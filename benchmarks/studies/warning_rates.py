@@ -4,8 +4,9 @@
     python benchmarks/studies/warning_rates.py runs/full --cells locking      # the cells of one warning
 
 An alarm counts as right if the finished cell misses a known number: a measure of its case, or an invariant other than
-the one that the warning reports. A cell lacks a warning if it misses a number for which its case accepts the warning,
-and carries none of those that the case accepts.
+the one that the warning reports. Where it misses that one alone, the warning is true and nothing else shows the error.
+A cell lacks a warning if it misses a number for which its case accepts the warning, and carries none of those that the
+case accepts.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "warnings.md"
 STORED = HERE / "warning_rates.csv"
 BEGIN, END = "<!-- rates -->\n", "<!-- end of rates -->"
-KEYS = ("code", "alarms", "right", "lacking", "mortars", "nodes")
+KEYS = ("code", "alarms", "right", "own", "lacking", "mortars", "nodes")
 NODES = "node-on-segment"
 
 
@@ -77,27 +78,30 @@ def _missed(found: dict[str, Any], cell: Cell, told: dict[str, str]) -> dict[str
 
 def rates(cells: list[Judged]) -> list[dict[str, str]]:
     """A row for each code that some cell carries or lacks."""
-    alarms, right, lacking, by_kind = Counter[str](), Counter[str](), Counter[str](), Counter[tuple[str, bool]]()
+    alarms, right, own, lacking = Counter[str](), Counter[str](), Counter[str](), Counter[str]()
+    by_kind = Counter[tuple[str, bool]]()
     for cell in cells:
         alarms.update(cell.codes)
         right.update(code for code in cell.codes if cell.right(code))
+        own.update(code for code in cell.codes if cell.missed and not cell.right(code))
         lacking.update(cell.lacking)
         by_kind.update((code, cell.contact == NODES) for code in cell.codes)
     return [
-        {"code": code, "alarms": str(alarms[code]), "right": str(right[code]), "lacking": str(lacking[code]),
-         "mortars": str(by_kind[code, False]), "nodes": str(by_kind[code, True])}
+        {"code": code, "alarms": str(alarms[code]), "right": str(right[code]), "own": str(own[code]),
+         "lacking": str(lacking[code]), "mortars": str(by_kind[code, False]), "nodes": str(by_kind[code, True])}
         for code in sorted({*alarms, *lacking})
     ]  # fmt: skip
 
 
 def table(rows: list[dict[str, str]]) -> str:
     """The table as Markdown."""
-    head = "| code | finished cells that carry it | of these miss a number | share | lack it |\n|---|---|---|---|---|\n"
+    head = "| code | finished cells that carry it | right | own number alone | share right | lack it |\n"
+    head += "|---|---|---|---|---|---|\n"
     text = ""
     for row in rows:
         alarms, right = int(row["alarms"]), int(row["right"])
         share = f"{right / alarms:.0%}" if alarms else ""
-        text += f"| `{row['code']}` | {alarms} | {right} | {share} | {row['lacking']} |\n"
+        text += f"| `{row['code']}` | {alarms} | {right} | {row['own']} | {share} | {row['lacking']} |\n"
     return head + text
 
 
