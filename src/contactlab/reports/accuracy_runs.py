@@ -23,6 +23,7 @@ from contactlab.reports.bokeh_figures import page_figure
 from contactlab.reports.html import ASSETS
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.templates import filled
+from contactlab.results.shown_pressure import shown_pressure
 
 FOLDER = "runs"
 LIBRARY = "bokeh.min.js"
@@ -95,8 +96,9 @@ def _pressure(record: Record) -> Any:
         return None
     plot = _plot("contact pressure at the end", "position along the slave [mm]", "pressure [MPa]")
     for (name, curve), colour in zip(found, cycle(_COLOURS), strict=False):
-        plot.line(curve.s, curve.pressure, color=colour, line_width=1.5, legend_label=name)
-        plot.scatter(curve.s, curve.pressure, color=colour, size=4)
+        pressure = shown_pressure(curve)
+        plot.line(curve.s, pressure, color=colour, line_width=1.5, legend_label=name)
+        plot.scatter(curve.s, pressure, color=colour, size=4)
     return plot
 
 

@@ -20,6 +20,7 @@ from contactlab.reports.notebook.canvas import figure_of
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.pressure_map import PANELS, pressure_map
 from contactlab.reports.series import series_of, series_styles
+from contactlab.results.shown_pressure import shown_pressure
 from contactlab.studies.reference import Reference
 from contactlab.studies.table import Row, Table
 from contactlab.studies.varied_text import varied_text
@@ -143,7 +144,7 @@ def _line(row: Row) -> tuple[Floats, Floats]:
     """Position and pressure of the pressed part; of all nodes along the chain if that folds over itself."""
     assert row.curve is not None
     if row.profile is None:
-        return row.curve.x, row.curve.pressure
+        return row.curve.x, shown_pressure(row.curve)
     return row.profile.x, row.profile.value
 
 

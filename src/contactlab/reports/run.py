@@ -15,6 +15,7 @@ from contactlab.reports.numbers import significant
 from contactlab.reports.terminal import Terminal
 from contactlab.results.peaks import final_force, peak_force, peak_pressure
 from contactlab.results.results import Results
+from contactlab.results.shown_pressure import other_peak
 from contactlab.studies.measure_run import driven_support
 
 MOST = 3
@@ -90,6 +91,8 @@ def _pressures(results: Results, units: Units) -> list[str]:
         text = f"{_with_unit(peak['value'], units.pressure)}, {titles[name]}, {moment(peak, summary, units)}"
         if end < CLEARLY * peak["value"]:
             text += f"; {THE_END} {_with_unit(end, units.pressure)}"
+        if (nodal := other_peak(summary["contacts"].get(name, {}))) is not None:
+            text += f"; {_with_unit(nodal, units.pressure)} as force over length {THE_END}"
         texts.append(text + more)
     return texts
 

@@ -16,6 +16,7 @@ from contactlab.reports.figures import FAINT, MUTED, house_style
 from contactlab.reports.notebook.canvas import canvas, with_unit
 from contactlab.results.force_curve import ForceCurve, force_curve
 from contactlab.results.results import Results
+from contactlab.results.shown_pressure import shown_pressure
 
 DASHED = (0, (4, 1.5))
 NOT_IN_EQUILIBRIUM = "dynamic: only the final state is in equilibrium (time.history = true gives a curve)"
@@ -30,12 +31,12 @@ def curve_figure(curve: ContactCurve, units: str = "", ax: Axes | None = None, t
         for number in np.unique(curve.chain):
             here = curve.chain == number
             label = number == curve.chain.min()
-            _line(axes, curve.s[here], curve.pressure[here], 0, "pressure" if label else "")
+            _line(axes, curve.s[here], shown_pressure(curve)[here], 0, "pressure" if label else "")
             if np.any(curve.shear != 0.0):
                 _line(axes, curve.s[here], curve.shear[here], 1, "shear" if label else "")
         still = curve.state == 0
         if still.any():
-            axes.plot(curve.s[still], curve.pressure[still], "o", color=REFERENCE, markersize=3.2, label="open")
+            axes.plot(curve.s[still], shown_pressure(curve)[still], "o", color=REFERENCE, markersize=3.2, label="open")
         axes.axhline(0.0, color=FAINT, linewidth=0.8, zorder=0)
         axes.set_xlabel(with_unit("arc length of the slave", names.length))
         axes.set_ylabel(with_unit("traction", names.pressure))
@@ -64,7 +65,7 @@ def pressure_figure(results: Results, contact: str = "", ax: Axes | None = None)
                 curve_figure(curve, results.layout.units, axes, title)
         elif curves:
             for title, curve in curves:
-                first.plot(curve.s, curve.pressure, linewidth=1.3, label=title)
+                first.plot(curve.s, shown_pressure(curve), linewidth=1.3, label=title)
             names = Units.of_label(results.layout.units)
             first.set_xlabel(with_unit("arc length of the slave", names.length))
             first.set_ylabel(with_unit("pressure", names.pressure))

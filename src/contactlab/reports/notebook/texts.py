@@ -9,6 +9,7 @@ from contactlab.api.drawing.units import Units
 from contactlab.matrix.run import Matrix
 from contactlab.reports.numbers import percent, significant
 from contactlab.results.results import Results
+from contactlab.results.shown_pressure import other_peak
 from contactlab.scene.scene import Scene
 from contactlab.studies.table import Table
 
@@ -70,6 +71,8 @@ def results_facts(results: Results) -> dict[str, str]:
 
 def _contact(contact: Mapping[str, Any], units: Units) -> str:
     pressure = f"pressure up to {significant(float(contact['max_pressure']), 4)} {units.pressure}".rstrip()
+    if (nodal := other_peak(contact)) is not None:
+        pressure += f" ({significant(nodal, 4)} as force over length)"
     return f"{pressure}, force {_pair(contact['resultant'])} {units.line_force}".rstrip()
 
 
