@@ -266,6 +266,15 @@ def test_steps_that_the_scene_fixes_too_few_are_told_with_the_sampling(fixed: di
     assert "coarse-steps" not in {warning.code for warning in model.warnings}
 
 
+def test_fixed_steps_of_statics_end_where_the_loading_turns_too() -> None:
+    """Steps of 0.13 s passed the peaks of a table at 0.35 and 0.7 s by 0.04 and 0.08 s, and never saw them."""
+    table = {"ramp": "table", "to": AMPLITUDE, "points": [[0.1, 0.0], [0.35, 1.0], [0.7, -1.0], [1.0, 1.0]]}
+    scene = dragged(0.25, step=0.13).with_({"supports.1.ux": table})
+    found = simulate(scene.with_({"record.frames": 1000}))
+    assert {0.1, 0.35, 0.7, 1.0} <= set(np.round(found.history["time"], 9).tolist())
+    assert found.summary["steps"] == 1 + 2 + 3 + 3  # of at most 0.13 s, from corner to corner
+
+
 def test_implicit_steps_in_time_are_short_where_a_value_swings_and_only_there() -> None:
     """A pulse of a thousandth of the run: at least eight steps of each way, and the rest in the usual ones."""
     pulse = {

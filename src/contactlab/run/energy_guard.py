@@ -95,7 +95,7 @@ class EnergyGuard:
             return
         forces = self.model.state["multipliers"][0]
         rate = -sum(float(forces[p.first_slot : p.first_slot + p.slots] @ own.value) for p, own in self.facets)
-        counted = 1.0 - self.facets[0][1].uncounted()
+        counted = self.facets[0][1].ramp(self.model.state.time)
         self.pushed += 0.5 * (self.rate + rate) * (counted - self.counted)
         self.rate, self.counted = rate, counted
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -69,20 +70,20 @@ class LoadPath:
 
     def stop(self, time: float) -> float:
         """The next corner of the loading after a time [s], or its end."""
-        later = (corner for corner in self.corners if corner > time + NEARLY * self.corners[-1])
-        return next(later, self.corners[-1])
+        return _next(self.corners, time)
 
 
 class TimePath:
     """The loading of runs in which time matters: time itself, in more steps where a value goes to and fro fast.
 
-    number  of steps of the whole run; without `swings` the equal ones that are wished
+    number   of steps of the whole run; without `swings` the equal ones that are wished
+    corners  at which a step must end, the last at the end of the run: without inertia the path counts
     """
 
     parameter = "time"
 
-    def __init__(self, end: float, wished: float, swings: list[Swing]) -> None:
-        self.end, self.number = end, wished
+    def __init__(self, end: float, wished: float, swings: list[Swing], corners: Sequence[float] = ()) -> None:
+        self.end, self.number, self.corners = end, wished, corners or (end,)
         if not swings:
             self.times = self.fractions = np.zeros(0)
             return
@@ -108,8 +109,12 @@ class TimePath:
         return fraction * self.end if even else float(np.interp(fraction, self.fractions, self.times))
 
     def stop(self, time: float) -> float:
-        """The end: forces in time have no corner that inertia would not round off."""
-        return self.end
+        """The next corner after a time [s], or the end."""
+        return _next(self.corners, time)
+
+
+def _next(corners: Sequence[float], time: float) -> float:
+    return next((corner for corner in corners if corner > time + NEARLY * corners[-1]), corners[-1])
 
 
 def rate_dependent(model: Model) -> list[str]:

@@ -11,7 +11,7 @@ from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step, StepSta
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.loading.held_bodies import hold, loose_motions
 from contactlab.model.timing import A_PERIOD
-from contactlab.run.load_path import LoadPath, TimePath
+from contactlab.run.load_path import LoadPath, TimePath, corners
 from contactlab.run.schedule import Schedule
 from contactlab.run.swings import Swing, frame_warnings, step_warnings
 
@@ -33,7 +33,7 @@ NEARLY = 1e-9  # of a step: differences below it are round-off
 class LoadSchedule(Schedule):
     """Equal steps as long as they converge. A failed step is cut and tried again from the same state.
 
-    Without inertia steps are equal parts of the loading (`LoadPath`) that end where it turns a corner, unless the scene
+    Without inertia steps end where the loading turns a corner, and are equal parts of it (`LoadPath`) unless the scene
     fixes their length; otherwise of time. `wished` and `part` are the wished and the present step as fractions of the
     whole. Where the end does not depend on the loading path and the integrator nests, steps go from corner to corner at
     once (`part` is 1), until one of them fails.
@@ -53,7 +53,8 @@ class LoadSchedule(Schedule):
         else:
             if chosen and self.timing.end is None:
                 number = max(number, A_PERIOD * total / self.timing.period)
-            self.path = TimePath(total, number, self.swings if chosen else [])
+            ends = () if integrator.inertia else corners(self.scene, self.timing, self.swings)
+            self.path = TimePath(total, number, self.swings if chosen else [], ends)
             number = self.path.number
         self.wished = 1.0 / number if self.fixed is None else self.fixed / total
         self.each_way = number / length if statics else 0.0

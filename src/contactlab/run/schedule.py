@@ -75,7 +75,8 @@ class Schedule:
         if self.timing.end is None:
             return dt
         rest = self.timing.end - self.state.time
-        return rest / max(1, -int(-rest // dt)) if rest > 0.0 else dt
+        # less than half a step is round-off of the last one, which `_reached` passes over
+        return rest / max(1, -int(-rest // dt)) if rest > 0.5 * dt else dt
 
     def adapt(self) -> None:
         """Shorten the step when the stable one has become shorter."""

@@ -57,7 +57,8 @@ def swings_of(scene: Scene, timing: Timing) -> list[Swing]:
                     for a, b in pairwise(turns)]  # fmt: skip
             shortest = min((last - first) / share for (first, last), share in ways if share > LARGE)
             large = np.array([way for way, share in ways if share > LARGE])
-            found.append(Swing(key, _refined(times, values, turns), large, float(shortest)))
+            at = times[turns] if course.function is None else _refined(times, values, turns)
+            found.append(Swing(key, at, large, float(shortest)))
     return found
 
 
