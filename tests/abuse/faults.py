@@ -1,6 +1,9 @@
 """Kills at random moments, full disks and damaged files: what is stored must be whole, or said not to be.
 
-    python tests/abuse/faults.py [--kills N] [--comparisons N] [--disks N] [--damages N] [--seed S]
+    python tests/abuse/faults.py [--kills N] [--early N] [--disks N] [--full N] [--comparisons N] [--damages N]
+
+early  signals to the program in its first seconds; disks limits of the size of a file; full disks that are full, and
+limits, with the default recorders
 
 Prints the seed and a table; exit status 1 where a number came back that was not stored, or a traceback.
 """
@@ -11,6 +14,7 @@ import argparse
 import json
 import os
 import random
+import resource
 import shutil
 import signal
 import subprocess
@@ -47,7 +51,20 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "implicit-dynamics, plasticity": {**IMPLICIT, **PLASTIC},
 }
 TABLES = ("history.csv", "contact.csv", "iterations.csv")
-GOOD = ("same", "killed too early or too late", "as before", "told", "told, some salvaged", "full, then same")
+GOOD = (
+    "same",
+    "killed too early or too late",
+    "as before",
+    "told",
+    "told, some salvaged",
+    "full, then same",
+    "refused",
+)
+SIGNALS = (signal.SIGKILL, signal.SIGKILL, signal.SIGTERM, signal.SIGINT, signal.SIGHUP)
+FIRST = 2.0  # s
+HANG = 300.0  # s of a machine that may be busy
+WHOLE_RUN = {key: value for key, value in SMALL.items() if key != "record.recorders"}
+"""With the default recorders."""
 
 
 def kill(fork_server: ForkServer, scene: Any, whole: Path, cpu: float, folder: Path, chance: random.Random) -> str:
@@ -101,6 +118,85 @@ def fill_disk(fork_server: ForkServer, scene: Any, whole: Path, folder: Path, ch
     return _compared(whole, folder, "full, then same")
 
 
+def program(whole: Path, folder: Path, *more: str) -> list[str]:
+    """The words that run the scene beside `whole` into `folder`."""
+    scene = str(whole.with_name("scene.toml"))
+    return [sys.executable, "-P", "-m", "contactlab", "run", scene, "--out", str(folder), "--quiet", *more]
+
+
+def stop_early(whole: Path, folder: Path, chance: random.Random) -> str:
+    """Send a signal to the program within its first seconds, run it again, and compare everything."""
+    sent, shell = chance.choice(SIGNALS), {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    process = subprocess.Popen(program(whole, folder), text=True, **shell)  # type: ignore[call-overload]
+    time.sleep(chance.uniform(0.0, FIRST))
+    process.send_signal(sent)
+    told, _ = process.communicate(timeout=HANG)
+    ended = process.returncode
+    if "Traceback" in told or "Exception ignored" in told:
+        return f"{sent.name}: {told[-500:]}"
+    # the interpreter itself does not listen in its first tenth of a second
+    if sent != signal.SIGKILL and ended not in (130, -sent) and not (ended == 1 and sent == signal.SIGINT):
+        return f"{sent.name} swallowed: status {ended}"
+    time.sleep(0.5)  # for the process that tells of a death
+    anew = [] if not (folder / "results.vtkhdf").exists() and chance.random() < 0.5 else ["--resume"]
+    again = subprocess.run(program(whole, folder, *anew), capture_output=True, text=True, check=False, timeout=HANG)
+    if again.returncode:
+        return f"{sent.name} {ended}: not taken up {anew}: {again.stderr[-300:]}"
+    return _compared(whole, folder, "same")
+
+
+def fill_whole_disk(whole: Path, folder: Path, chance: random.Random) -> str:
+    """Run on a disk that is too small, or with a limit of file size, with the default recorders; then with room."""
+    size = sum(path.stat().st_size for path in whole.iterdir())
+    largest = max(path.stat().st_size for path in whole.iterdir())
+    share, mounted = chance.uniform(0.05, 1.0), hasattr(os, "geteuid") and os.geteuid() == 0 and chance.random() < 0.5
+    limit: Any = None
+    folder.mkdir()
+    if mounted:
+        words = ["mount", "-t", "tmpfs", "-o", f"size={int(share * size)}", "tmpfs", str(folder)]
+        mounted = subprocess.run(words, check=False, capture_output=True).returncode == 0
+    if not mounted:
+        most = int(share * largest)
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most))  # noqa: E731
+    try:
+        out = folder / "run"
+        words = program(whole, out)
+        first = subprocess.run(words, capture_output=True, text=True, check=False, timeout=HANG, preexec_fn=limit)
+        told = first.stdout + first.stderr
+        if "Traceback" in told or first.returncode not in (0, 1, 2):
+            return f"{'disk' if mounted else 'limit'} of {share:.2f}: status {first.returncode}: {told[-600:]}"
+        if mounted:
+            subprocess.run(["mount", "-o", f"remount,size={4 * size}", str(folder)], check=True)
+        if first.returncode != 2 or out.exists():
+            again = subprocess.run([*words, "--resume"], capture_output=True, text=True, check=False, timeout=HANG)
+            if again.returncode:
+                return f"{'disk' if mounted else 'limit'} of {share:.2f}: not taken up: {again.stderr[-400:]}"
+            return _compared(whole, out, "full, then same")
+        return "refused"
+    except subprocess.TimeoutExpired:
+        return f"{'disk' if mounted else 'limit'} of {share:.2f}: hangs"
+    finally:
+        if mounted:
+            subprocess.run(["umount", str(folder)], check=True)
+
+
+def of_program(number: int, root: Path, tried: Any, chance: random.Random, say: Any) -> Counter[str]:
+    """What comes of so many tries of the program, with the default recorders."""
+    counts: Counter[str] = Counter()
+    if number:
+        whole = root / "program"
+        (root / "scene.toml").write_text(contactlab.load_scene("disc-on-block").with_(WHOLE_RUN).toml())
+        if not whole.exists():
+            subprocess.run(program(whole, whole), check=True)
+    for count in range(number):
+        came = tried(whole, root / "try", chance)
+        counts[came if came in GOOD else "wrong"] += 1
+        if came not in GOOD:
+            say(f"{tried.__name__} {count}: {came}")
+        shutil.rmtree(root / "try", ignore_errors=True)
+    return counts
+
+
 def _compared(whole: Path, folder: Path, good: str) -> str:
     if not same(everything(folder), everything(whole)):
         return "other numbers"
@@ -126,7 +222,15 @@ def comparisons(number: int, root: Path, chance: random.Random) -> Counter[str]:
 def main() -> int:
     """Do it, and print what came of it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    for name, number in (("kills", 290), ("comparisons", 10), ("disks", 20), ("damages", 300), ("seed", 1)):
+    for name, number in (
+        ("kills", 80),
+        ("early", 20),
+        ("comparisons", 10),
+        ("disks", 20),
+        ("full", 20),
+        ("damages", 400),
+        ("seed", 1),
+    ):
         parser.add_argument(f"--{name}", type=int, default=number)
     asked = parser.parse_args()
     print(f"seed {asked.seed}", flush=True)
@@ -162,6 +266,9 @@ def main() -> int:
             shutil.rmtree(folder)
         print(kind, dict(counts[kind]), flush=True)
     fork_server.close()
+    for kind, number, tried in (("early", asked.early, stop_early), ("full", asked.full, fill_whole_disk)):
+        counts[kind] = of_program(number, root, tried, chance, print)
+        print(kind, dict(counts[kind]), flush=True)
     counts["comparisons"] = comparisons(asked.comparisons, root, chance)
     print("comparisons", dict(counts["comparisons"]), flush=True)
     shutil.rmtree(root)

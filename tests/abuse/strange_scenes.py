@@ -1,92 +1,185 @@
-"""Scenes with one, two or three keys changed: mildly, to another part, or to something strange."""
+"""Scenes, and what stands beside them, as strangers write them: keys by the schema, damaged text, words, side files."""
 
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+from made_up import entry, places, strange, value, wide_number
+from strange_meshes import strange_mesh
+
+from contactlab.commands.common import parse_settings
 from contactlab.model import sizes
-from contactlab.scene.scene import load_scene
+from contactlab.scene.scene import Scene, bundled_scenes, load_scene
+from contactlab.scene.toml_text import write_toml
 
-SMALL = {
-    "bodies.disc.mesh.cells": [6, 2], "bodies.block.mesh.cells": [8, 2], "time.end": 2e-6, "record.frames": 2,
-    "record.recorders": [],
-}  # fmt: skip
-STATIC = {**SMALL, "integrator": {"use": "newton", "steps": 24}, "time.end": 1.0, "supports.1.uy.to": -0.01}
-COULOMB = {"use": "coulomb", "mu": 0.2}
-BASES: dict[str, dict[str, Any]] = {
-    "explicit": SMALL,
-    "friction": {**SMALL, "contacts.0.friction": COULOMB},
-    "segments, plasticity": {
-        **SMALL, "contacts.0.algorithm": "node-on-segment",
-        **{f"materials.soft.{key}": value for key, value in {
-            "use": "power-law", "strength": 348.0, "prestrain": 0.02, "exponent": 0.03,
-        }.items()},
-    },
-    "quadratic": {
-        **SMALL, "bodies.disc.element": "q2", "bodies.block.element": "q2-lagrange",
-        "contacts.0.algorithm": "mortar-p1",
-    },
-    "newton": STATIC,
-    "newton, friction": {**STATIC, "contacts.0.friction": COULOMB},
-    "implicit-dynamics": {**SMALL, "integrator": {"use": "implicit-dynamics", "steps": 24}, "time.end": 2e-6},
-}  # fmt: skip
-WEIGHTS = {"newton": 1, "newton, friction": 1, "implicit-dynamics": 1}  # others 3: a run of theirs costs a quarter
-STRANGE: list[Any] = [
-    0, -1, 1, 2, 3, 7, 10**9, 0.0, -0.0, 1e-300, 1e300, -1e-3, 0.1, 0.3, 0.4999, 0.5, 1.0, float("nan"), float("inf"),
-    "", "x", "auto", "q1", "q2", "mortar-p1", "node-on-segment", "disc.arc", "block.top", "block.bottom", True, False,
-    [], [0], [1, 1], [0.0, 1.0], [1.0, 0.0], [[0.0, 0.0], [1.0, 1.0]], {}, {"use": "nothing"}, "\u0000", "ü" * 50,
-]  # fmt: skip
-FACTORS = (0.5, 0.9, 1.1, 2.0, 1e-6, 1e6, -1.0)
-MILD = (0.7, 0.9, 0.98, 1.02, 1.1, 1.3)
-
-
-def keys(data: Any, place: str = "") -> Iterator[tuple[str, Any]]:
-    """All dotted keys of a scene and what they hold."""
-    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list | tuple) else ()
-    for name, value in items:
-        inner = f"{place}.{name}" if place else str(name)
-        yield inner, value
-        yield from keys(value, inner)
+BRIEF = {"record.recorders": [], "record.frames": 2}
+KINDS: dict[str, dict[str, Any]] = {
+    "explicit": {"bodies.disc.mesh.cells": [6, 2], "bodies.block.mesh.cells": [8, 2], "time.end": 2e-6},
+    "quadratic": {"bodies.disc.element": "q2", "bodies.block.element": "q2-lagrange"},
+    "newton": {"integrator": {"use": "newton", "steps": 24}, "time.end": 1.0, "supports.1.uy.to": -0.01},
+    "implicit-dynamics": {"integrator": {"use": "implicit-dynamics", "steps": 24}, "time.end": 2e-6},
+}
+"""Kinds of disc-on-block that no bundled scene is."""
+CHARACTERS = "[]{}\"'#=.,\n\t\\ 0123456789eE+-_axu\u00e9\u200b\x00\x1b\ufeff"
+NUMBERS = (
+    "9" * 4301,
+    "1e999",
+    "0x" + "f" * 300,
+    "-0",
+    "1_0",
+    "+nan",
+    "00",
+    "1e-999",
+    "2026-01-01",
+    "1979-05-27T07:32:00Z",
+)
+CELLS = ("", "x", "nan", "-inf", "1e999", "9" * 4301, "1,2", "#", '"', "\x00")
+SIDE_FILES = ("ramp", "profile", "mesh file")
 
 
 class Scenes:
-    """The scenes that are changed, and their keys."""
+    """The scenes that are changed; a base is a bundled scene, or one of `KINDS`."""
 
-    def __init__(self, names: tuple[str, ...] = tuple(BASES)) -> None:
-        self.bases = {name: load_scene("disc-on-block").with_(BASES[name]) for name in names}
-        self.weights = [WEIGHTS.get(name, 3) for name in names]
-        self.places = {name: list(keys(base.data)) for name, base in self.bases.items()}
-        self.numbers = {name: [(k, v) for k, v in places if _number(v)] for name, places in self.places.items()}
+    def __init__(self, few: bool) -> None:
+        disc = load_scene("disc-on-block").with_({**BRIEF, **KINDS["explicit"]})
+        self.bases: dict[str, Scene] = {"explicit": disc}
+        if not few:
+            self.bases |= {name: disc.with_(changes) for name, changes in KINDS.items()}
+            self.bases |= {name: load_scene(name).with_(BRIEF) for name in bundled_scenes()}
+        self.texts = {name: write_toml(base.data) for name, base in self.bases.items()}
+        self.names = list(self.bases)
 
-    def wrong(self, chance: random.Random) -> tuple[str, dict[str, Any]]:
-        """A base and one or two changes, most of them wrong."""
-        (name,) = chance.choices(list(self.bases), self.weights)
-        chosen = chance.sample(self.places[name], chance.choice((1, 1, 2)))
-        return name, {place: changed(value, chance) for place, value in chosen}
+    def base(self, chance: random.Random) -> tuple[str, Scene]:
+        """Any base."""
+        name = chance.choice(self.names)
+        return name, self.bases[name]
+
+    def keys(self, chance: random.Random) -> tuple[str, dict[str, Any]]:
+        """A base and one to three keys that the schema has, or that the scene has."""
+        name, base = self.base(chance)
+        changes = {}
+        for _ in range(chance.choice((1, 1, 2, 3))):
+            if chance.random() < 0.75:
+                place, new = entry(base.data, chance)
+            else:
+                place, new = chance.choice(list(places(base.data))), nearly(base, chance)
+            changes[place] = new
+        return name, changes
+
+    def mild(self, chance: random.Random) -> tuple[str, dict[str, Any]]:
+        """A base and a number or two that are a little off: most of these run."""
+        name, base = self.base(chance)
+        numbers = {p: at(base.data, p) for p in places(base.data)}
+        chosen = chance.sample([p for p, v in numbers.items() if type(v) is float and v], 2)
+        return name, {place: numbers[place] * chance.choice((0.7, 0.95, 1.04, 1.3)) for place in chosen}
 
     def large(self, chance: random.Random, machine: float) -> tuple[str, dict[str, Any]]:
         """A base at a level at which it takes from a tenth of the machine's memory to more than it has."""
-        (name,) = chance.choices(list(self.bases), self.weights)
-        base, level, wanted = self.bases[name], 1, chance.uniform(0.1, 1.3) * machine
+        name, base = self.base(chance)
+        level, wanted = 1, chance.uniform(0.1, 1.3) * machine
         while sizes.estimated_bytes(base.with_({"level": level}), base.registry) < wanted:
             level += 1
         return name, {"level": level}
 
-    def mild(self, chance: random.Random) -> tuple[str, dict[str, Any]]:
-        """A base and one to three numbers that are a little off: most of these run."""
-        (name,) = chance.choices(list(self.bases), self.weights)
-        chosen = chance.sample(self.numbers[name], chance.choice((1, 2, 3)))
-        return name, {place: type(value)(value * chance.choice(MILD)) for place, value in chosen}
+    def text(self, folder: Path, chance: random.Random) -> Path:
+        """A file of a scene whose text, or bytes, were tampered with one to four times."""
+        text = self.texts[self.base(chance)[0]]
+        for _ in range(chance.choice((1, 1, 2, 4))):
+            text = tampered(text, chance)
+        content = text.encode("utf-8", "surrogatepass")
+        if chance.random() < 0.1 and content:
+            spot = chance.randrange(len(content))
+            content = content[:spot] + chance.randbytes(chance.choice((1, 4))) + content[spot:]
+        if chance.random() < 0.03:
+            content = text.encode(chance.choice(("utf-16", "latin-1", "utf-8-sig")), "replace")
+        path = folder / "scene.toml"
+        path.write_bytes(content)
+        return path
+
+    def words(self, chance: random.Random) -> tuple[str, dict[str, Any]]:
+        """A base and what one or two words after `--set` come to. Raises RequestError."""
+        name, base = self.base(chance)
+        words = []
+        for _ in range(chance.choice((1, 1, 2))):
+            place, new = (
+                entry(base.data, chance) if chance.random() < 0.5 else (chance.choice(list(places(base.data))), 0)
+            )
+            shown = chance.choice((repr(new), str(new), "", *NUMBERS))
+            word = f"{place}={shown}" if chance.random() < 0.9 else place
+            words.append(tampered(word, chance) if chance.random() < 0.4 else word)
+        return name, parse_settings(words)
+
+    def beside(self, folder: Path, chance: random.Random) -> tuple[str, dict[str, Any]]:
+        """A base that takes a file that was made by a stranger."""
+        kind = chance.choice(SIDE_FILES)
+        if kind == "mesh file":
+            return "explicit", strange_mesh(folder, chance)
+        path = str(table_file(folder, chance))
+        if kind == "ramp":
+            return "explicit", {"supports.1.uy": {"ramp": "table", "to": -0.01, "file": path}}
+        return "explicit", {"loads": [{"on": "disc.top", "pressure": 1.0, "profile": {"file": path}}]}
 
 
-def _number(value: Any) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool)
+def at(data: Any, place: str) -> Any:
+    """What stands at a dotted key."""
+    for name in place.split("."):
+        data = data[name] if isinstance(data, Mapping) else data[int(name)]
+    return data
 
 
-def changed(value: Any, chance: random.Random) -> Any:
-    """A strange value, or the present one a little or much off."""
-    if _number(value) and chance.random() < 0.6:
-        return type(value)(value * chance.choice(FACTORS))
-    return chance.choice(STRANGE)
+def nearly(base: Scene, chance: random.Random) -> Any:
+    """What stands somewhere else in the scene, or anything."""
+    if chance.random() < 0.5:
+        return at(base.data, chance.choice(list(places(base.data))))
+    return value({"type": "number"}, chance) if chance.random() < 0.3 else strange(chance)
+
+
+def tampered(text: str, chance: random.Random) -> str:
+    """The text with one thing changed."""
+    lines, spot = text.splitlines(keepends=True), chance.randrange(len(text) + 1)
+    kind = chance.choice(("insert", "delete", "repeat", "line", "swap", "number", "cut", "deep", "join"))
+    if kind == "insert":
+        return text[:spot] + "".join(chance.choices(CHARACTERS, k=chance.choice((1, 2, 9)))) + text[spot:]
+    if kind == "delete":
+        return text[:spot] + text[spot + chance.choice((1, 3, 30)) :]
+    if kind == "repeat":
+        return text[:spot] + text[max(0, spot - 40) :]
+    if kind == "number":
+        begin = next((n for n in range(spot, len(text)) if text[n].isdigit()), len(text))
+        end = next((n for n in range(begin, len(text)) if not (text[n].isdigit() or text[n] in ".eE-")), len(text))
+        new = chance.choice((*NUMBERS, str(chance.randrange(-3, 50)), repr(wide_number(chance))))
+        return text[:begin] + new + text[end:]
+    if kind == "cut":
+        return text[:spot]
+    if kind == "deep":
+        depth = chance.choice((3, 200, 20_000))
+        return text[:spot] + chance.choice(("[", "{a=", "a.", '"')) * depth + text[spot:]
+    if len(lines) < 2:
+        return text * 2
+    a, b = chance.randrange(len(lines)), chance.randrange(len(lines))
+    if kind == "swap":
+        lines[a], lines[b] = lines[b], lines[a]
+    elif kind == "line":
+        lines.insert(a, lines[b])
+    else:
+        del lines[a]
+    return "".join(lines)
+
+
+def table_file(folder: Path, chance: random.Random) -> Path:
+    """A file of two columns of numbers, right or wrong in some way."""
+    path = folder / chance.choice(("table.csv", "table.txt", "table.csv.gz", "tablé.csv", "table"))
+    rows = [[repr(number * 1e-7), repr(chance.random())] for number in range(chance.choice((0, 1, 2, 3, 20)))]
+    for _ in range(chance.choice((0, 1, 1, 2))):
+        if rows:
+            row = chance.choice(rows)
+            row[chance.randrange(len(row))] = chance.choice(
+                ("", "x", "nan", "-inf", "1e999", "9" * 4301, "1,2", "#", '"', "\x00")
+            )
+    between = chance.choice((",", ",", ",", ";", " ", "\t"))
+    content = "\n".join(between.join(row) for row in rows)
+    path.write_bytes(content.encode() if chance.random() < 0.85 else chance.randbytes(chance.choice((0, 1, 300))))
+    return path

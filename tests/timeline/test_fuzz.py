@@ -1,4 +1,4 @@
-"""Some hundred scenes, mesh files and stored runs that are wrong or strange; `make fuzz` tries ten thousand."""
+"""Some hundred scenes, files, words, calls and stored runs that are wrong or strange; `make fuzz` tries 15 000."""
 
 from __future__ import annotations
 
@@ -24,11 +24,10 @@ def test_what_is_wrong_or_strange_works_or_is_refused_in_words() -> None:
     counts = tried["counts"]
     came = {kind: sum(counts[kind].values()) for kind in counts}
     assert sum(came.values()) == CASES
-    assert min(came.values()) >= 3
+    assert min(came.values()) >= 2
     assert counts["large scene"].get("ran", 0) > 0
     used = tried["used"]["large scene"]
     assert max(used) > 0.4  # the estimate is a bound, and no wild guess
     assert counts["mild scene"].get("past 20 steps", 0) >= 5
-    assert counts["wrong scene"].get("refused", 0) >= CASES // 4
-    assert counts["mesh file"].get("refused", 0) >= CASES // 30
-    assert counts["stored run"].get("as before", 0) < came["stored run"]
+    for kind in ("keys", "text", "words", "program", "call", "file beside"):
+        assert counts[kind].get("refused", 0) >= came[kind] // 3

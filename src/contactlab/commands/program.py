@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import atexit
 import contextlib
+import errno
 import gc
 import os
 import sys
@@ -44,6 +45,12 @@ def run_program(arguments: Sequence[str] | None) -> int:
         # the reader of our output has gone; there is nobody left to tell
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+    except OSError as error:
+        if error.errno != errno.ENAMETOOLONG:
+            raise
+        told = RequestError("no file can have this name", where=words[0], got=error.filename, allowed="up to 255 bytes")
+        print(f"contactlab: {told}", file=sys.stderr)
+        return told.exit_status
     return status
 
 

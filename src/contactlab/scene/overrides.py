@@ -79,7 +79,7 @@ def _set(data: dict[str, Any], path: list[str], value: object, is_part: Callable
         holder = _step(holder, name, path[: depth + 1])
     key = ".".join(path)
     old = holder.get(path[-1]) if isinstance(holder, dict) else None
-    if value == "none" and is_part(key):
+    if isinstance(value, str) and value == "none" and is_part(key):
         value = None
     elif isinstance(value, str) and isinstance(old, dict) and is_part(key):
         value = switch(key, old, value)

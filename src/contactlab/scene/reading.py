@@ -66,6 +66,7 @@ def _refused(cls: type, message: str, values: Mapping[str, Any], where: Where) -
     at, got = below(where, match["name"]), values.get(keys_of(cls)[match["name"]].name, NOTHING)
     if match["other"]:
         return _told(match["other"], at, got)
+    got = match["got"] if got is NOTHING else got
     return SceneError("this value is not allowed", where=at, got=got, allowed=match["allowed"])
 
 
