@@ -111,15 +111,17 @@ master = "die"
 algorithm = "mortar-p0"
 friction = { use = "coulomb", mu = 0.5 }
 """
+MORTARS = ("mortar-p0", "mortar-p1")
 BY_A_ROUGH_DIE = UPSETTING.replace(UPSETTING[UPSETTING.rindex("[[supports]]") : UPSETTING.index("[record]")], DIE)
 
 
 def test_sides_of_a_sharp_corner_fold_onto_a_rough_die(tmp_path: Path) -> None:
     """They lie on it, hold, and press as hard as single nodes do: on a flat die both have the same conditions."""
     force = {}
-    for algorithm in ("mortar-p0", "mortar-p1", "node-on-segment"):
+    for algorithm in (*MORTARS, "node-on-segment"):
         changes = {"bodies.block.mesh.cells": [4, 6], "bodies.block.element": "q1-fbar", "time.ramp": 5e-4,
-                   "time.hold": 1e-3, "time.damping": 2e4, "contacts.0.algorithm": algorithm}  # fmt: skip
+                   "time.hold": 1e-3, "time.damping": 2e4, "contacts.0.algorithm": algorithm,
+                   "integrator.forces": "frozen"}  # fmt: skip
         results = run(tmp_path, BY_A_ROUGH_DIE, changes)
         y = 15.0 - (results.nodes + results.displacement)[:, 1] - 8.0
         side = np.isclose(results.nodes[:, 0], 10.0) & (results.nodes[:, 1] < 14.9)
@@ -128,9 +130,10 @@ def test_sides_of_a_sharp_corner_fold_onto_a_rough_die(tmp_path: Path) -> None:
         assert y.min() > -2.5e-3
         assert results.summary["balance"]["ledger_error"] < 1e-10  # round-off of the bookkeeping
         force[algorithm] = results.summary["reactions"]["die"][1]
-    # what is left is the lean below which normals of the slave stay: at most 12 degrees, at one of eight nodes
-    assert force["mortar-p0"] == pytest.approx(force["node-on-segment"], rel=0.02)
-    assert force["mortar-p1"] == pytest.approx(force["node-on-segment"], rel=0.02)
+        # consistent forces keep overlaps that come in a jump as a side folds over, and frozen ones make energy of it
+        assert ("contact-energy" in {warning.code for warning in results.warnings}) == (algorithm in MORTARS)
+    assert force["mortar-p0"] == pytest.approx(force["node-on-segment"], rel=0.03)
+    assert force["mortar-p1"] == pytest.approx(force["node-on-segment"], rel=0.01)
 
 
 def test_taylor_bar_locks_without_averaged_dilatation(tmp_path: Path) -> None:

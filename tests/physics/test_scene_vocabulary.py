@@ -102,9 +102,9 @@ def test_a_moving_rigid_surface_presses_as_its_table_says(algorithm: str) -> Non
     )
     for time, force in ((0.02, -10.0), (0.04, -5.0)):
         run.until(time)
-        # damped by exp(-1e4 t/2) for 0.01 s
-        assert run.force_on("block") == pytest.approx([0.0, force], abs=1e-9)
-        assert run.model.reactions()["plate"][1] == pytest.approx(force, abs=1e-9)
+        # damped by exp(-1e4 t/2) for 0.01 s; consistent forces keep overlaps that solves leave, 1e-10 of a segment each
+        assert run.force_on("block") == pytest.approx([0.0, force], abs=1e-7)
+        assert run.model.reactions()["plate"][1] == pytest.approx(force, abs=1e-7)
 
 
 @pytest.mark.parametrize("algorithm", MORTARS)
@@ -141,9 +141,13 @@ def test_two_masters_and_a_chain_of_graded_bodies_carry_a_uniform_pressure(algor
         assert pressure == pytest.approx(np.full(len(pressure), 1000.0 * 0.02 / 3.0), rel=1e-8)
 
 
-def test_nodes_beside_the_end_of_a_master_are_held_within_two_per_cent() -> None:
-    """Blocks of one width spread differently under load: their ends must not lose each other by that."""
-    for beyond, held in ((0.0, True), (1e-6, True), (0.015, True), (0.05, False)):
+def test_nodes_beside_the_end_of_a_master_are_held() -> None:
+    """Blocks of one width spread differently under load: their ends must not lose each other by that.
+
+    A node up to two per cent of a segment beyond is held itself, and takes its share of what the end of the master
+    presses on its segment from there on.
+    """
+    for beyond in (0.0, 1e-6, 0.015, 0.05, 0.3):
         run = WatchedRun(
             scene(
                 {
@@ -157,4 +161,4 @@ def test_nodes_beside_the_end_of_a_master_are_held_within_two_per_cent() -> None
         )
         run.step()
         end = int(np.argmax(run.model.reference[:, 0] - run.model.reference[:, 1] ** 2 * 100.0))
-        assert (run.state["contact_force"][end, 1] > 0.0) == held
+        assert run.state["contact_force"][end, 1] > 0.0

@@ -257,7 +257,7 @@ def test_gaps_are_those_of_the_contact_curves(run: Results, reader: Reader) -> N
         if len(drawn) == covered.sum():
             gaps += list(gap[covered])
             heights += list(drawn[:, 1])
-    apart, overlap = np.array(gaps) > 1e-4, np.array(gaps) < -1e-6
+    apart, overlap = np.array(gaps) > 1e-4, np.array(gaps) < -1e-7  # the facets' overlap of the start, let go slowly
     assert apart.sum() > 20
     assert np.corrcoef(np.log10(np.array(gaps)[apart]), np.array(heights)[apart])[0, 1] > 1.0 - 1e-6
     assert overlap.any()
@@ -666,7 +666,9 @@ def test_colours_of_algorithms_are_those_of_the_report() -> None:
 
 
 def test_failed_run_says_so_at_its_end(tmp_path: Path) -> None:
-    diverging = load_scene("vertex-to-vertex").with_({"contacts.0.algorithm": "node-on-segment", **BOTH})
+    diverging = load_scene("vertex-to-vertex").with_(
+        {"contacts.0.algorithm": "node-on-segment", "integrator.forces": "frozen", **BOTH}
+    )
     run = simulate(diverging, tmp_path / "run")
     assert run.status == "diverged"
     read = Reader(tmp_path / "run" / FILE)

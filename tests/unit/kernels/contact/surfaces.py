@@ -84,9 +84,12 @@ def columns_of(seed: int = 1) -> tuple[BandedRows, Floats, Coupling, Floats]:
 
 
 def central_differences(pair: Any, memory: Any, nodes: Floats, move: Floats, slots: Ints) -> Floats:
-    """Change (k,) of the gaps in `slots` (k,) with a motion `move` (N, 2) of `nodes` (N, 2)."""
+    """Change (k,) of the gaps in `slots` (k,) with a motion `move` (N, 2) of `nodes` (N, 2), to fourth order.
+
+    Normals of ends that lean turn by 200 rad per unit of motion, which differences of second order follow to 1e-8.
+    """
     gaps = []
-    for step in (H, -H):
+    for step in (H, -H, 2.0 * H, -2.0 * H):
         pair.update(nodes + step * move, memory)
         gaps.append(pair.gaps[slots, 0].copy())
-    return np.asarray((gaps[0] - gaps[1]) / (2.0 * H))
+    return np.asarray((8.0 * (gaps[0] - gaps[1]) - (gaps[2] - gaps[3])) / (12.0 * H))
