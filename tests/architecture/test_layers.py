@@ -33,8 +33,7 @@ LAYERS = (
     ("accuracy", "matrix"),
     ("reports",),
     ("comparison",),
-    ("testing", "laboratory"),
-    ("testing", "prices", "commands", "cli", "__main__"),
+    ("testing", "prices", "commands", "laboratory", "cli", "__main__"),
 )
 
 
