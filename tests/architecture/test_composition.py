@@ -188,8 +188,9 @@ def check_modules(said: Explanation, run: dict[str, Any]) -> None:
 
 def check_arrays(said: Explanation, run: dict[str, Any]) -> None:
     """NumPy's own count of what is allocated in the middle of a run against the list."""
-    # not listed: tables of classes that all runs share; and stored curves differ by a frame: about 5 kB each
-    assert abs(run["bytes"] - said.scene.array_bytes) <= 0.02 * said.scene.array_bytes + 10_000
+    # not listed: tables of classes that all runs share; stored curves differ by a frame, about 5 kB each; and rows of
+    # consistent forces find their room when surfaces meet, after the steps of a trial: some 20 kB for 20 multipliers
+    assert abs(run["bytes"] - said.scene.array_bytes) <= 0.02 * said.scene.array_bytes + 30_000
 
 
 def dead(scene: Scene) -> bool:

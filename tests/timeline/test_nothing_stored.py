@@ -77,4 +77,5 @@ def test_a_run_without_files_does_no_work_for_them(tmp_path: Path) -> None:
     steps = "contactlab.model.bound_integrator"
     assert found["long"][steps] - found["short"][steps] >= MORE  # the steps themselves are counted
     assert all(found["bits"].values())
-    assert found["arrays"] == found["stored arrays"]
+    # rows that frames with files look at may come on top
+    assert not [array for array in found["arrays"] if array not in found["stored arrays"]]
