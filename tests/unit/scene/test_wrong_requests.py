@@ -88,7 +88,7 @@ WRONG = {
     "step beyond the limit": edit('end = "auto"', 'end = "auto"\nfraction = 1.5', "key time.fraction", "<= 1"),
     "step beyond the end": edit('end = "auto"', "end = 1e-6\nstep = 1e-5", "key time.step", "1e-05"),
     "no frames": edit("frames = 50", "frames = 0", "key record.frames", ">= 1"),
-    "no integrator": edit('[integrator]\nuse = "central-difference"\n', "", '"integrator" is missing', at=""),
+    "no integrator": edit('[integrator]\nuse = "central-difference"\nforces = "frozen"', "", '"integrator" is missing', at=""),
     "velocity of three numbers": edit('element = "q1"', 'element = "q1"\nvelocity = [0, 0, 0]', "key bodies.disc.velocity"),
     "name with a dot": edit("[bodies.disc]", '[bodies."disc.1"]', "not a usable name", at=""),
     "broken table": edit("[time]", "[time", "no TOML"),

@@ -182,7 +182,7 @@ class NewtonIteration:
     def _share_to_stick(self, du: Floats) -> float:
         """Share of a motion that takes back the slip of the first condition that slips: all did, and none held."""
         contact, slips = self.trial.contact, np.flatnonzero(self.trial.response.status == SLIP).astype(np.int32)
-        if contact is None or not len(slips):
+        if contact is None or not len(slips) or not len(contact.conditions.slip):  # no conditions, or no friction
             return 1.0
         slip, change = contact.conditions.slip[slips], contact.linearise(slips).slip @ du
         back = slip * change < 0.0
