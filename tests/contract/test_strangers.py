@@ -28,11 +28,12 @@ CHECKS = Path(contactlab.__file__).parent / "data" / "checks"
 FRICTION = ["--with", "my_friction.py", "--set", "contacts.0.friction=slip-limit"]
 MORE = "mortar-p1, gauss-mortar, node-on-segment, closest-point"
 OTHERS = ["--set", "integrator=plain-leapfrog"]
+FROZEN = ["--set", 'contacts.0.enforcement={use="forward-increment", forces="frozen"}']  # those of the shipped scene
 OF_PAGE = {  # commands of the page by how they begin, and what is added: where files go, who else joins, one process
     "contactlab parts --with": [],
     "contactlab run disc-on-block --with": ["--out", "slip"],
     "contactlab run disc-on-block --set contacts.0.algorithm": ["--out", "three"],
-    "contactlab run disc-on-block --set integrator": ["--out", "leapfrog"],
+    "contactlab run disc-on-block --set integrator": [*FROZEN, "--out", "leapfrog"],
     "contactlab compare": [*FRICTION, *OTHERS, "--out", "beside", "--jobs", "1"],
     "contactlab matrix": ["--jobs", "1"],
     "contactlab explain": [*FRICTION, *OTHERS],
