@@ -19,30 +19,18 @@ from contactlab.cases.run_case import evaluated, run_case
 from contactlab.cases.verdict import Finding, judge
 from contactlab.parts.registry import default_registry
 
-SAW, INTEGRAL = "saw-tooth of the pressure", "resultant against integral of the pressure"
+SAW = "saw-tooth of the pressure"
 COARSE = "the die presses on a few segments of the foundation, with peaks at its edges; the run warns of it"
-RIM = "segments that a rim covers in part are shown on whole ones; the run warns of it"
-APEX = "the pressure grows as a logarithm to the apex, and multipliers beside it swing: less so on finer meshes"
 FEW = "seven nodes of the anvil carry the billet: multipliers swing at its edge; on half the segments they do not"
-OVERLAP = "overlaps of pressed nodes times their forces over the work of the stresses"
-INSTANT = "segments of the billet come within reach of a coarser tool in an instant, and gaps jump; the run warns of it"
 NOT_MET: dict[tuple[str, str], dict[str, str]] = {
-    ("blunt-wedge", "mortar-p0"): {SAW: APEX},
-    ("blunt-wedge", "mortar-p1"): {SAW: APEX},
-    ("forging", "mortar-p0"): {INTEGRAL: RIM, OVERLAP: INSTANT},
-    ("forging", "mortar-p1"): {INTEGRAL: RIM, OVERLAP: INSTANT, SAW: FEW},
+    ("forging", "mortar-p0"): {SAW: FEW},
+    ("forging", "mortar-p1"): {SAW: FEW},
     ("ironing", "mortar-p0"): {SAW: COARSE},
     ("ironing", "mortar-p1"): {SAW: COARSE, "saw-tooth of the shear": COARSE},
     ("lifted-beam", "mortar-p1"): {
         SAW: "a force in one point where the beam leaves the floor: linear multipliers swing"
     },
-    ("tilted-punch", "mortar-p0"): {INTEGRAL: RIM},
-    ("tilted-punch", "mortar-p1"): {INTEGRAL: RIM},
-    ("sliding-punch", "mortar-p0"): {INTEGRAL: RIM},
-    ("sliding-punch", "mortar-p1"): {INTEGRAL: RIM},
-    ("rigid-punch", "mortar-p0"): {INTEGRAL: RIM},
     ("rigid-punch", "mortar-p1"): {
-        INTEGRAL: RIM,
         "L2 of the pressure over 0.9 a": "linear multipliers overshoot beside the singular edge; halves with the mesh",
     },
 }
@@ -93,7 +81,7 @@ def test_cell_of_the_quick_matrix(name: str, algorithm: str) -> None:
     elif name == "nafems-cgs1":
         # forces jump where a node passes a vertex: the run stalls, and says what to try
         assert found.status == "not-converged"
-        for words in ("residuals of", "vertex", "another contact algorithm", "swap"):
+        for words in ("of the load", "residuals of", "another algorithm", "swap"):
             assert words in found.reason
 
 

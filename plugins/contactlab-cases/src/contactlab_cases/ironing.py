@@ -75,7 +75,7 @@ class Ironing(Case):
             "bodies": bodies, "contacts": [contact],
             "supports": [{"on": "foundation.bottom", "ux": 0.0, "uy": 0.0}, path],
         }  # fmt: skip
-        return (Job("drawn", scene, work=16 * slides, frames=2 * slides),)
+        return (Job("drawn", scene, work=30 * slides, frames=2 * slides),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """The spread of six codes; a coarse mesh takes a tenth more."""
