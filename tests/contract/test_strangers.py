@@ -71,6 +71,7 @@ def test_the_page_shows_the_dual_mortar_that_is_tested() -> None:
     assert (OUTSIDE / "dual-mortar" / "src" / "dual_mortar" / "contact.py").read_text() in PAGE
 
 
+@pytest.mark.full
 def test_strangers_join_every_command(tmp_path: Path) -> None:
     packages = packages_in(tmp_path)
     assert len(packages) == 1 + len(KINDS) + 4

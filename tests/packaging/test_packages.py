@@ -181,6 +181,7 @@ def test_the_one_name_brings_parts_that_can_be_imported(alone: Path, tmp_path: P
     assert all(str(alone.parents[1]) in path for path in found.split())
 
 
+@pytest.mark.full
 @pytest.mark.parametrize("contact", [False, pytest.param(True, marks=pytest.mark.skipif(not FULL, reason="slow"))])
 def test_the_one_name_runs_a_scene(alone: Path, tmp_path: Path, contact: bool) -> None:
     """What it needs is compiled there: little without contact; the rest of a run and what it writes is the same."""

@@ -45,6 +45,7 @@ print(before, threads(), resident() - memory)
 """
 
 
+@pytest.mark.full
 def test_runs_leave_no_threads_and_no_memory_behind(small_scene: Callable[..., Any], tmp_path: Path) -> None:
     pytest.importorskip("rerun", reason="rerun-sdk is not installed (plugin contactlab-rerun)")
     simulate(small_scene(ALL), tmp_path / "first")

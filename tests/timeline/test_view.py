@@ -82,6 +82,7 @@ def drawn(comparison: Path, png: Path, step: int) -> np.ndarray:
     return pixels(png)
 
 
+@pytest.mark.full
 def test_picture_of_a_comparison_shows_every_algorithm_in_its_colour(
     comparison: Path, late: np.ndarray, tmp_path: Path
 ) -> None:
@@ -259,6 +260,7 @@ def test_a_panel_that_is_not_there(comparison: Path, capsys: pytest.CaptureFixtu
     assert "panels are taken from results" in capsys.readouterr().err
 
 
+@pytest.mark.full
 def test_a_picture_of_one_panel(comparison: Path, late: np.ndarray, tmp_path: Path) -> None:
     png = tmp_path / "energy.png"
     assert main(["view", str(comparison), "--png", str(png), "--panel", "internal energy"]) == 0

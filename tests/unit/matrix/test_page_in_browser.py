@@ -13,7 +13,7 @@ import pytest
 from contactlab.cli import main
 
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = pytest.mark.skipif(BROWSER is None, reason="no Chromium here")
+pytestmark = [pytest.mark.full, pytest.mark.skipif(BROWSER is None, reason="no Chromium here")]
 
 ASK = """<script>
 const lines = () => [...document.querySelectorAll("#map table > tr")].map(

@@ -126,6 +126,7 @@ def test_a_point_leads_to_the_page_of_its_run(folder: Path) -> None:
     assert page.stat().st_mtime_ns == before  # made once
 
 
+@pytest.mark.full
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium here")
 @pytest.mark.parametrize("width", [1300, 500])
 def test_a_browser_draws_and_filters(folder: Path, tmp_path: Path, width: int) -> None:
@@ -144,6 +145,7 @@ def test_a_browser_draws_and_filters(folder: Path, tmp_path: Path, width: int) -
     assert told["rows"] == 3
 
 
+@pytest.mark.full
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium here")
 def test_it_is_printed_without_empty_pages(folder: Path, tmp_path: Path) -> None:
     """Five tables of twelve rows, two figures and four short sections on A4: headings stay with what follows them."""

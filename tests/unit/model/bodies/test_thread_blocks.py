@@ -74,18 +74,24 @@ def test_a_failing_lane_is_heard_after_all_lanes_have_ended() -> None:
         Threads(2).together([[ended.append], [fails]])(0.5)  # type: ignore[list-item]
 
 
+FULL = pytest.mark.full
+
+
 @pytest.mark.parametrize(
     "changes",
     [
         {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}},
-        {"bodies.block.element": "q1-fbar", "bodies.disc.element": "q1-reduced"},
-        {"bodies.block.element": "q2", "materials.soft.use": "hypoelastic"},
-        {
-            "materials.soft": {
-                "use": "power-law", "young": 7000.0, "poisson": 0.3, "density": 2.7e-9, "strength": 3.0,
-                "prestrain": 0.02, "exponent": 0.1,
-            }
-        },
+        pytest.param({"bodies.block.element": "q1-fbar", "bodies.disc.element": "q1-reduced"}, marks=FULL),
+        pytest.param({"bodies.block.element": "q2", "materials.soft.use": "hypoelastic"}, marks=FULL),
+        pytest.param(
+            {
+                "materials.soft": {
+                    "use": "power-law", "young": 7000.0, "poisson": 0.3, "density": 2.7e-9, "strength": 3.0,
+                    "prestrain": 0.02, "exponent": 0.1,
+                }
+            },
+            marks=FULL,
+        ),
         {
             "integrator": "newton", "level": 1, "bodies.disc.mesh.cells": [40, 6], "time.damping": None,
             "record.frames": 2,
