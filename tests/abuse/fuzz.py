@@ -35,7 +35,7 @@ from damages import damage, everything, outcome  # noqa: E402
 from strange_calls import call, program  # noqa: E402
 from strange_scenes import BRIEF, Scenes  # noqa: E402
 
-from contactlab.api.compiled.kernel import COMPILATION  # noqa: E402
+from contactlab.api.compiled.compiler import COMPILATION  # noqa: E402
 from contactlab.errors import RequestError  # noqa: E402
 from contactlab.meshing import room  # noqa: E402
 from contactlab.model import sizes  # noqa: E402

@@ -110,7 +110,7 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
     began = perf_counter()
     kernels = count_kernel_calls()
     scene = load()
-    from contactlab.api.compiled.kernel import COMPILATION
+    from contactlab.api.compiled.compiler import COMPILATION
     from contactlab.model.build import build
     from contactlab.model.held_arrays import held_arrays
     from contactlab.run.prepare import prepare_run

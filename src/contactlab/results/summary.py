@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api.arrays import Floats
-from contactlab.api.compiled.kernel import COMPILATION
+from contactlab.api.compiled.compiler import COMPILATION
 from contactlab.api.frame import Layout
 from contactlab.model.model import Model
 from contactlab.results.cost import cost_of

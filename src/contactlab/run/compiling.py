@@ -18,7 +18,7 @@ UNKNOWN = 30
 @contextmanager
 def compilation_told(scene: Scene, tell: Callable[[str], None]) -> Iterator[None]:
     """Call `tell` with a line for each kernel that is compiled, or loaded from the cache, in this block."""
-    from contactlab.api.compiled.kernel import COMPILATION
+    from contactlab.api.compiled.compiler import COMPILATION
 
     expected, before = len(kernels_of(scene)) or UNKNOWN, COMPILATION.listener
     kernels: list[Any] = []

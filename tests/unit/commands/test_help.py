@@ -62,7 +62,7 @@ def test_as_a_module() -> None:
 
 class TestCompilation:
     def test_kernels_are_counted_while_they_are_compiled(self) -> None:
-        from contactlab.api.compiled.kernel import COMPILATION
+        from contactlab.api.compiled.compiler import COMPILATION
 
         told: list[str] = []
         scene = load_scene("disc-on-block")

@@ -16,49 +16,33 @@ What a kernel calls is compiled within it and never by itself: points, sections,
 
 from __future__ import annotations
 
-import gc
 from collections.abc import Callable
-from functools import cached_property
-from time import thread_time
-from typing import Any, cast
+from typing import Any
 
 import numba
 import numpy as np
 from numba import types
-from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
 from contactlab.api.compiled.cache import cache_folder
-from contactlab.api.compiled.library import InlinedCompiler, KernelCompiler, PartCompiler
-from contactlab.api.compiled.locks import kernel_locked
-from contactlab.api.compiled.stored import KernelCache
-from contactlab.api.compiled.without_blas import import_array_functions
+from contactlab.api.compiled.compiler import COUNTED, OPTIONS, Inlined, Kernel, Part, dispatcher
 
 __all__ = ["exp", "kernel", "log", "point", "power", "section", "summation", "table_kernel"]
-
-import_array_functions()
-
-_OPTIONS: dict[str, Any] = {
-    "error_model": "numpy", "fastmath": {"contract"}, "nogil": True, "no_cfunc_wrapper": True,
-    "no_cpython_wrapper": True,
-}  # fmt: skip
-# said explicitly: otherwise a part would take this option from the first kernel that calls it
-_COUNTED: dict[str, Any] = {**_OPTIONS, "_nrt": True}
 
 
 def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a block kernel with the options that the text of this module lists."""
-    return _compiled(function, _COUNTED)
+    return _compiled(function, COUNTED)
 
 
 def table_kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a block kernel that counts no references to arrays. numba refuses one that creates an array."""
-    return _compiled(function, {**_OPTIONS, "_nrt": False})
+    return _compiled(function, {**OPTIONS, "_nrt": False})
 
 
 def formula_kernel(kind: type[Kernel], function: Callable[..., Any]) -> Callable[..., Any]:
     """A kernel of a class derived from `Kernel`."""
-    return _compiled(function, _COUNTED, kind)
+    return _compiled(function, COUNTED, kind)
 
 
 def summation(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -66,12 +50,12 @@ def summation(function: Callable[..., Any]) -> Callable[..., Any]:
 
     Its last digits depend on the processor: for numbers that are only shown, never for those a run goes on with.
     """
-    return _compiled(function, {**_COUNTED, "fastmath": {"contract", "reassoc"}})
+    return _compiled(function, {**COUNTED, "fastmath": {"contract", "reassoc"}})
 
 
 def point(function: Callable[..., Any]) -> Callable[..., Any]:
     """Compile a function of a single point, inlined into every kernel that calls it."""
-    return _dispatcher(Inlined, function, _COUNTED)
+    return dispatcher(Inlined, function, COUNTED)
 
 
 def section(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -83,112 +67,13 @@ def _compiled(
     function: Callable[..., Any], options: dict[str, Any], kind: type[Kernel] | None = None
 ) -> Callable[..., Any]:
     if function.__name__.startswith("_"):
-        return _dispatcher(Part, function, options)
+        return dispatcher(Part, function, options)
     before = numba.config.CACHE_DIR
     numba.config.CACHE_DIR = cache_folder(function.__code__.co_filename)
     try:
-        return _dispatcher(kind or Kernel, function, options, cached=True)
+        return dispatcher(kind or Kernel, function, options, cached=True)
     finally:
         numba.config.CACHE_DIR = before
-
-
-def _dispatcher(
-    kind: type[Kernel | Part], function: Callable[..., Any], options: dict[str, Any], cached: bool = False
-) -> Callable[..., Any]:
-    """A dispatcher of the given class, else as `njit` makes it; the function itself where numba is switched off."""
-    if numba.config.DISABLE_JIT:
-        return function
-    made = kind(
-        py_func=function,
-        targetoptions={"nopython": True, "boundscheck": None, **options},
-        pipeline_class=kind.compiler,
-    )
-    if cached:
-        made._cache = KernelCache(function)  # type: ignore[union-attr]
-    return made
-
-
-class Compilation:
-    """CPU seconds that this process has spent on compiling kernels and loading them from the cache.
-
-    Garbage collection is off meanwhile: it would walk through a million short-lived objects in vain. `listener` is
-    called with each kernel that Python calls, before it is compiled or loaded. `depth` is above zero during a
-    compilation, in which the kernels that this one calls are compiled as well.
-    """
-
-    def __init__(self) -> None:
-        self.seconds, self.depth, self._began, self._collected = 0.0, 0, 0.0, False
-        self.listener: Callable[[Any], None] | None = None
-
-    def tell(self, kernel: Any) -> None:
-        """Tell the listener that a kernel is about to be compiled or loaded, but not of the kernels that it calls."""
-        if self.listener is not None and not self.depth:
-            self.listener(kernel)
-
-    def __enter__(self) -> None:
-        if not self.depth:
-            self._began, self._collected = thread_time(), gc.isenabled()
-            gc.disable()
-        self.depth += 1
-
-    def __exit__(self, *raised: object) -> None:
-        self.depth -= 1
-        if not self.depth:
-            if self._collected:
-                gc.enable()
-            self.seconds += thread_time() - self._began
-
-
-COMPILATION = Compilation()
-
-
-class Kernel(CPUDispatcher):
-    """A kernel as Python calls it. Kernels that call it call its `part`."""
-
-    compiler = KernelCompiler
-
-    @cached_property
-    def part(self) -> Part:
-        """The same function for other kernels: machine code of its own is made when Python calls it, and not before."""
-        made = _dispatcher(Part, self.py_func, {name: self.targetoptions[name] for name in _COUNTED})
-        return cast(Part, made)
-
-    @property
-    def _numba_type_(self) -> Any:
-        return types.Dispatcher(self.part)
-
-    def compile(self, sig: Any) -> Any:
-        """Called at the first call with arguments of new types."""
-        COMPILATION.tell(self)
-        with kernel_locked(self), COMPILATION:
-            return super().compile(sig)
-
-
-class Part(CPUDispatcher):
-    """A function that kernels call: compiled within each of them, without an entry point for Python.
-
-    It gets one when Python calls it after all. Literal arguments are plain numbers: a new one causes no compilation.
-    """
-
-    compiler = PartCompiler
-
-    @cached_property
-    def with_entry(self) -> Callable[..., Any]:
-        """The same function compiled with an entry point for Python."""
-        return _dispatcher(Kernel, self.py_func, _COUNTED)
-
-    def __call__(self, *arguments: Any, **named: Any) -> Any:
-        return self.with_entry(*arguments, **named)
-
-    def get_call_template(self, args: Any, kws: Any) -> Any:
-        """Called where a kernel calls this function."""
-        return super().get_call_template([types.unliteral(argument) for argument in args], kws)
-
-
-class Inlined(Part):
-    """A function that is inlined wherever it is called."""
-
-    compiler = InlinedCompiler
 
 
 @intrinsic

@@ -8,7 +8,6 @@ import math
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -20,15 +19,11 @@ from numba.core.caching import FunctionCache
 from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
 from numba.core.compiler import CompilerBase, CompileResult, DefaultPassBuilder
 from numba.core.registry import CPUDispatcher
-from numba.core.runtime import rtsys
-from numba.core.typed_passes import NativeLowering, NopythonRewrites
-from numba.core.typing.context import BaseContext
-from numba.core.untyped_passes import InlineClosureLikes
+from numba.core.typed_passes import NativeLowering
 from numba.extending import overload
 
-from contactlab.api.compiled.call_types import CallTypes
-from contactlab.api.compiled.kernel import COMPILATION, Kernel, exp, kernel, log, point, power, table_kernel
-from contactlab.api.compiled.passes import LoweringWithEntry, TypedRewrites, passes
+from contactlab.api.compiled.compiler import COMPILATION, Kernel
+from contactlab.api.compiled.kernel import exp, kernel, log, point, power, table_kernel
 
 
 @pytest.fixture(autouse=True)
@@ -181,13 +176,9 @@ def test_what_is_overridden_is_there_in_this_version_of_numba() -> None:
     assert list(inspect.signature(JITCodeLibrary.get_pointer_to_function).parameters) == ["self", "name"]
     assert isinstance(JITCodeLibrary.codegen, property)
     assert list(inspect.signature(JITCPUCodegen.set_env).parameters) == ["self", "env_name", "env"]
-    assert list(inspect.signature(BaseContext.resolve_function_type).parameters) == ["self", "func", "args", "kws"]
-    own = {kind for kind, _ in DefaultPassBuilder.define_nopython_pipeline(_state(_probe)).passes}
-    assert {InlineClosureLikes, NopythonRewrites, NativeLowering} <= own
-    assert list(inspect.signature(FunctionCache.load_overload).parameters) == ["self", "sig", "target_context"]
-    assert list(inspect.signature(FunctionCache._load_overload).parameters) == ["self", "sig", "target_context"]
-    assert list(inspect.signature(FunctionCache._guard_against_spurious_io_errors).parameters) == ["self"]
-    assert list(inspect.signature(rtsys.initialize).parameters) == ["ctx"]
+    flags = SimpleNamespace(no_rewrites=False, enable_ssa=True, auto_parallel=SimpleNamespace(enabled=False))
+    state = SimpleNamespace(func_ir=None, flags=flags, func_id=SimpleNamespace(code=_probe.__code__))
+    assert [k for k, _ in DefaultPassBuilder.define_nopython_pipeline(state).passes].count(NativeLowering) == 1
     assert type(numba.njit(cache=True)(_add.py_func)._cache) is FunctionCache  # type: ignore[attr-defined]
     made, ours = numba.njit(error_model="numpy")(_probe), kernel(_probe)
     # what `njit` passes on beside the options that it was given
@@ -195,27 +186,6 @@ def test_what_is_overridden_is_there_in_this_version_of_numba() -> None:
         name: ours.targetoptions[name]  # type: ignore[attr-defined]
         for name in ("nopython", "boundscheck")
     }
-
-
-def _state(function: Callable[..., Any]) -> Any:
-    """What numba knows of a function before its first pass."""
-    flags = SimpleNamespace(no_rewrites=False, enable_ssa=True, auto_parallel=SimpleNamespace(enabled=False))
-    code = SimpleNamespace(code=function.__code__)
-    return SimpleNamespace(func_ir=None, flags=flags, func_id=code)
-
-
-def _holds_one() -> float:
-    return (lambda: 1.0)()
-
-
-def test_passes_are_those_of_numba_but_for_what_a_function_does_not_hold() -> None:
-    """In numba's order; functions within functions are still written into them."""
-    whole = [kind for kind, _ in DefaultPassBuilder.define_nopython_pipeline(_state(_probe)).passes]
-    ours = {NopythonRewrites: TypedRewrites, NativeLowering: LoweringWithEntry}
-    expected = [ours.get(kind, kind) for kind in whole]
-    assert [kind for kind, _ in passes(_state(_holds_one), LoweringWithEntry).passes] == expected
-    expected.remove(InlineClosureLikes)
-    assert [kind for kind, _ in passes(_state(_probe), LoweringWithEntry).passes] == expected
 
 
 def test_kernels_may_hold_functions_and_reckon_with_whole_arrays() -> None:
@@ -231,25 +201,6 @@ def test_kernels_may_hold_functions_and_reckon_with_whole_arrays() -> None:
     out = np.zeros(3)
     squares(np.arange(3.0), out)
     np.testing.assert_array_equal(out, [0.0, 3.0, 8.0])
-
-
-def test_the_type_of_a_call_is_looked_up_once() -> None:
-    """Calls with other arguments are others; where nothing was found, it is asked again."""
-    asked = []
-
-    class Known:
-        answer = 1
-
-        def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
-            asked.append(args)
-            return None if args == ("unknown",) else (func, *args)
-
-    types_of = CallTypes(Known())
-    for arguments in (("a",), ("b",), ("a",), ("unknown",), ("unknown",)):
-        found = types_of.resolve_function_type("f", arguments, {})
-        assert found == (None if arguments == ("unknown",) else ("f", *arguments))
-    assert asked == [("a",), ("b",), ("unknown",), ("unknown",)]
-    assert types_of.answer == 1
 
 
 def test_without_numba_kernels_are_plain_functions() -> None:
