@@ -65,9 +65,11 @@ def planted(mutation: Mutation, number: int, folder: Path) -> Subject:
 
 
 def _sources(package: str) -> dict[str, str]:
-    """Texts of the modules of a package by dotted name."""
+    """Texts of the modules of a package by dotted name, each import with the whole name of its module."""
     root = Path(str(importlib.import_module(package).__file__)).parent
-    return {f"{package}.{p.stem}": p.read_text(encoding="utf-8") for p in root.glob("*.py") if p.stem != "__init__"}
+    texts = {f"{package}.{p.stem}": p.read_text(encoding="utf-8") for p in root.glob("*.py") if p.stem != "__init__"}
+    return {name: re.sub(rf"^from {package} import (\w+)$", rf"import {package}.\1 as \1", text, flags=re.M)
+            for name, text in texts.items()}  # fmt: skip
 
 
 def _seeing(mutated: str, sources: dict[str, str]) -> set[str]:

@@ -25,15 +25,21 @@ def _of(kind: str, part: str, *defects: tuple[str, ...]) -> tuple[Mutation, ...]
     return tuple(Mutation(kind, part, *defect) for defect in defects)
 
 
-_PIECES = 'return int(late("contactlab_mortar.segments").mortar_pieces(address, view.reach, DEPTH, self.linear, vertices))'  # fmt: skip
-_COUNT = _PIECES.replace("return", "count =")
+_DECLARED = "    passes_patch_test: ClassVar[bool] = True\n"
+
+
+def _mortar(method: str, part: str, says: str, *lines: str) -> Mutation:
+    """A mortar with a method of its own beside its formulas."""
+    body = "\n        ".join([f"    def {method}:", *lines])
+    return M("contact", part, says, _DECLARED, f"{_DECLARED}\n{body}\n")
 
 
 def _pieces(part: str, says: str, *lines: str) -> Mutation:
-    """A mortar whose pieces are spoilt after they are made."""
-    body = "\n        ".join([_COUNT, *lines, "return count"])
-    return M("contact", part, says, _PIECES, body)
+    """Pieces are spoilt after they are made."""
+    return _mortar("pieces(self, view, out)", part, says, "count = super().pieces(view, out)", *lines, "return count")
 
+
+_DERIVATIVES = "derivatives(self, view, pieces, count, out)"
 
 CONTACT = (
     _pieces("mortar-p1", "master weights 1 % too large", "out.M[:count] *= 1.01"),
@@ -46,10 +52,12 @@ CONTACT = (
     _pieces("mortar-p0", "every second step with old weights",
             "out.M[:count] = self.__dict__.setdefault('seen', {}).setdefault(count, out.M[:count].copy())"),
     _pieces("mortar-p1", "positions of the slave are moved a little", "view.at.slave[:, 0] += 1e-9"),
-    M("contact", "mortar-p1", "no derivatives, and says they are given", '        """Derivatives of overlaps, integrals and normals."""\n', '        """None."""\n        out.count = out.normal_count = 0\n        return True\n'),
-    M("contact", "mortar-p0", "derivatives of normals forgotten", "        if not smooth:\n", "        out.normal_count = 0\n        if not smooth:\n"),
+    _mortar(_DERIVATIVES, "mortar-p1", "no derivatives, and says they are given", "out.count = out.normal_count = 0", "return True"),
+    _mortar(_DERIVATIVES, "mortar-p0", "derivatives of normals forgotten", "super().derivatives(view, pieces, count, out)", "out.normal_count = 0", "return True"),
+    M("contact", "mortar-p0", "jumps in another place than it says", "if xi < 0.5", "if xi < 0.4"),
+    M("contact", "mortar-p1", "multipliers of both ends exchanged", "return 1.0 - xi, xi", "return xi, 1.0 - xi"),
+    M("contact", "mortar-p1", "begins where it should end", "slave.meets(master, low), slave.meets(master, high)", "slave.meets(master, high), slave.meets(master, low)"),
     M("contact", "node-on-segment", "says that it passes the patch test", "passes_patch_test: ClassVar[bool] = False", "passes_patch_test: ClassVar[bool] = True"),
-    M("contact", "mortar-p1", "says that it makes no energy", "    passes_patch_test: ClassVar[bool] = True\n", "    passes_patch_test: ClassVar[bool] = True\n    keeps_energy: ClassVar[bool] = True\n"),
     *_of("contact", "node-on-segment",
         ("remembers beside its memory", "        address = _BOUND.of(out, _bound, view).address\n", "        own = self.__dict__.setdefault('own', {}).setdefault(view.memory.shape, view.memory.copy())\n        address = _BOUND.of(out, _bound, view._replace(memory=own)).address\n"),
         ("normals at the start of a step are those of its end", "        out[:] = pieces.normal\n        out[pieces.multiplier[:count, 0][usable]] = normal", "        out[:] = pieces.normal"),

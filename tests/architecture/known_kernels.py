@@ -24,6 +24,9 @@ FILE = Path(__file__).parents[2] / "src" / "contactlab" / "data" / "known_kernel
 LONG = 0.7
 """A kernel that takes less to compile [s] is not worth a process beside the run."""
 
+WITH_FORMULAS = "contactlab.formulas."
+"""Loops that are compiled once for the formulas of each algorithm, not by their own name."""
+
 STEPS = 4
 """Of a scene that cannot be cut to a few tiny steps; the end of a whole run is missing then."""
 
@@ -55,7 +58,11 @@ def main() -> None:
             )  # fmt: skip
             called = json.loads(done.stdout.splitlines()[-1])
             known[name] = {"parts": sorted(used_parts(scene)), "kernels": [kernel for kernel, *_ in called]}
-            new = {kernel: {"types": types, "seconds": s} for kernel, types, s in called if types and s > LONG}
+            new = {
+                kernel: {"types": types, "seconds": s}
+                for kernel, types, s in called
+                if types and s > LONG and not kernel.startswith(WITH_FORMULAS)
+            }
             kernels |= {kernel: facts for kernel, facts in new.items() if kernel not in kernels}
             print(name, len(called), *new, flush=True)
     data = {"scenes": known, "kernels": dict(sorted(kernels.items()))}

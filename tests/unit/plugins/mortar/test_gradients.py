@@ -20,7 +20,7 @@ def test_mortar_gradients_are_central_differences_of_separations(name: str, line
     k = len(pieces.normal)
     owner, r = np.arange(k, dtype=np.int32), np.random.default_rng(5).normal(size=(k, 2))
     owner[3], owner[5] = 4, -1  # merged and dropped: the separations that T weighs are those of owners
-    found = GapGradients.allocate(count, 2, 6, 4 * k)
+    found = GapGradients.allocate(count, 2, 12, 4 * k)
     assert algorithm.gradients(view, pieces, count, owner, r, found)
     move = drawn_move(at)
     moved = np.concatenate([move[at.slave.nodes], move[at.master.nodes]])
@@ -36,5 +36,5 @@ def test_mortar_gradients_are_not_given_where_normals_are_not_the_averaged_ones(
     view = view_of(fold())
     pieces, count = pieces_of(MortarP1(), view)
     k = len(pieces.normal)
-    found = GapGradients.allocate(count, 2, 6, 4 * k)
+    found = GapGradients.allocate(count, 2, 12, 4 * k)
     assert not MortarP1().gradients(view, pieces, count, np.arange(k, dtype=np.int32), np.zeros((k, 2)), found)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from contactlab_mortar.mortar import MortarP1
-from contactlab_mortar.normals import edge_sum, inward_normals
 from dense_pieces import AGREED, SURFACES, along, central, derivatives_of, drawn_move
 
+from contactlab.formulas.segment_normals import inward_normals
 from contactlab.testing.surfaces import curved
 
 
@@ -21,14 +21,6 @@ def test_inward_normals_are_averages_weighted_by_length() -> None:
     expected /= np.hypot(*expected.T)[:, None]
     np.testing.assert_allclose(out, expected, atol=1e-15)
     assert longest == np.hypot(*edge.T).max()
-
-
-def test_edge_sum_is_the_way_from_one_neighbour_to_the_other() -> None:
-    at = curved()
-    x, segments, around = at.nodes[at.slave.nodes], at.slave.segments, at.slave.node_segments
-    for node in range(len(x)):
-        expected = sum(x[j] - x[i] for i, j in segments if node in (i, j))
-        np.testing.assert_allclose(edge_sum(node, x, segments, around), expected, atol=1e-15)
 
 
 def test_derivatives_of_normals_are_their_central_differences() -> None:

@@ -2,25 +2,35 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
-from contactlab_mortar.vertices import facing_sums, turn, turn_at_vertices
 
-from contactlab.testing.surfaces import chains
+from contactlab.api.compiled.formulas import copied
+from contactlab.formulas import segment_normals as normals
+from contactlab.testing.surfaces import Chains, chains
 
 BELOW = np.array([[-3.0, -1.0], [3.0, -1.0]])
+turn_at, sum_facing, turn_normals = (copied(f, {}) for f in (normals.turn_at, normals.sum_facing, normals.turn_normals))
+
+
+def seen(at: Chains, master: Any = BELOW) -> Any:
+    """What the loops see of surfaces: the slave as it is, and positions of the master."""
+    return SimpleNamespace(slave=at.slave, at=SimpleNamespace(slave=at.nodes, master=master))
 
 
 @pytest.mark.parametrize("angle", [-1.2, -0.4, 0.0, 0.7, 1.5])
 def test_turn_is_the_squared_sine_of_the_angle(angle: float) -> None:
     at = chains(np.array([[-1.0, 0.0], [0.0, 0.0], [np.cos(angle), np.sin(angle)]]), BELOW)
-    assert turn(1, at.nodes, at.slave.segments, at.slave.node_segments) == pytest.approx(np.sin(angle) ** 2)
+    assert turn_at(1, seen(at)) == pytest.approx(np.sin(angle) ** 2)
 
 
 def test_turn_is_one_beyond_a_right_angle_and_at_ends_of_chains() -> None:
     at = chains(np.array([[-1.0, 0.0], [0.0, 0.0], [-0.5, 0.5]]), BELOW)
     for node in range(3):
-        assert turn(node, at.nodes, at.slave.segments, at.slave.node_segments) == 1.0
+        assert turn_at(node, seen(at)) == 1.0
 
 
 def test_facing_sums_weigh_master_normals_by_the_length_that_a_multiplier_sees() -> None:
@@ -29,7 +39,8 @@ def test_facing_sums_weigh_master_normals_by_the_length_that_a_multiplier_sees()
     master = np.array([[1, 0], [2, 1], [3, 2]], np.int32)
     T, at = draw.uniform(size=(3, 2, 2)), draw.uniform(size=(4, 2))
     wanted, facing = np.array([0.0, 1.0, 0.0, 0.0]), np.full((4, 3), np.nan)
-    facing_sums(3, multiplier, master, T, at, wanted, facing)
+    pieces = SimpleNamespace(multiplier=multiplier, master=master, T=T)
+    sum_facing(SimpleNamespace(at=SimpleNamespace(master=at)), pieces, 3, wanted, facing)
     expected = np.zeros((4, 3))
     for p in range(2):  # the third piece has no wanted multiplier
         along = at[master[p, 1]] - at[master[p, 0]]
@@ -53,8 +64,8 @@ def test_turn_at_vertices_goes_from_the_averaged_normal_to_the_masters(angle: fl
     master = np.array([[0.0, 0.0], [-np.cos(lean), -np.sin(lean)]])
     multiplier, nodes = np.array([[0, 1], [1, 2]], np.int32), np.array([[0, 1], [0, 1]], np.int32)
     averaged, up = np.tile([0.0, 1.0], (3, 1)), np.array([-np.sin(lean), np.cos(lean)])
-    found, slave = averaged.copy(), (at.slave.segments, at.slave.node_segments)
-    turned = turn_at_vertices(2, (multiplier, nodes, np.ones((2, 2, 2))), slave, at.nodes, master, found)
+    found, pieces = averaged.copy(), SimpleNamespace(multiplier=multiplier, master=nodes, T=np.ones((2, 2, 2)))
+    turned = turn_normals(seen(at, master), pieces, 2, found)
     end = ramp(np.sin(lean) ** 2 / (np.sin(angle) ** 2 + 0.004**2), 0.25, 1.0)
     shares = [end, ramp(np.sin(angle) ** 2, 0.12**2, 0.2**2), end]
     assert turned == np.count_nonzero(shares)
