@@ -94,7 +94,7 @@ def test_a_static_run_has_the_peaks_of_its_own_curve(tmp_path: Path) -> None:
     assert results.status == "finished"
     force = np.hypot(results.history["disc.top.fx"], results.history["disc.top.fy"])
     peak = results.summary["peaks"]["reactions"]["disc.top"]
-    assert peak["value"] == force.max()
+    assert peak["value"] == pytest.approx(force.max(), rel=4e-16)  # hypot of arrays and of numbers may differ by a bit
     assert peak["time"] == results.history["time"][np.argmax(force)] == 0.5
     assert peak["share"] == pytest.approx(0.5, abs=1e-6)
     assert results.summary["reached"] == pytest.approx({"time": 1.0, "share": 1.0, "of": "load"})
