@@ -29,16 +29,16 @@ import case_rows  # noqa: E402
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
 import effect_costs  # noqa: E402
-import foreseen_prices  # noqa: E402
 import friction  # noqa: E402
 import full_page  # noqa: E402
 import hard_cases  # noqa: E402
 import kept_runs  # noqa: E402
 import make  # noqa: E402
 import matrix_page  # noqa: E402
-import price_history  # noqa: E402
 import references_page  # noqa: E402
 import statics_cases  # noqa: E402
+
+from contactlab.jobs.archive import FILE  # noqa: E402
 
 
 def paper() -> str:
@@ -55,8 +55,6 @@ BUILT: dict[str, Callable[[], str]] = {
     "paper.md": paper,
     "bundled-scenes.md": lambda: bundled_scenes.page(bundled_scenes.stored()),
     "effect-costs.md": lambda: effect_costs.page(effect_costs.stored()),
-    "prices.md": lambda: foreseen_prices.page(foreseen_prices.stored()),
-    "price-history.md": lambda: price_history.page(baselines.load(price_history.FILE)),
     "performance-over-versions.md": lambda: baselines.page(baselines.load()),
     "references.md": lambda: references_page.page(references_page.stored()),
 }
@@ -86,7 +84,7 @@ def _keep(folder: Path) -> None:
     if (folder / "study.toml").exists():
         demo_page.keep(folder)
         return
-    archive = folder / cases_page.FILE
+    archive = folder / FILE
     if kept_runs.held(folder):
         make.keep(folder)
     rows = full_page.rows_of(archive)

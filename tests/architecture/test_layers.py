@@ -33,7 +33,7 @@ LAYERS = (
     ("accuracy", "matrix"),
     ("reports",),
     ("comparison",),
-    ("testing", "prices", "commands", "laboratory", "cli", "__main__"),
+    ("testing", "commands", "laboratory", "cli", "__main__"),
 )
 
 

@@ -184,18 +184,9 @@ def _describe_explain(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--all", action="store_true", dest="everything", help="every effect, part, call, kernel, array and module"
     )
-    _add_json(command)
-
-
-def _describe_calibrate(command: argparse.ArgumentParser) -> None:
     command.add_argument(
-        "scenes", nargs="*", metavar="SCENE",
-        help="scenes to benchmark with their variants: names, TOML files, or all; existing measurements are kept",
-    )  # fmt: skip
-    command.add_argument(
-        "--rounds", type=positive, default=2, metavar="N", help="repetitions of each benchmark (default: 2)"
+        "--effects", action="store_true", help="try the scene without each effect, too, and print what each costs"
     )
-    _add_changes(command)
     _add_json(command)
 
 
@@ -368,11 +359,6 @@ GROUPS: dict[str, Commands] = {
             _describe_explain,
             "print what a scene uses and its cost estimate",
             "contactlab.commands.explain:explain",
-        ),
-        "calibrate": (
-            _describe_calibrate,
-            "benchmark this machine for the estimates of explain",
-            "contactlab.commands.calibrate:calibrate",
         ),
         "archive": (
             _describe_archive,

@@ -7,103 +7,80 @@ import dataclasses
 import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from contactlab.commands.common import add_row, console, number, parse_settings, print_json, registry_with, table
 from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
+    from contactlab.commands.effect_costs import EffectCost
+    from contactlab.explain.estimate import Estimate
     from contactlab.explain.explain import Explanation, Overview
-    from contactlab.prices.foreseen import Bill, EffectPrice
-    from contactlab.scene.scene import Scene
 
-NOTHING = 0.005  # of the cost of a run: a price that is told as 0
+NOTHING = 0.005  # of the cost of a run: a cost that is printed as 0
 SHORTENED = 0.9  # of the stable step of the bodies: usual steps are as long, and effects make them shorter
-LITTLE = 0.05  # s at the start: about what two starts differ by
 KEY = re.compile(r"(?P<table>[a-z]+)\.(?P<name>[\w-]+)(\.(?P<rest>[\w.]+))?")
 
 
 def explain(options: argparse.Namespace) -> int:
-    """Print the explanation of the scene; but for the first steps, which are thrown away, nothing is run."""
+    """Print the explanation of the scene; but for a trial, which is kept, nothing is run."""
+    from contactlab.commands.effect_costs import effect_costs
     from contactlab.explain.explain import explain as explanation_of
-    from contactlab.explain.trial_run import run_trial
+    from contactlab.explain.kept import kept, trials, tried
     from contactlab.studies.removable import variants
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
-    explanation = explanation_of(scene, registry, run_trial(scene))
+    with trials() as archive:
+        explanation = explanation_of(scene, registry, tried(scene, archive))
+        assert explanation.price is not None
+        made = partial(tried if options.effects else kept, archive=archive)
+        costs = list(effect_costs(scene, explanation.price, made))
     spare = [variant.effect for variant in variants(scene) if variant.declared]
-    bill = foreseen(scene)
     shown = console()
     if options.json:
-        priced = {"unknown": bill} if isinstance(bill, str) else dataclasses.asdict(bill)
-        print_json({"format": 1, **plain(explanation), "can_be_left_out": spare, "price": priced})
+        price = {**dataclasses.asdict(explanation.price), "effects": [dataclasses.asdict(cost) for cost in costs]}
+        print_json({"format": 1, **plain(explanation), "can_be_left_out": spare, "price": price})
     elif options.everything:
         for title, content in plain(explanation).items():
             shown.print(section(title.replace("_", " "), content))
-        shown.print(
-            section(
-                "price", {"unknown": bill} if isinstance(bill, str) else {**bill.summary, "prices_from": bill.basis}
-            )
-        )
-        if not isinstance(bill, str):
-            shown.print(section("price of effects", bill.effects))
+        shown.print(section("cost of effects", costs))
     else:
         command = shlex.join([options.scene, *(word for text in options.settings for word in ("--set", text))])
-        shown.print(overview(explanation, spare, command, dict(price_lines(bill))))
+        shown.print(overview(explanation, spare, command, dict(price_lines(explanation.price, costs))))
     return 0
 
 
-def foreseen(scene: Scene) -> Bill | str:
-    """What the scene and its effects will cost, or why that is not known."""
-    from contactlab.prices.foreseen import bill_of
-    from contactlab.prices.kept_trials import NO_TRIALS, BrokenTrialsError, load_trials
-    from contactlab.prices.price_list import NoPricesError, load_prices
-
-    trials, broken = NO_TRIALS, ""
-    try:
-        trials = load_trials()
-    except BrokenTrialsError as error:
-        broken = str(error)
-    try:
-        bill = bill_of(scene, load_prices(), trials)
-    except NoPricesError as error:
-        return str(error)
-    return dataclasses.replace(bill, basis=f"{bill.basis}; {broken}") if broken else bill
-
-
-def price_lines(bill: Bill | str) -> Iterator[tuple[str, str]]:
+def price_lines(price: Estimate, costs: Sequence[EffectCost]) -> Iterator[tuple[str, str]]:
     """What the whole run will cost, what its effects do in it, and what others would."""
-    if isinstance(bill, str):
-        yield "price", f"not known: {bill}"
+    if price.reason:
+        yield "price", f"its trial ended {price.reason}"
         return
-    whole = bill.whole
-    yield (
-        "price",
-        (
-            f"{seconds(bill.start_s + whole.cpu_s)} s of CPU time ({seconds(bill.start_s + whole.least_s)} to "
-            f"{seconds(bill.start_s + whole.most_s)}), {seconds(whole.cpu_s)} s of them for its steps; "
-            f"{number(round(bill.process_mib + whole.arrays_mib))} MiB"
-            + (f"; without {', '.join(whole.unknown)}, of which no price is known" if whole.unknown else "")
-        ),
-    )
+    of = f"{number(round(price.steps))} steps"
+    if price.iterations:
+        of += f", {number(round(price.iterations))} iterations"
+    interval = f"{seconds(price.least_s)} to {seconds(price.most_s)}"
+    yield "price", f"{seconds(price.cpu_s)} s ({interval}) of CPU time, {of}, start {seconds(price.start_s)} s"
     for label, declared in (("of that", True), ("would cost", False)):
-        told = [effect_price(e, whole.cpu_s) for e in bill.effects if e.declared is declared and not e.refused]
+        told = [effect_cost(cost, price.cpu_s) for cost in costs if cost.declared is declared and not cost.refused]
         if told:
             yield label, "; ".join(told)
-    yield "prices from", bill.basis
+    whole = (
+        "a trial that was the whole run" if price.done >= 1.0 else f"a trial of {100.0 * price.done:.2g} % of the run"
+    )
+    more = "" if any(not cost.refused for cost in costs) else "; --effects tries the scene without each effect"
+    yield "known from", whole + more
 
 
-def effect_price(effect: EffectPrice, whole: float) -> str:
-    """An effect with its price, as "friction: +0.9 s, +12 %", the share that of the steps of the run as declared."""
-    if effect.failed:
-        return f"{effect.effect}: none, its trial failed"
-    if effect.reason:
-        return f"{effect.effect}: {effect.reason}"
-    start = f", {effect.start_s:+.2g} s at the start" if abs(effect.start_s) > LITTLE else ""
-    if abs(effect.cpu_s) < NOTHING * whole:
-        return f"{effect.effect}: 0 s{start}"
-    return f"{effect.effect}: {effect.cpu_s:+.2g} s, {100.0 * effect.cpu_s / whole:+.0f} %{start}"
+def effect_cost(cost: EffectCost, whole: float) -> str:
+    """An effect with its cost, as "friction: +0.9 s, +12 %", of the cost of all steps as declared."""
+    if cost.reason:
+        return f"{cost.effect}: {cost.reason}"
+    more = f", {cost.iterations:+.0f} iterations" if abs(cost.iterations) >= 0.5 else ""
+    if abs(cost.cpu_s) < NOTHING * whole:
+        return f"{cost.effect}: 0 s{more}"
+    return f"{cost.effect}: {cost.cpu_s:+.2g} s, {100.0 * cost.cpu_s / whole:+.0f} %{more}"
 
 
 def seconds(value: float) -> str:
@@ -112,7 +89,7 @@ def seconds(value: float) -> str:
 
 
 def overview(explanation: Explanation, spare: Sequence[str], command: str, price: Mapping[str, str]) -> Any:
-    """What the scene pays for, could spare and needs, on one screen.
+    """What the scene pays for, what can be taken out and what it needs, on one screen.
 
     command  scene and settings as typed
     price    lines on what it will cost, by their labels
@@ -131,8 +108,7 @@ def overview(explanation: Explanation, spare: Sequence[str], command: str, price
         if label == "memory":
             for name, told in price.items():
                 add_row(shown, name, told)
-    add_row(shown, "cost of each", f"contactlab compare {command} --effects")
-    add_row(shown, "every detail", f"contactlab explain {command} --all")
+    add_row(shown, "more", f"contactlab explain {command} --all; compare {command} --effects")
     return shown
 
 
@@ -156,18 +132,13 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
     yield "history", together(s.history)
     if s.contact_forces:
         yield "forces", s.contact_forces
-    yield (
-        "time",
-        (
-            f"about {number(s.estimated_seconds)} s: {number(s.seconds_to_first_step)} s until the first step is done, "
-            f"{number(1e6 * s.seconds_per_step)} µs for each further one"
-        ),
-    )
     if e.costs:
         yield "of a step", _costs(e)
-    yield "memory", f"{number(e.scene.array_bytes / 2**20)} MiB in {len(e.arrays)} arrays"
+    arrays = f"{number(e.scene.array_bytes / 2**20)} MiB in {len(e.arrays)} arrays"
+    whole = f"{number(round(e.price.memory_mib))} MiB, of which " if e.price and e.price.memory_mib > 0.0 else ""
+    yield "memory", whole + arrays
     yield "pays for", ", ".join(f"{f.effect} ({together(f.by)})" for f in e.effects if f.called_for)
-    yield "could spare", ", ".join(spare) or "nothing: each effect is needed by another"
+    yield "can be taken out", ", ".join(spare) or "nothing: each effect is needed by another"
     yield "not declared", ", ".join(f.effect for f in e.effects if not f.called_for)
     yield "needs", "; ".join(_packages(e))
     outside = [module for module in e.modules if not module.package.startswith("contactlab")]
@@ -218,7 +189,8 @@ def _packages(e: Explanation) -> Iterator[str]:
 def plain(explanation: Explanation) -> dict[str, Any]:
     """Sections of an explanation by title: the single numbers as a table first."""
     sections = {field.name: getattr(explanation, field.name) for field in dataclasses.fields(explanation)}
-    return sections | {"scene": dataclasses.asdict(explanation.scene)}
+    price = dataclasses.asdict(explanation.price) if explanation.price is not None else {}
+    return sections | {"scene": dataclasses.asdict(explanation.scene), "price": price}
 
 
 def section(title: str, content: Any) -> Any:

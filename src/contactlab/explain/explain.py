@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from contactlab.explain.effect_table import Effect, effects_of
+from contactlab.explain.estimate import Estimate, estimate
 from contactlab.model.build import build
 from contactlab.model.held_arrays import HeldArray, held_arrays
 from contactlab.model.model import Model
@@ -73,7 +74,7 @@ class Overview:
 
 @dataclass(frozen=True)
 class Explanation:
-    """Sections in the order they are printed. `costs` are those of a step, in s."""
+    """Sections in the order they are printed. `costs` are those of a step, in s; `price` is that of the whole run."""
 
     scene: Overview
     effects: list[Effect]
@@ -83,6 +84,7 @@ class Explanation:
     kernels: list[KernelCalls]
     arrays: list[HeldArray]
     modules: list[Imported]
+    price: Estimate | None
 
 
 def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> Explanation:
@@ -127,6 +129,7 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
         kernels=list(trial.kernels) if trial is not None else [],
         arrays=arrays,
         modules=_modules(trial.modules if trial is not None else packages_of(scene, registry), registry),
+        price=estimate(scene, model, trial) if trial is not None else None,
     )
 
 

@@ -1,4 +1,4 @@
-"""The first steps of a run in a process of its own: what they import, compile, allocate and cost.
+"""A trial: the first steps of a run in a process of its own, and then its begin as a run, for a part of its cost.
 
 Nothing but a fresh process can tell that apart from what was there already. Its files go to a folder that is thrown
 away; beside them it leaves machine code in the cache, where the run itself will find it.
@@ -6,19 +6,22 @@ away; beside them it leaves machine code in the cache, where the run itself will
 
 from __future__ import annotations
 
+import _thread
 import json
 import math
 import pickle
+import signal
 import subprocess
 import sys
+import threading
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib import import_module
 from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter, thread_time
+from time import perf_counter, process_time, thread_time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from contactlab.errors import SimulationFailure
@@ -29,6 +32,12 @@ if TYPE_CHECKING:
 
 STEPS = 40  # after the first one; enough to tell what a step costs
 PATIENCE = 0.5  # seconds after which fewer must do
+SHARE = 0.2
+"""Of the cost of a run, roughly foreseen, that its trial may take."""
+LEAST, MOST = 0.5, 5.0
+"""CPU time that a trial takes at least and at most [s]."""
+CUT = "cut"
+"""Status of a trial that was stopped at its limit."""
 _FAR_END = "from contactlab.explain.trial_run import main; main()"
 
 
@@ -49,6 +58,27 @@ class PartCost(NamedTuple):
     seconds: float
 
 
+class Begin(NamedTuple):
+    """A run that was stopped after some CPU time, or a whole one.
+
+    status      "finished", "cut", or how it failed
+    steps, iterations  that were made
+    cpu_s       CPU time of the steps without compilation [s]
+    once_s      of that, what is not proportional to steps: the first frame, and closing files [s]
+    done        share of the loading that was done; 0 if no frame was reached
+    memory_mib  largest memory of the process [MiB]
+    """
+
+    status: str
+    reason: str
+    steps: float
+    iterations: float
+    cpu_s: float
+    once_s: float
+    done: float
+    memory_mib: float
+
+
 @dataclass(frozen=True)
 class TrialRun:
     """What the first steps of a run import, allocate, call and cost.
@@ -59,6 +89,8 @@ class TrialRun:
     step_s   CPU time of each further step [s]; where there is none, of the first without what it compiled or loaded
     wall_step_s, costs  wall time of each further step [s], and of the parts in it; nan and none where there is none
     steps    further steps that were made
+    begin    the begin of the run itself, with its frames and files; None if that was not asked for
+    compile_s  of the time of building, that of compilation [s]
     """
 
     kernels: Sequence[KernelCalls]
@@ -71,23 +103,30 @@ class TrialRun:
     wall_step_s: float
     costs: Sequence[PartCost]
     steps: int
+    begin: Begin | None = None
+    compile_s: float = 0.0
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> TrialRun:
+        """Make a trial of its plain tables."""
+        from contactlab.model.held_arrays import HeldArray
+
+        found = dict(data)
+        for name, row in (("kernels", KernelCalls), ("costs", PartCost), ("arrays", HeldArray)):
+            found[name] = [row(*values) for values in found[name]]
+        found["begin"] = None if found["begin"] is None else Begin(*found["begin"])
+        return cls(**found)
 
 
-def run_trial(scene: Scene) -> TrialRun:
-    """Make the first steps of `scene`. Raises SimulationFailure where they fail."""
-    request = pickle.dumps((sys.path, pickle.dumps(scene)))
+def run_trial(scene: Scene, share: float = 0.0) -> TrialRun:
+    """Make the first steps of `scene`, and its begin for a `share` of its cost. Raises SimulationFailure."""
+    request = pickle.dumps((sys.path, pickle.dumps(scene), share))
     done = subprocess.run([sys.executable, "-P", "-c", _FAR_END], input=request, capture_output=True, check=False)
     if done.returncode:
         _build_here(scene)
         last = done.stderr.decode(errors="replace").strip().splitlines()[-1:] or ["no word"]
         raise SimulationFailure("failed", f"the first steps: {last[0]}")
-    from contactlab.model.held_arrays import HeldArray
-
-    found = json.loads(done.stdout.splitlines()[-1])
-    found["kernels"] = [KernelCalls(*row) for row in found["kernels"]]
-    found["costs"] = [PartCost(*row) for row in found["costs"]]
-    found["arrays"] = [HeldArray(*row) for row in found["arrays"]]
-    return TrialRun(**found)
+    return TrialRun.from_data(json.loads(done.stdout.splitlines()[-1]))
 
 
 def _build_here(scene: Scene) -> None:
@@ -102,8 +141,61 @@ def _build_here(scene: Scene) -> None:
 
 def main() -> None:
     """Read a pickled scene from standard input, make its trial run, and print what was found as JSON."""
-    sys.path[:], scene = pickle.load(sys.stdin.buffer)
-    print(json.dumps(asdict(_trial_of(lambda: pickle.loads(scene)))))
+    sys.path[:], scene, share = pickle.load(sys.stdin.buffer)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # also in the background, where it is ignored
+    trial = _trial_of(lambda: pickle.loads(scene))
+    if share:
+        trial = replace(trial, begin=_begin_of(pickle.loads(scene), share, trial.step_s))
+    print(json.dumps(asdict(trial)))
+
+
+def _begin_of(scene: Scene, share: float, step_s: float) -> Begin:
+    """Run the scene for a share of its cost, whose first steps took `step_s` each.
+
+    Memory is that of the first steps: recorders keep theirs, and two runs of a process need more than one.
+    """
+    from contactlab.api.compiled.compiler import COMPILATION
+    from contactlab.results.peak_memory import peak_memory_mib
+    from contactlab.run.interruption import Interrupted
+    from contactlab.run.simulation import simulate
+
+    ended, memory = threading.Event(), peak_memory_mib()
+    marks: list[tuple[float, float, float]] = []  # share done, steps, CPU time
+
+    def begun(run: Any) -> None:
+        limit = min(max(share * step_s * run.schedule.estimated_steps(), LEAST), MOST)
+        threading.Thread(target=_stop_after, args=(limit, ended), daemon=True).start()
+
+    def progress(fraction: float, step: int, *rest: float) -> None:
+        marks.append((fraction, step, thread_time() - COMPILATION.seconds))
+
+    with TemporaryDirectory() as folder:
+        try:
+            results = simulate(scene, out=Path(folder) / "run", progress=progress, announce=begun)
+        except Interrupted as stop:
+            results = stop.results
+        except SimulationFailure as failure:
+            return Begin(failure.status, failure.reason, 0.0, 0.0, 0.0, 0.0, 0.0, memory)
+        finally:
+            ended.set()
+    summary, cost = results.summary, results.summary["cost"]
+    done, once, seconds = 0.0, 0.0, cost["run_cpu_s"] - cost["compile_s"]
+    if len(marks) > 1 and marks[-1][1] > marks[0][1]:
+        done, steps, _ = marks[-1]
+        once = max(0.0, seconds - (marks[-1][2] - marks[0][2]) * summary["steps"] / (steps - marks[0][1]))
+    whole = results.status == "finished" or done >= 1.0
+    status = "finished" if whole else CUT if results.status == "interrupted" else results.status
+    return Begin(status, results.reason, summary["steps"], summary.get("iterations", 0), seconds, once,
+                 1.0 if whole else done, memory)  # fmt: skip
+
+
+def _stop_after(limit: float, ended: threading.Event) -> None:
+    """Press Ctrl-C once after so much CPU time [s] of this process, unless the run has ended."""
+    until = process_time() + limit
+    while not ended.wait(max(0.01, until - process_time())):
+        if process_time() >= until:
+            _thread.interrupt_main()
+            return
 
 
 def _trial_of(load: Callable[[], Any]) -> TrialRun:
@@ -122,7 +214,7 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
     with TemporaryDirectory() as folder:
         model = build(scene, scene.registry)
         run = prepare_run(model, scene, scene.registry, Path(folder), resume=False)
-        built = perf_counter()
+        built, compiled = perf_counter(), COMPILATION.seconds
         integrator = model.bound_integrator()
         made_steps = steps(run, integrator)
         before, cpu = Counter(kernels.calls), thread_time() - COMPILATION.seconds
@@ -153,6 +245,7 @@ def _trial_of(load: Callable[[], Any]) -> TrialRun:
         wall_step_s=wall,
         costs=costs,
         steps=made,
+        compile_s=compiled,
     )
 
 

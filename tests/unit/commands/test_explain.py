@@ -72,9 +72,9 @@ def test_modules_of_outside_packages_are_listed_with_their_plugin(strip: None) -
     out.print(overview(said, ["damping"], "two-bars", {"price": "9 s"}))
     assert "9 s" in out.file.getvalue()  # type: ignore[attr-defined]
     shown = out.file.getvalue()  # type: ignore[attr-defined]
-    assert len(shown.splitlines()) <= 30  # a screen
-    for word in ("pays for", "could spare", "needs", "contactlab-dynamics", "contact (contacts.0", "MiB", "--all"):
-        assert word in shown
+    assert len(shown.splitlines()) <= 32  # a screen; two of them only where the machine is busy
+    for word in ("pays for", "can be taken out", "needs", "contactlab-dynamics", "contact (contacts.0", "MiB", "--all"):
+        assert word in " ".join(shown.split())
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ import pytest
 
 import contactlab
 from contactlab.commands.arguments import COMMANDS
-from contactlab.prices.start import _whole_run
 
 RUN = ["vertex-to-vertex", "--set", "time.end=1e-7", "--set", "record.recorders=[]"]
 TRIED: dict[str, tuple[int, list[str]]] = {
@@ -28,7 +27,6 @@ TRIED: dict[str, tuple[int, list[str]]] = {
     "plot": (0, ["compared", "force"]),
     "runs": (0, []),
     "explain": (0, ["two-bars"]),
-    "calibrate": (2, ["--rounds", "0"]),  # what it starts is called below
     "scenes": (0, []),
     "new-scene": (0, ["mine", "--from", "two-bars"]),
     "new-plugin": (0, ["friction", "my-friction"]),
@@ -66,14 +64,6 @@ def test_no_file_of_the_folder_is_run(command: str, strange: Path) -> None:
     assert "Traceback" not in done.stderr
 
 
-def test_nor_where_starts_are_measured(strange: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(strange)
-    seconds, memory = _whole_run({"record": {"frames": 1, "recorders": []}})
-    assert seconds > 0.0
-    assert memory > 0.0
-    assert not (strange / "HIT").exists()
-
-
 def test_every_command_is_tried() -> None:
     assert TRIED.keys() == COMMANDS.keys()
 
@@ -87,5 +77,5 @@ def test_every_process_is_started_without_the_working_folder() -> None:
         for line in file.read_text().splitlines()
         if "[sys.executable" in line
     ]
-    assert len(started) >= 5
+    assert len(started) >= 4
     assert [(file, line) for file, line in started if '"-P"' not in line and '"-I"' not in line] == []

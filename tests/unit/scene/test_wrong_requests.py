@@ -208,7 +208,6 @@ def test_a_word_that_no_file_can_keep(command: str, word: str, capsys: pytest.Ca
         ["compare", "two-bars", "--vary", f"contacts.{DIGITS}.*=[1]"],
         ["compare", "two-bars", "--repeat", DIGITS],
         ["matrix", "--jobs", DIGITS],
-        ["calibrate", "--rounds", DIGITS],
         ["choose", "two-bars", "--search", DIGITS],
         ["choose", "two-bars", "--error", DIGITS],
         ["view", "two-bars", "--step", DIGITS],

@@ -15,7 +15,7 @@ from contactlab.testing.examples import example_spec
 
 
 def lacking(scene: Scene) -> Iterator[Variant]:
-    """A variant for each, with usual values: a price hardly depends on them."""
+    """A variant for each, with usual values: the cost hardly depends on them."""
     if scene.contacts and not any(contact.friction for contact in scene.contacts):
         yield from _friction(scene)
     yield from _effects(scene)

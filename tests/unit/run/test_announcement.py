@@ -7,8 +7,8 @@ from typing import Any, cast
 
 import pytest
 
+from contactlab.explain.announcement import announcement
 from contactlab.model.build import build
-from contactlab.prices.announcement import announcement
 from contactlab.run.prepare import schedule_of
 from contactlab.run.run import Run
 from contactlab.scene.scene import Scene

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from time import thread_time
 from typing import TYPE_CHECKING, TextIO
 
-from contactlab.prices.expected import expected_length
+from contactlab.explain.expected import expected_length
 
 if TYPE_CHECKING:
     from contactlab.model.model import Model
@@ -31,7 +31,7 @@ def announcement(run: Run) -> str:
     kind = ("step" if run.model.integrator.inertia else "load increment") + ("s" if steps > 1 else "")
     line = f"simulates {timing.last:.4g} s{because}{settles}: about {_thousands(steps)} {kind}"
     if not run.model.state.step:
-        line += f", {_duration(_cost(run, scene, steps))} of CPU time"
+        line += f", {_duration(cost_of(run, scene, steps))} of CPU time"
     if timing.end is None and timing.because and timing.last > LONG * timing.ramp:
         fewer = max(1, round(steps * (timing.ramp + timing.period) / timing.last))
         line += (
@@ -41,7 +41,7 @@ def announcement(run: Run) -> str:
     return line
 
 
-def _cost(run: Run, scene: Scene, steps: int) -> float:
+def cost_of(run: Run, scene: Scene, steps: int) -> float:
     """CPU time of all steps [s], within a factor of two or three."""
     model, nodes = run.model, len(run.model.reference)
     if not model.explicit:

@@ -1,0 +1,71 @@
+"""What each effect of a scene costs, by trials of the scene with and without it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from contactlab.commands.lacking import lacking
+from contactlab.errors import RequestError, SimulationFailure, one_line
+from contactlab.explain.estimate import Estimate, estimate
+from contactlab.model.build import build
+from contactlab.studies.removable import Variant, variants
+
+if TYPE_CHECKING:
+    from contactlab.explain.kept import Tried
+    from contactlab.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class EffectCost:
+    """Cost of an effect: the run with it less the run without it.
+
+    declared    False: the scene lacks the effect and would cost this more with it
+    cpu_s, least_s, most_s  CPU time of the steps [s]
+    memory_mib  of the process [MiB]
+    steps, iterations  that the effect adds
+    reason      why nothing is known: the scene without it is refused, or its trial failed
+    refused     the first of these
+    """
+
+    effect: str
+    declared: bool
+    cpu_s: float = math.nan
+    least_s: float = math.nan
+    most_s: float = math.nan
+    memory_mib: float = math.nan
+    steps: float = math.nan
+    iterations: float = math.nan
+    reason: str = ""
+    refused: bool = False
+
+
+def effect_costs(scene: Scene, whole: Estimate, tried: Tried) -> Iterator[EffectCost]:
+    """Each effect of which `tried` has a trial: those that can be taken out, then what installed parts would bring."""
+    for variant in (*variants(scene), *lacking(scene)):
+        found = _cost(variant, scene, whole, tried)
+        if found is not None:
+            yield found
+
+
+def _cost(variant: Variant, scene: Scene, whole: Estimate, tried: Tried) -> EffectCost | None:
+    try:
+        changed = scene.with_(variant.changes)
+        trial = tried(changed)
+        if trial is None:
+            return None
+        other = estimate(changed, build(changed, changed.registry), trial)
+    except SimulationFailure as failure:
+        return EffectCost(variant.effect, variant.declared, reason=failure.reason)
+    except RequestError as error:
+        return EffectCost(variant.effect, variant.declared, reason=one_line(error), refused=True)
+    if other.reason or whole.reason:
+        return EffectCost(variant.effect, variant.declared, reason=f"its trial ended {other.reason or whole.reason}")
+    rich, poor = (whole, other) if variant.declared else (other, whole)
+    return EffectCost(
+        variant.effect, variant.declared, rich.cpu_s - poor.cpu_s, rich.least_s - poor.most_s,
+        rich.most_s - poor.least_s, rich.memory_mib - poor.memory_mib, rich.steps - poor.steps,
+        rich.iterations - poor.iterations,
+    )  # fmt: skip

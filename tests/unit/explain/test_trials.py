@@ -1,0 +1,127 @@
+"""Costs are foreseen from trials, and a trial that is kept is not made again."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from contactlab.cli import main
+from contactlab.commands.effect_costs import effect_costs
+from contactlab.commands.explain import price_lines
+from contactlab.explain import trial_run
+from contactlab.explain.estimate import Estimate, estimate
+from contactlab.explain.kept import kept, trials, tried
+from contactlab.explain.trial_run import CUT, Begin, TrialRun
+from contactlab.model.build import build
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import Scene, load_scene
+
+STATIC = {"integrator": "newton", "integrator.steps": 10}
+
+
+def trial(*begin: Any) -> TrialRun:
+    return TrialRun([], [], [], 0.5, 0.25, 0.1, 1e-3, 1e-3, [], 40, Begin(*begin) if begin else None)
+
+
+def foreseen(scene: Scene, *begin: Any) -> Estimate:
+    return estimate(scene, build(scene, scene.registry), trial(*begin))
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return load_scene("two-bars").with_({"record.recorders": []})
+
+
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A cache for trials alone; kernels stay where they are."""
+    monkeypatch.setattr("contactlab.explain.kept.cache_root", lambda: tmp_path / "cache")
+    return tmp_path / "cache"
+
+
+def test_a_whole_run_costs_what_it_cost(scene: Scene) -> None:
+    found = foreseen(scene, "finished", "", 700, 0, 2.0, 0.5, 1.0, 90.0)
+    assert (found.cpu_s, found.steps, found.done, found.memory_mib) == (2.0, 700, 1.0, 90.0)
+    assert found.least_s < 2.0 < found.most_s
+    assert found.start_s == 0.75
+
+
+def test_of_an_explicit_begin_steps_are_multiplied_and_the_rest_is_not(scene: Scene) -> None:
+    steps = foreseen(scene).steps
+    made = steps / 4.0
+    found = foreseen(scene, CUT, "", made, 0, 1.5, 0.5, 0.25, 90.0)
+    assert found.cpu_s == pytest.approx(0.5 + 4.0 * 1.0)
+    assert found.steps == steps
+    assert found.done == pytest.approx(0.25)
+    assert found.least_s < found.cpu_s < found.most_s
+
+
+def test_of_load_steps_the_share_of_the_loading_counts() -> None:
+    scene = load_scene("disc-on-block").with_(STATIC)
+    found = foreseen(scene, CUT, "", 2, 12, 1.5, 0.5, 0.2, 90.0)
+    assert found.cpu_s == pytest.approx(0.5 + 1.0 / 0.2)
+    assert (found.steps, found.iterations) == (10.0, 60.0)
+    nothing_done = foreseen(scene, CUT, "", 0, 4, 1.0, 0.0, 0.0, 90.0)
+    assert nothing_done.least_s < nothing_done.cpu_s < nothing_done.most_s
+
+
+def test_a_trial_that_failed_is_no_cost(scene: Scene) -> None:
+    found = foreseen(scene, "diverged", "it flew", 3, 0, 0.1, 0.0, 0.1, 90.0)
+    assert found.reason == "diverged: it flew"
+    assert dict(price_lines(found, []))["price"] == "its trial ended diverged: it flew"
+
+
+def test_a_trial_is_made_once_and_foresees_the_run(
+    scene: Scene, own_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    settings = ["--set", "record.recorders=[]"]
+    assert main(["explain", "two-bars", *settings, "--json"]) == 0
+    price = json.loads(capsys.readouterr().out)["price"]
+    monkeypatch.setattr(trial_run.subprocess, "run", None)  # no process any more
+    assert main(["explain", "two-bars", *settings, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["price"] == price
+    results = simulate(scene, out=tmp_path / "run")
+    assert price["steps"] == pytest.approx(results.summary["steps"], rel=0.05)
+    assert 0.0 < price["least_s"] < price["cpu_s"] < price["most_s"]
+    assert (own_cache / "trials.sqlite").exists()
+
+
+def test_a_scene_that_is_changed_by_a_digit_has_no_trial(scene: Scene, own_cache: Path) -> None:
+    with trials() as archive:
+        tried(scene, archive)
+        assert kept(scene, archive) is not None
+        assert kept(scene.with_({"record.frames": 7}), archive) is None
+
+
+def test_a_damaged_archive_of_trials_is_replaced(scene: Scene, own_cache: Path) -> None:
+    own_cache.mkdir()
+    (own_cache / "trials.sqlite").write_bytes(b"SQLite format 3\0" + bytes(range(256)) * 20)
+    with trials() as archive:
+        assert archive is not None
+        assert kept(scene, archive) is None
+
+
+def test_an_effect_costs_what_its_trials_differ_by() -> None:
+    """Iterations that it adds are counted; what has no trial is not told."""
+    scene = load_scene("disc-on-block").with_({**STATIC, "contacts.0.friction": {"use": "coulomb", "mu": 0.2}})
+
+    def answer(changed: Scene) -> TrialRun | None:
+        rubs = any(contact.friction for contact in changed.contacts)
+        if rubs or not changed.contacts:
+            return None
+        return trial("finished", "", 10, 40, 1.0, 0.0, 1.0, 80.0)
+
+    whole = foreseen(scene, "finished", "", 10, 100, 4.0, 0.0, 1.0, 90.0)
+    told: Callable[[Scene], TrialRun | None] = answer
+    costs = {cost.effect: cost for cost in effect_costs(scene, whole, told)}
+    rubbing = costs["friction"]
+    assert (rubbing.cpu_s, rubbing.iterations, rubbing.memory_mib) == (3.0, 60.0, 10.0)
+    assert rubbing.least_s < 3.0 < rubbing.most_s
+    assert "contact" not in costs
+    lines = dict(price_lines(whole, list(costs.values())))
+    assert "friction: +3 s, +75 %, +60 iterations" in lines["of that"]
+    assert lines["known from"] == "a trial that was the whole run"
