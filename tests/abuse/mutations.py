@@ -25,18 +25,21 @@ def _of(kind: str, part: str, *defects: tuple[str, ...]) -> tuple[Mutation, ...]
     return tuple(Mutation(kind, part, *defect) for defect in defects)
 
 
-_DECLARED = "    passes_patch_test: ClassVar[bool] = True\n"
+_DECLARED = {
+    "mortar": "    passes_patch_test: ClassVar[bool] = True\n",
+    "node": "    closest_points: ClassVar[bool] = True\n",
+}
 
 
-def _mortar(method: str, part: str, says: str, *lines: str) -> Mutation:
-    """A mortar with a method of its own beside its formulas."""
-    body = "\n        ".join([f"    def {method}:", *lines])
-    return M("contact", part, says, _DECLARED, f"{_DECLARED}\n{body}\n")
+def _method(method: str, part: str, says: str, *lines: str) -> Mutation:
+    """A contact algorithm with a method of its own beside its formulas."""
+    body, declared = "\n        ".join([f"    def {method}:", *lines]), _DECLARED[part.partition("-")[0]]
+    return M("contact", part, says, declared, f"{declared}\n{body}\n")
 
 
 def _pieces(part: str, says: str, *lines: str) -> Mutation:
     """Pieces are spoilt after they are made."""
-    return _mortar("pieces(self, view, out)", part, says, "count = super().pieces(view, out)", *lines, "return count")
+    return _method("pieces(self, view, out)", part, says, "count = super().pieces(view, out)", *lines, "return count")
 
 
 _DERIVATIVES = "derivatives(self, view, pieces, count, out)"
@@ -52,16 +55,19 @@ CONTACT = (
     _pieces("mortar-p0", "every second step with old weights",
             "out.M[:count] = self.__dict__.setdefault('seen', {}).setdefault(count, out.M[:count].copy())"),
     _pieces("mortar-p1", "positions of the slave are moved a little", "view.at.slave[:, 0] += 1e-9"),
-    _mortar(_DERIVATIVES, "mortar-p1", "no derivatives, and says they are given", "out.count = out.normal_count = 0", "return True"),
-    _mortar(_DERIVATIVES, "mortar-p0", "derivatives of normals forgotten", "super().derivatives(view, pieces, count, out)", "out.normal_count = 0", "return True"),
+    _method(_DERIVATIVES, "mortar-p1", "no derivatives, and says they are given", "out.count = out.normal_count = 0", "return True"),
+    _method(_DERIVATIVES, "mortar-p0", "derivatives of normals forgotten", "super().derivatives(view, pieces, count, out)", "out.normal_count = 0", "return True"),
     M("contact", "mortar-p0", "jumps in another place than it says", "if xi < 0.5", "if xi < 0.4"),
     M("contact", "mortar-p1", "multipliers of both ends exchanged", "return 1.0 - xi, xi", "return xi, 1.0 - xi"),
     M("contact", "mortar-p1", "begins where it should end", "slave.meets(master, low), slave.meets(master, high)", "slave.meets(master, high), slave.meets(master, low)"),
     M("contact", "node-on-segment", "says that it passes the patch test", "passes_patch_test: ClassVar[bool] = False", "passes_patch_test: ClassVar[bool] = True"),
-    *_of("contact", "node-on-segment",
-        ("remembers beside its memory", "        address = _BOUND.of(out, _bound, view).address\n", "        own = self.__dict__.setdefault('own', {}).setdefault(view.memory.shape, view.memory.copy())\n        address = _BOUND.of(out, _bound, view._replace(memory=own)).address\n"),
-        ("normals at the start of a step are those of its end", "        out[:] = pieces.normal\n        out[pieces.multiplier[:count, 0][usable]] = normal", "        out[:] = pieces.normal"),
-        ("room for half the pieces", "return 2 * len(slave.nodes)", "return len(slave.nodes) // 2")),
+    _method("pieces(self, view, out)", "node-on-segment", "remembers beside its memory",
+            "own = self.__dict__.setdefault('own', {}).setdefault(view.memory.shape, view.memory.copy())", "return super().pieces(view._replace(memory=own), out)"),
+    _method("normals(self, view, pieces, count, out)", "node-on-segment", "normals at the start of a step are those of its end", "out[:] = pieces.normal"),
+    _method("capacity(self, slave, near)", "node-on-segment", "room for half the pieces", "return len(slave.nodes) // 2"),
+    _method(_DERIVATIVES, "node-on-segment", "derivatives of normals forgotten", "super().derivatives(view, pieces, count, out)", "out.normal_count = 0", "return True"),
+    M("contact", "node-on-segment", "feet seen from the other end", "return ((x.at - master.start) @ edge) / (edge @ edge)", "return 1.0 - ((x.at - master.start) @ edge) / (edge @ edge)"),
+    M("contact", "node-on-segment", "feet beside the closest point", "return ((x.at - master.start) @ edge) / (edge @ edge)", "return ((x.at - master.start) @ edge) / (edge @ edge) + 0.05"),
 )  # fmt: skip
 
 MATERIAL = (

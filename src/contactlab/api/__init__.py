@@ -45,6 +45,7 @@ from contactlab.api.material import Kinematics, Material
 from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import Mesh, MeshSource
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
+from contactlab.api.point_contact import PointContact
 from contactlab.api.profile import Profile
 from contactlab.api.record import Record
 from contactlab.api.recorder import Recorder, Recording
@@ -122,6 +123,7 @@ __all__ = [
     "Part",
     "PieceDerivatives",
     "Pieces",
+    "PointContact",
     "PrescribedMotion",
     "Profile",
     "Quadrature",

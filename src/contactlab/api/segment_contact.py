@@ -106,5 +106,5 @@ class SegmentContact(ContactAlgorithm):
 
     def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
         """Averaged normals of the slave; where they turn at ends and vertices all pieces are integrated again."""
-        if not late("contactlab.formulas.segments").normals(view, pieces, count, out):
+        if not late("contactlab.formulas.segments").averaged_normals(view, pieces, count, out):
             super().normals(view, pieces, count, out)

@@ -1,4 +1,4 @@
-"""What formulas of contact between segments see: two segments, and where they see each other."""
+"""What formulas of contact see: points and segments of the slave, segments of the master, and what they share."""
 
 from __future__ import annotations
 
@@ -28,6 +28,17 @@ class MasterSegment(NamedTuple):
     def normal(self) -> Vector:
         """Outward unit normal."""
         return self.edge().turned().unit()
+
+
+class SlavePoint(NamedTuple):
+    """A point of the slave: a node, or a Gauss point of a segment.
+
+    at      [mm] where it is
+    normal  outward normal of the slave there, the average of the segments that meet at a node, linear between nodes
+    """
+
+    at: Vector
+    normal: Vector
 
 
 class SlaveSegment(NamedTuple):

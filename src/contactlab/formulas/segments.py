@@ -7,14 +7,23 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import ContactView, Floats, GapGradients, Ints, PieceDerivatives, Pieces, SegmentContact
-from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache, table_of
+from contactlab.api import (
+    ContactAlgorithm,
+    ContactView,
+    Floats,
+    GapGradients,
+    Ints,
+    PieceDerivatives,
+    Pieces,
+    SegmentContact,
+)
+from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache
 from contactlab.api.compiled.contact_tables import GradientsTable, SurfaceTable
-from contactlab.api.compiled.formulas import Slot, made
-from contactlab.api.formulas import formulas_of, in_python
+from contactlab.api.compiled.formulas import Slot
 from contactlab.api.segments import Covered
 from contactlab.formulas import segment_derivatives as changes
 from contactlab.formulas import segment_kernels as kernels
+from contactlab.formulas.class_kernels import ClassKernels
 from contactlab.formulas.parameters import numbers_of, parameters_of, values_of
 from contactlab.formulas.segment_normals import inward_normals, turned_normals
 from contactlab.formulas.segment_tables import Both, Derived, Separated
@@ -25,35 +34,30 @@ DEPTH = 2.0
 _PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS = (BoundCache() for _ in range(4))
 
 
-class _Kernels:
-    """The kernels of one class of contact algorithms, each made when it is first asked for."""
-
-    def __init__(self, kind: type[SegmentContact]) -> None:
-        self.kind, self.formulas, self.in_python = kind, formulas_of(kind), in_python()
-
-    def given_arrays(self, bound: BoundArrays, table: type) -> Any:
-        """How the kernels are given bound arrays: by their address, or in plain Python as the table that they fill."""
-        return table_of(table, iter(bound.arrays)) if self.in_python else bound.address
+class _Kernels(ClassKernels):
+    """The kernels of one class, each made when it is first asked for."""
 
     @cached_property
     def pieces(self) -> Any:
-        return self._made(kernels.pieces)
+        return self.made(kernels.pieces, self.given)
 
     @cached_property
     def derivatives(self) -> Any:
-        return self._made(changes.piece_derivatives)
+        return self.made(changes.piece_derivatives, self.given)
 
     @cached_property
     def gradients(self) -> Any:
-        return self._made(changes.separation_gradients)
+        return self.made(changes.separation_gradients, self.given)
 
     @cached_property
     def given(self) -> dict[Slot, Any]:
         """What is put into the templates."""
         kind, breaks = self.kind, tuple(map(float, self.kind.breaks))
         found: dict[Slot, Any] = {
-            kernels.OVERLAP: self._called("overlap", "slave, master, p", slave="slave", master="master"),
-            kernels.BASIS: self._called("basis", "u, low, high, p", xi="u", covered="Covered(low, high)"),
+            kernels.OVERLAP: self.called("overlap", "slave, master, p", {}),
+            kernels.BASIS: self.called(
+                "basis", "u, low, high, p", {"Covered": Covered}, xi="u", covered="Covered(low, high)"
+            ),
             kernels.COVERED: "covered" in self.formulas["basis"].arguments,
             kernels.PARTS: len(breaks) + 1, kernels.BREAKS: breaks or (0.5,),
             kernels.PARAMETERS: kernels.parameters if numbers_of(kind) else kernels.no_parameters,
@@ -64,18 +68,6 @@ class _Kernels:
             rule = np.polynomial.legendre.leggauss((kind.basis_degree + trace) // 2 + 1)
             found[points], found[weights] = tuple((0.5 + 0.5 * rule[0]).tolist()), tuple((0.5 * rule[1]).tolist())
         return found
-
-    def _called(self, name: str, arguments: str, **given: str) -> Any:
-        """A formula, called with what the templates have."""
-        words = ", ".join(given.get(word, word) for word in self.formulas[name].arguments)
-        names: dict[str, Any] = {
-            "formula": self.formulas[name].function, "Covered": Covered, "__name__": self.kind.__module__,
-        }  # fmt: skip
-        exec(f"def {name}({arguments}):\n    return formula({words})", names)
-        return names[name]
-
-    def _made(self, template: Any) -> Any:
-        return made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", self.given)
 
 
 _of_class = cache(_Kernels)
@@ -112,7 +104,7 @@ def gradients(
     return True
 
 
-def normals(view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
+def averaged_normals(view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
     """The averaged normals, where directions at ends and vertices are these, too; else False."""
     inward_normals(view.at.slave, view.slave.segments, out)
     return not turned_normals(_NORMALS.of(pieces, _bound, view, None).address, count, out)
@@ -123,13 +115,13 @@ def _vertices(part: SegmentContact) -> bool:
 
 
 def _bound(out: Pieces, view: ContactView, part: SegmentContact | None) -> BoundArrays:
-    return BoundArrays(Both, *_both(view, out, part))
+    return BoundArrays(Both, *arrays_of(view, out, part))
 
 
 def _bound_derivatives(out: PieceDerivatives, view: ContactView, pieces: Pieces, part: SegmentContact) -> BoundArrays:
     return BoundArrays(
-        Derived, *_both(view, pieces, part), out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM, out.dT,
-        out.normal_of, out.normal_moved, out.dnormal,
+        Derived, *arrays_of(view, pieces, part), out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM,
+        out.dT, out.normal_of, out.normal_moved, out.dnormal,
     )  # fmt: skip
 
 
@@ -137,12 +129,12 @@ def _bound_gradients(
     out: GapGradients, view: ContactView, pieces: Pieces, owner: Ints, separation: Floats, part: SegmentContact
 ) -> BoundArrays:
     return BoundArrays(
-        Separated, *_both(view, pieces, part), owner, separation,
+        Separated, *arrays_of(view, pieces, part), owner, separation,
         GradientsTable(out.multiplier, out.node, out.value, out.normal_of, out.normal_moved, out.dnormal),
     )  # fmt: skip
 
 
-def _both(view: ContactView, out: Pieces, part: SegmentContact | None) -> tuple[Any, ...]:
+def arrays_of(view: ContactView, out: Pieces, part: ContactAlgorithm | None) -> tuple[Any, ...]:
     """The arrays of a `Both`."""
     surfaces = (SurfaceTable(s.segments, s.node_segments, s.edges, s.segment_edge) for s in (view.slave, view.master))
     arrays = out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal, out.ends, out.segment

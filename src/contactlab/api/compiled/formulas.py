@@ -58,9 +58,9 @@ class Slot:
         raise TypeError(f"{self.name}: a template is called")
 
 
-def made(template: Any, name: str, given: Mapping[Slot, Any]) -> Any:
-    """The kernel of a template with `given` in its slots, compiled under `name`, or in plain Python."""
-    if in_python():
+def made(template: Any, name: str, given: Mapping[Slot, Any], plain: bool | None = None) -> Any:
+    """The kernel of a template with `given` in its slots, compiled under `name`, or `plain` Python."""
+    if in_python() if plain is None else plain:
         return copied(template, given)
     return _Copies(given, compiled=True).kernel(template, name)
 

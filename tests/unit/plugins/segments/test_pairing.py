@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from contactlab_segments.node_on_segment import NodeOnSegment
-from contactlab_segments.weights import node_lengths
 
 from contactlab.api import ContactView, Floats, Pieces
 from contactlab.api.compiled.contact_tables import SurfaceTable
 from contactlab.api.surface import SurfacePositions
+from contactlab.formulas.point_kernels import node_lengths
 from contactlab.kernels.contact.search import near_segments
 from contactlab.testing.surfaces import Chains, chains, consistent_loads, curved, flat
 

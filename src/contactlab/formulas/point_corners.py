@@ -2,38 +2,36 @@
 
 A node of the slave that lies on a flank beside a corner is pressed along the flank's normal, and friction leans with
 it; a corner between two nodes is not held at all. So where no flank of a corner leads into the slave, the corner itself
-is pressed along the normal of the slave's segment. All sections work on a `PairingTable` t; v is the corner.
+is pressed along the normal of the slave's segment. All sections work on a `Points` table t; v is the corner.
 """
 
 from __future__ import annotations
 
 from contactlab.api.compiled.kernel import point, section
+from contactlab.formulas.point_pieces import EDGE
+from contactlab.formulas.segment_normals import node
 
 CORNER = 0.5  # sine by which a master turns outward at a corner
 RISE = -0.05
 CLOSE = 0.05  # of a segment: a slave node so near to a corner holds nothing beside it
-EDGE = 1e-9  # how far, in segment lengths, a corner may project beyond a segment's end
 
 
 @point
 def _is_corner(t, v):
     """Whether the master ends or turns outward at its node v."""
-    before, after = t.master.node_segments[v, 0], t.master.node_segments[v, 1]
+    before, after = t.sides.master.node_segments[v, 0], t.sides.master.node_segments[v, 1]
     if before < 0 or after < 0:
         return True
-    bx, by, cx, cy = (
-        t.master_normal[before, 0], t.master_normal[before, 1], t.master_normal[after, 0], t.master_normal[after, 1]
-    )  # fmt: skip
-    turn = bx * cy - by * cx
-    return turn > CORNER or (turn > 0.0 and bx * cx + by * cy < 0.0)
+    one, other = node(t.master_normal, before), node(t.master_normal, after)
+    turn = one.cross(other)
+    return turn > CORNER or (turn > 0.0 and one @ other < 0.0)
 
 
 @point
 def _outside(t, s, v):
     """How far [mm] master node v lies outside slave segment s."""
-    a = t.slave.segments[s, 0]
-    x, y = t.master_at[v, 0] - t.slave_at[a, 0], t.master_at[v, 1] - t.slave_at[a, 1]
-    return x * t.slave_normal[s, 0] + y * t.slave_normal[s, 1]
+    a = t.sides.slave.segments[s, 0]
+    return (node(t.sides.at.master, v) - node(t.sides.at.slave, a)) @ node(t.slave_normal, s)
 
 
 @section
@@ -41,11 +39,11 @@ def _rises(t, s, v, gap):
     """Whether the flanks of corner v face slave segment s in the mean and lead away from it."""
     facing = 0.0
     for side in range(2):
-        m = t.master.node_segments[v, side]
+        m = t.sides.master.node_segments[v, side]
         if m < 0:
             continue
-        facing += t.master_normal[m, 0] * t.slave_normal[s, 0] + t.master_normal[m, 1] * t.slave_normal[s, 1]
-        if not _outside(t, s, t.master.segments[m, side]) - gap > RISE * t.master_length[m]:
+        facing += node(t.master_normal, m) @ node(t.slave_normal, s)
+        if not _outside(t, s, t.sides.master.segments[m, side]) - gap > RISE * t.master_length[m]:
             return False
     return facing < 0.0
 
@@ -56,18 +54,18 @@ def find_corners(t, reach, depth):
     for v in range(t.corner_on.size):
         t.corner_on[v] = -1
     found = False
-    for s in range(t.slave.segments.shape[0]):
-        for z in range(t.start[s], t.start[s + 1]):
+    for s in range(t.sides.slave.segments.shape[0]):
+        for z in range(t.sides.near.start[s], t.sides.near.start[s + 1]):
             for end in range(2):
-                v = t.master.segments[t.candidates[z], end]
+                v = t.sides.master.segments[t.sides.near.master[z], end]
                 if not _is_corner(t, v):
                     continue
                 gap = _outside(t, s, v)
                 if gap > reach or gap < -depth:
                     continue
-                a, b = t.slave.segments[s, 0], t.slave.segments[s, 1]
-                x, y = t.master_at[v, 0] - t.slave_at[a, 0], t.master_at[v, 1] - t.slave_at[a, 1]
-                along = x * (t.slave_at[b, 0] - t.slave_at[a, 0]) + y * (t.slave_at[b, 1] - t.slave_at[a, 1])
+                a, b = t.sides.slave.segments[s, 0], t.sides.slave.segments[s, 1]
+                start = node(t.sides.at.slave, a)
+                along = (node(t.sides.at.master, v) - start) @ (node(t.sides.at.slave, b) - start)
                 share = along / (t.slave_length[s] * t.slave_length[s])
                 if share < -EDGE or share > 1.0 + EDGE or not _rises(t, s, v, gap):
                     continue
@@ -79,14 +77,14 @@ def find_corners(t, reach, depth):
 @section
 def put_corners(t, count, taken):
     """Write the pieces of corners from `count` on; returns the next. `taken` (m,) marks nodes with two conditions."""
-    out, m = t.pieces, t.slave_at.shape[0]
+    out, m = t.out, t.sides.at.slave.shape[0]
     for i in range(m):
         t.carried[i] = 0
     for v in range(t.corner_on.size):
         s = t.corner_on[v]
         if s < 0:
             continue
-        share, a, b = t.corner_share[v], t.slave.segments[s, 0], t.slave.segments[s, 1]
+        share, a, b = t.corner_share[v], t.sides.slave.segments[s, 0], t.sides.slave.segments[s, 1]
         i = a if share < 0.5 else b
         if t.memory[1, a + b - i] == v + 1:  # it stays with its node within a segment: forces belong to nodes
             i = a + b - i
@@ -95,13 +93,15 @@ def put_corners(t, count, taken):
         if taken[i]:
             continue
         taken[i], t.carried[i] = True, v + 1
-        weight, k, side = t.tributary[i], m + i, 0 if t.master.node_segments[v, 1] < 0 else 1
+        weight, k, side = t.tributary[i], m + i, 0 if t.sides.master.node_segments[v, 1] < 0 else 1
         out.slave[count, 0], out.slave[count, 1], out.multiplier[count, 0] = a, b, k
         out.D[count, 0, 0], out.D[count, 1, 0], out.T[count, 0, 0] = (1.0 - share) * weight, share * weight, weight
-        other = t.master.segments[t.master.node_segments[v, side], side]
+        other = t.sides.master.segments[t.sides.master.node_segments[v, side], side]
         for r in range(out.M.shape[1]):
             out.master[count, r], out.M[count, r, 0] = other, 0.0
         out.master[count, 0], out.M[count, 0, 0] = v, weight
+        out.segment[count, 0], out.segment[count, 1] = -1 - s, -1 - v
+        out.ends[count, 0], out.ends[count, 1], out.ends[count, 2] = share, 0.0, 0.0
         out.normal[k, 0], out.normal[k, 1] = -t.slave_normal[s, 0], -t.slave_normal[s, 1]
         count += 1
     for i in range(m):
@@ -113,11 +113,11 @@ def put_corners(t, count, taken):
 def held_by_corner(t, i, m):
     """Whether a corner at an end of master segment m presses so close to slave node i that it stands for it."""
     for end in range(2):
-        v = t.master.segments[m, end]
+        v = t.sides.master.segments[m, end]
         s = t.corner_on[v]
         if s >= 0 and (
-            (t.slave.segments[s, 0] == i and t.corner_share[v] < CLOSE)
-            or (t.slave.segments[s, 1] == i and t.corner_share[v] > 1.0 - CLOSE)
+            (t.sides.slave.segments[s, 0] == i and t.corner_share[v] < CLOSE)
+            or (t.sides.slave.segments[s, 1] == i and t.corner_share[v] > 1.0 - CLOSE)
         ):
             return True
     return False

@@ -1,0 +1,84 @@
+"""Contact at points of the slave by one formula: where on the master a point is."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, Final
+
+from contactlab.api.arrays import Floats, Ints
+from contactlab.api.compiled.late import late
+from contactlab.api.contact import ContactAlgorithm, ContactView, Pieces
+from contactlab.api.derivatives import GapGradients, PieceDerivatives
+from contactlab.api.formulas import declare
+from contactlab.api.segments import MasterSegment, SlavePoint
+from contactlab.api.surface import Candidates, Surface
+from contactlab.api.tensors import Number
+
+_ARGUMENTS: Final[Mapping[str, tuple[str, ...]]] = {"foot": ("x", "master", "p")}
+
+
+@dataclass(frozen=True)
+class PointContact(ContactAlgorithm):
+    """Points of the slave that stay outside the master, by one formula.
+
+        foot(x, master)  where on a master segment the point x is: eta, 0 at its start and 1 at its end
+
+    A formula may also ask for p, the numbers among the fields of the part. Points are those of `points`:
+
+    - 0, the nodes: each has a condition of its own, along the normal of the master at its foot. A node stands for half
+      of its edges, or for 1/6, 4/6 and 1/6 of a quadratic one, so that multipliers are pressures. At a concave corner
+      of the master both segments hold the node. Convex corners and ends of the master are points that stay outside the
+      slave's segments.
+    - n, Gauss points of each slave segment: they share the multipliers of its two nodes, linear between these, so there
+      are no more conditions than nodes. Conditions act along the averaged normals of the slave.
+
+    Search, which of several segments holds a point, vertices, quadratic edges, where the formula is asked on the
+    tangent until the foot is the point itself, corners and all derivatives are the core's. A method of
+    `ContactAlgorithm` that is written in the body of a part takes the place of the one made from the formula.
+    """
+
+    points: ClassVar[int] = 0
+    rows_per_node: ClassVar[int] = 2
+    memory_size: ClassVar[int] = 2
+    gradient_nodes: ClassVar[int] = 1
+
+    def __init_subclass__(cls, **named: Any) -> None:
+        super().__init_subclass__(**named)
+        declare(cls, _ARGUMENTS)
+        if "points" in vars(cls):
+            cls.rows_per_node, cls.memory_size, cls.gradient_nodes = (2, 2, 1) if not cls.points else (1, cls.points, 0)
+
+    @staticmethod
+    @abstractmethod
+    def foot(x: SlavePoint, master: MasterSegment) -> Number:
+        """Where on a master segment a point of the slave is, 0 at its start and 1 at its end. A formula."""
+
+    def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
+        """Two nodes, as a corner presses on a segment, and one multiplier; or a slave edge and two; a master edge."""
+        own = (slave.edges.shape[1], 2) if self.points else (2, 1)
+        return *own, master.edges.shape[1]
+
+    def capacity(self, slave: Surface, near: Candidates) -> int:
+        """Two conditions of each node, or one piece for each Gauss point."""
+        return self.points * len(slave.segments) if self.points else 2 * len(slave.nodes)
+
+    def pieces(self, view: ContactView, out: Pieces) -> int:
+        """One for each point that is held. `memory` keeps the number of its segment, plus one."""
+        return int(late("contactlab.formulas.points").pieces(self, view, out))
+
+    def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
+        """Derivatives of the formula, chained."""
+        return bool(late("contactlab.formulas.points").derivatives(self, view, pieces, count, out))
+
+    def gradients(
+        self, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats, out: GapGradients
+    ) -> bool:
+        """Of conditions of nodes the normals that turn: what else changes moves feet across them."""
+        return bool(late("contactlab.formulas.points").gradients(self, view, pieces, count, out))
+
+    def normals(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
+        """Normals of the same segments and vertices, or the averaged ones of the slave."""
+        if not late("contactlab.formulas.points").normals(self, view, pieces, count, out):
+            super().normals(view, pieces, count, out)

@@ -1,0 +1,185 @@
+"""Contact at points: which segment or vertex of the master holds each node, or Gauss point, of the slave.
+
+Slots as in `point_pieces`, and PARAMETERS and FIELDS as in `segment_kernels`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api.compiled.chains import nodal_normals, segment_normals, tributary_lengths
+from contactlab.api.compiled.kernel import kernel, point, section
+from contactlab.api.compiled.unpack import unpack
+from contactlab.api.segments import SlavePoint
+from contactlab.api.tensors import Vector
+from contactlab.formulas.point_corners import find_corners, held_by_corner, put_corners
+from contactlab.formulas.point_pieces import ABSCISSAE, EDGE, POINTS, foot, hold_beside, hold_on_segment
+from contactlab.formulas.point_tables import Points
+from contactlab.formulas.segment_kernels import PARAMETERS, trace
+from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
+
+LEAVE = 0.02  # as EDGE at the ends of a chain, where nothing else holds a point: bodies of one width spread differently
+HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
+
+
+# --- both surfaces ----------------------------------------------------------------------------------------------------
+
+
+@kernel
+def node_lengths(positions, surface, lengths, out):
+    """Length [mm] of each slave node: half of its edges, or 1/6, 4/6 and 1/6 of a quadratic one.
+
+    These are the integrals of the edge's own shape functions: what a constant pressure gives its nodes. `surface` is a
+    `SurfaceTable`, `lengths` (s,) [mm] are those of its segments.
+    """
+    edges, segment_edge = surface.edges, surface.segment_edge
+    if edges.shape[1] == 2:
+        tributary_lengths(positions, surface.segments, surface.node_segments, out)
+        return
+    for i in range(out.size):
+        out[i] = 0.0
+    for s in range(lengths.size):
+        share = lengths[s] / 6.0
+        edge = segment_edge[s, 0]
+        out[edges[edge, 0]] += share
+        out[edges[edge, 1]] += share
+        out[edges[edge, 2]] += 4.0 * share
+
+
+@section
+def measure(t):
+    """Normals and lengths of both surfaces; returns the longest master segment [mm]."""
+    slave, master, at = t.sides.slave, t.sides.master, t.sides.at
+    segment_normals(at.slave, slave.segments, t.slave_normal, t.slave_length)
+    nodal_normals(slave.node_segments, t.slave_normal, t.slave_length, t.outward)
+    node_lengths(at.slave, slave, t.slave_length, t.tributary)
+    segment_normals(at.master, master.segments, t.master_normal, t.master_length)
+    longest = 0.0
+    for m in range(t.master_length.size):
+        longest = max(longest, t.master_length[m])
+    return longest
+
+
+@section
+def gauss_point(t, s, xi):
+    """The point at xi of slave segment s, on its parabola where edges are quadratic."""
+    surface, at = t.sides.slave, t.sides.at.slave
+    edge, half, nodes = surface.segment_edge[s, 0], surface.segment_edge[s, 1], surface.edges.shape[1]
+    i, j = surface.segments[s, 0], surface.segments[s, 1]
+    x, y = 0.0, 0.0
+    for k in range(nodes):
+        share = trace(nodes, half, xi, k)
+        x, y = x + share * at[surface.edges[edge, k], 0], y + share * at[surface.edges[edge, k], 1]
+    return SlavePoint(Vector(x, y), (1.0 - xi) * node(t.outward, i) + xi * node(t.outward, j))
+
+
+# --- the nearest ------------------------------------------------------------------------------------------------------
+
+
+@point
+def _beyond(surface, m, side):
+    """How far a point may project beyond an end (0 or 1) of a segment."""
+    return EDGE if surface.node_segments[surface.segments[m, side], side] >= 0 else LEAVE
+
+
+@section
+def nearest_segment(t, x, s, last, best, reach, depth, p):
+    """The nearer of `best` (segment, eta, distance) and the segments near slave segment s that x projects onto."""
+    view, (found, share, nearest) = t.sides, best
+    for z in range(view.near.start[s], view.near.start[s + 1]):
+        m = view.near.master[z]
+        if x.normal.x * t.master_normal[m, 0] + x.normal.y * t.master_normal[m, 1] >= 0.0:
+            continue
+        gap, eta = foot(t, x, m, p)
+        if gap > reach or gap < -depth:
+            continue
+        if not (eta >= -_beyond(view.master, m, 0) and eta <= 1.0 + _beyond(view.master, m, 1)):
+            continue
+        distance = abs(gap) * (1.0 if m == last else HYSTERESIS)
+        if distance < nearest:
+            found, share, nearest = m, min(1.0, max(0.0, eta)), distance
+    return found, share, nearest
+
+
+@section
+def nearest_vertex(t, x, s, best, reach):
+    """The nearer of `best` (vertex, distance) and the vertices between two segments near slave segment s."""
+    view, (found, nearest) = t.sides, best
+    for z in range(view.near.start[s], view.near.start[s + 1]):
+        after = view.near.master[z]
+        v = view.master.segments[after, 0]
+        before = view.master.node_segments[v, 0]
+        if before < 0:
+            continue
+        nx = t.master_normal[before, 0] + t.master_normal[after, 0]
+        ny = t.master_normal[before, 1] + t.master_normal[after, 1]
+        between = x.at - node(view.at.master, v)
+        distance = between.length()
+        if x.normal.x * nx + x.normal.y * ny < 0.0 and distance <= reach and distance < nearest:
+            found, nearest = v, distance
+    return found, nearest
+
+
+# --- all points -------------------------------------------------------------------------------------------------------
+
+
+@section
+def hold_nodes(t, reach, depth, p):
+    """Pieces of all slave nodes, and of the corners of the master; returns their number."""
+    view, taken = t.sides, t.taken
+    corners, count = find_corners(t, reach, depth), 0
+    for i in range(view.at.slave.shape[0]):
+        x = SlavePoint(node(view.at.slave, i), node(t.outward, i))
+        best, before, last = (np.int64(-1), 0.0, np.inf), count, int(t.memory[0, i]) - 1
+        for side in range(2):
+            if view.slave.node_segments[i, side] >= 0:
+                best = nearest_segment(t, x, view.slave.node_segments[i, side], last, best, reach, depth, p)
+        m = best[0]
+        t.memory[0, i] = m + 1
+        if m >= 0:
+            if not (corners and held_by_corner(t, i, m)):
+                count = hold_on_segment(t, count, x, i, m, best[1], reach, depth, p)
+        else:
+            vertex = (np.int64(-1), np.inf)
+            for side in range(2):
+                if view.slave.node_segments[i, side] >= 0:
+                    vertex = nearest_vertex(t, x, view.slave.node_segments[i, side], vertex, reach)
+            if vertex[0] >= 0 and not (corners and t.corner_on[vertex[0]] >= 0):
+                count = hold_beside(t, count, x, i, vertex[0], depth, p)
+        taken[i] = count - before > 1
+    return put_corners(t, count, taken)
+
+
+@section
+def hold_gauss_points(t, reach, depth, p):
+    """Pieces of the Gauss points of all slave segments; returns their number."""
+    view, count = t.sides, 0
+    for s in range(t.slave_length.size):
+        i = view.slave.segments[s, 0]
+        for g in range(len(ABSCISSAE)):
+            x, last, q = gauss_point(t, s, ABSCISSAE[g]), int(t.memory[g, i]) - 1, s * POINTS + g
+            m, eta, _ = nearest_segment(t, x, s, last, (np.int64(-1), 0.0, np.inf), reach, depth, p)
+            t.memory[g, i] = m + 1
+            if m >= 0:
+                count = hold_on_segment(t, count, x, q, m, eta, reach, depth, p)
+            else:
+                v, _ = nearest_vertex(t, x, s, (np.int64(-1), np.inf), reach)
+                if v >= 0:
+                    count = hold_beside(t, count, x, q, v, depth, p)
+    inward_normals(view.at.slave, view.slave.segments, t.out.normal)
+    return count
+
+
+@kernel
+def pieces(bound, reach, depth):
+    """Fill one piece per held point (two of nodes at sharp concave corners); returns their number, and turned normals.
+
+    `bound` is the address of a `Points`. Points farther than `reach` [mm] or deeper than `depth` of the longest master
+    segment are held by none.
+    """
+    t = unpack(bound, Points)
+    depth, p = depth * measure(t), PARAMETERS(t.numbers)
+    if POINTS == 0:
+        return hold_nodes(t, reach, depth, p), 0
+    count = hold_gauss_points(t, reach, depth, p)
+    return count, turn_normals(t.sides, t.out, count, t.out.normal)

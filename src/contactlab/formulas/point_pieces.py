@@ -1,0 +1,229 @@
+"""Pieces of single points of the slave: what a segment, a quadratic edge or a vertex of the master holds them with.
+
+Slots: POINTS, the Gauss points of each slave segment, 0 for its nodes, ABSCISSAE and WEIGHTS, their rule on 0 to 1;
+FOOT(x, master, p), see `contactlab.api.segments`.
+
+All sections work on a `Points` table t; q is the number of the point, x its `SlavePoint`, count the piece to write.
+"""
+
+from __future__ import annotations
+
+from contactlab.api.compiled.dual import derivatives, seed, value
+from contactlab.api.compiled.formulas import Slot
+from contactlab.api.compiled.kernel import point, section
+from contactlab.api.segments import MasterSegment
+from contactlab.api.tensors import Vector
+from contactlab.formulas.segment_kernels import trace
+from contactlab.formulas.segment_normals import node
+
+FOOT, POINTS, ABSCISSAE, WEIGHTS = map(Slot, ("FOOT", "POINTS", "ABSCISSAE", "WEIGHTS"))
+SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments
+AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex
+EDGE = 1e-9  # how far, in segment lengths, a point may project beyond a segment's end
+
+
+# --- geometry, of numbers and of dual numbers -------------------------------------------------------------------------
+
+
+@point
+def parabola(a, b, middle, s):
+    """Position and derivative by s of the edge through a (s = -1), middle (0) and b (1)."""
+    half, bend = 0.5 * (b - a), a + b - 2.0 * middle
+    return middle + s * (half + (0.5 * s) * bend), half + s * bend
+
+
+@point
+def tangent_at(a, b, middle, s):
+    """The tangent there, as a master segment on which eta is the change of s."""
+    start, edge = parabola(a, b, middle, s)
+    return MasterSegment(start, start + edge)
+
+
+@point
+def in_wedge(x, v, before, after, length):
+    """Whether the line from a vertex at v to a point at x is a normal, between those of the vertex's segments.
+
+    Within 1e-6 of the segments' `length` it is not: on the surface itself the line is round-off and points anywhere.
+    """
+    between = x - v
+    if not (between @ (before + after) >= 0.0 and between @ between > (AT_END * length) ** 2):
+        return False
+    return before.cross(between) >= 0.0 and between.cross(after) >= 0.0
+
+
+@section
+def foot_on_parabola(x, a, b, middle, s, p):
+    """Where on a quadratic edge the formula's foot on the tangent is the point itself, near s."""
+    for _ in range(8):
+        found = FOOT(x, tangent_at(a, b, middle, seed(s, 0, 4)), p)
+        slope = derivatives(found, 4)[0]
+        change = -value(found) / slope if slope < 0.0 else 0.0
+        s = min(1.0, max(-1.0, s + change))
+        if abs(change) < 1e-14:
+            break
+    return s
+
+
+# --- one piece --------------------------------------------------------------------------------------------------------
+
+
+@section
+def put_slave(t, count, q, slot):
+    """The slave's side of a piece: its nodes and multipliers, D, T, and `psi`."""
+    view, out = t.sides, t.out
+    if POINTS == 0:
+        out.slave[count, 0], out.slave[count, 1] = q, q
+        out.multiplier[count, 0] = slot * t.outward.shape[0] + q
+        t.psi[0] = t.tributary[q]
+        out.D[count, 0, 0], out.D[count, 1, 0], out.T[count, 0, 0] = t.psi[0], 0.0, t.psi[0]
+        out.ends[count, 0] = 0.0
+        return
+    s = q // max(POINTS, 1)
+    xi = ABSCISSAE[q - s * POINTS]
+    weight, nodes = WEIGHTS[q - s * POINTS] * t.slave_length[s], view.slave.edges.shape[1]
+    edge, half = view.slave.segment_edge[s, 0], view.slave.segment_edge[s, 1]
+    t.psi[0], t.psi[1] = weight * (1.0 - xi), weight * xi
+    out.ends[count, 0] = xi
+    for k in range(2):
+        out.multiplier[count, k] = view.slave.segments[s, k]
+        for i in range(nodes):
+            out.slave[count, i] = view.slave.edges[edge, i]
+            out.D[count, i, k] = trace(nodes, half, xi, i) * t.psi[k]
+        out.T[count, 0, k], out.T[count, 1, k] = (1.0 - xi) * t.psi[k], xi * t.psi[k]
+
+
+@section
+def put_normal(t, count, x, y):
+    """The normal of a multiplier that belongs to one point; those of Gauss points are the slave's."""
+    if POINTS == 0:
+        k = t.out.multiplier[count, 0]
+        t.out.normal[k, 0], t.out.normal[k, 1] = x, y
+
+
+@section
+def put_piece(t, count, q, slot, m, share, holder, normal):
+    """Write one piece in row `slot` of its point: master segment m with shares 1 - share and share of its ends."""
+    view, out = t.sides, t.out
+    put_slave(t, count, q, slot)
+    for i in range(2):
+        out.master[count, i] = view.master.segments[m, i]
+    if out.M.shape[1] == 3:
+        out.master[count, 2] = view.master.segments[m, 0]
+    for k in range(out.M.shape[2]):
+        out.M[count, 0, k], out.M[count, 1, k] = (1.0 - share) * t.psi[k], share * t.psi[k]
+        if out.M.shape[1] == 3:
+            out.M[count, 2, k] = 0.0
+    out.segment[count, 0], out.segment[count, 1] = q, holder
+    out.ends[count, 1], out.ends[count, 2] = share, 0.0
+    put_normal(t, count, normal[0], normal[1])
+
+
+@section
+def put_on_parabola(t, count, x, q, m, s, p):
+    """Write the piece of a point held by the quadratic edge of master segment m near s."""
+    view, out = t.sides, t.out
+    put_slave(t, count, q, 0)
+    edge = view.master.segment_edge[m, 0]
+    for i in range(3):
+        out.master[count, i] = view.master.edges[edge, i]
+    at, nodes = view.at.master, out.master
+    a, b, middle = node(at, nodes[count, 0]), node(at, nodes[count, 1]), node(at, nodes[count, 2])
+    s = foot_on_parabola(x, a, b, middle, s, p)
+    for k in range(out.M.shape[2]):
+        out.M[count, 0, k] = 0.5 * s * (s - 1.0) * t.psi[k]
+        out.M[count, 1, k] = 0.5 * s * (s + 1.0) * t.psi[k]
+        out.M[count, 2, k] = (1.0 - s * s) * t.psi[k]
+    out.segment[count, 0], out.segment[count, 1] = q, m
+    out.ends[count, 1], out.ends[count, 2] = s, 1.0
+    normal = parabola(a, b, middle, s)[1].turned().unit()
+    put_normal(t, count, normal.x, normal.y)
+
+
+# --- what holds a point -----------------------------------------------------------------------------------------------
+
+
+@section
+def hold_at_vertex(t, count, x, q, v, depth):
+    """A convex vertex holds along the line to the point, a concave one with both segments; returns the next piece."""
+    view = t.sides
+    before, after = view.master.node_segments[v, 0], view.master.node_segments[v, 1]
+    one, other = node(t.master_normal, before), node(t.master_normal, after)
+    if POINTS == 0 and -one.cross(other) > SHARP:
+        put_piece(t, count, q, 0, before, 1.0, before, (one.x, one.y))
+        put_piece(t, count + 1, q, 1, after, 0.0, after, (other.x, other.y))
+        return count + 2
+    between = x.at - node(view.at.master, v)
+    if between @ (one + other) < 0.0 and between.length() > depth:
+        return count
+    normal = (one + other).unit()
+    if in_wedge(x.at, node(view.at.master, v), one, other, t.master_length[after]):
+        normal = between.unit()
+    put_piece(t, count, q, 0, after, 0.0, -1 - v, (normal.x, normal.y))
+    return count + 1
+
+
+@section
+def foot(t, x, m, p):
+    """Gap [mm] and eta of a point on the line of master segment m."""
+    at, i, j = t.sides.at.master, t.sides.master.segments[m, 0], t.sides.master.segments[m, 1]
+    master = MasterSegment(Vector(at[i, 0], at[i, 1]), Vector(at[j, 0], at[j, 1]))
+    gap = (x.at.x - at[i, 0]) * t.master_normal[m, 0] + (x.at.y - at[i, 1]) * t.master_normal[m, 1]
+    return gap, FOOT(x, master, p)
+
+
+@section
+def _end_reached(t, m, share):
+    """The vertex that a point sits on, -1 elsewhere: there neither segment's normal is better than the other's."""
+    if share > AT_END and share < 1.0 - AT_END:
+        return -1
+    surface = t.sides.master
+    v = surface.segments[m, 0] if share <= AT_END else surface.segments[m, 1]
+    return v if surface.node_segments[v, 0] >= 0 and surface.node_segments[v, 1] >= 0 else -1
+
+
+@section
+def _second_side(t, x, m, reach, p):
+    """The neighbour that holds a node too, and eta there: it is in a sharp concave corner and projects onto both."""
+    surface = t.sides.master
+    for side in range(2):
+        other = surface.node_segments[surface.segments[m, side], side]
+        if other < 0:
+            continue
+        first, second = (m, other) if side == 1 else (other, m)
+        if node(t.master_normal, first).cross(node(t.master_normal, second)) > -SHARP:
+            continue
+        gap, along = foot(t, x, other, p)
+        if -EDGE <= along <= 1.0 + EDGE and abs(gap) <= reach:
+            return other, along
+    return -1, 0.0
+
+
+@section
+def hold_on_segment(t, count, x, q, m, share, reach, depth, p):
+    """Write what segment m, or what lies at its ends, holds a point with; returns the next piece."""
+    surface = t.sides.master
+    if surface.edges.shape[1] == 3:
+        put_on_parabola(t, count, x, q, m, share + surface.segment_edge[m, 1] - 1.0, p)
+        return count + 1
+    v = _end_reached(t, m, share)
+    if v >= 0:
+        return hold_at_vertex(t, count, x, q, v, depth)
+    put_piece(t, count, q, 0, m, share, m, (t.master_normal[m, 0], t.master_normal[m, 1]))
+    if POINTS == 0:
+        other, eta = _second_side(t, x, m, reach, p)
+        if other >= 0:
+            put_piece(t, count + 1, q, 1, other, eta, other, (t.master_normal[other, 0], t.master_normal[other, 1]))
+            return count + 2
+    return count + 1
+
+
+@section
+def hold_beside(t, count, x, q, v, depth, p):
+    """Write what vertex v holds a point with; returns the next piece."""
+    surface = t.sides.master
+    after = surface.node_segments[v, 1]
+    if surface.edges.shape[1] == 3 and surface.segment_edge[after, 1] == 1:
+        # beside the kink of two half segments, where the true edge is smooth
+        put_on_parabola(t, count, x, q, after, 0.0, p)
+        return count + 1
+    return hold_at_vertex(t, count, x, q, v, depth)

@@ -1,0 +1,59 @@
+"""What the loops over points of the slave work on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from contactlab.api.compiled.bound_arrays import Flags1, Floats1, Floats2, Ints1
+from contactlab.api.compiled.contact_tables import GradientsTable
+from contactlab.formulas.segment_tables import Changes, Out, View
+
+
+class Points(NamedTuple):
+    """A view, its pieces, and room for what is measured of both surfaces.
+
+    Of pieces at points, `segment` has the point (of nodes the node, of Gauss points their number along the slave; under
+    a corner of the master -1 less the slave's segment) and what holds it (the master's segment; -1 less the vertex).
+    `ends` has xi of the point in its segment, eta of its foot, and whether that is s, -1 to 1, on a quadratic edge.
+
+    numbers    (n, 1) the numbers among the fields of the algorithm
+    memory     of nodes: the segment plus one, 0 for none; the corner plus one. Of Gauss points: the segment plus one
+    slave_normal, slave_length    of slave segments (s, 2), (s,) [mm]
+    master_normal, master_length  of master segments
+    outward    (m, 2) averaged normals of slave nodes
+    tributary  (m,) [mm] the length of slave surface that each node stands for
+    taken      (m,) whether a slave node has two conditions of its own
+    carried    (m,) the corner whose condition a slave node carries plus one, 0 for none
+    corner_on, corner_share  (l,) the slave segment that each corner of the master presses on, -1 for none; where on it
+    psi        (k,) [mm] weights of the multipliers at the point that is written
+    """
+
+    sides: View
+    out: Out
+    numbers: Floats2
+    memory: Floats2
+    slave_normal: Floats2
+    slave_length: Floats1
+    master_normal: Floats2
+    master_length: Floats1
+    outward: Floats2
+    tributary: Floats1
+    taken: Flags1
+    carried: Ints1
+    corner_on: Ints1
+    corner_share: Floats1
+    psi: Floats1
+
+
+class DerivedPoints(NamedTuple):
+    """The same and the derivatives."""
+
+    points: Points
+    changes: Changes
+
+
+class TurnedPoints(NamedTuple):
+    """The same and the gradients."""
+
+    points: Points
+    gradients: GradientsTable

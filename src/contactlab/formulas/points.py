@@ -1,0 +1,115 @@
+"""Contact at points from a formula: the array methods of `PointContact`."""
+
+from __future__ import annotations
+
+from functools import cache, cached_property
+from typing import Any
+
+import numpy as np
+
+from contactlab.api import ContactView, Floats, GapGradients, PieceDerivatives, Pieces, PointContact
+from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache
+from contactlab.api.compiled.contact_tables import GradientsTable
+from contactlab.api.compiled.formulas import Slot
+from contactlab.formulas import point_derivatives as changes
+from contactlab.formulas import point_kernels as kernels
+from contactlab.formulas import point_pieces as single
+from contactlab.formulas import segment_kernels
+from contactlab.formulas.class_kernels import ClassKernels
+from contactlab.formulas.parameters import numbers_of, parameters_of
+from contactlab.formulas.point_tables import DerivedPoints, Points, TurnedPoints
+from contactlab.formulas.segments import arrays_of, averaged_normals
+
+DEPTH = 1.0
+"""Longest segment lengths of the master: a point deeper than this is on the far side of a thin body."""
+
+_PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS = (BoundCache() for _ in range(4))
+
+
+class _Kernels(ClassKernels):
+    """The kernels of one class, each made when it is first asked for."""
+
+    @cached_property
+    def pieces(self) -> Any:
+        return self.made(kernels.pieces, self.given)
+
+    @cached_property
+    def derivatives(self) -> Any:
+        return self.made(changes.piece_derivatives, self.given)
+
+    @cached_property
+    def given(self) -> dict[Slot, Any]:
+        """What is put into the templates."""
+        rule = np.polynomial.legendre.leggauss(max(1, self.kind.points))
+        return {
+            single.FOOT: self.called("foot", "x, master, p", {}),
+            single.POINTS: self.kind.points,
+            single.ABSCISSAE: tuple((0.5 + 0.5 * rule[0]).tolist()), single.WEIGHTS: tuple((0.5 * rule[1]).tolist()),
+            segment_kernels.PARAMETERS:
+                segment_kernels.parameters if numbers_of(self.kind) else segment_kernels.no_parameters,
+            segment_kernels.FIELDS: parameters_of(self.kind),
+        }  # fmt: skip
+
+
+_of_class = cache(_Kernels)
+
+
+def pieces(part: PointContact, view: ContactView, out: Pieces) -> int:
+    """`ContactAlgorithm.pieces`."""
+    made_of = _of_class(type(part))
+    arrays = made_of.given_arrays(_PIECES.of(out, _bound, view, part), Points)
+    count, turned = made_of.pieces(arrays, view.reach, DEPTH)
+    out.averaged = part.points > 0 and turned == 0
+    return int(count)
+
+
+def derivatives(part: PointContact, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
+    """`ContactAlgorithm.derivatives`."""
+    made_of = _of_class(type(part))
+    bound = _DERIVATIVES.of(out, _bound_derivatives, view, pieces, part)
+    out.count, out.normal_count = made_of.derivatives(made_of.given_arrays(bound, DerivedPoints), count)
+    return True
+
+
+def gradients(part: PointContact, view: ContactView, pieces: Pieces, count: int, out: GapGradients) -> bool:
+    """`ContactAlgorithm.gradients`: weights that change move the foot along the master, across the normal."""
+    if part.points:
+        return False
+    bound = _GRADIENTS.of(out, _bound_gradients, view, pieces, part)
+    out.count, out.normal_count = 0, changes.turns(bound.address, count)
+    return True
+
+
+def normals(part: PointContact, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
+    """`ContactAlgorithm.normals`; False where they follow from all pieces alone."""
+    if part.points:
+        return averaged_normals(view, pieces, count, out)
+    out[:] = pieces.normal
+    changes.normals(_NORMALS.of(pieces, _bound, view, part).address, count, out)
+    return True
+
+
+def _bound(out: Pieces, view: ContactView, part: PointContact) -> BoundArrays:
+    return BoundArrays(Points, *_points(view, out, part))
+
+
+def _bound_derivatives(out: PieceDerivatives, view: ContactView, pieces: Pieces, part: PointContact) -> BoundArrays:
+    return BoundArrays(
+        DerivedPoints, *_points(view, pieces, part), out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM,
+        out.dT, out.normal_of, out.normal_moved, out.dnormal,
+    )  # fmt: skip
+
+
+def _bound_gradients(out: GapGradients, view: ContactView, pieces: Pieces, part: PointContact) -> BoundArrays:
+    gradients = GradientsTable(out.multiplier, out.node, out.value, out.normal_of, out.normal_moved, out.dnormal)
+    return BoundArrays(TurnedPoints, *_points(view, pieces, part), gradients)
+
+
+def _points(view: ContactView, out: Pieces, part: PointContact) -> tuple[Any, ...]:
+    """The arrays of a `Points`."""
+    nodes, others = len(view.slave.nodes), len(view.master.nodes)
+    own, other = ((np.empty((s, 2)), np.empty(s)) for s in (len(view.slave.segments), len(view.master.segments)))
+    return (
+        *arrays_of(view, out, part), view.memory, *own, *other, np.empty((nodes, 2)), np.empty(nodes),
+        np.empty(nodes, np.bool_), np.empty(nodes, np.int32), np.empty(others, np.int32), np.empty(others), np.empty(2),
+    )  # fmt: skip
