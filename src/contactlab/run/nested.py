@@ -16,6 +16,7 @@ from contactlab.errors import RequestError, SimulationFailure, one_line
 from contactlab.model.build import build
 from contactlab.model.prolongation import Prolongation, pressures
 from contactlab.run.load_steps import LoadSchedule
+from contactlab.run.stability import unstable
 
 if TYPE_CHECKING:
     from contactlab.model.implicit_model import ImplicitModel
@@ -58,12 +59,14 @@ class NestedStart:
     """Solves a scene on coarser levels, and tells the model of the finest one where it will end.
 
     levels   what each of them took, so far
+    solved   whether the last of them was: the model's end is then like its end
     stopped  asked between steps: whether to give up
     """
 
     def __init__(self, scene: Scene, registry: Registry, model: ImplicitModel, stopped: Callable[[], bool]) -> None:
         self.scene, self.registry, self.model, self.stopped = scene, registry, model, stopped
         self.levels: list[CoarseLevel] = []
+        self.solved = False
         self.integrator = model.integrator.for_coarser_levels() or model.integrator
 
     def prepare(self) -> None:
@@ -85,6 +88,10 @@ class NestedStart:
             self.levels.append(CoarseLevel(level, len(model.reference), steps, iterations, cost))
             coarse = model
         _hand_over(coarse, found, self.model)
+        self.solved = coarse is not None
+        if coarse is not None:
+            for warning in unstable(coarse, f" on the mesh of level {self.levels[-1].level}"):
+                self.model.warnings.add(warning)
 
     def summary(self) -> list[dict[str, Any]]:
         """The levels as plain tables; what they cost is part of the run's cost."""

@@ -8,9 +8,9 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
-from contactlab.api import Floats, IterationRow, RunWarning, Step, StepStatus
+from contactlab.api import Floats, ImplicitIntegrator, IterationRow, RunWarning, Step, StepStatus
 from contactlab.api.recorder import FAILURE
 from contactlab.errors import SimulationFailure
 from contactlab.missing_effects.monitor import EffectMonitor
@@ -30,6 +30,7 @@ from contactlab.run.watches import NoGuards, Watching, WorkLimit
 if TYPE_CHECKING:
     from contactlab.api import Recorder
     from contactlab.model.bound_integrator import BoundIntegrator
+    from contactlab.model.implicit_model import ImplicitModel
     from contactlab.results.checkpoint_slots import Checkpoint
     from contactlab.results.iterate_sampler import IterateSampler
     from contactlab.run.last_steps import LastSteps
@@ -148,8 +149,23 @@ class Run:
         self._look_again()
         self.guards.judge(self.journal.last, self.journal.largest_force)
         self.monitor.judge()
+        self._judge_stability()
         # conditions made again differ in their last digits from those of the step, of which the saved warnings speak
         self.model.warnings.keep(known)
+
+    def _judge_stability(self) -> None:
+        """Ask whether bodies would stay in the equilibrium at the end of statics, unless a coarser mesh was asked."""
+        integrator = self.model.integrator
+        if (
+            not isinstance(integrator, ImplicitIntegrator)
+            or integrator.inertia
+            or (self.nested is not None and self.nested.solved)
+        ):
+            return
+        from contactlab.run.stability import unstable
+
+        for warning in unstable(cast("ImplicitModel", self.model)):
+            self.model.warnings.add(warning)
 
     def _look_again(self) -> None:
         """Sample a run that was taken up at its very last frame."""

@@ -1,0 +1,102 @@
+"""Whether the equilibrium that statics found is one that bodies would stay in.
+
+An equilibrium is stable if its tangent has positive eigenvalues on the motions that supports and closed contacts leave.
+With a row for each closed condition the matrix [[K, -C^T], [-H, 0]] has then as many negative pivots as conditions, and
+each further one is a motion by which the bodies leave the equilibrium (Wriggers 2008, section 7.1). Past the load of a
+column's buckling the straight column is such a state, and Newton's method finds it as willingly as any other.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.sparse import block_array, csc_array, csr_array, diags_array, vstack
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+
+from contactlab.api import Ints, RunWarning
+
+if TYPE_CHECKING:
+    from contactlab.model.implicit_model import ImplicitModel
+
+SINGULAR = 1e-9  # of a matrix whose entries are of size 1: the sign of a smaller pivot is that of round-off
+SYMMETRIC = 1e-9  # alike: pivots of a matrix that is less so tell the parity only
+
+
+def unstable(model: ImplicitModel, mesh: str = "") -> Iterator[RunWarning]:
+    """Warn of a present equilibrium that is not stable; `mesh` names a coarser one that stands for the model's."""
+    leaving = unstable_motions(model)
+    if leaving:
+        yield RunWarning(
+            "unstable-equilibrium", float(leaving), 0.0, "integrator",
+            f"the equilibrium at the end{mesh} is not stable: bodies would leave it by buckling or snapping, and its "
+            "forces are those of no experiment; give the bodies a small imperfection (a load or a support that leans) "
+            "and write integrator.steps, or take implicit-dynamics",
+        )  # fmt: skip
+
+
+def unstable_motions(model: ImplicitModel) -> int:
+    """Independent motions that lead away from the equilibrium, at least; 0 where it is stable, or nothing can be said.
+
+    With friction and follower loads the matrix is not symmetric: an odd number of them is told as 1, an even one as 0.
+    Nodes that friction holds or lets slide count as held: what is told is then unstable all the more without it.
+    """
+    matrix, conditions = _tangent(model)
+    if not matrix.shape[0]:
+        return 0
+    try:
+        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
+    except RuntimeError:
+        return 0
+    pivots = factors.U.diagonal()
+    if (np.abs(pivots) <= SINGULAR).any():
+        return 0
+    negative = int(np.count_nonzero(pivots < 0.0))
+    kept = np.array_equal(factors.perm_r, factors.perm_c)
+    if kept and abs(matrix - matrix.T).max() <= SYMMETRIC:
+        return max(0, negative - conditions)
+    return (negative + _parity(factors.perm_r) + _parity(factors.perm_c) + conditions) % 2
+
+
+def _tangent(model: ImplicitModel) -> tuple[Any, int]:
+    """The matrix (CSC) of free degrees of freedom and closed conditions, and the number of those."""
+    free = np.ones(model.reference.size, bool)
+    free[model.prescribed.dof] = False
+    stiffness = model.stiffness(model.state["clock"][2])
+    model.add_load_stiffness(model.state.time, stiffness, 1.0, 0.0)
+    contact = model.contact
+    if contact is None:
+        return _scaled(csc_array(stiffness)[free][:, free]), 0
+    pressed = np.flatnonzero(contact.conditions.force[0] > 0.0).astype(np.int32)
+    change = contact.linearise(pressed)
+    matrix = (csc_array(stiffness) - change.force)[free][:, free]
+    if not len(pressed):
+        return _scaled(matrix), 0
+    directions, gaps = (
+        csr_array(vstack([part for part in parts if part is not None]))[:, free]
+        for parts in ((change.normal, change.tangent), (change.gap, change.slip))
+    )
+    moving = abs(gaps).sum(axis=1) > 0.0  # what supports hold alone is no condition
+    directions, gaps = -directions[moving], -gaps[moving]
+    whole = block_array([[matrix, directions.T], [gaps, None]], format="csc")
+    return _scaled(whole), int(np.count_nonzero(moving))
+
+
+def _scaled(matrix: Any) -> Any:
+    """Scale rows and columns alike, so that the diagonal is 1, or where it is 0 the largest entry: no sign changes."""
+    diagonal = np.abs(matrix.diagonal())
+    size = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
+    matrix = diags_array(1.0 / size) @ matrix @ diags_array(1.0 / size)
+    largest = abs(matrix).max(axis=0).toarray().ravel()
+    size = np.where((diagonal == 0.0) & (largest > 0.0), largest, 1.0)
+    return csc_array(diags_array(1.0 / size) @ matrix @ diags_array(1.0 / size))
+
+
+def _parity(order: Ints) -> int:
+    """0 for an even permutation, 1 for an odd one: its length minus the number of its cycles."""
+    n = len(order)
+    graph = csc_array((np.ones(n, bool), (order, np.arange(n))), shape=(n, n))
+    cycles = connected_components(graph, directed=False, return_labels=False)
+    return int(n - cycles) % 2
