@@ -205,7 +205,7 @@ def _held(scene: Scene) -> int:
 FIRST_STEP = """
 import time; began = time.process_time()
 from contactlab.scene.scene import load_scene
-from contactlab.explain.trial_run import _trial_of
+from contactlab.explanation.trial_run import _trial_of
 _trial_of(lambda: load_scene("disc-on-block"))
 print(time.process_time() - began)
 """

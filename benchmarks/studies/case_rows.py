@@ -20,8 +20,8 @@ import kept_rows
 from kept_rows import Row
 
 from contactlab.jobs.archive import CHOICES, Archive
-from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.parts.registry import default_registry
+from contactlab.verdicts.plan import Cell, Request, plan
 
 STORED = Path(__file__).parent / "case_rows.csv"
 COLUMNS = (*CHOICES, "verdict", "measure", "role", "value", "least", "most", "unit", "cell", "reason", "cpu_s")

@@ -12,8 +12,8 @@ import kept_rows
 from kept_rows import Row
 
 from contactlab.jobs.archive import CHOICES
-from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
+from contactlab.verdicts.plan import Request
 
 HERE = Path(__file__).parent
 ORDER = ("silent", "failed", "missed", "not-judged", "ill-posed", "met")

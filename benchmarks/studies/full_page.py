@@ -21,8 +21,8 @@ from kept_rows import Row
 from matrix_page import applying
 
 from contactlab.jobs.archive import CHOICES, Archive
-from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
+from contactlab.verdicts.plan import Request
 
 HERE = Path(__file__).parent
 STORED = HERE / "full_matrix.csv"

@@ -14,8 +14,8 @@ import cases_page
 from kept_rows import Row
 
 from contactlab.jobs.archive import CHOICES
-from contactlab.matrix.plan import Request
 from contactlab.parts.registry import default_registry
+from contactlab.verdicts.plan import Request
 
 PAGE, END = Path(__file__).parents[2] / "docs" / "matrix.md", "<!-- end of numbers -->"
 

@@ -22,8 +22,8 @@ import case_rows
 import kept_rows
 
 from contactlab.jobs.archive import Archive
-from contactlab.matrix.plan import Cell, Request
 from contactlab.parts.registry import default_registry
+from contactlab.verdicts.plan import Cell, Request
 
 HERE = Path(__file__).parent
 PAGE = HERE.parents[1] / "docs" / "warnings.md"

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from contactlab.comparison import compare
     from contactlab.errors import ContactlabError
-    from contactlab.laboratory import check, choose, error_budget
+    from contactlab.laboratory import check, choose, error_budget, explain, matrix
     from contactlab.meshing.arrays import mesh
     from contactlab.parts.from_python import use
     from contactlab.results.load import load_results
@@ -39,9 +39,11 @@ __all__ = [
     "choose",
     "compare",
     "error_budget",
+    "explain",
     "load_results",
     "load_scene",
     "load_table",
+    "matrix",
     "mesh",
     "simulate",
     "use",
@@ -57,9 +59,11 @@ _HOMES = {
     "choose": "contactlab.laboratory",
     "compare": "contactlab.comparison",
     "error_budget": "contactlab.laboratory",
+    "explain": "contactlab.laboratory",
     "load_results": "contactlab.results.load",
     "load_scene": "contactlab.scene.scene",
     "load_table": "contactlab.studies.load_table",
+    "matrix": "contactlab.laboratory",
     "mesh": "contactlab.meshing.arrays",
     "simulate": "contactlab.run.simulation",
     "use": "contactlab.parts.from_python",

@@ -1,4 +1,4 @@
-"""`contactlab.choose`, `error_budget` and `check`: the commands of these names as functions that return objects."""
+"""`contactlab.choose`, `error_budget`, `matrix`, `explain` and `check`: commands as functions that return objects."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ from contactlab.accuracy.error_budget import ErrorBudget, budget_plan
 from contactlab.accuracy.run import point_text
 from contactlab.arguments import NAME, arguments
 from contactlab.errors import RequestError
+from contactlab.explanation.explain import Explanation
+from contactlab.explanation.explain import explain as explanation_of
+from contactlab.explanation.kept import trials, tried
 from contactlab.jobs.driver import Driver
 from contactlab.jobs.scheduler import LOCAL
 from contactlab.parts.registry import Registry, default_registry
@@ -22,6 +25,9 @@ from contactlab.run.folders import results_folder
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.check_part import PartReport, check_part
 from contactlab.testing.find import subjects
+from contactlab.verdicts.files import write
+from contactlab.verdicts.plan import Request
+from contactlab.verdicts.run import Matrix, run_matrix
 
 _MANY = {
     "out": NAME, "jobs": Integral, "registry": Registry, "resume": bool, "time_limit": Real, "scheduler": str,
@@ -91,6 +97,55 @@ def error_budget(
     own = _scene(scene, registry)
     with _driver(out, resume, jobs, scheduler, time_limit, progress) as driver:
         return driver.result(budget_plan(own, registry or default_registry(), driver.progress.told))
+
+
+@arguments(cases=Sequence, contacts=Sequence, levels=Sequence, full=bool, **_MANY)
+def matrix(
+    cases: Sequence[str] = (),
+    contacts: Sequence[str] = (),
+    *,
+    levels: Sequence[int] = (1,),
+    full: bool = False,
+    out: str | Path | None = None,
+    jobs: int | None = None,
+    registry: Registry | None = None,
+    resume: bool = False,
+    time_limit: float | None = None,
+    scheduler: str = LOCAL,
+    progress: bool | None = None,
+) -> Matrix:
+    """Judge contact algorithms by cases with known answers.
+
+    cases     names of cases; all that are installed by default
+    contacts  names of contact algorithms; all by default
+    levels    of mesh refinement
+    full      either slave, all elements, integrators and variants of the cases, too
+
+    The other arguments are those of `choose`. A folder `out` gets `matrix.csv` and `archive.sqlite`.
+    Raises RequestError for a wrong request, KeyboardInterrupt after Ctrl-C; finished cells stay in `out`.
+    """
+    request = Request(tuple(cases), tuple(contacts), full, tuple(dict.fromkeys(levels)))
+    with _driver(out, resume, jobs, scheduler, time_limit, progress) as driver:
+        found = run_matrix(request, registry or default_registry(), driver)
+        if out is not None and not driver.interrupted:
+            assert driver.folder is not None
+            write(found, driver.folder)
+        return found
+
+
+@arguments(scene=(Scene, *NAME), registry=Registry)
+def explain(scene: Scene | str | Path, *, registry: Registry | None = None) -> Explanation:
+    """Say what a scene calls for, what it does not, and what a run of it will cost.
+
+    scene  a scene, the name of a bundled scene, or a TOML file
+
+    The first steps of the scene are run in a process of their own, for a fifth of its cost; they are kept, and not run
+    again. `Explanation.price` has CPU time [s], an interval, steps, iterations and memory [MiB].
+    Raises RequestError for a wrong scene, SimulationFailure if its first steps fail.
+    """
+    own = _scene(scene, registry)
+    with trials() as archive:
+        return explanation_of(own, own.registry, tried(own, archive))
 
 
 @arguments(target=NAME, kind=str, files=Sequence, settings=Mapping, only=Sequence)

@@ -141,7 +141,7 @@ def forget_tables() -> None:
 
 def main() -> None:
     wish = json.load(sys.stdin)
-    from contactlab.explain.trial_run import count_kernel_calls, imported_modules
+    from contactlab.explanation.trial_run import count_kernel_calls, imported_modules
 
     kernels = count_kernel_calls()
     trace = Trace(wish["steps"], kernels.calls)

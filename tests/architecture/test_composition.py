@@ -17,8 +17,8 @@ from typing import Any
 
 import pytest
 
-from contactlab.explain.explain import Explanation, explain
-from contactlab.explain.trial_run import run_trial
+from contactlab.explanation.explain import Explanation, explain
+from contactlab.explanation.trial_run import run_trial
 from contactlab.parts.loading import RESTRICT
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, bundled_scenes, load_scene

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from contactlab.explain.explain import explain
+from contactlab.explanation.explain import explain
 from contactlab.model.build import build
 from contactlab.model.held_arrays import held_arrays
 from contactlab.parts.registry import default_registry

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from contactlab.api import StepStatus
-from contactlab.explain.explain import explain
+from contactlab.explanation.explain import explain
 from contactlab.model.build import build
 from contactlab.model.model import Model
 from contactlab.parts.registry import Registry

@@ -30,7 +30,9 @@ def test_no_submodule_takes_the_place_of_a_public_name() -> None:
     assert done.stdout.splitlines()[-1] == f"[] {sorted(contactlab.__all__)}"
 
 
-@pytest.mark.parametrize("name", ["check", "choose", "compare", "error_budget", "load_table", "simulate"])
+@pytest.mark.parametrize(
+    "name", ["check", "choose", "compare", "error_budget", "explain", "load_table", "matrix", "simulate"]
+)
 def test_functions_say_what_they_return(name: str) -> None:
     returned = typing.get_type_hints(getattr(contactlab, name))["return"]
     assert returned is not typing.Any
@@ -48,6 +50,21 @@ def test_an_error_budget_is_kept_and_found_again(tmp_path: Path) -> None:
     assert {share.knob.name for share in first.shares} >= {"mesh"}
     again = contactlab.error_budget("two-bars", out=tmp_path / "budget", jobs=1, resume=True)
     np.testing.assert_array_equal([share.pressure for share in again.shares], [s.pressure for s in first.shares])
+
+
+def test_a_matrix_is_judged_and_found_again(tmp_path: Path) -> None:
+    first = contactlab.matrix(["two-bars"], ["mortar-p0", "node-on-segment"], out=tmp_path / "matrix", jobs=1)
+    assert first.count("met") == len(first.cells) == 2
+    assert (tmp_path / "matrix/matrix.csv").is_file()
+    again = contactlab.matrix(["two-bars"], ["mortar-p0", "node-on-segment"], out=tmp_path / "matrix", resume=True)
+    assert [result.measures for _, result in again.cells] == [result.measures for _, result in first.cells]
+
+
+def test_a_scene_is_explained() -> None:
+    found = contactlab.explain("two-bars")
+    assert found.price is not None
+    assert found.price.least_s <= found.price.cpu_s <= found.price.most_s
+    assert {effect.effect for effect in found.effects if effect.called_for} >= {"inertia", "contact"}
 
 
 def test_a_choice_that_has_no_reference_says_so() -> None:

@@ -15,11 +15,11 @@ import contactlab
 from contactlab.api import Case
 from contactlab.cases.run_case import scene_of
 from contactlab.errors import ContactlabError
-from contactlab.matrix.plan import Request, plan
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene, bundled_scenes, load_scene
 from contactlab.studies.measure_run import without_compilation
+from contactlab.verdicts.plan import Request, plan
 
 MOST_STEPS = 40_000
 """Of a run for the gallery: longer ones are shown as far as they came, and say so."""

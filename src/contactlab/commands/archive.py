@@ -12,7 +12,7 @@ from contactlab.commands.common import add_row, console, table
 from contactlab.errors import RequestError
 from contactlab.jobs.archive import CHOICES, FILE, Archive, in_words
 from contactlab.jobs.system import machine
-from contactlab.matrix.files import finite
+from contactlab.verdicts.files import finite
 
 if TYPE_CHECKING:
     from rich.table import Table

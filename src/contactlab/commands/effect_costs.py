@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 
 from contactlab.commands.lacking import lacking
 from contactlab.errors import RequestError, SimulationFailure, one_line
-from contactlab.explain.estimate import Estimate, estimate
+from contactlab.explanation.estimate import Estimate, estimate
 from contactlab.model.build import build
 from contactlab.studies.removable import Variant, variants
 
 if TYPE_CHECKING:
-    from contactlab.explain.kept import Tried
+    from contactlab.explanation.kept import Tried
     from contactlab.scene.scene import Scene
 
 

@@ -15,8 +15,8 @@ from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
     from contactlab.commands.effect_costs import EffectCost
-    from contactlab.explain.estimate import Estimate
-    from contactlab.explain.explain import Explanation, Overview
+    from contactlab.explanation.estimate import Estimate
+    from contactlab.explanation.explain import Explanation, Overview
 
 NOTHING = 0.005  # of the cost of a run: a cost that is printed as 0
 SHORTENED = 0.9  # of the stable step of the bodies: usual steps are as long, and effects make them shorter
@@ -26,8 +26,8 @@ KEY = re.compile(r"(?P<table>[a-z]+)\.(?P<name>[\w-]+)(\.(?P<rest>[\w.]+))?")
 def explain(options: argparse.Namespace) -> int:
     """Print the explanation of the scene; but for a trial, which is kept, nothing is run."""
     from contactlab.commands.effect_costs import effect_costs
-    from contactlab.explain.explain import explain as explanation_of
-    from contactlab.explain.kept import kept, trials, tried
+    from contactlab.explanation.explain import explain as explanation_of
+    from contactlab.explanation.kept import kept, trials, tried
     from contactlab.studies.removable import variants
 
     registry = registry_with(options.files)

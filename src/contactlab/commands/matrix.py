@@ -10,13 +10,13 @@ from contactlab.cases.verdict import WORST
 from contactlab.commands.common import add_row, console, fitting, print_json, registry_with, table
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.jobs.archive import FILE, Archive
-from contactlab.matrix.cell import CellResult
-from contactlab.matrix.files import against, plain_cells, verdicts, write
-from contactlab.matrix.margins import Margin, margins_asked, run_margins
-from contactlab.matrix.orders import orders, write_orders
-from contactlab.matrix.page import write_page
-from contactlab.matrix.plan import Request, plan
-from contactlab.matrix.run import Matrix, run_matrix
+from contactlab.verdicts.cell import CellResult
+from contactlab.verdicts.files import against, plain_cells, verdicts, write
+from contactlab.verdicts.margins import Margin, margins_asked, run_margins
+from contactlab.verdicts.orders import orders, write_orders
+from contactlab.verdicts.page import write_page
+from contactlab.verdicts.plan import Request, plan
+from contactlab.verdicts.run import Matrix, run_matrix
 
 SHORT = {"not-applicable": "-", "not-judged": "not judged", "ill-posed": "ill-posed"}
 

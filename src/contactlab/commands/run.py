@@ -25,7 +25,7 @@ EXIT_STATUS = {"finished": 0, "refused": 2, "interrupted": 130}
 
 def run(options: argparse.Namespace) -> int:
     """Run the scene with a progress bar and print a summary."""
-    from contactlab.explain.announcement import announced
+    from contactlab.explanation.announcement import announced
     from contactlab.results.result_file import FILE, RESUMABLE
     from contactlab.run.crash import told_if_it_crashes
     from contactlab.run.interruption import Interrupted

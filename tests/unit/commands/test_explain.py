@@ -11,8 +11,8 @@ import pytest
 from rich.console import Console
 
 from contactlab.commands.explain import _lines, overview, together
-from contactlab.explain.explain import explain
-from contactlab.explain.trial_run import run_trial
+from contactlab.explanation.explain import explain
+from contactlab.explanation.trial_run import run_trial
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import load_scene
 

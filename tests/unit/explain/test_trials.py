@@ -12,10 +12,10 @@ import pytest
 from contactlab.cli import main
 from contactlab.commands.effect_costs import effect_costs
 from contactlab.commands.explain import price_lines
-from contactlab.explain import trial_run
-from contactlab.explain.estimate import Estimate, estimate
-from contactlab.explain.kept import kept, trials, tried
-from contactlab.explain.trial_run import CUT, Begin, TrialRun
+from contactlab.explanation import trial_run
+from contactlab.explanation.estimate import Estimate, estimate
+from contactlab.explanation.kept import kept, trials, tried
+from contactlab.explanation.trial_run import CUT, Begin, TrialRun
 from contactlab.model.build import build
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
@@ -39,7 +39,7 @@ def scene() -> Scene:
 @pytest.fixture
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A cache for trials alone; kernels stay where they are."""
-    monkeypatch.setattr("contactlab.explain.kept.cache_root", lambda: tmp_path / "cache")
+    monkeypatch.setattr("contactlab.explanation.kept.cache_root", lambda: tmp_path / "cache")
     return tmp_path / "cache"
 
 

@@ -113,8 +113,8 @@ def test_every_installed_case_has_its_numbers(study: ModuleType) -> None:
 
 def test_kept_rows_are_of_cells_and_bounds_of_today(pages: ModuleType) -> None:
     """A case that changes its variants, measures or bounds makes its rows stale, until they are measured again."""
-    from contactlab.matrix.plan import Request
     from contactlab.parts.registry import default_registry
+    from contactlab.verdicts.plan import Request
 
     rows, registry = pages.case_rows, default_registry()
     for kept, cells in ((pages.cases_page.stored(), rows.asked(Request())), (rows.stored(), rows.of_pages())):

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from contactlab.cli import main
-from contactlab.matrix.margins import HALVINGS, bisection
+from contactlab.verdicts.margins import HALVINGS, bisection
 
 
 def bisected(holds: Callable[[float], bool], start: float, limit: float) -> tuple[float, float]:

@@ -18,10 +18,10 @@ import pytest
 from contactlab.cases.verdict import WORST
 from contactlab.cli import main
 from contactlab.jobs.archive import FILE, Archive
-from contactlab.matrix.files import COLUMNS, against, verdicts
-from contactlab.matrix.plan import Request, plan
-from contactlab.matrix.run import Matrix
 from contactlab.parts.registry import default_registry
+from contactlab.verdicts.files import COLUMNS, against, verdicts
+from contactlab.verdicts.plan import Request, plan
+from contactlab.verdicts.run import Matrix
 
 ASKED = ["patch", "pulled-block", "--contact", "mortar-p1", "--contact", "node-on-segment", "--jobs", "1"]
 

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from contactlab.api import Setup
-from contactlab.matrix.cell import CellResult
-from contactlab.matrix.orders import orders, write_orders
-from contactlab.matrix.plan import Cell
-from contactlab.matrix.run import Matrix
+from contactlab.verdicts.cell import CellResult
+from contactlab.verdicts.orders import orders, write_orders
+from contactlab.verdicts.plan import Cell
+from contactlab.verdicts.run import Matrix
 
 
 def cell(level: int, error: float, role: str = "error", order: float | None = 2.0) -> tuple[Cell, CellResult]:

@@ -8,7 +8,7 @@ import pytest
 
 import contactlab
 from contactlab.errors import RequestError
-from contactlab.explain.explain import explain
+from contactlab.explanation.explain import explain
 from contactlab.run.simulation import simulate
 
 SHALLOW = {"level": 1, "supports.1.uy.to": -0.03, "record.frames": 1}

@@ -16,9 +16,6 @@ from matplotlib.figure import Figure
 import contactlab
 from contactlab.cases.verdict import WORST
 from contactlab.errors import ContactlabError, RequestError
-from contactlab.matrix.cell import CellResult
-from contactlab.matrix.plan import Request, plan
-from contactlab.matrix.run import Matrix
 from contactlab.parts.registry import default_registry
 from contactlab.reports.figures import house_style
 from contactlab.reports.notebook.bar import notebook_bar
@@ -30,6 +27,9 @@ from contactlab.results.precision import SHOWN
 from contactlab.results.results import Results
 from contactlab.scene.scene import bundled_scenes, load_scene
 from contactlab.studies.table import Table
+from contactlab.verdicts.cell import CellResult
+from contactlab.verdicts.plan import Request, plan
+from contactlab.verdicts.run import Matrix
 
 ROOT = Path(__file__).parents[3]
 LINES = 20

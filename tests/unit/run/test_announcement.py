@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import pytest
 
-from contactlab.explain.announcement import announcement
+from contactlab.explanation.announcement import announcement
 from contactlab.model.build import build
 from contactlab.run.prepare import schedule_of
 from contactlab.run.run import Run

@@ -24,7 +24,7 @@ from contactlab.jobs.dask_pool import DaskPool
 from contactlab.jobs.dask_worker import SCRATCH
 from contactlab.jobs.processes import Call, ProcessDiedError, RaisedError, StoppedError, TimedOutError
 from contactlab.jobs.scheduler import open_pool
-from contactlab.matrix.files import verdicts
+from contactlab.verdicts.files import verdicts
 
 TASKS = """
     import os, time

@@ -9,11 +9,11 @@ import numpy as np
 
 from contactlab.api.drawing.units import Units
 from contactlab.api.frame import ContactCurve
-from contactlab.matrix.files import rows
-from contactlab.matrix.run import Matrix
 from contactlab.reports.notebook.libraries import library
 from contactlab.results.results import Results
 from contactlab.studies.table import Table
+from contactlab.verdicts.files import rows
+from contactlab.verdicts.run import Matrix
 
 
 def history_frame(results: Results) -> Any:

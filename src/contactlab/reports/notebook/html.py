@@ -9,7 +9,6 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from contactlab.matrix.run import Matrix
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.force_plot import force_figure
 from contactlab.reports.notebook.canvas import Plot
@@ -23,6 +22,7 @@ from contactlab.results.results import Results
 from contactlab.scene.scene import Scene
 from contactlab.studies.columns import BY_NAME
 from contactlab.studies.table import Table
+from contactlab.verdicts.run import Matrix
 
 CELL = "text-align:left;padding:.15em .8em .15em 0;vertical-align:top"
 WARNING = "border-left:4px solid #9a5b00;padding:.2em .8em;margin:.4em 0"

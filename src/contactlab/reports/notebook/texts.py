@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from contactlab.api.drawing.units import Units
-from contactlab.matrix.run import Matrix
 from contactlab.reports.numbers import percent, significant
 from contactlab.results.results import Results
 from contactlab.results.shown_pressure import other_peak
 from contactlab.scene.scene import Scene
 from contactlab.studies.table import Table
+from contactlab.verdicts.run import Matrix
 
 MOST = 20
 """Lines of a text."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import contactlab
-from contactlab.explain.explain import explain
+from contactlab.explanation.explain import explain
 from contactlab.model.build import build
 from contactlab.model.contact.consistent_system import ConsistentContactSystem
 from contactlab.model.model import Model

@@ -13,8 +13,8 @@ from typing import Any
 from contactlab.cases.verdict import WORST
 from contactlab.errors import RequestError
 from contactlab.jobs.archive import CHOICES
-from contactlab.matrix.run import Matrix
 from contactlab.outside_files import text_outside
+from contactlab.verdicts.run import Matrix
 
 COLUMNS = (
     *CHOICES, "verdict", "measure", "value", "least", "most", "unit", "status", "reason", "cpu_s", "run"

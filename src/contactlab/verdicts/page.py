@@ -7,9 +7,9 @@ from importlib.resources import files
 from pathlib import Path
 
 from contactlab.cases.verdict import WORST
-from contactlab.matrix.files import plain_cells
-from contactlab.matrix.orders import orders
-from contactlab.matrix.run import Matrix
+from contactlab.verdicts.files import plain_cells
+from contactlab.verdicts.orders import orders
+from contactlab.verdicts.run import Matrix
 
 COLOURS = {
     "met": "#1a7f4b", "missed": "#c77700", "failed": "#b42318", "silent": "#7a0bc0", "not-judged": "#5b7083",

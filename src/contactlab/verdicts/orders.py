@@ -11,7 +11,7 @@ import numpy as np
 
 from contactlab.accuracy.orders import slope
 from contactlab.jobs.archive import CHOICES
-from contactlab.matrix.run import Matrix
+from contactlab.verdicts.run import Matrix
 
 ROUND_OFF = 1e-9
 """Errors below it are not those of a mesh."""

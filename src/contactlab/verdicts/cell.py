@@ -16,9 +16,9 @@ from contactlab.jobs.archive import Archive
 from contactlab.jobs.keys import case_sources
 from contactlab.jobs.run import Run
 from contactlab.jobs.system import machine
-from contactlab.matrix.plan import Cell
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
+from contactlab.verdicts.plan import Cell
 
 
 @dataclass

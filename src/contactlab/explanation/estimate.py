@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from contactlab.explain.expected import expected_length
-from contactlab.explain.trial_run import CUT, TrialRun
+from contactlab.explanation.expected import expected_length
+from contactlab.explanation.trial_run import CUT, TrialRun
 from contactlab.run.prepare import schedule_of
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from contactlab.jobs.driver import Driver
-from contactlab.matrix.cell import CellResult, cell_plan, keep
-from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.parts.registry import Registry
+from contactlab.verdicts.cell import CellResult, cell_plan, keep
+from contactlab.verdicts.plan import Cell, Request, plan
 from contactlab.views import view
 
 

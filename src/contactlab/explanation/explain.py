@@ -10,14 +10,14 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from contactlab.explain.effect_table import Effect, effects_of
-from contactlab.explain.estimate import Estimate, estimate
+from contactlab.explanation.effect_table import Effect, effects_of
+from contactlab.explanation.estimate import Estimate, estimate
 from contactlab.model.build import build
 from contactlab.model.held_arrays import HeldArray, held_arrays
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.explain.trial_run import KernelCalls, PartCost, TrialRun
+    from contactlab.explanation.trial_run import KernelCalls, PartCost, TrialRun
     from contactlab.parts.registry import Registry
     from contactlab.scene.scene import Scene
 

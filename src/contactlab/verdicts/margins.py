@@ -11,9 +11,9 @@ from typing import Any
 
 from contactlab.api import Case, Setup
 from contactlab.jobs.driver import Driver
-from contactlab.matrix.cell import CellResult, cell_plan, keep
-from contactlab.matrix.plan import Cell, Request, plan
 from contactlab.parts.registry import Registry
+from contactlab.verdicts.cell import CellResult, cell_plan, keep
+from contactlab.verdicts.plan import Cell, Request, plan
 
 HALVINGS = 6
 """Of the distance between what is met and what is not (of its logarithm where both are positive): a 64th is left."""

@@ -38,7 +38,7 @@ LEAST, MOST = 0.5, 5.0
 """CPU time that a trial takes at least and at most [s]."""
 CUT = "cut"
 """Status of a trial that was stopped at its limit."""
-_FAR_END = "from contactlab.explain.trial_run import main; main()"
+_FAR_END = "from contactlab.explanation.trial_run import main; main()"
 
 
 class KernelCalls(NamedTuple):
@@ -303,7 +303,7 @@ def imported_modules(packages: Collection[str] = ()) -> list[str]:
             names |= {f"scipy.{part}" for part in inner[:1] if part == "sparse"}
         else:
             names.add(top)
-    return sorted(names - {"contactlab.explain.trial_run"})
+    return sorted(names - {"contactlab.explanation.trial_run"})
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from contactlab.api import Job
 from contactlab.api.compiled.cache import cache_root
 from contactlab.errors import RequestError
-from contactlab.explain.trial_run import SHARE, TrialRun, run_trial
+from contactlab.explanation.trial_run import SHARE, TrialRun, run_trial
 from contactlab.jobs.archive import Archive, StoredRun
 from contactlab.jobs.keys import run_key
 from contactlab.jobs.record import ended, from_bytes, to_bytes
