@@ -42,8 +42,17 @@ def unstable_motions(model: ImplicitModel) -> int:
 
     With friction and follower loads the matrix is not symmetric: an odd number of them is told as 1, an even one as 0.
     Nodes that friction holds or lets slide count as held: what is told is then unstable all the more without it.
+    What only the turning of contact normals makes unstable is not told: at each corner of a rigid polygon that presses
+    a node is one, however smooth the surface that it stands for.
     """
-    matrix, conditions = _tangent(model)
+    leaving = _negative_directions(*_tangent(model, normals_turn=True))
+    if leaving and model.contact is not None:
+        leaving = min(leaving, _negative_directions(*_tangent(model, normals_turn=False)))
+    return leaving
+
+
+def _negative_directions(matrix: Any, conditions: int) -> int:
+    """Negative pivots beyond the conditions; by their parity where the matrix is not symmetric."""
     if not matrix.shape[0]:
         return 0
     try:
@@ -60,7 +69,7 @@ def unstable_motions(model: ImplicitModel) -> int:
     return (negative + _parity(factors.perm_r) + _parity(factors.perm_c) + conditions) % 2
 
 
-def _tangent(model: ImplicitModel) -> tuple[Any, int]:
+def _tangent(model: ImplicitModel, normals_turn: bool) -> tuple[Any, int]:
     """The matrix (CSC) of free degrees of freedom and closed conditions, and the number of those."""
     free = np.ones(model.reference.size, bool)
     free[model.prescribed.dof] = False
@@ -71,7 +80,7 @@ def _tangent(model: ImplicitModel) -> tuple[Any, int]:
         return _scaled(csc_array(stiffness)[free][:, free]), 0
     pressed = np.flatnonzero(contact.conditions.force[0] > 0.0).astype(np.int32)
     change = contact.linearise(pressed)
-    matrix = (csc_array(stiffness) - change.force)[free][:, free]
+    matrix = (csc_array(stiffness) - change.force if normals_turn else csc_array(stiffness))[free][:, free]
     if not len(pressed):
         return _scaled(matrix), 0
     directions, gaps = (
