@@ -11,7 +11,6 @@ from typing import Any
 
 from contactlab.accuracy.choose import Chosen, Wish, choose_plan
 from contactlab.accuracy.error_budget import ErrorBudget, budget_plan
-from contactlab.accuracy.run import point_text
 from contactlab.arguments import NAME, arguments
 from contactlab.errors import RequestError
 from contactlab.explanation.explain import Explanation
@@ -61,18 +60,14 @@ def choose(
     time_limit  wall time of one trial [s]
     scheduler   "local", "dask" or tcp://HOST:PORT of a dask scheduler
 
-    `Chosen.settings` are the keys for `scene.with_`; empty if nothing reaches the error, and `Chosen.why` says why.
+    `Chosen.choice` are the keys for `scene.with_`; `Chosen.verdict` is "ok" if they keep the error with all that is
+    uncertain, else "cannot": then they are the best that is known, and `Chosen.why` says what was judged.
     Raises RequestError for a wrong request, KeyboardInterrupt after Ctrl-C; finished trials stay in `out`.
     """
     own = _scene(scene, registry)
     wish = Wish(float(error), float(budget), float(search))
     with _driver(out, resume, jobs, scheduler, time_limit, progress) as driver:
-        assert driver.folder is not None
-        say = driver.progress.told
-        plan = choose_plan(
-            own, wish, registry or default_registry(), driver.folder, lambda point: say(point_text(point)), say
-        )
-        return driver.result(plan)
+        return driver.result(choose_plan(own, wish, registry or default_registry(), driver.progress.told))
 
 
 @arguments(scene=(Scene, *NAME), **_MANY)

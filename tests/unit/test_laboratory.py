@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import contactlab
+from contactlab.cli import main
 from contactlab.errors import RequestError
 
 AFTER_ALL = """
@@ -67,11 +68,14 @@ def test_a_scene_is_explained() -> None:
     assert {effect.effect for effect in found.effects if effect.called_for} >= {"inertia", "contact"}
 
 
-def test_a_choice_that_has_no_reference_says_so() -> None:
-    """Every finer mesh of the bars is refused, so that no error can be measured."""
+def test_a_choice_is_made_of_keys_that_a_run_takes(tmp_path: Path) -> None:
+    """Every finer mesh of the bars is refused, so that no error can be measured: there is a choice all the same."""
     found = contactlab.choose("two-bars", 0.05, search=5.0, jobs=1)
-    assert not found.settings
-    assert "nothing to measure errors against" in found.why
+    assert found.verdict == "cannot"
+    assert found.error_interval is None
+    assert "no configuration finished on two meshes" in found.why
+    words = [word for key, value in found.choice.items() for word in ("--set", f"{key}={value}")]
+    assert main(["run", "two-bars", *words, "--out", str(tmp_path / "run")]) == 0
 
 
 @pytest.mark.parametrize(

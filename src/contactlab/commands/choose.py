@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import math
 import shlex
-from pathlib import Path
 from typing import Any
 
 from contactlab.accuracy.choose import Chosen, Wish, choose_plan
-from contactlab.accuracy.run import point_text
 from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.scene.scene import load_scene
@@ -17,71 +16,78 @@ CANNOT = 1
 
 
 def choose_for(options: argparse.Namespace) -> int:
-    """Search, say what was found and what it will cost, and run it where that is asked for; 1 where nothing does."""
+    """Search, say what was found and what it will cost, and run it if asked; 1 if nothing keeps the error.
+
+    After Ctrl-C the answer is what is known by then.
+    """
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
     wish = Wish(options.error, options.budget, options.search)
     with many(options, f"choose-{scene.name}") as driver:
-        folder, say = folder_of(driver), driver.progress.told
-        found = driver.result(choose_plan(scene, wish, registry, folder, lambda point: say(point_text(point)), say))
-        if driver.interrupted:
-            return interrupted(folder)
+        folder = folder_of(driver)
+        found = driver.result(choose_plan(scene, wish, registry, driver.progress.told))
+        stopped = driver.interrupted
     line = command(options, found)
     if options.json:
-        print_json({"folder": str(folder), "command": line, "known": found.known, **vars(found)})
+        print_json({**vars(found), "folder": str(folder), "command": line})
     else:
-        show(found, wish, line, folder)
-    if not found.settings:
+        show(found, wish, line)
+    if stopped:
+        return interrupted(folder)
+    if found.verdict != "ok":
         return CANNOT
-    return _run(options, found, folder) if options.run else 0
+    return _run(options, found, str(folder / "run")) if options.run else 0
 
 
-def show(found: Chosen, wish: Wish, line: str, folder: Path) -> None:
+def show(found: Chosen, wish: Wish, line: str) -> None:
     """The choice first, then what was tried."""
     out = console()
 
     def say(text: str) -> None:
         out.print(text, markup=False, highlight=False, soft_wrap=True)
 
-    if found.settings:
-        cost, low, high = found.cost
-        say(f"{found.name}, level {found.level}: {100.0 * found.error:.2g} % in {cost:.2g} CPU s "
-            f"({low:.2g} to {high:.2g}): {found.why}")  # fmt: skip
-        say(line)
-    else:
-        say(f"cannot reach {100.0 * wish.error:g} % in {wish.budget:g} CPU s: {found.why}")
-    known = f", {found.known} of them known to the archive" if found.known else ""
-    spent = sum(point.spent for point in found.tried)
-    say(f"{len(found.tried)} trials{known}, {spent:.3g} CPU s; reference: {found.reference or 'none'}, known to "
-        f"{100.0 * found.uncertainty:.2g} %; {folder}")  # fmt: skip
-    shown = table("configuration", "slave", "level", "error, %", "CPU s", "")
-    for p in sorted(found.tried, key=lambda p: (p.contender, p.slave, p.level)):
-        error = f"{100.0 * p.error:.3g}" if p.finished else ""
-        end = "" if p.finished else f"{p.status}: {p.reason[:60]}"
-        add_row(shown, p.contender, p.slave, str(p.level), error, f"{p.cost:.3g}" if p.cpu else "", end)
+    error = "error unknown" if math.isnan(found.error) else f"error {100.0 * found.error:.2g} %"
+    if found.error_interval is not None:
+        error += f" ({100.0 * found.error_interval[0]:.2g} to {100.0 * found.error_interval[1]:.2g} %)"
+    cost = "" if math.isnan(found.cost_s) else f" in {found.cost_s:.2g} CPU s"
+    if found.verdict != "ok":
+        say(f"cannot promise {100.0 * wish.error:g} %")
+    say(f"{found.name}, level {found.level}: {error}{cost}: {found.why}")
+    say(line)
+    known = f", uncertainty {100.0 * found.uncertainty:.2g} %" if math.isfinite(found.uncertainty) else ""
+    say(f"{len(found.tried)} trials, {found.spent_s:.3g} CPU s; compared by {found.judged or 'nothing'} with "
+        f"{found.reference or 'nothing'}{known}")  # fmt: skip
+    shown = table("configuration", "level", "error, %", "CPU s", "")
+    for tried in found.tried:
+        error = f"{100.0 * tried.error:.3g}" if math.isfinite(tried.error) else ""
+        end = "" if tried.status == "finished" else f"{tried.status}: {tried.reason[:60]}"
+        cost = f"{sorted(tried.cpu_s)[len(tried.cpu_s) // 2]:.3g}" if tried.cpu_s else ""
+        add_row(shown, tried.configuration, str(tried.level), error, cost, end)
     if found.tried:
         out.print(fitting(shown, out.width, last=("configuration",)))
 
 
 def command(options: argparse.Namespace, found: Chosen) -> str:
     """The command that makes the chosen run."""
-    settings = [*options.settings, *(f"{key}={_written(value)}" for key, value in found.settings.items())]
-    words = [word for setting in settings for word in ("--set", setting)]
+    words = [word for setting in _settings(options, found) for word in ("--set", setting)]
     words += [word for file in options.files for word in ("--with", file)]
-    return shlex.join(["contactlab", "run", options.scene, *words]) if found.settings else ""
+    return shlex.join(["contactlab", "run", options.scene, *words])
+
+
+def _settings(options: argparse.Namespace, found: Chosen) -> list[str]:
+    return [*options.settings, *(f"{key}={_written(value)}" for key, value in found.choice.items())]
 
 
 def _written(value: Any) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def _run(options: argparse.Namespace, found: Chosen, folder: Path) -> int:
+def _run(options: argparse.Namespace, found: Chosen, out: str) -> int:
     from contactlab.commands.run import run
 
-    settings = [*options.settings, *(f"{key}={_written(value)}" for key, value in found.settings.items())]
     return run(
         argparse.Namespace(
-            scene=options.scene, settings=settings, files=options.files, out=str(folder / "run"), resume=False,
+            scene=options.scene, settings=_settings(options, found), files=options.files, out=out, resume=False,
             json=options.json,
         )
     )  # fmt: skip

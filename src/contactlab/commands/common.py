@@ -40,7 +40,8 @@ def parse_settings(texts: Sequence[str]) -> dict[str, Any]:
         name = name.strip()
         if not equals or not name:
             raise RequestError("nothing is set here", where="--set", got=text, allowed="KEY=VALUE, such as level=2")
-        settings[name] = parse_value(value.strip(), f"--set {name}")
+        value = {"True": "true", "False": "false"}.get(value.strip(), value.strip())  # as Python writes them
+        settings[name] = parse_value(value, f"--set {name}")
     return settings
 
 

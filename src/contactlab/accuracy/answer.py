@@ -1,0 +1,144 @@
+"""The answer of a search: the cheapest trial that keeps the error, else the best that can be said."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from contactlab.accuracy.configuration import Configuration
+from contactlab.accuracy.judged import ForcesJudged
+from contactlab.accuracy.remaining import Truth
+from contactlab.accuracy.trials import EQUAL, Place, Trials
+
+
+@dataclass(frozen=True)
+class Tried:
+    """One trial as it is reported: `error` is nan without a measure, `cpu_s` are the CPU times of its runs."""
+
+    configuration: str
+    level: int
+    status: str
+    reason: str
+    error: float
+    cpu_s: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """What was found.
+
+    verdict         "ok" if the upper end of `error_interval` is below the error that was asked for, else "cannot"
+    choice          scene keys and values of the best that is known
+    error           of the contact pressure, relative, in L2 (of forces if `judged` says so); nan if unknown
+    error_interval  with all that is uncertain; None where nothing bounds the error
+    cost_s          CPU time of the chosen run without start and compilation [s], a median
+    judged          what runs were compared by
+    reference       what they were compared with
+    uncertainty     relative error of the reference
+    spent_s         CPU time of all trials [s]
+    """
+
+    verdict: Literal["ok", "cannot"]
+    choice: Mapping[str, Any]
+    error: float
+    error_interval: tuple[float, float] | None
+    cost_s: float
+    why: str
+    tried: Sequence[Tried]
+    name: str
+    level: int
+    judged: str = ""
+    reference: str = ""
+    uncertainty: float = math.nan
+    spent_s: float = 0.0
+
+    @property
+    def settings(self) -> Mapping[str, Any]:
+        """The choice, for `scene.with_`."""
+        return self.choice
+
+
+def answer(trials: Trials) -> Chosen:
+    """Answer by what is known now; there is always something to choose."""
+    truth = trials.truth()
+    met = trials.meeting(truth) if truth is not None else []
+    finished = [place for place, trial in trials.all.items() if trial.finished]
+    if met:
+        place = _cheapest(trials, met)
+    elif finished:
+        place = _least_error(trials, finished, truth)
+    else:
+        first = Configuration(trials.registry.names("contact")[0]), 1
+        place = max(trials.all, key=lambda p: trials.all[p].reached, default=first)
+    configuration, level = place
+    error, interval = math.nan, None
+    if truth is not None:
+        error = trials.errors(configuration).get(level, math.nan)
+        if trials.pressed() and math.isfinite(error):
+            doubt = truth.uncertainty + trials.doubt
+            interval = max(0.0, error - doubt), error + doubt
+    ok = interval is not None and bool(met)
+    why = _why_ok(trials, met) if ok else _why_not(trials, place, met, truth)
+    return Chosen(
+        "ok" if ok else "cannot", configuration.changes(trials.scene.data, level), error, interval,
+        trials.cost(place) if place in trials.all else math.nan, why, _tried(trials), trials.name(configuration),
+        level, trials.judged().what, truth.words if truth else "", truth.uncertainty if truth else math.nan,
+        trials.spent,
+    )  # fmt: skip
+
+
+def _cheapest(trials: Trials, met: Sequence[Place]) -> Place:
+    """The cheapest; of those that cost next to nothing the most accurate."""
+    cheap = [place for place in met if trials.cost(place) <= EQUAL]
+    if cheap:
+        return min(cheap, key=lambda place: trials.errors(place[0])[place[1]])
+    return min(met, key=trials.cost)
+
+
+def _least_error(trials: Trials, finished: Sequence[Place], truth: Truth | None) -> Place:
+    """The smallest error within the budget; without errors the finest mesh."""
+    fitting = [place for place in finished if trials.cost(place) <= trials.wish.budget] or list(finished)
+    if truth is not None:
+        known = {place: trials.errors(place[0]).get(place[1], math.inf) for place in fitting}
+        if min(known.values()) < math.inf:
+            return min(fitting, key=lambda place: (known[place], trials.cost(place)))
+    return max(fitting, key=lambda p: (p[1], not p[0].exchanged, -trials.cost(p)))
+
+
+def _why_ok(trials: Trials, met: Sequence[Place]) -> str:
+    text = f"the cheapest of {len(met)} trials that keep the pressure error below {100.0 * trials.wish.error:g} %"
+    costs = sorted(trials.cost(place) for place in met)
+    return text + (f"; the next one takes {costs[1]:.2g} CPU s" if len(costs) > 1 else "")
+
+
+def _why_not(trials: Trials, place: Place, met: Sequence[Place], truth: Truth | None) -> str:
+    asked = f"{100.0 * trials.wish.error:g} %"
+    trial = trials.all.get(place)
+    if trial is None or not trial.finished:
+        text = "no trial has finished"
+        text += f"; this one came furthest ({trial.status}: {trial.reason[:200]})" if trial is not None else ""
+    elif truth is None:
+        text = "no configuration finished on two meshes, so nothing bounds an error; judged by robustness and cost"
+    elif not trials.pressed():
+        text = "pressures cannot be judged (none at the end, or no function of a position), so nothing bounds their "
+        text += "error; judged by forces at the end or in the mean, by robustness and by cost: "
+        text += f"the forces are {'' if met else 'not '}within {asked} of those of the finest meshes"
+    else:
+        text = f"no trial keeps the pressure error below {asked} with all that is uncertain: "
+        text += f"{100.0 * truth.uncertainty:.2g} % of the reference"
+        text += f", {100.0 * trials.doubt:.2g} % of time and load steps" if trials.doubt > 0.0 else ""
+        finest = max((p for p in trials.all if trials.all[p].finished), key=lambda p: (p[1], trials.cost(p)))
+        forces = ForcesJudged.apart(trial.forces, trials.all[finest].forces)
+        text += f"; its forces differ by {100.0 * forces:.2g} % from those of the finest run"
+    used = "stopped early" if trials.stopped else f"{trials.spent:.3g} of {trials.wish.search:g} CPU s used"
+    return f"the best I can say: {text} ({used})"
+
+
+def _tried(trials: Trials) -> list[Tried]:
+    found = [
+        Tried(trials.name(place[0]), place[1], trial.status, trial.reason, trials.error(place), tuple(trial.costs))
+        for place, trial in trials.all.items()
+    ]
+    return sorted(found, key=lambda tried: (tried.configuration, tried.level))

@@ -1,0 +1,91 @@
+"""Configurations of a scene: algorithm, exchanged contacts, element and integrator, each with the keys that make it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from contactlab.api import ExplicitIntegrator
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """One way to run a scene; an empty word leaves what the scene says.
+
+    algorithm   of all contacts
+    exchanged   numbers of the contacts whose slave and master are exchanged
+    element     of all bodies
+    integrator  its name
+    steps       load steps of a static integrator; 0 leaves them
+    """
+
+    algorithm: str
+    exchanged: tuple[int, ...] = ()
+    element: str = ""
+    integrator: str = ""
+    steps: int = 0
+
+    def named(self, contacts: int) -> str:
+        """Name for tables of a scene with so many contacts."""
+        words = [self.algorithm, self.element, self.integrator, f"{self.steps} steps" if self.steps else ""]
+        name = " ".join(filter(None, words))
+        if not self.exchanged:
+            return name
+        which = "" if len(self.exchanged) == contacts else " " + ", ".join(f"contacts.{n}" for n in self.exchanged)
+        return f"{name}, exchanged{which}"
+
+    def changes(self, data: Mapping[str, Any], level: int) -> dict[str, Any]:
+        """Scene keys and values that make it of a scene (its TOML data) at a mesh level."""
+        found: dict[str, Any] = {"level": level}
+        if self.integrator:
+            found["integrator"] = self.integrator
+        if self.steps:
+            found["integrator.steps"] = self.steps
+        if self.element:
+            found |= {f"bodies.{name}.element": self.element for name in data["bodies"]}
+        for number, contact in enumerate(data["contacts"]):
+            found[f"contacts.{number}.algorithm"] = self.algorithm
+            if number in self.exchanged:
+                found[f"contacts.{number}.swap"] = not contact.get("swap", False)
+        return found
+
+
+def exchangeable(data: Mapping[str, Any]) -> tuple[int, ...]:
+    """Numbers of the contacts whose master can be the slave: no rigid surface can."""
+    rigid = data.get("rigid", {})
+
+    def master(contact: Mapping[str, Any]) -> list[str]:
+        side = contact["slave"] if contact.get("swap") else contact["master"]
+        return [side] if isinstance(side, str) else list(side)
+
+    return tuple(n for n, contact in enumerate(data["contacts"]) if not set(master(contact)) & set(rigid))
+
+
+def integrators_for(scene: Scene, registry: Registry) -> list[str]:
+    """Integrators that can take a scene, "" for its own, statics first; more than one if it is quasi-static."""
+    own = str(scene.integrator["use"])
+    kinds = {name: registry.part_class("integrator", name) for name in registry.names("integrator")}
+    static = [name for name, kind in kinds.items() if not kind.inertia]
+    explicit = [name for name, kind in kinds.items() if issubclass(kind, ExplicitIntegrator)]
+    if own not in static and scene.data["time"].get("end") != "auto":
+        return [""]
+    wanted = [own, *explicit[:1]] if own in static else [*static[:1], own]
+    return ["" if name == own else name for name in wanted]
+
+
+def elements_for(scene: Scene, registry: Registry) -> list[str]:
+    """Elements to try, "" for those of the scene first.
+
+    Without those that declare to lack integration points, and those that have only more nodes inside than another.
+    """
+    own = {str(body["element"]["use"]) for body in scene.data["bodies"].values()}
+    kinds = {name: registry.part_class("element", name) for name in registry.names("element")}
+
+    def spared(kind: Any) -> bool:
+        rivals = [one for one in kinds.values() if one.edges == kind.edges and len(one.nodes) < len(kind.nodes)]
+        return "full integration" in kind.beyond or bool(rivals)
+
+    return ["", *(name for name, kind in kinds.items() if not spared(kind) and {name} != own)]

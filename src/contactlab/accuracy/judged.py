@@ -1,0 +1,181 @@
+"""Results of a run that are compared: contact pressures along a line, and forces where pressures cannot be judged."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from contactlab.api import ContactCurve, Floats, Record
+from contactlab.studies.profile import FoldedSurfaceError, Profile, Window, distance, norm
+from contactlab.studies.root_edges import with_root_edges
+
+COUNTS = 0.02
+"""Norm of a contact's pressure over the largest of all contacts from which on it is judged."""
+NOTHING = 1e-3
+"""Force at the end over the largest mean in time below which it is none."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A coordinate along a contact: "x", "y", or "angle" about `centre` [mm]."""
+
+    axis: str
+    centre: tuple[float, float] = (0.0, 0.0)
+
+    def profile(self, curve: ContactCurve) -> Profile:
+        """The pressure along it. Raises FoldedSurfaceError if the pressed part turns back."""
+        pressure = np.nan_to_num(np.asarray(curve.pressure, float))
+        x, y = np.asarray(curve.x, float), np.asarray(curve.y, float)
+        if self.axis != "angle":
+            return Profile.of_nodes(x if self.axis == "x" else y, pressure)
+        angle = np.arctan2(y - self.centre[1], x - self.centre[0])
+        begin = int(np.argmin(angle))
+        rolled, values = np.roll(angle, -begin), np.roll(pressure, -begin)
+        if np.count_nonzero(np.diff(rolled) < 0.0) > len(rolled) // 2:  # clockwise: from the largest on down
+            begin = int(np.argmax(angle))
+            rolled, values = np.roll(angle, -begin), np.roll(pressure, -begin)
+        return Profile.of_nodes(rolled, values)
+
+
+def line_of(curve: ContactCurve) -> Line | None:
+    """The first line along which the pressure of a curve is a function; None without one or without pressure."""
+    pressed = np.flatnonzero(np.nan_to_num(np.asarray(curve.pressure, float)))
+    if len(pressed) == 0:
+        return None
+    x, y = np.asarray(curve.x, float), np.asarray(curve.y, float)
+    flat = np.ptp(x[pressed]) >= np.ptp(y[pressed])
+    axes = ("x", "y") if flat else ("y", "x")
+    centre = 0.5 * float(x.min() + x.max()), 0.5 * float(y.min() + y.max())
+    for line in (Line(axes[0]), Line(axes[1]), Line("angle", centre)):
+        try:
+            if norm(line.profile(curve)) > 0.0:
+                return line
+        except FoldedSurfaceError:
+            continue
+    return None
+
+
+Pressures = Mapping[int, Profile]
+"""Pressures by the number of their contact."""
+
+
+class Judge:
+    """Reads pressures of all runs of a scene along the same lines, which the first run with pressures fixes."""
+
+    def __init__(self, window: Window | None = None) -> None:
+        self.lines: dict[int, Line] = {}
+        self.window = window
+
+    def pressures(self, record: Record) -> Pressures:
+        """Pressures at the end of a run of the contacts that are judged; empty if it is none that can be."""
+        curves = {int(name.partition(".")[2]): found[-1] for name, found in record.curves.items() if len(found)}
+        if not self.lines:
+            self._begin(curves)
+        found = {}
+        for number, line in self.lines.items():
+            try:
+                profile = line.profile(curves[number])
+            except (FoldedSurfaceError, KeyError):
+                return {}
+            if not norm(profile) > 0.0:
+                return {}
+            found[number] = profile
+        return found
+
+    def _begin(self, curves: Mapping[int, ContactCurve]) -> None:
+        lines = {number: line for number, curve in curves.items() if (line := line_of(curve))}
+        size = {number: norm(line.profile(curves[number])) for number, line in lines.items()}
+        self.lines = {n: line for n, line in lines.items() if size[n] >= COUNTS * max(size.values())}
+
+    def apart(self, found: Pressures, other: Pressures) -> float:
+        """Distance in L2 over the norm of the other, the largest of all contacts."""
+        return max(distance(found[n], p, self.window) / norm(p, self.window) for n, p in other.items())
+
+
+def forces_of(record: Record) -> Floats:
+    """Reactions and contact forces [N] at the end of a run; their means in time if nothing is pressed any more."""
+    summary = record.summary
+    forces = [*summary.get("reactions", {}).values()]
+    forces += [facts["resultant"] for facts in summary.get("contacts", {}).values()]
+    final = np.array(forces, float).ravel()
+    names = [name for name in record.history if name.endswith((".fx", ".fy"))]
+    means = np.array([np.mean(record.history[name]) for name in names], float)
+    largest = np.abs(means).max(initial=0.0)
+    return means if np.abs(final).max(initial=0.0) <= NOTHING * largest else final
+
+
+class PressuresJudged:
+    """Compares pressures of runs."""
+
+    what = "contact pressure in L2"
+
+    def __init__(self, judge: Judge) -> None:
+        self.apart = judge.apart
+
+    @staticmethod
+    def value(pressures: Pressures, forces: Floats) -> Pressures:
+        """Return what is compared of a run; empty if it has none."""
+        return pressures
+
+    @staticmethod
+    def sharpened(found: Pressures) -> Pressures:
+        """The same with edges of contact followed to their roots."""
+        return {number: with_root_edges(profile) for number, profile in found.items()}
+
+    @staticmethod
+    def mean(all_of: Sequence[Pressures]) -> Pressures:
+        """Mean pressure of several runs."""
+        return {number: mean_profile([each[number] for each in all_of]) for number in all_of[0]}
+
+
+class ForcesJudged:
+    """Compares reactions and contact forces of runs."""
+
+    what = "forces only"
+
+    @staticmethod
+    def value(pressures: Pressures, forces: Floats) -> Floats:
+        """Return what is compared of a run; empty if it has none."""
+        return forces
+
+    @staticmethod
+    def sharpened(found: Floats) -> Floats:
+        """Return the forces."""
+        return found
+
+    @staticmethod
+    def mean(all_of: Sequence[Floats]) -> Floats:
+        """Mean forces of several runs."""
+        return np.asarray(np.mean(all_of, axis=0))
+
+    @staticmethod
+    def apart(found: Floats, other: Floats) -> float:
+        """Distance over the size of the other; inf if they are not of the same kind."""
+        size = float(np.linalg.norm(other))
+        if found.shape != other.shape or size == 0.0:
+            return float("inf")
+        return float(np.linalg.norm(found - other)) / size
+
+
+NEAR = 1e-5
+"""Distance of nodes, over the span of a curve, at which they are one."""
+
+
+def mean_profile(profiles: Sequence[Profile]) -> Profile:
+    """The mean of piecewise linear functions, on their nodes: of those nearer than NEAR of the span the first.
+
+    Where contact reaches the end of a body the pressure jumps to zero there, at positions that differ from run to run
+    by less than that: each of them counts as pressed to the end that is kept.
+    """
+    x = np.unique(np.concatenate([profile.x for profile in profiles]))
+    near = NEAR * (x[-1] - x[0])
+    x = x[np.r_[True, np.diff(x) > near]]
+    return Profile(x, np.asarray(np.mean([_up_to_end(profile, x, near) for profile in profiles], axis=0)))
+
+
+def _up_to_end(profile: Profile, x: Floats, near: float) -> Floats:
+    """Values at x; those at its ends up to `near` beyond them."""
+    inside = np.clip(x, profile.x[0], profile.x[-1])
+    return np.asarray(np.where(np.abs(x - inside) <= near, profile(inside), 0.0))

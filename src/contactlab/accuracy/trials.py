@@ -1,0 +1,265 @@
+"""Trials of a choice: the runs that were made of a scene, their errors, and what they are measured against."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from contactlab.accuracy.configuration import Configuration
+from contactlab.accuracy.judged import ForcesJudged, Judge, PressuresJudged, forces_of
+from contactlab.accuracy.point import cost_of, spent_on
+from contactlab.accuracy.remaining import Judged, Ladder, Truth, truth_of
+from contactlab.api import Job, Record
+from contactlab.cases.run_case import scene_of
+from contactlab.errors import ContactlabError
+from contactlab.jobs.run import Run
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
+from contactlab.studies.find_reference import matching_reference
+
+LIMIT = 10**6
+"""Level beyond all that are tried."""
+GROWTH = (1.0, 2.2, 3.5)
+"""Power of the level that costs grow with: at least, while one level is known, at most."""
+EQUAL = 0.1
+"""CPU time [s] below which runs cost the same: then the more accurate one is taken."""
+
+FRAMES = 200
+"""Stored frames of runs whose motion in time counts, for mean forces."""
+
+Said = Callable[[str], None]
+Plan = Generator[Sequence[Any], Sequence[Any], Any]
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What is asked for: relative error, CPU time of the run that is chosen and of all trials [s]."""
+
+    error: float = 0.01
+    budget: float = 60.0
+    search: float = 120.0
+
+
+@dataclass
+class Trial:
+    """A configuration at a level: what its run gave.
+
+    costs    CPU times of its runs without start and compilation [s]
+    facts    load steps, and whether the way to the end matters
+    reached  part of the loading that a run came to which did not finish
+    """
+
+    status: str
+    reason: str
+    costs: list[float] = field(default_factory=list)
+    pressures: Any = None
+    forces: Any = None
+    facts: Mapping[str, Any] = field(default_factory=dict)
+    reached: float = 0.0
+
+    @property
+    def finished(self) -> bool:
+        """Whether it came to its end."""
+        return self.status == "finished"
+
+    @property
+    def cost(self) -> float:
+        """Median of its CPU times [s]."""
+        return float(np.median(self.costs)) if self.costs else math.nan
+
+
+Place = tuple[Configuration, int]
+
+
+class Trials:
+    """All runs of a scene so far."""
+
+    def __init__(self, scene: Scene, wish: Wish, registry: Registry, said: Said) -> None:
+        self.scene, self.wish, self.registry, self.said = scene, wish, registry, said
+        self.known = matching_reference(scene.data, registry)
+        self.judge = Judge(self.known.window if self.known is not None else None)
+        self.all: dict[Place, Trial] = {}
+        self.spent = 0.0
+        self.stopped = False
+        transient = scene.data["time"].get("end") != "auto" and not self.is_static(Configuration(""))
+        self.frames = FRAMES if transient else 1
+        self.doubt = 0.0
+        self.steps = 0
+        self._judged_at = -1
+        self._truth: Truth | None = None
+        self._off: dict[Place, float] = {}
+
+    def run(self, wanted: Sequence[Place], until: float, limit: float = math.inf) -> Plan:
+        """Make these trials, the cheap ones first, while the CPU time spent stays below a part of the search."""
+        fresh = [place for place in dict.fromkeys(wanted) if place not in self.all]
+        fresh.sort(key=lambda place: self.expected(*place))
+        if fresh and not self.stopped:
+            yield [self._one(place, until * self.wish.search, limit) for place in fresh]
+
+    def longer(self) -> Plan:
+        """Make the first trial that was stopped for its time once more, without a limit but that of the search."""
+        for place in [place for place, trial in self.all.items() if trial.status == "timed-out"][:1]:
+            del self.all[place]
+            yield from self.run([place], 1.0)
+
+    def again(self, place: Place, number: int) -> Plan:
+        """Repeat a trial for its cost."""
+        yield from self._one(place, self.wish.search, math.inf, number)
+
+    def _one(self, place: Place, until: float, limit: float, number: int = 0) -> Plan:
+        configuration, level = place
+        name = f"{self.name(configuration)}, level {level}"
+        expected = self.expected(*place)
+        left = max(self.wish.search - self.spent, 0.1)
+        limit = min(limit, left, max(self.wish.budget, 2.0 * expected))
+        try:
+            changes = configuration.changes(self.scene.data, level)
+            job = Job("run", dict(self.scene.data), changes, frames=self.frames, curves="last")
+            run = Run(
+                job, scene_of(job, self.registry), f"{self.scene.name} {name}", number=number, timed=True,
+                cpu_limit=float(f"{limit:.2g}"), rank=(expected,),
+                unless=lambda: "no time left" if self.spent + expected > until else "",
+            )  # fmt: skip
+        except ContactlabError as error:
+            self.all.setdefault(place, Trial("refused", str(error).strip().replace("\n", " ")))
+            return
+        (record,) = yield [run]
+        if record.status == "interrupted":
+            self.stopped = True
+        elif record.status != "not-run":
+            killed = record.status == "timed-out" and "process_s" not in record.summary
+            self.spent += limit if killed else spent_on(record)
+            self._keep(place, record, name)
+
+    def _keep(self, place: Place, record: Record, name: str) -> None:
+        reason = record.reason.strip().splitlines()[0] if record.reason.strip() else ""
+        trial = self.all.setdefault(place, Trial(record.status, reason))
+        if not record.finished:
+            reached = record.summary.get("reached") or 0.0
+            trial.reached = float(reached) if isinstance(reached, int | float) else 0.0
+            self.said(f"{name}: {record.status}{f': {reason}' if reason else ''}")
+            return
+        trial.costs.append(cost_of(record))
+        if trial.forces is None:
+            trial.pressures, trial.forces = self.judge.pressures(record), forces_of(record)
+            trial.facts = {"steps": record.summary.get("steps", 0), **record.summary.get("history", {})}
+        self.said(f"{name}: {trial.costs[-1]:.3g} s")
+
+    def name(self, configuration: Configuration) -> str:
+        """Name of a configuration in tables."""
+        return configuration.named(len(self.scene.contacts))
+
+    def ladder(self, configuration: Configuration) -> dict[int, Trial]:
+        """Finished runs of a configuration by level."""
+        found = {n: t for (c, n), t in self.all.items() if c == configuration and t.finished}
+        return dict(sorted(found.items()))
+
+    def expected(self, configuration: Configuration, level: int) -> float:
+        """CPU time [s] to expect of a run, by coarser ones; 0 if nothing is known."""
+        known = [(n, max(t.cost, 1e-3)) for n, t in self.ladder(configuration).items()]
+        if not known:
+            return 0.0
+        least, usual, most = GROWTH
+        last, cost = known[-1]
+        power = usual
+        if len(known) > 1:
+            power = math.log(cost / known[-2][1]) / math.log(last / known[-2][0])
+        return float(cost * (level / last) ** min(max(power, least), most))
+
+    def cost(self, place: Place) -> float:
+        """CPU time of a trial [s]."""
+        return self.all[place].cost
+
+    def configurations(self) -> list[Configuration]:
+        """All that have a finished run."""
+        return list(dict.fromkeys(c for (c, _), t in self.all.items() if t.finished))
+
+    # --- what the trials say -----------------------------------------------------------------------
+
+    def judged(self) -> Judged:
+        """Pressures if two levels of a configuration have some, else forces."""
+        return PressuresJudged(self.judge) if self.pressed() else ForcesJudged()
+
+    def pressed(self) -> bool:
+        """Whether pressures can be judged."""
+        return any(trial.pressures for trial in self.all.values())
+
+    def value(self, trial: Trial) -> Any:
+        """What is compared of a run."""
+        return self.judged().value(trial.pressures, trial.forces)
+
+    def comparable(self, trial: Trial) -> bool:
+        """Whether it has anything to compare."""
+        value = self.value(trial)
+        return value is not None and len(value) > 0
+
+    def apart(self, trial: Trial, other: Trial) -> float:
+        """Relative distance of two runs."""
+        return self.judged().apart(self.value(trial), self.value(other))
+
+    def ladders(self) -> list[Ladder]:
+        """Comparable runs of all configurations by level."""
+        found = []
+        for each in self.configurations():
+            if self.is_static(each) and each.steps != self.steps:
+                continue  # its way is coarser
+            trials = {n: t for n, t in self.ladder(each).items() if self.comparable(t)}
+            if trials:
+                values = {n: self.value(t) for n, t in trials.items()}
+                family = (each.exchanged, each.element)
+                found.append(Ladder(self.name(each), family, values, trials[max(trials)].cost))
+        return found
+
+    def is_static(self, each: Configuration) -> bool:
+        """Whether its integrator knows no inertia."""
+        name = each.integrator or str(self.scene.integrator["use"])
+        return not self.registry.part_class("integrator", name).inertia
+
+    def by_name(self, name: str) -> Configuration:
+        """Configuration of a name."""
+        return next(each for each in self.configurations() if self.name(each) == name)
+
+    def truth(self) -> Truth | None:
+        """What errors are measured against: an installed reference, else the finest runs."""
+        if self._judged_at != len(self.all):
+            self._judged_at, self._off = len(self.all), {}
+            self._truth = self._find_truth()
+        return self._truth
+
+    def _find_truth(self) -> Truth | None:
+        if self.known is not None and list(self.judge.lines)[:1] == [0]:
+            known = self.known.pressure_uncertainty
+            known = 0.0 if math.isnan(known) else known
+            return Truth({0: self.known.profile}, known, self.known.title, self.known.level or LIMIT)
+        return truth_of(self.ladders(), self.judged(), 3)
+
+    def error(self, place: Place) -> float:
+        """Distance of a trial from the truth; nan if it cannot be compared."""
+        truth, trial = self.truth(), self.all[place]
+        if place not in self._off:
+            known = truth is not None and trial.finished and self.comparable(trial)
+            self._off[place] = self.judged().apart(self.value(trial), truth.value) if known and truth else math.nan
+        return self._off[place]
+
+    def errors(self, configuration: Configuration) -> dict[int, float]:
+        """Errors by level: of each the largest from there on, since one that crosses zero on its way is no luck."""
+        largest, found = 0.0, {}
+        for level in sorted(self.ladder(configuration), reverse=True):
+            error = self.error((configuration, level))
+            if not math.isnan(error):
+                found[level] = largest = max(largest, error)
+        return dict(sorted(found.items()))
+
+    def meeting(self, truth: Truth) -> list[Place]:
+        """Trials that keep the error with all that is uncertain, within the budget of a run."""
+        target = self.wish.error - truth.uncertainty - self.doubt
+        return [
+            (each, level)
+            for each in self.configurations()
+            for level, error in self.errors(each).items()
+            if error < target and self.ladder(each)[level].cost <= self.wish.budget
+        ]
