@@ -110,8 +110,13 @@ def put_corners(t, count, taken):
 
 
 @point
-def held_by_corner(t, i, m):
-    """Whether a corner at an end of master segment m presses so close to slave node i that it stands for it."""
+def stands_for(t, i, m, v):
+    """Whether a corner that presses on the slave stands for what holds node i.
+
+    It is an end of master segment m close to the node, or, where m is negative, vertex v.
+    """
+    if m < 0:
+        return t.corner_on[v] >= 0
     for end in range(2):
         v = t.sides.master.segments[m, end]
         s = t.corner_on[v]

@@ -132,22 +132,19 @@ def add_length(t, s, share, nodes, factors):
 def add_weight(t, q, nodes, factors):
     """Of the length that a point stands for: of node q, or of the Gauss point q."""
     surface = t.sides.slave
-    if POINTS > 0:
-        s = q // max(POINTS, 1)
-        add_length(t, s, 1.0 / t.slave_length[s], nodes, factors)
-        return
     for side in range(2):
-        s = surface.node_segments[q, side]
-        if s < 0:
+        s, share, halves = surface.node_segments[q, side] if POINTS == 0 else q // max(POINTS, 1), 0.5, 1
+        if s < 0 or (POINTS > 0 and side == 1):
             continue
-        if surface.edges.shape[1] == 2:
-            add_length(t, s, 0.5 / t.tributary[q], nodes, factors)
-        elif surface.edges[surface.segment_edge[s, 0], 2] == q:
-            add_length(t, s, 4.0 / 6.0 / t.tributary[q], nodes, factors)
-        else:
-            middle = surface.edges[surface.segment_edge[s, 0], 2]
-            for half in range(2):
-                add_length(t, surface.node_segments[middle, half], 1.0 / 6.0 / t.tributary[q], nodes, factors)
+        length = t.tributary[q] if POINTS == 0 else t.slave_length[s]
+        middle = surface.edges[surface.segment_edge[s, 0], surface.edges.shape[1] - 1]
+        if POINTS > 0:
+            share = 1.0
+        elif surface.edges.shape[1] == 3:
+            share, halves = (4.0 / 6.0, 1) if middle == q else (1.0 / 6.0, 2)
+        for half in range(halves):
+            of = s if halves == 1 else surface.node_segments[middle, half]
+            add_length(t, of, share / length, nodes, factors)
 
 
 @section
@@ -180,15 +177,13 @@ def foot_rates(t, p, rates):
         Vector(seed(x.at.x, 0, 12), seed(x.at.y, 1, 12)), Vector(seed(x.normal.x, 2, 12), seed(x.normal.y, 3, 12))
     )
     a, b = Vector(seed(at[i, 0], 4, 12), seed(at[i, 1], 5, 12)), Vector(seed(at[j, 0], 6, 12), seed(at[j, 1], 7, 12))
-    eta = seed(out.ends[p, 1], 10, 12)
-    if out.ends[p, 2] == 0.0:
-        changes = derivatives(FOOT(here, MasterSegment(a, b), fields), 11)
-        slope = 1.0
-    else:
+    master, curved = MasterSegment(a, b), out.ends[p, 2] != 0.0
+    if curved:
         c = Vector(seed(at[k, 0], 8, 12), seed(at[k, 1], 9, 12))
-        changes = derivatives(FOOT(here, tangent_at(a, b, c, eta), fields), 11)
-        slope = -changes[10]
-    least = -1.0 if out.ends[p, 2] != 0.0 else 0.0
+        master = tangent_at(a, b, c, seed(out.ends[p, 1], 10, 12))
+    changes = derivatives(FOOT(here, master, fields), 11)
+    slope = -changes[10] if curved else 1.0
+    least = -1.0 if curved else 0.0
     inside = out.ends[p, 1] > least and out.ends[p, 1] < 1.0 and slope != 0.0
     for k in range(10):
         rates[k] = changes[k] / slope if inside else 0.0

@@ -1,6 +1,6 @@
 """Contact at points: which segment or vertex of the master holds each node, or Gauss point, of the slave.
 
-Slots as in `point_pieces`, and PARAMETERS and FIELDS as in `segment_kernels`.
+Slots as in `point_pieces` and PARAMETERS and FIELDS as in `segment_kernels`; HOLD, `hold_nodes` or `hold_gauss_points`.
 """
 
 from __future__ import annotations
@@ -8,16 +8,18 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.compiled.chains import nodal_normals, segment_normals, tributary_lengths
+from contactlab.api.compiled.formulas import Slot
 from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import SlavePoint
 from contactlab.api.tensors import Vector
-from contactlab.formulas.point_corners import find_corners, held_by_corner, put_corners
-from contactlab.formulas.point_pieces import ABSCISSAE, EDGE, POINTS, foot, hold_beside, hold_on_segment
+from contactlab.formulas.point_corners import find_corners, put_corners, stands_for
+from contactlab.formulas.point_pieces import ABSCISSAE, EDGE, POINTS, foot, hold
 from contactlab.formulas.point_tables import Points
 from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
 
+HOLD = Slot("HOLD")
 LEAVE = 0.02  # as EDGE at the ends of a chain, where nothing else holds a point: bodies of one width spread differently
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
 
@@ -125,7 +127,7 @@ def nearest_vertex(t, x, s, best, reach):
 
 @section
 def hold_nodes(t, reach, depth, p):
-    """Pieces of all slave nodes, and of the corners of the master; returns their number."""
+    """Pieces of all slave nodes, and of the corners of the master; their number, and that all normals are their own."""
     view, taken = t.sides, t.taken
     corners, count = find_corners(t, reach, depth), 0
     for i in range(view.at.slave.shape[0]):
@@ -134,40 +136,35 @@ def hold_nodes(t, reach, depth, p):
         for side in range(2):
             if view.slave.node_segments[i, side] >= 0:
                 best = nearest_segment(t, x, view.slave.node_segments[i, side], last, best, reach, depth, p)
-        m = best[0]
+        m, vertex = best[0], (np.int64(-1), np.inf)
         t.memory[0, i] = m + 1
-        if m >= 0:
-            if not (corners and held_by_corner(t, i, m)):
-                count = hold_on_segment(t, count, x, i, m, best[1], reach, depth, p)
-        else:
-            vertex = (np.int64(-1), np.inf)
+        if m < 0:
             for side in range(2):
                 if view.slave.node_segments[i, side] >= 0:
                     vertex = nearest_vertex(t, x, view.slave.node_segments[i, side], vertex, reach)
-            if vertex[0] >= 0 and not (corners and t.corner_on[vertex[0]] >= 0):
-                count = hold_beside(t, count, x, i, vertex[0], depth, p)
+        v = vertex[0]
+        if not (m < 0 and v < 0) and not (corners and stands_for(t, i, m, v)):
+            count = hold(t, count, x, i, best[:2], v, reach, depth, p)
         taken[i] = count - before > 1
-    return put_corners(t, count, taken)
+    return put_corners(t, count, taken), 0
 
 
 @section
 def hold_gauss_points(t, reach, depth, p):
-    """Pieces of the Gauss points of all slave segments; returns their number."""
+    """Pieces of the Gauss points of all slave segments; their number, and how many normals are not averaged."""
     view, count = t.sides, 0
     for s in range(t.slave_length.size):
         i = view.slave.segments[s, 0]
         for g in range(len(ABSCISSAE)):
             x, last, q = gauss_point(t, s, ABSCISSAE[g]), int(t.memory[g, i]) - 1, s * POINTS + g
-            m, eta, _ = nearest_segment(t, x, s, last, (np.int64(-1), 0.0, np.inf), reach, depth, p)
-            t.memory[g, i] = m + 1
-            if m >= 0:
-                count = hold_on_segment(t, count, x, q, m, eta, reach, depth, p)
-            else:
-                v, _ = nearest_vertex(t, x, s, (np.int64(-1), np.inf), reach)
-                if v >= 0:
-                    count = hold_beside(t, count, x, q, v, depth, p)
+            best, v = nearest_segment(t, x, s, last, (np.int64(-1), 0.0, np.inf), reach, depth, p), np.int64(-1)
+            t.memory[g, i] = best[0] + 1
+            if best[0] < 0:
+                v = nearest_vertex(t, x, s, (np.int64(-1), np.inf), reach)[0]
+            if best[0] >= 0 or v >= 0:
+                count = hold(t, count, x, q, best[:2], v, reach, depth, p)
     inward_normals(view.at.slave, view.slave.segments, t.out.normal)
-    return count
+    return count, turn_normals(view, t.out, count, t.out.normal)
 
 
 @kernel
@@ -178,8 +175,4 @@ def pieces(bound, reach, depth):
     segment are held by none.
     """
     t = unpack(bound, Points)
-    depth, p = depth * measure(t), PARAMETERS(t.numbers)
-    if POINTS == 0:
-        return hold_nodes(t, reach, depth, p), 0
-    count = hold_gauss_points(t, reach, depth, p)
-    return count, turn_normals(t.sides, t.out, count, t.out.normal)
+    return HOLD(t, reach, depth * measure(t), PARAMETERS(t.numbers))

@@ -8,6 +8,8 @@ All sections work on a `Points` table t; q is the number of the point, x its `Sl
 
 from __future__ import annotations
 
+import numpy as np
+
 from contactlab.api.compiled.dual import derivatives, seed, value
 from contactlab.api.compiled.formulas import Slot
 from contactlab.api.compiled.kernel import point, section
@@ -101,9 +103,10 @@ def put_normal(t, count, x, y):
 
 
 @section
-def put_piece(t, count, q, slot, m, share, holder, normal):
+def put_piece(t, count, q, slot, held):
     """Write one piece in row `slot` of its point: master segment m with shares 1 - share and share of its ends."""
     view, out = t.sides, t.out
+    m, share, holder, x, y = held
     put_slave(t, count, q, slot)
     for i in range(2):
         out.master[count, i] = view.master.segments[m, i]
@@ -115,7 +118,7 @@ def put_piece(t, count, q, slot, m, share, holder, normal):
             out.M[count, 2, k] = 0.0
     out.segment[count, 0], out.segment[count, 1] = q, holder
     out.ends[count, 1], out.ends[count, 2] = share, 0.0
-    put_normal(t, count, normal[0], normal[1])
+    put_normal(t, count, x, y)
 
 
 @section
@@ -143,26 +146,6 @@ def put_on_parabola(t, count, x, q, m, s, p):
 
 
 @section
-def hold_at_vertex(t, count, x, q, v, depth):
-    """A convex vertex holds along the line to the point, a concave one with both segments; returns the next piece."""
-    view = t.sides
-    before, after = view.master.node_segments[v, 0], view.master.node_segments[v, 1]
-    one, other = node(t.master_normal, before), node(t.master_normal, after)
-    if POINTS == 0 and -one.cross(other) > SHARP:
-        put_piece(t, count, q, 0, before, 1.0, before, (one.x, one.y))
-        put_piece(t, count + 1, q, 1, after, 0.0, after, (other.x, other.y))
-        return count + 2
-    between = x.at - node(view.at.master, v)
-    if between @ (one + other) < 0.0 and between.length() > depth:
-        return count
-    normal = (one + other).unit()
-    if in_wedge(x.at, node(view.at.master, v), one, other, t.master_length[after]):
-        normal = between.unit()
-    put_piece(t, count, q, 0, after, 0.0, -1 - v, (normal.x, normal.y))
-    return count + 1
-
-
-@section
 def foot(t, x, m, p):
     """Gap [mm] and eta of a point on the line of master segment m."""
     at, i, j = t.sides.at.master, t.sides.master.segments[m, 0], t.sides.master.segments[m, 1]
@@ -175,10 +158,10 @@ def foot(t, x, m, p):
 def _end_reached(t, m, share):
     """The vertex that a point sits on, -1 elsewhere: there neither segment's normal is better than the other's."""
     if share > AT_END and share < 1.0 - AT_END:
-        return -1
+        return np.int64(-1)
     surface = t.sides.master
     v = surface.segments[m, 0] if share <= AT_END else surface.segments[m, 1]
-    return v if surface.node_segments[v, 0] >= 0 and surface.node_segments[v, 1] >= 0 else -1
+    return np.int64(v) if surface.node_segments[v, 0] >= 0 and surface.node_segments[v, 1] >= 0 else np.int64(-1)
 
 
 @section
@@ -194,36 +177,52 @@ def _second_side(t, x, m, reach, p):
             continue
         gap, along = foot(t, x, other, p)
         if -EDGE <= along <= 1.0 + EDGE and abs(gap) <= reach:
-            return other, along
-    return -1, 0.0
+            return np.int64(other), along
+    return np.int64(-1), 0.0
 
 
 @section
-def hold_on_segment(t, count, x, q, m, share, reach, depth, p):
-    """Write what segment m, or what lies at its ends, holds a point with; returns the next piece."""
-    surface = t.sides.master
+def _of_segment(t, m, eta):
+    """What a segment holds a point with at eta: itself, the share of its end, what holds, and the normal."""
+    return np.int64(m), eta, np.int64(m), t.master_normal[m, 0], t.master_normal[m, 1]
+
+
+@section
+def hold(t, count, x, q, nearest, v, reach, depth, p):
+    """Write what holds a point; returns the next piece.
+
+    It is a segment and eta on it, `nearest`, or where the first is negative vertex v beside the point. A quadratic edge
+    holds at its closest point, also beside the kink of its halves, where the true edge is smooth. A convex vertex holds
+    along the line to the point, a concave one nodes with both segments.
+    """
+    surface, (m, eta) = t.sides.master, nearest
     if surface.edges.shape[1] == 3:
-        put_on_parabola(t, count, x, q, m, share + surface.segment_edge[m, 1] - 1.0, p)
-        return count + 1
-    v = _end_reached(t, m, share)
+        edge = m if m >= 0 else np.int64(surface.node_segments[v, 1])
+        if m >= 0 or surface.segment_edge[edge, 1] == 1:
+            s = eta + surface.segment_edge[m, 1] - 1.0 if m >= 0 else 0.0
+            put_on_parabola(t, count, x, q, edge, s, p)
+            return count + 1
+    elif m >= 0:
+        v = _end_reached(t, m, eta)
+    number, first = 1, _of_segment(t, max(m, 0), eta)
+    second = first
     if v >= 0:
-        return hold_at_vertex(t, count, x, q, v, depth)
-    put_piece(t, count, q, 0, m, share, m, (t.master_normal[m, 0], t.master_normal[m, 1]))
-    if POINTS == 0:
-        other, eta = _second_side(t, x, m, reach, p)
+        before, after = surface.node_segments[v, 0], surface.node_segments[v, 1]
+        one, other = node(t.master_normal, before), node(t.master_normal, after)
+        if POINTS == 0 and -one.cross(other) > SHARP:
+            number, first, second = 2, _of_segment(t, before, 1.0), _of_segment(t, after, 0.0)
+        else:
+            between = x.at - node(t.sides.at.master, v)
+            if between @ (one + other) < 0.0 and between.length() > depth:
+                return count
+            normal = (one + other).unit()
+            if in_wedge(x.at, node(t.sides.at.master, v), one, other, t.master_length[after]):
+                normal = between.unit()
+            first = np.int64(after), 0.0, np.int64(-1 - v), normal.x, normal.y
+    elif POINTS == 0:
+        other, along = _second_side(t, x, m, reach, p)
         if other >= 0:
-            put_piece(t, count + 1, q, 1, other, eta, other, (t.master_normal[other, 0], t.master_normal[other, 1]))
-            return count + 2
-    return count + 1
-
-
-@section
-def hold_beside(t, count, x, q, v, depth, p):
-    """Write what vertex v holds a point with; returns the next piece."""
-    surface = t.sides.master
-    after = surface.node_segments[v, 1]
-    if surface.edges.shape[1] == 3 and surface.segment_edge[after, 1] == 1:
-        # beside the kink of two half segments, where the true edge is smooth
-        put_on_parabola(t, count, x, q, after, 0.0, p)
-        return count + 1
-    return hold_at_vertex(t, count, x, q, v, depth)
+            number, second = 2, _of_segment(t, other, along)
+    for slot in range(number):
+        put_piece(t, count + slot, q, slot, first if slot == 0 else second)
+    return count + number

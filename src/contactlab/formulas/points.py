@@ -44,6 +44,7 @@ class _Kernels(ClassKernels):
         return {
             single.FOOT: self.called("foot", "x, master, p", {}),
             single.POINTS: self.kind.points,
+            kernels.HOLD: kernels.hold_gauss_points if self.kind.points else kernels.hold_nodes,
             single.ABSCISSAE: tuple((0.5 + 0.5 * rule[0]).tolist()), single.WEIGHTS: tuple((0.5 * rule[1]).tolist()),
             segment_kernels.PARAMETERS:
                 segment_kernels.parameters if numbers_of(self.kind) else segment_kernels.no_parameters,

@@ -1,1 +1,1 @@
-"""Node-on-segment contact for contactlab."""
+"""Contact at points of the slave, nodes or Gauss points, for contactlab."""

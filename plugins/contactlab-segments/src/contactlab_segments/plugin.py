@@ -1,4 +1,4 @@
-"""Node-on-segment contact on offer."""
+"""Contact at points of the slave on offer."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Offer one-pass node-on-segment contact."""
+    """Offer one-pass contact of nodes and of Gauss points with segments."""
     return [
         Part(
             "contact",
@@ -15,5 +15,12 @@ def contactlab_parts() -> list[Part]:
             "contactlab_segments.node_on_segment:NodeOnSegment",
             "slave nodes against master segments, one pass",
             "Hallquist, Goudreau & Benson 1985",
+        ),
+        Part(
+            "contact",
+            "gauss-point",
+            "contactlab_segments.gauss_point:GaussPoint",
+            "Gauss points of the slave against master segments, one pass",
+            "Fischer & Wriggers 2005",
         ),
     ]

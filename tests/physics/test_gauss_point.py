@@ -1,0 +1,65 @@
+"""Gauss-point-to-segment contact where it meets mortars; its patch tests are among those of statics."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from contactlab.results.results import Results
+from contactlab.run.simulation import simulate
+from contactlab.scene.scene import load_scene
+
+SWAP = pytest.mark.parametrize("swap", [False, True])
+STATIC: dict[str, Any] = {"integrator": {"use": "newton", "steps": 3}, "supports.1.uy.to": -0.02}
+
+
+def disc(algorithm: str | dict[str, Any], **changes: Any) -> Results:
+    """The disc pressed 0.02 mm into the block, with coarse cells."""
+    scene = load_scene("disc-on-block").with_({"level": 1, "record.recorders": [], **STATIC, **changes})
+    results = simulate(scene.with_({"contacts.0.algorithm": algorithm}))
+    assert results.status == "finished"
+    return results
+
+
+def force(results: Results) -> float:
+    return float(abs(results.history["contacts.0.fy"][-1]))
+
+
+@SWAP
+def test_forces_on_a_disc_are_those_of_a_mortar(swap: bool) -> None:
+    """A sum in place of an integral, on the same surfaces: within a fifth of what the mesh errs by, 1.5 %."""
+    points, mortar = (disc(name, **{"contacts.0.swap": swap}) for name in ("gauss-point", "mortar-p1"))
+    assert force(points) == pytest.approx(force(mortar), rel=3e-3)
+    assert points.summary["iterations"] <= mortar.summary["iterations"] + 3
+
+
+def test_forces_with_quadratic_cells_and_friction_are_those_of_a_mortar() -> None:
+    """One with multipliers at all nodes of an edge, too."""
+    quadratic = {f"bodies.{body}.element": "q2" for body in ("disc", "block")}
+    changes = {**quadratic, "contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
+    points, mortar = disc("gauss-point", **changes), disc({"use": "mortar-p1", "multipliers": "nodes"}, **changes)
+    assert force(points) == pytest.approx(force(mortar), rel=3e-3)
+
+
+def test_penalties_lead_to_the_multipliers() -> None:
+    """What surfaces overlap by goes with one over the stiffness, and so does what the force lacks."""
+    exact = force(disc("gauss-point"))
+    lacking = [
+        1.0 - force(disc("gauss-point", **{"contacts.0.enforcement": {"use": "penalty", "factor": factor}})) / exact
+        for factor in (100.0, 1000.0)
+    ]
+    assert 0.0 < lacking[1] < lacking[0] < 0.02
+    assert lacking[0] / lacking[1] == pytest.approx(10.0, rel=0.1)
+
+
+def test_explicit_steps_give_the_mean_force_of_a_mortar_and_make_no_energy() -> None:
+    """The same waves through the same cells: within 3 % of the mean force, whose bounces are sampled at 51 times."""
+    pushed = {"use": "forward-increment", "forces": "consistent"}
+    explicit = {"integrator": "central-difference", "time.end": 1e-6, "contacts.0.enforcement": pushed}
+    points, mortar = (disc(name, **explicit) for name in ("gauss-point", "mortar-p1"))
+    found, expected = (results.history["contacts.0.fy"].mean() for results in (points, mortar))
+    assert found == pytest.approx(expected, rel=0.03)
+    made = points.history["energy.contact"].max()  # impacts take energy, and give none beyond round-off
+    assert made < 1e-12 * np.abs(points.history["energy.external"]).max()
