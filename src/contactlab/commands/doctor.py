@@ -154,6 +154,8 @@ def _plugins(registry: Registry) -> Iterator[Fact]:
     yield Fact("plugins", f"{len(offers)} parts from {len(origins)} packages")
     for item in (*registry.broken(), *registry.incomplete()):
         yield Fact("broken plugin", f"{item.origin} {item.item}: {item.reason}", f"mend or update {item.origin}")
+    for item in registry.burdens():
+        yield Fact("plugin", f"{item.origin}: {item.reason}", f"ask the authors of {item.origin}")
 
 
 def vulkan_driver(folders: Sequence[str] = DRIVER_FOLDERS) -> Fact:

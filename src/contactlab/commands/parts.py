@@ -27,7 +27,7 @@ def parts(options: argparse.Namespace) -> int:
     if options.json:
         print_json(_as_json(usable, broken, registry))
         return 0
-    _print_parts(usable, broken, registry.commands())
+    _print_parts(usable, broken, registry.burdens(), registry.commands())
     return 0
 
 
@@ -80,7 +80,7 @@ def _origin_json(origin: Any) -> dict[str, str]:
     return {"plugin": origin.plugin, "distribution": origin.distribution, "version": origin.version}
 
 
-def _print_parts(usable: list[Offer], broken: list[Broken], commands: Any) -> None:
+def _print_parts(usable: list[Offer], broken: list[Broken], burdens: list[Broken], commands: Any) -> None:
     out = console()
     out.print(_parts_table(usable, out.width))
     if commands:
@@ -93,6 +93,8 @@ def _print_parts(usable: list[Offer], broken: list[Broken], commands: Any) -> No
         for item in broken:
             add_row(wrong, item.origin.plugin, str(item.origin), item.item, item.reason)
         out.print(fitting(wrong, out.width, last=("why it is left out",)))
+    for item in burdens:
+        out.print(f"{item.origin}: {item.reason}", markup=False, highlight=False)
     out.print("Fields, units, defaults and an example of one of them: contactlab parts NAME", highlight=False)
 
 

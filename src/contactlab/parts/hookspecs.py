@@ -53,7 +53,7 @@ def contactlab_commands() -> Mapping[str, str]:  # type: ignore[empty-body]
 
 @hookspec
 def contactlab_run_finished(summary: Mapping[str, Any], folder: Path | None) -> None:
-    """Called after a run, also a failed one, with the content of `summary.json` and the run's folder.
+    """Called after a run, also a failed one, with a copy of the content of `summary.json` and the run's folder.
 
     What it raises is shown as a warning and changes neither the results nor the exit status.
     """

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import importlib.util
+import io
 import os
 import re
 import sys
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import redirect_stdout
 from dataclasses import dataclass
+from difflib import get_close_matches
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from types import FunctionType, ModuleType, SimpleNamespace
@@ -21,6 +25,9 @@ from contactlab.parts import hookspecs
 GROUP = hookspecs.PROJECT
 CORE = "contactlab"
 RESTRICT = "CONTACTLAB_PLUGINS"
+NEAR = 0.88  # of difflib's ratio, in which "contactlabs" has 0.95 and "contact_lab.plugins" 0.72
+SLOW_CPU, SLOW = 0.3, 2.0
+"""Seconds of CPU and of the clock beyond which an import is called slow: every command waits for it."""
 
 
 @dataclass(frozen=True)
@@ -49,11 +56,13 @@ class Broken:
 
 @dataclass(frozen=True)
 class Plugin:
-    """A loaded plugin: where it comes from, its hooks, and the name of the module that has them."""
+    """A loaded plugin: where it comes from, its hooks, the name of the module that has them, and what every command
+    suffers from its import."""
 
     origin: Origin
     hooks: Any
     module: str
+    burdens: tuple[str, ...] = ()
 
 
 def installed(group: str = GROUP) -> list[EntryPoint]:
@@ -76,6 +85,18 @@ def installed(group: str = GROUP) -> list[EntryPoint]:
     return [point for point in found if _core(point) or {_same(point.name), _same(_distribution(point))} & keep]
 
 
+def misplaced() -> list[Broken]:
+    """Entry points in a group whose name misses this program's by a letter or two."""
+    if os.environ.get(RESTRICT):
+        return []
+    near = [g for g in entry_points().groups if g != GROUP and get_close_matches(g, [GROUP], cutoff=NEAR)]
+    return [
+        Broken(origin_of(point), f'its entry point stands in the group "{group}"; allowed: "{GROUP}"')
+        for group in sorted(near)
+        for point in entry_points(group=group)
+    ]
+
+
 def _core(point: EntryPoint) -> bool:
     return _distribution(point) == CORE
 
@@ -94,16 +115,35 @@ def origin_of(point: EntryPoint) -> Origin:
 
 
 def load(origin: Origin, importer: Callable[[], Any]) -> Plugin | Broken:
-    """Import and register one plugin; what goes wrong becomes a reason."""
+    """Import and register one plugin; what goes wrong becomes a reason. What it prints goes to stderr."""
+    printed, cpu, clock = io.StringIO(), time.process_time(), time.perf_counter()
     try:
-        module = importer()
+        # programs read stdout: a greeting there breaks --json
+        with redirect_stdout(printed):
+            module = importer()
     except (Exception, SystemExit) as error:
         return Broken(origin, f"its import failed: {one_line(error)}")
+    burdens = _burdens(time.process_time() - cpu, time.perf_counter() - clock, printed.getvalue())
     try:
         hooks = _register(module)
-        return Plugin(origin, hooks, getattr(module, "__name__", type(module).__module__))
+        return Plugin(origin, hooks, getattr(module, "__name__", type(module).__module__), burdens)
     except Exception as error:
         return Broken(origin, one_line(error, name=False))
+
+
+def _burdens(cpu: float, clock: float, printed: str) -> tuple[str, ...]:
+    """What an import costs every command: time [s], and output, which is passed on to stderr."""
+    found = []
+    if cpu > SLOW_CPU or clock > SLOW:
+        found.append(
+            f"its import takes {clock:.1f} s ({cpu:.1f} CPU s), which every command waits for; import what is slow in "
+            "the functions that need it, and name parts by strings"
+        )
+    if printed:
+        sys.stderr.write(printed)
+        first = printed.strip().partition("\n")[0]
+        found.append(f"its import prints {first[:60]!r}; it goes to stderr")
+    return tuple(found)
 
 
 def _register(module: object) -> Any:
@@ -154,9 +194,10 @@ def _unmarked(module: object, hooks: Mapping[str, str]) -> Iterator[Exception]:
 
 
 def call(plugin: Plugin, hook: str, **arguments: Any) -> list[Any] | Broken:
-    """The results of one hook of one plugin; an exception becomes a reason."""
+    """The results of one hook of one plugin; an exception becomes a reason, one of a generator as well."""
     try:
-        return list(getattr(plugin.hooks, hook)(**arguments))
+        answers = getattr(plugin.hooks, hook)(**arguments)
+        return [list(answer) if isinstance(answer, Iterator) else answer for answer in answers]
     except (Exception, SystemExit) as error:
         return Broken(plugin.origin, f"{hook} raised {one_line(error)}", item=hook)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import importlib
 import os
 import re
@@ -52,7 +53,10 @@ class Registry:
         self._offers: dict[tuple[str, str], list[Offer]] = {}
         self.files: tuple[Path, ...] = ()
         self.classes: tuple[tuple[Part, type], ...] = ()
-        for point in plugins.installed() if entry_points is None else entry_points:
+        if entry_points is None:
+            entry_points = plugins.installed()
+            self._broken += plugins.misplaced()
+        for point in entry_points:
             self._add(plugins.load(plugins.origin_of(point), point.load))
         for path in files:
             self.add_file(path)
@@ -114,6 +118,8 @@ class Registry:
         if isinstance(offered, Broken):
             self._broken.append(offered)
             return
+        if not offered and loaded.hooks.contactlab_parts.get_hookimpls():  # pluggy leaves None out
+            self._add_parts(loaded.origin, None)
         for parts in offered:
             self._add_parts(loaded.origin, parts)
 
@@ -155,6 +161,10 @@ class Registry:
                 found.append(Broken(offer.origin, reason, item=f"{kind} {name}"))
         return found
 
+    def burdens(self) -> list[Broken]:
+        """Plugins that work, and what every command suffers from them: slow or printing imports."""
+        return [Broken(plugin.origin, burden) for plugin in self._plugins for burden in plugin.burdens]
+
     def incomplete(self) -> list[Broken]:
         """Parts whose class cannot be imported or does not keep the contract. Imports every target."""
         return _incomplete(self.parts())
@@ -194,11 +204,10 @@ class Registry:
 
     def missing_from(self, name: str) -> str:
         """What to install for a part that a usual plugin brings, or for that plugin; nothing where none is known."""
-        import json
-
-        known = json.loads((Path(__file__).parents[1] / "data" / "known_parts.json").read_text(encoding="utf-8"))
         here = {plugin.origin.distribution for plugin in self._plugins}
-        bringing = [package for package, names in known.items() if name in (package, *names) and package not in here]
+        bringing = [
+            package for package, names in known_packages().items() if name in (package, *names) and package not in here
+        ]
         if not bringing:
             return ""
         hidden = os.environ.get(plugins.RESTRICT)
@@ -259,8 +268,21 @@ class Registry:
 
     def run_finished(self, summary: Mapping[str, Any], folder: Path | None) -> list[Broken]:
         """Tell every plugin that a run is over; gives back those that raised."""
-        answers = [plugins.call(p, "contactlab_run_finished", summary=summary, folder=folder) for p in self._plugins]
+        told = [plugin for plugin in self._plugins if plugin.hooks.contactlab_run_finished.get_hookimpls()]
+        # a copy for each: what one writes into it changes neither the result nor what the next is told
+        copies = [(plugin, copy.deepcopy(dict(summary))) for plugin in told]
+        answers = [plugins.call(p, "contactlab_run_finished", summary=own, folder=folder) for p, own in copies]
         return [answer for answer in answers if isinstance(answer, Broken)]
+
+
+@cache
+def known_packages() -> dict[str, list[str]]:
+    """Packages of this repository, installed or not, and the names of the parts of each."""
+    import json
+
+    path = Path(__file__).parents[1] / "data" / "known_parts.json"
+    known: dict[str, list[str]] = json.loads(path.read_text(encoding="utf-8"))
+    return known
 
 
 @cache

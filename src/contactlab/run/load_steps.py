@@ -252,7 +252,7 @@ class LoadSchedule(Schedule):
 
 def repeats(before: Step, step: Step) -> bool:
     """Whether an attempt left the same residuals as the one `before` it, which was longer: length is not the matter."""
-    if len(before.trace) != len(step.trace):
-        return False
+    if not step.trace or len(before.trace) != len(step.trace):
+        return False  # integrators need not tell their iterations: two empty traces say nothing
     first, second = (np.array([(one.force, one.contact) for one in attempt.trace]) for attempt in (before, step))
     return np.allclose(first, second, rtol=SAME, atol=0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import partial
@@ -10,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from contactlab.arguments import NAME, arguments
-from contactlab.errors import Location, SceneError, did_you_mean
+from contactlab.errors import Location, PartError, SceneError, did_you_mean
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.parts.scenes_and_commands import core_scenes
 from contactlab.scene import checks as scene_checks
@@ -133,7 +134,23 @@ def load_scene(name_or_path: str | Path, registry: Registry | None = None) -> Sc
     path, shown = find_scene(name_or_path, registry)
     data, lines = read_toml(path, shown)
     data.setdefault("name", path.stem)
-    return Scene.from_data(data, Location(shown, lines=lines, folder=str(path.parent.resolve())), registry)
+    try:
+        return Scene.from_data(data, Location(shown, lines=lines, folder=str(path.parent.resolve())), registry)
+    except PartError as error:
+        error.hint = _brought(path.parent / "summary.json", error.got) or error.hint
+        raise
+
+
+def _brought(summary: Path, name: object) -> str:
+    """Of a part that the scene of a stored run names: the distribution that the run had it from; else nothing."""
+    if not summary.is_file():
+        return ""
+    try:
+        parts = json.loads(summary.read_text(encoding="utf-8")).get("parts", {}).values()
+    except (OSError, ValueError, AttributeError):
+        return ""
+    found = [part.partition(" (")[2].rstrip(")") for part in parts if part.partition(" (")[0] == name]
+    return f"the run had it from {found[0]}: install that" if found else ""
 
 
 def bundled_scenes(registry: Registry | None = None) -> dict[str, Path]:

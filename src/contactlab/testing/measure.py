@@ -17,6 +17,7 @@ from contactlab.run.simulation import simulate
 from contactlab.scene.scene import load_scene
 from contactlab.studies.columns import BY_NAME
 from contactlab.testing.assertions import Check, require
+from contactlab.testing.partners import partners
 
 CONTACT = "contacts.0"
 
@@ -29,7 +30,7 @@ def record() -> Record:
 @cache
 def _record() -> Record:
     registry = default_registry()
-    static = next(n for n in registry.names("integrator") if not registry.part_class("integrator", n).inertia)
+    static = next(n for n in partners(registry, "integrator") if not registry.part_class("integrator", n).inertia)
     changes: dict[str, Any] = {"integrator": static, "record.recorders": [], "supports.1.uy.to": -0.01}
     results = simulate(load_scene("disc-on-block").with_(changes))
     curves = {CONTACT: [results.contact[CONTACT].last]}

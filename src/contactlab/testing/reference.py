@@ -17,6 +17,7 @@ from contactlab.studies.find_reference import PartSource
 from contactlab.studies.profile import integral
 from contactlab.studies.reference import Reference
 from contactlab.testing.assertions import Check, NotApplicable, require
+from contactlab.testing.partners import partners
 
 STRANGE: tuple[dict[str, Any], ...] = ({}, {"name": "x"}, {"contacts": [], "bodies": {}, "supports": [{}]})
 """Scenes without what a reference may look for."""
@@ -50,7 +51,7 @@ def is_silent_about_strange_scenes(reference: ReferenceSolution) -> None:
 
 def does_not_depend_on_the_mesh(reference: ReferenceSolution) -> None:
     """Where it holds for a bundled scene, it does so at any level, with any algorithm and either slave."""
-    another = default_registry().names("contact")[-1]
+    another = partners(default_registry(), "contact")[-1]
     for scene in _some(reference):
         for key, value in {"level": 2, "contacts.0.swap": True, "contacts.0.algorithm": another}.items():
             why = reference.mismatch(scene.with_({key: value}).data)

@@ -11,7 +11,7 @@ from contactlab.meshing.checks import check_mesh
 from contactlab.meshing.mesh import moved, nodal_measure
 from contactlab.meshing.slits import check_closed
 from contactlab.model.bodies.body import Body
-from contactlab.model.bodies.checked_parts import refuse_wrong_speeds, refuse_wrong_tables
+from contactlab.model.bodies.checked_parts import refuse_writing_to_inputs, refuse_wrong_speeds, refuse_wrong_tables
 from contactlab.model.loading.edge_sets import with_parts
 from contactlab.scene.checks import split_target
 from contactlab.scene.reading import refused_later
@@ -32,6 +32,7 @@ def build_bodies(scene: Scene, registry: Registry) -> tuple[Body, ...]:
     }
     for name, material in materials.items():
         refuse_wrong_speeds(material, scene.where(f"materials.{name}"))
+        refuse_writing_to_inputs(material)
     bodies: list[Body] = []
     first = 0
     for name, spec in scene.bodies.items():

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Element, Material
+from contactlab.api.formulas import formulas_of
 from contactlab.errors import SceneError, Where, WrongAnswer
 
 
@@ -40,6 +41,24 @@ def refuse_wrong_speeds(material: Material, where: Where) -> None:
         )
     if np.shape(speeds) != (2,) or not all(np.isfinite(speeds)) or not speeds[0] > speeds[1] >= 0.0:
         _refuse(material, "wave_speeds", str(speeds), "a dilatational and a smaller shear speed, finite")
+
+
+def refuse_writing_to_inputs(material: Material) -> None:
+    """Raise WrongAnswer where a law writes to the gradient or the history that it is given.
+
+    Runs give it their own arrays: the stress then belongs to another deformation, and nothing else would say so. Laws
+    by formulas cannot.
+    """
+    if "stress" in formulas_of(type(material)):
+        return
+    rest = np.array([1.0, 0.0, 0.0, 1.0]) if material.kinematics == "finite" else np.zeros(4)
+    gradient = rest[:, None] + 1e-6 * np.array([[1.0, -2.0], [3.0, 1.0], [-1.0, 2.0], [2.0, 1.0]])
+    history = np.zeros((material.history_size, 2))
+    before = gradient.copy()
+    material.stress(gradient, history, 0.0, np.zeros((4, 2)), np.zeros_like(history))
+    if not np.array_equal(gradient, before) or history.any():
+        what = "history" if history.any() else "gradient"
+        _refuse(material, "stress", f"other values to `{what}`, which it may only read", "a copy to work on")
 
 
 def _refuse(part: object, method: str, got: str, needed: str) -> None:

@@ -12,6 +12,7 @@ from contactlab.cases.verdict import Finding, allowed, judge
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.testing.assertions import Expected, NotApplicable
+from contactlab.testing.partners import partners
 from contactlab.testing.subject import Subject
 
 PACKAGE = "contactlab-cases"
@@ -95,8 +96,8 @@ def _quadratic(registry: Registry, case: Case) -> Any:
 
 
 def usual_algorithm(registry: Registry) -> str:
-    """An installed contact algorithm that passes the patch test."""
-    for name in registry.names("contact"):
+    """A shipped contact algorithm that passes the patch test."""
+    for name in partners(registry, "contact"):
         if registry.part_class("contact", name).passes_patch_test:
             return name
     raise NotApplicable("no contact algorithm that passes the patch test is installed")

@@ -1,0 +1,12 @@
+"""Parts that stand beside the one under check: shipped ones alone, whatever else is installed."""
+
+from __future__ import annotations
+
+from contactlab.parts.loading import CORE
+from contactlab.parts.registry import Registry, known_packages
+
+
+def partners(registry: Registry, kind: str) -> list[str]:
+    """Names of the installed parts of one kind that packages of this repository bring, in alphabetical order."""
+    ours = {CORE, *known_packages()}
+    return [n for n in registry.names(kind) if registry.offer(kind, n).origin.distribution in ours]
