@@ -12,7 +12,7 @@ import pytest
 
 from contactlab.api import Enforcement, ExplicitEnforcement, Floats, FrictionBound, FrictionLaw, Rows, Solve
 from contactlab.parts.registry import Registry
-from contactlab.testing import NotApplicable, enforcement, enforcement_implicit, friction
+from contactlab.testing import NotApplicable, enforcement, enforcement_implicit, friction, scales
 from contactlab.testing.assertions import Check
 
 SPRINGS = Registry(files=[Path(__file__).with_name("implicit_springs.py")])
@@ -84,7 +84,15 @@ def test_a_right_enforcement_passes(check: Check, part: Enforcement) -> None:
     try:
         check(part)
     except NotApplicable:
-        assert (check in enforcement_implicit.CHECKS) == isinstance(part, ExplicitEnforcement)
+        implicit = check in enforcement_implicit.CHECKS
+        assert check in scales.CHECKS or implicit == isinstance(part, ExplicitEnforcement)
+
+
+@dataclass(frozen=True)
+class NoField(Sweeps):
+    """Names a length that it does not have."""
+
+    length_scale: ClassVar[str] = "reach"
 
 
 WRONG: list[tuple[Check, Enforcement]] = [
@@ -106,6 +114,7 @@ WRONG: list[tuple[Check, Enforcement]] = [
     (enforcement_implicit.few_iterations, Slow()),
     (enforcement_implicit.slots_know_nothing_of_each_other, Exact("neighbours")),
     (enforcement_implicit.conditions_are_untouched, Exact("writes gaps")),
+    (scales.scales_are_fields, NoField()),
 ]
 
 

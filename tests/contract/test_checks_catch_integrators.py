@@ -27,7 +27,7 @@ Leapfrog: Any = Registry(files=[FILE]).part_class("integrator", "numpy-leapfrog"
 def test_a_right_integrator_passes_all_checks() -> None:
     outcomes = run_checks("integrator", Leapfrog())
     assert [o for o in outcomes if o.status == "failed"] == []
-    declined = {"refused_steps_leave_the_state", "statics_are_in_equilibrium"}
+    declined = {"refused_steps_leave_the_state", "statics_are_in_equilibrium", "steps_are_begun_and_accepted"}
     assert {o.check for o in outcomes if o.status != "passed"} == declined
 
 
@@ -83,7 +83,35 @@ class FrictionLost(NoTakingBack):
         return step
 
 
+class _Deaf:
+    """Equations of which one method is called so many times whenever the integrator calls it."""
+
+    def __init__(self, equations: ImplicitEquations, method: str, times: int) -> None:
+        self.equations, self.method, self.times = equations, method, times
+
+    def __getattr__(self, name: str) -> Any:
+        found = getattr(self.equations, name)
+        if name != self.method:
+            return found
+        return lambda *given: [found(*given) for _ in range(self.times)] and None
+
+
+@dataclass(frozen=True)
+class Deaf(NoTakingBack):
+    """Statics that forget a call, or make it twice."""
+
+    method: str = "accept"
+    times: int = 0
+
+    def bind(self, equations: ImplicitEquations, state: State) -> Any:
+        deaf: Any = _Deaf(equations, self.method, self.times)
+        return Newton().bind(deaf, state)
+
+
 WRONG: list[tuple[Check, Integrator]] = [
+    (integrator.steps_are_begun_and_accepted, Deaf()),
+    (integrator.steps_are_begun_and_accepted, Deaf(times=2)),
+    (integrator.steps_are_begun_and_accepted, Deaf("begin_step")),
     (integrator_contact.statics_are_in_equilibrium, FrictionLost()),
     (integrator.declarations, NoOrder()),
     (integrator.converges_at_its_order, Leapfrog("no half step at the start")),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from contactlab.api import UNIT, Floats, Kinematics, Material, formula
-from contactlab.testing import NotApplicable, material, material_flow, material_states
+from contactlab.testing import NotApplicable, material, material_flow, material_states, scales
 from contactlab.testing.assertions import Check
 from contactlab.testing.points import DT
 
@@ -238,7 +238,7 @@ def test_right_laws_pass(part: Material, check: Check) -> None:
         check(part)
     except NotApplicable as reason:
         declined = {material.stiffening_bounds_the_waves, material.history_in_place}
-        declined |= {material_flow.flow_is_of_second_order}
+        declined |= {material_flow.flow_is_of_second_order, scales.scales_are_fields}
         declined |= {material.formulas_are_what_runs} if not isinstance(part, Formulas) else set()
         if part.kinematics == "rate":
             declined |= {material.energy_is_positive, material.energy_belongs_to_the_stress}
@@ -285,6 +285,14 @@ class OfOneValue(Small):
         stress *= self.stiffness
 
 
+@dataclass(frozen=True)
+class Timed(Small):
+    """Names a time that is no number above 0."""
+
+    tau: float = 0.0
+    time_scale: ClassVar[str] = "tau"
+
+
 WRONG: list[tuple[Check, Material]] = [
     (material.other_values_are_right, OfOneValue(stiffness=1.0)),
     (material.declarations, Unnamed()),
@@ -314,6 +322,7 @@ WRONG: list[tuple[Check, Material]] = [
     (material_states.work_is_stored_or_dissipated, Small("dissipates what it stores")),
     (material_states.arrays_change_in_place, Small("knows its array again")),
     (material_flow.flow_is_of_second_order, Creeping("flows at the rate of the start")),
+    (scales.scales_are_fields, Timed()),
     (material_states.threads_do_not_disturb_each_other, Small("one room for all threads")),
 ]
 

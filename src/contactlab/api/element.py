@@ -58,6 +58,8 @@ class Element(ABC):
     lumping  how the mass becomes diagonal: "row-sum" (integral of each shape function),
              "hrz" (Hinton, Rock & Zienkiewicz: consistent diagonal scaled to the total) or
              "quadrature" (nodal quadrature, for elements whose nodes are Lobatto points)
+    exact    kernels give the gradient of the shape functions at the points; False for enhanced or assumed strains,
+             whose mean over a cell is still that of the shape functions
     locks    True: too stiff where plastic flow keeps the volume; runs in which it flows warn of it
     without  effects of this element ("quadratic shape functions"), each with the element that leaves it out
     beyond   effects that this element leaves out, each with the element that has it
@@ -67,6 +69,7 @@ class Element(ABC):
     edges: ClassVar[tuple[tuple[int, ...], ...]]
     degree: ClassVar[int]
     lumping: ClassVar[Literal["row-sum", "hrz", "quadrature"]]
+    exact: ClassVar[bool] = True
     locks: ClassVar[bool] = False
     without: ClassVar[Mapping[str, str]] = {}
     beyond: ClassVar[Mapping[str, str]] = {}

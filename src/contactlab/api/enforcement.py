@@ -165,12 +165,18 @@ class Enforcement(ABC):  # noqa: B024 - its two kinds share no method
     """Finds contact forces from gap conditions. Subclasses derive from one of the classes below.
 
     exact   closed gaps are zero and sticking conditions do not slip; False for springs, which deform
+    pressure_before_contact  True for a pressure curve that begins while the gap is still open
+    length_scale  name of the field [mm] that says over which gaps the pressure changes; "" if only overlaps matter
+    time_scale    name of the field [s] by which the force depends on the rate of slip; "" if it does not
     forces  how they act: "frozen" (rows are weights and normals), "consistent" (rows are the derivatives of the
             gaps, weights and normals included, so that contact makes no energy) or "auto" (that in steps in time).
             A part that offers the choice has a field of this name; "published" and "conjugate" are accepted as well
     """
 
     exact: ClassVar[bool] = True
+    pressure_before_contact: ClassVar[bool] = False
+    length_scale: ClassVar[str] = ""
+    time_scale: ClassVar[str] = ""
     forces = "frozen"
 
 

@@ -31,6 +31,8 @@ class Material(ABC):
                    "equivalent_plastic_strain"
     rate_dependent True for a law whose stress depends on `dt`, the time that a change of strain takes (creep,
                    relaxation, viscosity): static load steps then advance time as well as load
+    time_scale     name of the field [s] that says how fast a `rate_dependent` law relaxes; checks take steps around it
+    stress_free    False for a law that has a stress where nothing is deformed (thermal strain, residual stress)
     implicit_euler  True for a "small" or "finite" law whose history advances by an implicit Euler step, from `history`
                    to the state at `gradient`, and is that of the undeformed body (it does not turn with it): implicit
                    integrators then integrate flow to second order in the step, by asking `stress` along the way
@@ -44,6 +46,8 @@ class Material(ABC):
     history_size: ClassVar[int] = 0
     history_names: ClassVar[tuple[str, ...]] = ()
     rate_dependent: ClassVar[bool] = False
+    time_scale: ClassVar[str] = ""
+    stress_free: ClassVar[bool] = True
     implicit_euler: ClassVar[bool] = False
     isotropic: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {}

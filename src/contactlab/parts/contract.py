@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+from difflib import get_close_matches
 from weakref import WeakKeyDictionary
 
 from contactlab.api.case import Case
@@ -22,6 +23,8 @@ from contactlab.api.recorder import Recorder
 from contactlab.api.reference import ReferenceSolution
 from contactlab.api.watch import Watch
 from contactlab.parts.declared_values import wrong_values
+
+NEAR = 0.88  # of difflib's ratio: a letter of eight that is missing, doubled or exchanged
 
 BASES: dict[str, tuple[type, ...]] = {
     "element": (Element,),
@@ -67,7 +70,7 @@ def _faults(kind: str, target: object) -> list[str]:
         return ["it is the abstract class of the contract itself"]
     return [
         *_missing_methods(target), *_missing_attributes(target), *wrong_values(target), *_other_arguments(target),
-        *_not_a_record(target),
+        *_misspelt(target), *_not_a_record(target),
     ]  # fmt: skip
 
 
@@ -106,6 +109,23 @@ def _other_arguments(target: type) -> list[str]:
                 taken, asked = (f"({', '.join(inspect.signature(f).parameters)})" for f in (own, method))
                 found.append(f"its {name} takes {taken}; it is called with {asked}")
     return found
+
+
+def _misspelt(target: type) -> list[str]:
+    """Class attributes and methods that the contract does not know, and whose names miss one that it knows by a letter.
+
+    Nothing would ever read them: the part would promise, or do, nothing of what its author meant.
+    """
+    known: set[str] = set()
+    for base in (base for base in target.__mro__ if base.__module__.startswith("contactlab.api.")):
+        known |= {name for name in (*vars(base), *inspect.get_annotations(base)) if not name.startswith("_")}
+    fields, found = set(getattr(target, "__dataclass_fields__", ())), []
+    for base in (base for base in target.__mro__ if not base.__module__.startswith(("contactlab.api.", "builtins"))):
+        for name in {*vars(base), *inspect.get_annotations(base)} - fields - known:
+            near = [] if name.startswith("_") else get_close_matches(name, known, 1, NEAR)
+            if near and near[0] not in vars(base):
+                found.append(f"its {name} is nothing that the contract knows; did you mean {near[0]}?")
+    return sorted(found)
 
 
 def _not_a_record(target: type) -> list[str]:

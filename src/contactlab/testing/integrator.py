@@ -233,6 +233,23 @@ def refused_steps_leave_the_state(integrator: AnyIntegrator) -> None:
         calls += 1
 
 
+def steps_are_begun_and_accepted(integrator: AnyIntegrator) -> None:
+    """Every step is begun with its length and accepted once, where it is accepted: laws keep their history by that."""
+    if isinstance(integrator, ExplicitIntegrator):
+        raise NotApplicable("explicit steps have no trial")
+    model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, force=lambda time: time * START, clearance=MASS)
+    for number, dt in enumerate((0.1, 0.1, 0.05, 0.02, 0.1)):
+        model.begun.clear()
+        model.run(1, dt)
+        told = f"step {number + 1}, of {dt:g} s"
+        require(dt in model.begun, f"{told}: begin_step got {model.begun}")
+        require(model.accepted == number + 1, f"{told}: accept was called {model.accepted - number} times")
+    model.calls_left = 0
+    with np.errstate(invalid="ignore"):
+        model.advance(0.1)
+    require(model.accepted == 5, "accept was called in a step that was not accepted")
+
+
 def _interrupted(integrator: AnyIntegrator, calls: int, whole: Oscillator) -> bool:
     """Whether a step is accepted that finds finite forces in so many calls alone; what follows must be as the whole."""
     model = Oscillator(integrator, MASS, STIFFNESS, velocity=START, force=lambda time: time * START)
@@ -299,7 +316,7 @@ DUTIES: dict[int, tuple[Check, ...]] = {
     8: (reaction_balances,),
     9: (the_clock_is_left_alone,),
     10: (restart_is_exact,),
-    11: (refused_steps_leave_the_state,),
+    11: (refused_steps_leave_the_state, steps_are_begun_and_accepted),
     12: (energy_is_bounded, contact_makes_no_energy),
     13: (inputs_are_untouched,),
 }

@@ -7,7 +7,7 @@ import numpy as np
 from contactlab.api import Floats, Material
 from contactlab.api.differences import tangent_by_differences
 from contactlab.api.formulas import formulas_of
-from contactlab.testing import material_flow, material_states
+from contactlab.testing import material_flow, material_states, scales
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.material_waves import stiffening_bounds_the_waves
 from contactlab.testing.other_values import others, switched_on
@@ -15,6 +15,7 @@ from contactlab.testing.points import (
     DT,
     at_rest,
     deformation,
+    elastic_step,
     gradients,
     matrices,
     modulus,
@@ -25,7 +26,9 @@ from contactlab.testing.points import (
     some_history,
     stress_of_work,
     tensors,
+    usual_step,
 )
+from contactlab.testing.scales import AROUND
 
 POINTS = 40
 STRAIN = 0.1  # of random states: finite, and far from the folding that no law has to stand
@@ -44,6 +47,12 @@ def declarations(law: Material) -> None:
 def no_stress_at_rest(law: Material) -> None:
     """An undeformed body has no stress and keeps its history of zeros."""
     stress, history = respond(law, at_rest(law, POINTS), no_history(law, POINTS))
+    if not law.stress_free:
+        within = 1e-12 * max(modulus(law), float(np.abs(stress).max()))
+        agree(stress, stress[:, :1] + 0.0 * stress, within, "stress at rest of different points")
+        if law.isotropic:
+            agree(stress[[1, 3]], np.stack([stress[0], 0.0 * stress[0]]), within, "yy and xy at rest, and xx and 0")
+        raise NotApplicable("assumes no stress where nothing is deformed: stress_free is False")
     agree(stress, np.zeros((4, POINTS)), 1e-13 * modulus(law), "stress at rest (round-off of the moduli)")
     agree(history, no_history(law, POINTS), 0.0, "history at rest")
 
@@ -51,7 +60,7 @@ def no_stress_at_rest(law: Material) -> None:
 def speeds_belong_to_the_tangent(law: Material) -> None:
     """density c_p^2 and density c_s^2 are the moduli of the law at rest."""
     tangent = np.empty((4, 4, 1))
-    law.tangent(at_rest(law, 1), no_history(law, 1), DT, tangent)
+    law.tangent(at_rest(law, 1), no_history(law, 1), elastic_step(law), tangent)
     # "finite" laws are given F^-1, whose change is minus the strain
     sign = -1.0 if law.kinematics == "finite" else 1.0
     dilatational, shear = (law.density * c * c for c in law.wave_speeds())
@@ -104,9 +113,15 @@ def _rotation_in_steps(law: Material) -> None:
 def tangent_is_the_derivative(law: Material) -> None:
     """The tangent is the derivative of the stress that the law gives."""
     gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
+    steps = [around * usual_step(law) for around in AROUND] if law.time_scale else [DT]
+    for dt in steps:
+        _tangent_of_a_step(law, gradient, history, dt)
+
+
+def _tangent_of_a_step(law: Material, gradient: Floats, history: Floats, dt: float) -> None:
     tangent, expected = np.empty((4, 4, POINTS)), np.empty((4, 4, POINTS))
-    law.tangent(gradient, history, DT, tangent)
-    tangent_by_differences(law, gradient, history, DT, expected)
+    law.tangent(gradient, history, dt, tangent)
+    tangent_by_differences(law, gradient, history, dt, expected)
     # differences with a step of 6e-6 are good to some 1e-9 of the moduli; only where a plastic law starts
     # to yield within the step do they see a kink, and 40 random points meet few of those
     error = np.abs(tangent - expected).max(axis=(0, 1)) / modulus(law)
@@ -115,8 +130,8 @@ def tangent_is_the_derivative(law: Material) -> None:
     few = 0 if law.history_size == 0 else POINTS // 10
     require(
         bad <= few,
-        f"tangent against differences: {bad} of {POINTS} points differ by up to {error.max():.1e} of "
-        f"the moduli, allowed {allowed:.0e} at all but {few}",
+        f"tangent of a step of {dt:g} s against differences: {bad} of {POINTS} points differ by up to "
+        f"{error.max():.1e} of the moduli, allowed {allowed:.0e} at all but {few}",
     )
 
 
@@ -140,9 +155,11 @@ def formulas_are_what_runs(law: Material) -> None:
 
 def rate_is_declared(law: Material) -> None:
     """A law that does not declare `rate_dependent` gives the same stress for any length of the step."""
-    if law.rate_dependent:
-        raise NotApplicable("the law says that it depends on rate")
     gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
+    if law.rate_dependent:
+        _feels_the_rate(law, gradient, history)
+        raise NotApplicable("the law says that it depends on rate")
+    require(not law.time_scale, "time_scale is given and rate_dependent is not: what would it be the time of?")
     expected, _ = respond(law, gradient, history)
     for dt in (0.0, 1e3 * DT, 1.0, 1e6):
         stress, new = np.full_like(expected, np.nan), np.full_like(history, np.nan)
@@ -150,9 +167,24 @@ def rate_is_declared(law: Material) -> None:
         identical(stress, expected, f"stress of a step of {dt:g} s against one of {DT:g} s (rate_dependent is False)")
 
 
+def _feels_the_rate(law: Material, gradient: Floats, history: Floats) -> None:
+    """A law that names its own time relaxes about then: steps of other lengths give other stresses."""
+    if not law.time_scale:
+        return
+    quick, middle, slow = (respond(law, gradient, history, around * usual_step(law))[0] for around in AROUND)
+    for other, text in ((quick, "a hundredth"), (slow, "a hundred times")):
+        change = float(np.abs(other - middle).max())
+        require(
+            change > 1e-4 * float(np.abs(middle).max()),
+            f"steps of its own time ({law.time_scale}) and of {text} of it give the same stress: rate_dependent",
+        )
+
+
 def energy_is_positive(law: Material) -> None:
     """The stored energy is zero at rest and positive everywhere else."""
     _require_energy(law)
+    if not law.stress_free:
+        raise NotApplicable("assumes that nothing is stored at rest: stress_free is False")
     rest = np.full(1, np.nan)
     law.energy(at_rest(law, 1), no_history(law, 1), rest)
     agree(rest, [0.0], 1e-14 * modulus(law), "energy at rest")
@@ -233,7 +265,7 @@ def history_in_place(law: Material) -> None:
     gradient, history = gradients(law, POINTS, STRAIN), some_history(law, POINTS)
     expected, expected_history = respond(law, gradient, history)
     stress = np.empty_like(expected)
-    law.stress(gradient, history, DT, stress, history)
+    law.stress(gradient, history, usual_step(law), stress, history)
     identical(stress, expected, "stress with the same array for both histories")
     identical(history, expected_history, "history with the same array for both")
 
@@ -279,4 +311,5 @@ CHECKS: tuple[Check, ...] = (
     other_values_are_right,
     *material_states.CHECKS,
     *material_flow.CHECKS,
+    *scales.CHECKS,
 )

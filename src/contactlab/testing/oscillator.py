@@ -45,6 +45,7 @@ class Oscillator:
     force      (N, 2) load [N], or one that depends on time
     clearance  (N,) [mm] below which each mass meets a rigid floor; friction there is Coulomb's coefficient
     calls_left  of `internal_force`, after which no force is a number
+    begun, accepted  lengths of the steps that were begun since one was accepted; number of steps accepted
     """
 
     def __init__(
@@ -70,6 +71,8 @@ class Oscillator:
         self.relaxation = relaxation
         self.prescribed: PrescribedMotion = prescribed or Ramp(np.zeros(0, np.int32), np.zeros(0))
         self.calls_left = np.inf
+        self.begun: list[float] = []
+        self.accepted = 0
         self._force = force
         shapes: dict[str, tuple[int, ...]] = {"clock": (3,), "displacement": (n, 2)}
         shapes |= {"velocity": (n, 2)} if integrator.inertia else {}
@@ -134,6 +137,7 @@ class Oscillator:
     def begin_step(self, dt: float) -> None:
         """Springs remember nothing but where the step starts: it may be tried again from the state."""
         self.began[:] = self.state["displacement"]
+        self.begun.append(dt)
         if self.contact is not None:
             self.contact.begin_step(self.reference + self.state["displacement"])
 
@@ -159,7 +163,8 @@ class Oscillator:
         """Do nothing: nobody records it."""
 
     def accept(self) -> None:
-        """Do nothing: all that changes is the state."""
+        """Count it: all that changes is the state."""
+        self.accepted += 1
 
     # --- what checks see ------------------------------------------------------------------------
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats, Material
+from contactlab.testing.scales import scale_of
 
 DT = 1e-6  # s; a law of rate form sees it, its stress over a step must not depend on it alone
 
@@ -36,10 +37,21 @@ def some_history(law: Material, count: int) -> Floats:
     return history
 
 
-def respond(law: Material, gradient: Floats, history: Floats) -> tuple[Floats, Floats]:
-    """Compute stress (4, P) and new history (h, P)."""
+def usual_step(law: Material) -> float:
+    """Length [s] of steps in which the law does what it does: its own time, where it tells one."""
+    return scale_of(law, "time_scale", DT)
+
+
+def elastic_step(law: Material) -> float:
+    """Length [s] of steps in which nothing flows or relaxes."""
+    return 0.0 if law.rate_dependent else DT
+
+
+def respond(law: Material, gradient: Floats, history: Floats, dt: float | None = None) -> tuple[Floats, Floats]:
+    """Compute stress (4, P) and new history (h, P) after a step of the usual length, or of `dt`."""
     stress, new = np.full((4, gradient.shape[1]), np.nan), np.full_like(history, np.nan)
-    law.stress(np.ascontiguousarray(gradient), np.ascontiguousarray(history), DT, stress, new)
+    dt = usual_step(law) if dt is None else dt
+    law.stress(np.ascontiguousarray(gradient), np.ascontiguousarray(history), dt, stress, new)
     return stress, new
 
 
@@ -74,7 +86,7 @@ def conjugate(law: Material, gradient: Floats, stress: Floats) -> Floats:
 
 def stress_of_work(law: Material, gradient: Floats) -> Floats:
     """What is conjugate to F for "finite" laws, and to the strain for "small" ones, reached from rest."""
-    return conjugate(law, gradient, respond(law, gradient, no_history(law, gradient.shape[1]))[0])
+    return conjugate(law, gradient, respond(law, gradient, no_history(law, gradient.shape[1]), elastic_step(law))[0])
 
 
 def rotations(count: int, seed: int = 5) -> Floats:
