@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -239,6 +240,7 @@ def test_units_of_costs_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
         (["coulomb", "--set", "mu=-0.7"], "a coefficient of at least 0"),
         (["coulomb", "--only", "rub_at_all"], 'did you mean "rubs_at_all"'),
         (["coulomb", "--only", "rubs at all", "--card", "card"], "a card tells of all checks"),
+        (["mortar-p1", "--python", "--json"], "formulas as plain Python are checked in part"),
         (["tests"], "no parts in this folder"),
     ],
 )
@@ -280,3 +282,50 @@ def test_what_is_printed_for_programs_has_no_blank_in_an_outcome() -> None:
     report = check_part(subjects("penalty")[0], until_failure=True)
     outcomes = {check["outcome"] for check in as_data([report])["parts"][0]["checks"]}
     assert {"passed", "expected", "not-applicable"} == outcomes
+
+
+POINTS = '''
+from dataclasses import dataclass
+from typing import ClassVar
+
+from contactlab.api import PointContact, formula
+from contactlab.api.plugin import Part, hookimpl
+
+
+@dataclass(frozen=True)
+class Halves(PointContact):
+    """Closest points, with a case that never is."""
+
+    passes_patch_test: ClassVar[bool] = False
+
+    @formula
+    def foot(x, master):
+        """Of the line."""
+        edge = master.edge()
+        if edge @ edge < 0.0:
+            return 0.5
+        return ((x.at - master.start) @ edge) / (edge @ edge)
+
+
+@hookimpl
+def contactlab_parts():
+    return [Part("contact", "halves", "halves:Halves", "closest points")]
+'''
+
+
+def test_formulas_run_as_plain_python_and_lines_that_did_not_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three of the four lines ran, and no kernel was compiled of them; the environment is as before."""
+    monkeypatch.setenv("COLUMNS", "200")
+    monkeypatch.delenv("CONTACTLAB_PYTHON", raising=False)
+    file = tmp_path / "halves.py"
+    file.write_text(POINTS)
+    assert main(["check", str(file), "--python", "--only", "weights_are_the_derivative"]) == 0
+    assert "CONTACTLAB_PYTHON" not in os.environ
+    said = capsys.readouterr().out
+    line = 1 + POINTS.splitlines().index("            return 0.5")
+    assert f"halves.py: {line}" in said
+    assert "3 of 4" in said
+    assert main(["check", "coulomb", "--python"]) == 2
+    assert "none of these parts has formulas" in capsys.readouterr().err

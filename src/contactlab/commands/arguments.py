@@ -267,6 +267,9 @@ def _describe_check(command: argparse.ArgumentParser) -> None:
     _add_files(command)
     _add_json(command)
     command.add_argument("--card", metavar="DIR", help="write the outcome as card.json and card.md")
+    command.add_argument(
+        "--python", action="store_true", help="run formulas as plain Python in the unit checks, and count their lines"
+    )
 
 
 def _add_scene(command: argparse.ArgumentParser) -> None:

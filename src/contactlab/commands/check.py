@@ -8,12 +8,14 @@ from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
 
+from contactlab.api.formulas import formulas_of
 from contactlab.commands.common import add_row, console, parse_settings, table
 from contactlab.errors import RequestError, did_you_mean
 from contactlab.testing.card import as_data, write_cards
 from contactlab.testing.check_part import PartReport, check_names, check_part
 from contactlab.testing.find import subjects
-from contactlab.testing.run import Outcome
+from contactlab.testing.formula_lines import FormulaLines
+from contactlab.testing.run import Outcome, checks_for
 from contactlab.testing.scenarios.cases import PACKAGE
 from contactlab.testing.subject import Subject
 
@@ -26,6 +28,10 @@ def check(options: argparse.Namespace) -> int:
     only = _named(options.only, parts)
     if only and options.card:
         raise RequestError("a card tells of all checks", where="--card", got="--only", allowed="one of them")
+    if options.python and (options.json or options.card):
+        raise RequestError("formulas as plain Python are checked in part", where="--python", got="--json or --card")
+    if options.python:
+        return _checked_in_python(parts, only)
     reports = _checked(parts, only, quiet=options.json)
     if options.card:
         write_cards(reports, Path(options.card))
@@ -61,6 +67,27 @@ def _checked(parts: Sequence[Subject], only: Sequence[str], quiet: bool) -> list
                 status.update(f"{subject.kind} {subject.name}: {outcome.check.replace('_', ' ')}")
 
         return [check_part(subject, told, only=only) for subject in parts]
+
+
+def _checked_in_python(parts: Sequence[Subject], only: Sequence[str]) -> int:
+    """Unit checks of parts with formulas, uncompiled: what came out, and which lines of the formulas ran."""
+    with FormulaLines() as lines:
+        parts = [part for part in parts if formulas_of(part.part_class)]
+        if not parts:
+            raise RequestError("none of these parts has formulas", where="--python", hint="leave the option out")
+        for part in parts:
+            lines.watch(part.part_class)
+        units = [check.__name__ for part in parts for check in checks_for(part.kind)]
+        reports = _checked(parts, only or units, quiet=False)
+    for part, report in zip(parts, reports, strict=True):
+        show(report)
+        found = table("formula", "lines that ran", "lines that did not", title=f"{report.kind} {report.name}")
+        for formula in lines.of(part.part_class):
+            missed = ", ".join(map(str, formula.missed))
+            add_row(found, formula.name, formula.share, f"{formula.file}: {missed}" if missed else "")
+        console().print(found)
+    _print_end(reports, cases=True, card=None)
+    return 0 if all(report.right for report in reports) else 1
 
 
 def show(report: PartReport) -> None:
