@@ -1,4 +1,4 @@
-"""Where the error of a run sits: what a finer mesh, time step, ramp, tolerance and so on change, one at a time.
+"""Where the error of a run sits: what a finer mesh, time step, ramp, element and so on change, one at a time.
 
 A result that lies off by C h^q changes by C h^q (1 - 2^-q) when h is halved, so that a change tells what part of the
 error one choice of numerics brings (Richardson 1911). Orders are those of theory, the lowest where it knows several.
@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from contactlab.accuracy.configuration import exchangeable
 from contactlab.accuracy.lines import LEAST_SCATTER
 from contactlab.api import ExplicitIntegrator, Job, Record
 from contactlab.errors import RequestError
@@ -25,16 +26,24 @@ from contactlab.studies.profile import FoldedSurfaceError, Profile
 from contactlab.studies.recordings import RUNS
 
 AS_IT_IS = "as it is"
+WHOLE = 30.0
+"""Order of what does not converge: the change is all of the error."""
+UNRESOLVED = 0.5
+"""Part of a pressure from which on a change is no estimate: the run as it is does not resolve it."""
 FIRST = "contacts.0"
 
 
 @dataclass(frozen=True)
 class Knob:
-    """One choice of numerics and the scene keys that make it twice as fine; `order` is that of its error."""
+    """One choice of numerics and the scene keys that make it finer; `order` is that of its error.
+
+    cure  whether the other choice is known to be the finer one: of the two sides of a contact nobody knows
+    """
 
     name: str
     settings: Mapping[str, Any]
     order: float
+    cure: bool = True
 
 
 @dataclass(frozen=True)
@@ -53,6 +62,11 @@ class Share:
     force: float
     cost: float
     extra: float
+
+    @property
+    def resolved(self) -> bool:
+        """Whether the change is small enough to tell the part of the error."""
+        return not self.pressure >= UNRESOLVED
 
     @property
     def gain(self) -> float:
@@ -77,7 +91,7 @@ class ErrorBudget:
     @property
     def cheapest(self) -> Share | None:
         """The knob to turn next: the most error for its cost; None where nothing was found."""
-        known = [share for share in self.shares if share.pressure > 0.0]
+        known = [share for share in self.shares if share.pressure > 0.0 and share.knob.cure]
         return max(known, key=lambda share: (share.gain, share.pressure), default=None)
 
 
@@ -124,18 +138,40 @@ def knobs_of(scene: Scene, summary: Mapping[str, Any], registry: Registry) -> li
         if "factor" in enforcement:  # of springs between the surfaces
             setting = {f"contacts.{number}.enforcement.factor": 2.0 * enforcement["factor"]}
             knobs.append(Knob(f"stiffness of {contact.get('name') or f'contacts.{number}'}", setting, 1.0))
-    return knobs
+    return [*knobs, *_others(scene, registry)]
+
+
+def _others(scene: Scene, registry: Registry) -> list[Knob]:
+    """Elements and materials that have more than those of the scene, and the other slave of each contact."""
+    found: list[Knob] = []
+    bodies, materials = scene.data["bodies"], scene.data["materials"]
+    own = {str(body["element"]["use"]) for body in bodies.values()}
+    for name in sorted({n for each in own for n in registry.part_class("element", each).beyond.values()} - own):
+        if name in registry.names("element"):
+            found.append(Knob(f"element {name}", {f"bodies.{body}.element": name for body in bodies}, WHOLE))
+    for name, material in materials.items():
+        finite = registry.part_class("material", material["use"]).beyond.get("finite strain")
+        if finite in registry.names("material"):
+            found.append(Knob(f"finite strain of {name}", {f"materials.{name}.use": finite}, WHOLE))
+    for number in exchangeable(scene.data):
+        contact = scene.data["contacts"][number]
+        setting = {f"contacts.{number}.swap": not contact.get("swap", False)}
+        found.append(Knob(f"slave of {contact.get('name') or f'contacts.{number}'}", setting, WHOLE, cure=False))
+    return found
 
 
 def _pace(time: Mapping[str, Any], found: Mapping[str, Any]) -> list[Knob]:
-    """Ramp and damping of a quasi-static explicit run: what it found for itself is written out, but for one."""
+    """Ramp and settling of a quasi-static explicit run: what it found for itself is written out, but for one.
+
+    Half the damping would settle less: what is left of the motion falls with the time that it has.
+    """
     if time.get("end") != "auto" or not found:
         damping = time.get("damping")
         return [Knob("damping", {"time.damping": 0.5 * damping}, 1.0)] if damping else []
     own = {f"time.{name}": found[name] for name in ("ramp", "damping", "relaxation") if found.get(name) is not None}
     return [
         Knob("ramp", own | {"time.ramp": 2.0 * found["ramp"]}, 1.0),
-        Knob("damping", own | {"time.damping": 0.5 * found["damping"]}, 1.0),
+        Knob("hold", own | {"time.hold": 2.0 * found["hold"]}, WHOLE),
     ]
 
 

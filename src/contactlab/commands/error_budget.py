@@ -8,7 +8,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from contactlab.accuracy.error_budget import ErrorBudget, Share, budget_plan
+from contactlab.accuracy.error_budget import UNRESOLVED, ErrorBudget, Share, budget_plan
 from contactlab.accuracy.files import finite
 from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
 from contactlab.commands.many import folder_of, interrupted, many
@@ -49,20 +49,30 @@ def show(found: ErrorBudget, folder: Path) -> None:
         return
     shown = table("made finer", "pressure, %", "force, %", "CPU s", "more, s", "how", "")
     for share in found.shares:
-        settings = ", ".join(f"{key}={value:.6g}" for key, value in _changed(share))
+        settings = ", ".join(f"{key}={_written(value)}" for key, value in _changed(share))
         end = "" if share.status == "finished" else f"{share.status}: {share.reason[:60]}"
-        add_row(shown, share.knob.name, percent(share.pressure), percent(share.force), significant(share.cost, 2),
+        end = end if share.resolved else f"not resolved: changes by more than {percent(UNRESOLVED)} % tell no part"
+        pressure = percent(share.pressure) if share.resolved else f"> {percent(UNRESOLVED)}"
+        add_row(shown, share.knob.name, pressure, percent(share.force), significant(share.cost, 2),
                 significant(share.extra, 2), settings, end)  # fmt: skip
     out.print(fitting(shown, out.width, last=("made finer", "pressure, %")))
-    say(f"parts of the error of the run as it is ({significant(found.cost, 2)} CPU s), from what halving changes")
+    say(
+        f"parts of the error of the run as it is ({significant(found.cost, 2)} CPU s), from what finer choices change; "
+        "slaves: the difference, of which nobody knows which side is right"
+    )
     best = found.cheapest
     if best is not None:
         more = f"{significant(best.extra, 2)} CPU s more" if best.extra > 0.0 else "no more time"
-        say(f"next: {best.knob.name}, {percent(best.pressure)} % of the pressure, for {more}")
+        part = f"{percent(best.pressure)} % of the pressure" if best.resolved else "not resolved as it is"
+        say(f"next: {best.knob.name}, {part}, for {more}")
     say(str(folder))
 
 
-def _changed(share: Share) -> list[tuple[str, float]]:
+def _written(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _changed(share: Share) -> list[tuple[str, Any]]:
     """The key that makes it finer: the one of a ramp or of damping, where others are written out beside it."""
     settings = dict(share.knob.settings)
     wanted = f"time.{share.knob.name}"
@@ -70,7 +80,7 @@ def _changed(share: Share) -> list[tuple[str, float]]:
 
 
 def _data(found: ErrorBudget) -> dict[str, Any]:
-    shares = [asdict(share) | {"gain": share.gain} for share in found.shares]
+    shares = [asdict(share) | {"gain": share.gain, "resolved": share.resolved} for share in found.shares]
     best = found.cheapest
     data = {"format": 1, "status": found.status, "reason": found.reason, "cost": found.cost, "shares": shares,
             "next": best.knob.name if best is not None else None}  # fmt: skip

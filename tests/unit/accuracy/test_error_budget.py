@@ -14,6 +14,7 @@ from contactlab.accuracy import error_budget as budgets
 from contactlab.accuracy.error_budget import ErrorBudget, Knob, Share, knobs_of
 from contactlab.api import ContactCurve, Record
 from contactlab.cli import main
+from contactlab.commands import error_budget as showing
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, load_scene
 
@@ -28,16 +29,24 @@ def names(one: Scene, summary: dict[str, Any] = RESOLVED) -> list[str]:
     return [knob.name for knob in knobs_of(one, summary, default_registry())]
 
 
+OTHERS = ["element q1-fbar", "element q2", "slave of contacts.0"]
+
+
 def test_knobs_are_those_that_the_scene_has() -> None:
-    assert names(scene()) == ["mesh", "time step", "ramp", "damping"]
-    assert names(scene(time__end=1e-5)) == ["mesh", "time step"]
-    assert names(scene(time__end=1e-5, time__damping=1.0)) == ["mesh", "time step", "damping"]
-    assert names(scene(integrator="newton")) == ["mesh", "tolerance"]
+    assert names(scene()) == ["mesh", "time step", "ramp", "hold", *OTHERS]
+    assert names(scene(time__end=1e-5)) == ["mesh", "time step", *OTHERS]
+    assert names(scene(time__end=1e-5, time__damping=1.0)) == ["mesh", "time step", "damping", *OTHERS]
+    assert names(scene(integrator="newton")) == ["mesh", "tolerance", *OTHERS]
     assert names(scene(integrator="newton"), RESOLVED | {"history": {"matters": True}})[1] == "load steps"
     assert names(scene(integrator="implicit-dynamics"))[1] == "load steps"
-    assert names(scene(integrator="newton", contacts=[{
+    tool = names(scene(integrator="newton", contacts=[{
         "name": "tool", "slave": "disc.arc", "master": "block.top", "algorithm": "mortar-p0", "enforcement": "penalty",
-    }]))[-1] == "stiffness of tool"  # fmt: skip
+    }]))  # fmt: skip
+    assert "stiffness of tool" in tool
+    assert tool[-1] == "slave of tool"
+    assert "finite strain of soft" in names(scene(materials__soft__use="linear-elastic"))
+    # a rigid surface is no slave, and there is nothing beyond a quadratic element
+    assert names(load_scene("tresca-block").with_({"bodies.block.element": "q2"}))[-1] == "finite strain of metal"
 
 
 def test_a_knob_turns_one_thing_alone() -> None:
@@ -45,7 +54,7 @@ def test_a_knob_turns_one_thing_alone() -> None:
     knobs = {knob.name: knob.settings for knob in knobs_of(scene(), RESOLVED, default_registry())}
     found = {"time.ramp": 2e-6, "time.damping": 4e6, "time.relaxation": 0.0}
     assert knobs["ramp"] == found | {"time.ramp": 4e-6}
-    assert knobs["damping"] == found | {"time.damping": 2e6}
+    assert knobs["hold"] == found | {"time.hold": 2e-5}  # half the damping would settle less
     assert knobs["time step"] == {"time.fraction": 0.45}
 
 
@@ -86,6 +95,15 @@ def test_a_knob_that_changes_next_to_nothing_is_not_next_because_its_run_was_fas
     assert ErrorBudget("finished", "", 1.0, [mesh, damping]).cheapest is mesh
 
 
+def test_what_is_not_resolved_is_no_part_and_sides_are_no_cure() -> None:
+    assert not share("mesh", 1.25, 1.0).resolved
+    assert share("mesh", 0.2, 1.0).resolved
+    assert share("mesh", math.nan, 1.0).resolved  # nothing is known of it
+    side = Share(Knob("slave of contacts.0", {}, 30.0, cure=False), "finished", "", 0.2, 0.2, 1.0, 0.0)
+    mesh = share("mesh", 0.01, 10.0)
+    assert ErrorBudget("finished", "", 1.0, [side, mesh]).cheapest is mesh
+
+
 def test_the_command_tells_parts_and_what_to_refine(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Statics of a coarse disc: its mesh is off by per cents, its tolerance by nothing that anyone could see."""
     changes = {"bodies.disc.mesh.cells": "[8, 2]", "bodies.block.mesh.cells": "[12, 2]", "integrator": "newton"}
@@ -95,4 +113,16 @@ def test_the_command_tells_parts_and_what_to_refine(tmp_path: Path, capsys: pyte
     parts = {one["knob"]["name"]: one["pressure"] for one in told["shares"]}
     assert 0.005 < parts["mesh"] < 0.2
     assert parts["tolerance"] < 1e-6
-    assert told["next"] == "mesh"
+    assert told["next"] in ("mesh", "element q2", "element q1-fbar")
+
+
+def test_the_table_says_what_is_not_resolved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    element = Share(Knob("element q2", {"bodies.a.element": "q2"}, 30.0), "finished", "", 0.7, 0.1, 2.0, 1.0)
+    side = Share(
+        Knob("slave of contacts.0", {"contacts.0.swap": True}, 30.0, False), "finished", "", 0.1, 0.1, 1.0, 0.0
+    )
+    showing.show(ErrorBudget("finished", "", 1.0, [element, side, share("mesh", 0.01, 3.0)]), tmp_path)
+    told = capsys.readouterr().out
+    assert "contacts.0.swap=true" in told
+    assert "not resolved" in told
+    assert "next: element q2, not resolved as it is" in told
