@@ -86,7 +86,7 @@ def show(found: Matrix) -> None:
     out.print(f"{counts} of {len(found.cells)} cells", markup=False, highlight=False, soft_wrap=True)
     contacts = list(dict.fromkeys(cell.choices["contact"] for cell, _ in found.cells))
     lines: dict[tuple[str, ...], dict[str, CellResult]] = {}
-    for cell, result in found.cells:
+    for cell, result in found.worst_first:
         c = cell.choices
         lines.setdefault(tuple(c[n] for n in ("case", "variant", "slave", "element", "integrator")), {})[
             c["contact"]
@@ -96,7 +96,7 @@ def show(found: Matrix) -> None:
         words = [SHORT.get(cells[name].verdict, cells[name].verdict) if name in cells else "" for name in contacts]
         add_row(shown, *head, *words)
     out.print(fitting(shown, out.width, last=("case", *contacts)))
-    for cell, result in found.cells:
+    for cell, result in found.worst_first:
         if result.verdict in ("silent", "failed"):
             line = f"{result.verdict}: {cell.label}: {result.reason.splitlines()[0] if result.reason else ''}"
             out.print(line, markup=False, highlight=False, soft_wrap=True)

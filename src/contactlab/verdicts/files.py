@@ -23,8 +23,8 @@ NO_MEASURE = {"measure": "", "value": math.nan, "least": -math.inf, "most": math
 
 
 def rows(matrix: Matrix) -> Iterator[dict[str, Any]]:
-    """One row per measure, with its own verdict; a cell without measures is one row."""
-    for cell, result in matrix.cells:
+    """One row per measure, with its own verdict; a cell without measures is one row. Silent cells come first."""
+    for cell, result in matrix.worst_first:
         ends = {
             "status": result.status,
             "reason": result.reason,
@@ -56,8 +56,8 @@ def write(matrix: Matrix, folder: Path) -> None:
 
 
 def plain_cells(matrix: Matrix) -> list[Any]:
-    """Choices and findings of every cell as JSON has them."""
-    return [finite({**cell.choices, **result.as_data()}) for cell, result in matrix.cells]
+    """Choices and findings of every cell as JSON has them, silent ones first."""
+    return [finite({**cell.choices, **result.as_data()}) for cell, result in matrix.worst_first]
 
 
 def finite(value: Any) -> Any:

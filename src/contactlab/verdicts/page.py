@@ -16,12 +16,26 @@ COLOURS = {
     "ill-posed": "#2f6f9f", "not-applicable": "#c3c9d0",
 }  # fmt: skip
 
+MEANINGS = {
+    "silent": "finished, wrong, and nothing said so",
+    "failed": "did not finish",
+    "missed": "a number is outside of what the case allows, or a warning said so",
+    "not-judged": "was stopped: more steps and iterations than the case allows",
+    "ill-posed": "said that there is no answer, where there is none",
+    "met": "all numbers are within what the case allows",
+    "not-applicable": "was not made",
+}
+
 
 def write_page(matrix: Matrix, folder: Path) -> None:
     """Write the page of a matrix as one self-contained HTML file."""
     data = json.dumps(
-        {"cells": plain_cells(matrix), "colours": COLOURS, "order": WORST, "orders": orders(matrix)}, allow_nan=False
-    )
+        {
+            "cells": plain_cells(matrix), "colours": COLOURS, "meanings": MEANINGS, "order": WORST,
+            "orders": orders(matrix),
+        },
+        allow_nan=False,
+    )  # fmt: skip
     place = files("contactlab") / "data" / "report"
     style = (place / "page.css").read_text(encoding="utf-8")
     page = (place / "matrix.html").read_text(encoding="utf-8")

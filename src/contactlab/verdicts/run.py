@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from contactlab.cases.verdict import WORST
 from contactlab.jobs.driver import Driver
 from contactlab.parts.registry import Registry
 from contactlab.verdicts.cell import CellResult, cell_plan, keep
@@ -22,6 +23,11 @@ class Matrix:
     def count(self, verdict: str) -> int:
         """Number of cells that have a verdict."""
         return sum(result.verdict == verdict for _, result in self.cells)
+
+    @property
+    def worst_first(self) -> list[tuple[Cell, CellResult]]:
+        """The cells with silent ones first, then as the plan has them."""
+        return sorted(self.cells, key=lambda pair: WORST.index(pair[1].verdict))
 
     def __repr__(self) -> str:
         return str(view("texts.matrix_text")(self))

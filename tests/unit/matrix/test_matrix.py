@@ -20,6 +20,7 @@ from contactlab.cli import main
 from contactlab.jobs.archive import FILE, Archive
 from contactlab.parts.registry import default_registry
 from contactlab.verdicts.files import COLUMNS, against, verdicts
+from contactlab.verdicts.page import MEANINGS
 from contactlab.verdicts.plan import Request, plan
 from contactlab.verdicts.run import Matrix
 
@@ -95,6 +96,16 @@ def test_the_page_and_json_say_the_same(made: Path) -> None:
     for cell in cells:
         for key in cell["runs"]:
             assert (made / "scenes" / f"{key}.toml").is_file()
+
+
+def test_silent_cells_come_first_and_the_page_explains_verdicts(made: Path) -> None:
+    """`patch` is silent with nodes on segments, and `pulled-block`, which comes later in the plan, is not."""
+    worst = [WORST.index(cell["verdict"]) for cell in json.loads((made / "matrix.json").read_text())["cells"]]
+    assert worst == sorted(worst)
+    assert len(set(worst)) > 1
+    first = rows(made)[0]
+    assert (first["case"], first["contact"]) == ("patch", "node-on-segment")
+    assert set(MEANINGS) == set(WORST)
 
 
 def runs(folder: Path) -> dict[str, tuple[Any, ...]]:

@@ -103,7 +103,7 @@ def matrix_text(matrix: Matrix) -> str:
 
     counts = ", ".join(f"{matrix.count(verdict)} {verdict}" for verdict in WORST if matrix.count(verdict))
     heads = ("case", "variant", "contact", "slave", "verdict")
-    cells = sorted(matrix.cells, key=lambda pair: WORST.index(pair[1].verdict))
+    cells = matrix.worst_first
     rows = [(*(cell.choices[name] for name in heads[:4]), result.verdict) for cell, result in cells]
     return _columns(f"Matrix of {len(matrix.cells)} cells: {counts}", heads, rows)
 
