@@ -286,6 +286,13 @@ class OfOneValue(Small):
 
 
 @dataclass(frozen=True)
+class Deaf(Small):
+    """Has a hardening that nothing follows."""
+
+    hardening: float = 500.0
+
+
+@dataclass(frozen=True)
 class Timed(Small):
     """Names a time that is no number above 0."""
 
@@ -295,6 +302,7 @@ class Timed(Small):
 
 WRONG: list[tuple[Check, Material]] = [
     (material.other_values_are_right, OfOneValue(stiffness=1.0)),
+    (material.numbers_count, Deaf()),
     (material.declarations, Unnamed()),
     (material.declarations, Small("speeds exchanged")),
     (material.no_stress_at_rest, Small("prestressed")),

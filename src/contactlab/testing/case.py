@@ -6,7 +6,7 @@ import json
 import math
 import pickle
 from collections.abc import Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 
 from contactlab.api import Case, Job, Record, Setup
 from contactlab.cases.run_case import MOST_JOBS, evaluated, scene_of, watches_of
@@ -77,6 +77,30 @@ def plans_scenes(case: Case) -> None:
             watches_of(job, registry)
 
 
+def plans_what_is_asked(case: Case) -> None:
+    """Jobs follow the setup: another algorithm, slave, element or integrator gives other scenes."""
+    registry = default_registry()
+    algorithms = partners(registry, "contact")
+    first = next(setups(case), None)
+    if first is None:
+        return
+    changed: dict[str, Setup] = {
+        "algorithm": replace(first, algorithm=algorithms[-1]),
+        "swap": replace(first, swap=not first.swap),
+        "element": replace(first, element=case.elements[-1]),
+        "integrator": replace(first, integrator=case.integrators[-1]),
+    }
+    planned = _scenes(case, first)
+    for name, setup in changed.items():
+        if getattr(setup, name) == getattr(first, name) or case.applies(setup):
+            continue
+        require(_scenes(case, setup) != planned, f"its runs are the same whatever the {name} of the setup is")
+
+
+def _scenes(case: Case, setup: Setup) -> list[object]:
+    return [(job.scene, dict(job.changes)) for job in case.plan(setup, {})]
+
+
 def outlives_failures(case: Case) -> None:
     """Where every run fails, planning comes to an end, and evaluation leaves numbers out."""
     for setup in setups(case):
@@ -89,5 +113,12 @@ def outlives_failures(case: Case) -> None:
         require(set(values) <= wanted, f"it finds what is no measure of it: {', '.join(set(values) - wanted)}")
 
 
-CHECKS: tuple[Check, ...] = (is_data, says_what_it_asks, measures_with_reasons, plans_scenes, outlives_failures)
+CHECKS: tuple[Check, ...] = (
+    is_data,
+    says_what_it_asks,
+    measures_with_reasons,
+    plans_scenes,
+    plans_what_is_asked,
+    outlives_failures,
+)
 """All checks of cases."""

@@ -10,7 +10,7 @@ from contactlab.api.formulas import formulas_of
 from contactlab.testing import material_flow, material_states, scales
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.material_waves import stiffening_bounds_the_waves
-from contactlab.testing.other_values import others, switched_on
+from contactlab.testing.other_values import any_others, others, switched_on
 from contactlab.testing.points import (
     DT,
     at_rest,
@@ -292,6 +292,26 @@ def other_values_are_right(law: Material) -> None:
                 raise AssertionError(f"with another value of {name}: {failure}") from failure
 
 
+def numbers_count(law: Material) -> None:
+    """Every number that a scene can give changes something: stress, history, energy, speeds, limits."""
+    told = _all_told(law)
+    for name, other in any_others(law):
+        same = all(np.array_equal(a, b, equal_nan=True) for a, b in zip(_all_told(other), told, strict=True))
+        require(not same, f"the field {name} changes nothing that the law says, under strains up to {STRAIN:.0%}")
+
+
+def _all_told(law: Material) -> list[Floats]:
+    """All that a law says of some strained points; steps are short, usual and long."""
+    gradient, history, out = gradients(law, POINTS, STRAIN), some_history(law, POINTS), np.full(POINTS, np.nan)
+    found = [a for dt in (DT, 1.0, usual_step(law)) for a in respond(law, gradient, history, dt)]
+    methods = [law.energy, law.dissipation] if law.has_energy else [law.dissipation]
+    for method in methods:
+        method(gradient, found[1], out)
+        found.append(out.copy())
+    law.stiffening(gradient, found[0], out)
+    return [*found, out, np.array([law.density, *law.wave_speeds(), law.elastic_limit()])]
+
+
 CHECKS: tuple[Check, ...] = (
     declarations,
     no_stress_at_rest,
@@ -309,6 +329,7 @@ CHECKS: tuple[Check, ...] = (
     history_in_place,
     same_answer_twice,
     other_values_are_right,
+    numbers_count,
     *material_states.CHECKS,
     *material_flow.CHECKS,
     *scales.CHECKS,

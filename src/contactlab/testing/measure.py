@@ -18,6 +18,7 @@ from contactlab.scene.scene import load_scene
 from contactlab.studies.columns import BY_NAME
 from contactlab.testing.assertions import Check, require
 from contactlab.testing.partners import partners
+from contactlab.testing.spoilt import spoilt, unknown
 
 CONTACT = "contacts.0"
 
@@ -89,7 +90,21 @@ def outlives_empty_contacts(measure: RunMeasure) -> None:
         require(not math.isinf(value), f"it gives {value} where nothing is pressed")
 
 
+def follows_from_the_run(measure: RunMeasure) -> None:
+    """Other numbers in the record, or in the reference, give another number; what it cannot know is no number."""
+    plain = measure.evaluate(record(), CONTACT, solution())
+    other = measure.evaluate(spoilt(record()), CONTACT, solution())
+    against = replace(solution(), pressure=1.7 * solution().pressure, scalars={"reaction": Scalar(77.0, 0.1)})
+    moved = [repr(float(v)) != repr(float(plain)) for v in (other, measure.evaluate(record(), CONTACT, against))]
+    require(any(moved), f"it finds {plain:g} whatever is in the record and in the reference")
+    curves_alone = replace(record(), curves=spoilt(record()).curves)
+    if repr(float(measure.evaluate(curves_alone, CONTACT, solution()))) != repr(float(plain)):
+        blind = measure.evaluate(unknown(record()), CONTACT, solution())
+        require(not math.isfinite(blind), f"it finds {blind:g} in a curve of NaN; NaN says that nothing is known")
+
+
 CHECKS: tuple[Check, ...] = (
     says_what_it_is, finds_a_number, finds_the_same_again, changes_nothing, outlives_empty_contacts,
+    follows_from_the_run,
 )  # fmt: skip
 """All checks of measures."""

@@ -16,13 +16,25 @@ FACTOR = 1.3  # leaves usual numbers in their bounds: Poisson's ratio 0.3 become
 
 def others(part: Any) -> Iterator[tuple[str, Any]]:
     """The part with each number that has no default changed in turn, and the name of the field."""
+    for field, other in _changed(part):
+        if is_required(field):
+            yield field.name, other
+
+
+def any_others(part: Any) -> Iterator[tuple[str, Any]]:
+    """The part with each number changed in turn, one with a default as well, and the name of the field."""
+    yield from ((field.name, other) for field, other in _changed(part))
+    yield from switched_on(part)
+
+
+def _changed(part: Any) -> Iterator[tuple[Any, Any]]:
     for field in dataclasses.fields(part):
         value = getattr(part, field.name)
-        if not is_required(field) or not _is_number(value):
+        if not _is_number(value):
             continue
         changed = tuple(FACTOR * np.asarray(value)) if isinstance(value, tuple) else FACTOR * value
         try:
-            yield field.name, dataclasses.replace(part, **{field.name: changed})
+            yield field, dataclasses.replace(part, **{field.name: changed})
         except ValueError:
             continue  # out of the bounds that the part sets itself
 

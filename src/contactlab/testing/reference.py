@@ -85,6 +85,31 @@ def pressure_carries_the_reaction(reference: ReferenceSolution) -> None:
         _carries(PartSource("reference", reference).at(scene.data), solution)
 
 
+def follows_the_depth(reference: ReferenceSolution) -> None:
+    """A body that is pressed by nine tenths of the way is pressed less, if the reference holds for that as well."""
+    seen = 0
+    for scene in _some(reference):
+        key, way = _way(scene)
+        less = scene.with_({key: 0.9 * way}) if way else scene
+        if less is scene or reference.mismatch(less.data):
+            continue
+        carried = [integral(PartSource("reference", reference).at(one.data).profile) for one in (scene, less)]
+        require(carried[1] < carried[0], f"it carries {carried[0]:.6g} at {way:g} mm, {carried[1]:.6g} at 0.9 of that")
+        seen += 1
+    if not seen:
+        raise NotApplicable("it holds for one depth alone")
+
+
+def _way(scene: Scene) -> tuple[str, float]:
+    """Key and value of the longest way of a support along y; 0 where none moves."""
+    moves = {
+        f"supports.{number}.uy.to": float(support["uy"].get("to", 0.0))
+        for number, support in enumerate(scene.data["supports"])
+        if isinstance(support.get("uy"), Mapping)
+    }
+    return max(moves.items(), key=lambda move: abs(move[1]), default=("", 0.0))
+
+
 def _carries(found: Reference, solution: Solution) -> None:
     reaction = solution.scalars["reaction"]
     share = solution.error if math.isfinite(solution.error) else 0.01
@@ -111,6 +136,6 @@ def _some(reference: ReferenceSolution) -> list[Scene]:
 
 CHECKS: tuple[Check, ...] = (
     says_what_it_is, is_silent_about_strange_scenes, does_not_depend_on_the_mesh, can_be_compared_with,
-    pressure_carries_the_reaction,
+    pressure_carries_the_reaction, follows_the_depth,
 )  # fmt: skip
 """All checks of references."""

@@ -21,8 +21,10 @@ class ContactLength(RunMeasure):
     digits: ClassVar[int] = 4
 
     def evaluate(self, record: Record, contact: str, reference: Solution | None) -> float:
-        """Half of the two segments beside each pressed node, of its own chain."""
+        """Half of the two segments beside each pressed node, of its own chain; nan where no pressure is known."""
         curve = record.curve(contact)
+        if np.isnan(curve.nodal_pressure).all():
+            return math.nan
         length = np.zeros(len(curve.x))
         for first, second in _segments(curve):
             half = 0.5 * math.hypot(curve.x[second] - curve.x[first], curve.y[second] - curve.y[first])

@@ -6,6 +6,7 @@ from contactlab.api import Case, Setup
 from contactlab.cases.run_case import evaluated, run_case
 from contactlab.testing.assertions import require
 from contactlab.testing.scenarios.cases import usual_algorithm
+from contactlab.testing.spoilt import spoilt
 from contactlab.testing.subject import Subject
 
 WORK = 300.0
@@ -24,6 +25,9 @@ def is_put_to_an_algorithm(subject: Subject) -> None:
         measured = {measure.name for measure in case.measures(setup)}
         require(found <= measured, f"it finds what is no measure of it: {', '.join(sorted(found - measured))}")
         require(found == measured, f"it does not find {', '.join(sorted(measured - found))}, though its runs finished")
+        other = evaluated(case, setup, {name: spoilt(record) for name, record in done.items()})
+        same = [name for name in measured if repr(other.get(name)) == repr(evaluated(case, setup, done)[name])]
+        require(set(same) != measured, "it finds the same numbers in records in which every number is another")
 
 
 SCENARIOS = (is_put_to_an_algorithm,)
