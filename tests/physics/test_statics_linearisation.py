@@ -51,6 +51,7 @@ def pressed_model(changes: dict[str, Any], shake: float = 1.0) -> tuple[Implicit
 CASES = {
     "mortar-p0": {"contacts.0.algorithm": "mortar-p0"},
     "mortar-p1": {"contacts.0.algorithm": "mortar-p1"},
+    "mortar-dual": {"contacts.0.algorithm": "mortar-dual"},
     "node-on-segment": {"contacts.0.algorithm": "node-on-segment"},
     "q2": {"contacts.0.algorithm": "mortar-p1", "bodies.disc.element": "q2", "bodies.block.element": "q2"},
     "q2-p0": {"contacts.0.algorithm": "mortar-p0", "bodies.disc.element": "q2", "bodies.block.element": "q2"},

@@ -13,7 +13,7 @@ from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
 
 YOUNG, DEPTH, PRESSURE = 1e6, 0.01, 1e4
-MORTAR = pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+MORTAR = pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1", "mortar-dual"])
 SWAP = pytest.mark.parametrize("swap", [False, True], ids=["upper-slave", "lower-slave"])
 
 

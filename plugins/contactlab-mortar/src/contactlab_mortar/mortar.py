@@ -18,8 +18,9 @@ separations and pressures are told by. The core makes conditions, forces and tan
 Two things are left to say, and each is a formula below. *Which part of a slave segment sees a master segment?* A slave
 point looks along the normals of its nodes, each the average of the segments that meet there, interpolated between them:
 this field is continuous, so the slave sees no point twice and leaves out none. *Which functions weigh the gap?* Those
-that differ between P0 and P1. Where parts begin and end, integrals have kinks; between these they are polynomials, so
-Gauss points find them exactly, and forces of both sides are the same to round-off: an even pressure passes.
+that differ between P0, P1 and dual. Where parts begin and end, integrals have kinks; between these they are
+polynomials, so Gauss points find them exactly, and forces of both sides are the same to round-off: an even pressure
+passes.
 """
 
 from __future__ import annotations
@@ -71,3 +72,19 @@ class MortarP1(_Mortar):
     def basis(xi: Any) -> Any:
         """Hats: T is the mass matrix of the slave, and pressures of neighbours are coupled."""
         return 1.0 - xi, xi
+
+
+@dataclass(frozen=True)
+class MortarDual(_Mortar):
+    """Multipliers biorthogonal to the hats on what is covered (Wohlmuth 2000; mortar-operators.md)."""
+
+    @formula
+    def basis(xi: Any, covered: Any) -> Any:
+        """2 - 3 xi and 3 xi - 1 on a segment that is covered all along: T is diagonal, each multiplier has a gap.
+
+        The integral of N_i psi_j over what is covered, which has the middle m and the width w, vanishes unless i = j,
+        and is then the integral of N_j.
+        """
+        middle, width = 0.5 * (covered.low + covered.high), covered.high - covered.low
+        tilt = 12.0 * middle * (1.0 - middle) * (xi - middle) / (width * width)
+        return 1.0 - middle - tilt, middle + tilt

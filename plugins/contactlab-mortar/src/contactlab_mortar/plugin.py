@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Offer mortar contact with constant and with linear multipliers."""
+    """Offer mortar contact with constant, linear and dual multipliers."""
     return [
         Part(
             "contact",
@@ -22,5 +22,12 @@ def contactlab_parts() -> list[Part]:
             "contactlab_mortar.mortar:MortarP1",
             "multipliers linear between slave nodes",
             "Baillet & Sassi 2005",
+        ),
+        Part(
+            "contact",
+            "mortar-dual",
+            "contactlab_mortar.mortar:MortarDual",
+            "multipliers biorthogonal to the slave's hats: diagonal coupling",
+            "Wohlmuth 2000",
         ),
     ]

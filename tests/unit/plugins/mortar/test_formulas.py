@@ -5,16 +5,31 @@ They run as plain Python here: each class of compiled ones takes seconds to comp
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pytest
+from contactlab_mortar.mortar import MortarDual, MortarP1
 from dense_pieces import AGREED, SURFACES, along, central, derivatives_of, drawn_move, fold, pieces_of, summed, view_of
-from segment_formulas import Dual, Leaning, Linear
 
 from contactlab.api import Floats, GapGradients, SegmentContact, formula
 
 SIDES = ("nodes", "vertices")
+
+
+@dataclass(frozen=True)
+class Leaning(MortarP1):
+    """Hats with a share of the other one."""
+
+    lean: float = 0.0
+
+    @formula
+    def basis(xi: Any, p: Any) -> Any:
+        """By a field of the part."""
+        return 1.0 - xi + p.lean * xi, xi + p.lean * (1.0 - xi)
+
+
 FOLDED = {**SURFACES, "fold": fold()}
 
 
@@ -41,7 +56,7 @@ def dense_derivatives(algorithm: Any, name: str) -> tuple[Floats, ...]:
 @pytest.mark.parametrize("name", FOLDED)
 def test_derivatives_of_a_basis_that_asks_what_is_covered_are_central_differences(name: str, vertices: str) -> None:
     """Of D, M and T, and of the normals, along a random move of all nodes."""
-    at, algorithm = FOLDED[name], Dual(vertices)
+    at, algorithm = FOLDED[name], MortarDual(vertices)
     found, pieces, _, view = derivatives_of(algorithm, at)
     move, n, k, expected = drawn_move(at), found.count, len(pieces.normal), central(algorithm, at, drawn_move(at))
     step = along(view, at, found.moved[:n], move)[:, None, None]
@@ -62,13 +77,13 @@ def test_derivatives_of_a_basis_that_asks_what_is_covered_are_central_difference
 def test_biorthogonal_multipliers_have_a_diagonal_t(name: str) -> None:
     """Whatever is covered of a segment; its sums are those of hats: the length that is covered."""
     view = view_of(FOLDED[name])
-    T, hats = (summed(*pieces_of(algorithm, view), view)[2] for algorithm in (Dual("nodes"), Linear("nodes")))
+    T, hats = (summed(*pieces_of(algorithm, view), view)[2] for algorithm in (MortarDual("nodes"), MortarP1("nodes")))
     np.testing.assert_allclose(T, np.diag(np.diag(T)), atol=1e-15)
     np.testing.assert_allclose(np.diag(T), hats.sum(axis=1), atol=1e-15)
 
 
 @pytest.mark.parametrize("vertices", SIDES)
-@pytest.mark.parametrize("algorithm", [Linear, Dual])
+@pytest.mark.parametrize("algorithm", [MortarP1, MortarDual])
 @pytest.mark.parametrize("name", ["partly covered", "quadratic"])
 def test_gradients_are_those_of_the_derivatives(name: str, algorithm: Any, vertices: str) -> None:
     """Of D^T x - M^T y - T^T r at fixed positions x and y and separations r."""
@@ -92,17 +107,17 @@ def test_gradients_are_those_of_the_derivatives(name: str, algorithm: Any, verti
 
 def test_formulas_know_the_fields_of_their_part() -> None:
     view = view_of(FOLDED["curved"])
-    hats, more = (summed(*pieces_of(algorithm, view), view)[2] for algorithm in (Linear(), Leaning(lean=0.5)))
+    hats, more = (summed(*pieces_of(algorithm, view), view)[2] for algorithm in (MortarP1(), Leaning(lean=0.5)))
     np.testing.assert_allclose(more.sum(), 1.5 * hats.sum(), rtol=1e-14)
 
 
 def test_compiled_formulas_give_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
     """Values and derivatives to round-off."""
     view = view_of(FOLDED["partly covered"])
-    plain, (pieces, count) = dense_derivatives(Dual(), "partly covered"), pieces_of(Dual(), view)
+    plain, (pieces, count) = dense_derivatives(MortarDual(), "partly covered"), pieces_of(MortarDual(), view)
     monkeypatch.delenv("CONTACTLAB_PYTHON")
 
-    class Compiled(Dual):
+    class Compiled(MortarDual):
         pass
 
     found, number = pieces_of(Compiled(), view)
