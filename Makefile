@@ -13,7 +13,7 @@ INSTALLED := $(VENV)/installed
 export OMP_NUM_THREADS ?= 1
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: demo smoke test faults fuzz mutants check-parts paper pages packages site lint bench clean
+.PHONY: demo slim smoke test faults fuzz mutants check-parts paper pages packages site lint bench clean
 
 demo: $(RUNNABLE)
 	@out=runs/demo; n=2; while [ -e $$out ] || [ -e $$out-accuracy ]; do out=runs/demo-$$n; n=$$((n + 1)); done; \
@@ -87,6 +87,14 @@ $(RUNNABLE): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
 	@$(PIP) install --no-compile -c constraints.txt $(VENV)/wheels/*.whl
 	@$(PIP) install --no-compile --no-deps --force-reinstall $(VENV)/wheels/*.whl
 	@touch $@
+
+# the program without the viewer (slim.txt), in an environment of its own
+slim:
+	@$(PYTHON) -m venv --clear $(VENV)
+	@$(PIP) install --no-compile -c constraints.txt setuptools
+	@$(BIN)/python tools/editables.py $(VENV)/wheels >$(VENV)/wheels.log 2>&1 || { cat $(VENV)/wheels.log; exit 1; }
+	@$(PIP) install --no-compile --no-deps -c constraints.txt --find-links $(VENV)/wheels -r slim.txt
+	@echo "$(BIN)/contactlab runs everything but the viewer"
 
 $(INSTALLED): $(RUNNABLE)
 	@echo "installing what tests need"

@@ -66,11 +66,15 @@ def console() -> Console:
 
 
 def print_how_to_look(folder: Path, registry: Registry, out: Console) -> None:
-    """Say how to look at what is in the folder, where it can be looked at."""
-    from contactlab.studies.shown_file import can_be_shown
+    """Say how to look at what is in the folder, or what has to be installed for that."""
+    from contactlab.studies.shown_file import can_be_shown, showing_recorder
 
+    line = ""
     if can_be_shown(folder, registry):
         line = f"look at it: {shlex.join(['contactlab', 'view', str(folder)])}"
+    elif showing_recorder(registry) is None and (missing := registry.missing_from("rerun")):
+        line = f"no timeline was recorded: {missing}"
+    if line:
         out.print(line, markup=False, highlight=False, soft_wrap=True)
 
 

@@ -96,7 +96,7 @@ def _recorder(registry: Registry) -> Recorder:
         raise RequestError(
             "no installed recorder makes recordings that can be looked at",
             where="view",
-            hint="install a plugin with such a recorder; contactlab parts lists what there is",
+            hint=registry.missing_from("rerun") or "install a plugin with such a recorder",
         )
     return recorder
 
