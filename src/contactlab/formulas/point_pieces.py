@@ -20,6 +20,7 @@ from contactlab.formulas.segment_normals import node
 
 FOOT, POINTS, ABSCISSAE, WEIGHTS = map(Slot, ("FOOT", "POINTS", "ABSCISSAE", "WEIGHTS"))
 SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments
+NARROW = 0.01  # sine of the turn at a vertex below which it has one normal
 AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex
 EDGE = 1e-9  # how far, in segment lengths, a point may project beyond a segment's end
 
@@ -45,9 +46,12 @@ def tangent_at(a, b, middle, s):
 def in_wedge(x, v, before, after, length):
     """Whether the line from a vertex at v to a point at x is a normal, between those of the vertex's segments.
 
-    Within 1e-6 of the segments' `length` it is not: on the surface itself the line is round-off and points anywhere.
+    Within 1e-6 of the segments' `length` it is not: on the surface itself the line is round-off and points anywhere. Nor
+    is it where the segments hardly turn: it would cross the whole wedge while the point moves by a part of its distance.
     """
     between = x - v
+    if before.cross(after) < NARROW:
+        return False
     if not (between @ (before + after) >= 0.0 and between @ between > (AT_END * length) ** 2):
         return False
     return before.cross(between) >= 0.0 and between.cross(after) >= 0.0

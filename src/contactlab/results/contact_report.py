@@ -16,6 +16,7 @@ from contactlab.results.contact_nodes import between, by_slot, friction_bound, n
 from contactlab.results.results import ContactCurve
 
 VERTEX = 0.2  # sine of a turn of the slave
+BALANCED = 0.1  # of the sum of nodal forces: a resultant below it says how they balance, not how large they are
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class ContactReport:
     most_negative      lowest multiplier over the highest
     active, sticking   nodes with a force; of these, nodes below their friction bound
     largest            [N] largest y_n
+    pressing           [N] sum of the y_n that press
     """
 
     curve: ContactCurve
@@ -48,10 +50,14 @@ class ContactReport:
     active: int
     sticking: int
     largest: float = 0.0
+    pressing: float = 0.0
 
     def force_error(self, integral: Floats) -> float:
-        """How far an integral of the tractions (2,) [N] is from the nodal forces, over them; 0 where they are none."""
-        force = float(np.hypot(*self.resultant))
+        """How far an integral of the tractions (2,) [N] is from the nodal forces, over them; 0 where they are none.
+
+        Around a shaft forces balance: they are then measured by a tenth of their sum.
+        """
+        force = max(float(np.hypot(*self.resultant)), BALANCED * self.pressing)
         return float(np.hypot(*(self.resultant - integral))) / force if force > 0.0 else 0.0
 
     @property
@@ -98,6 +104,7 @@ def report_contact(pair: ContactPair, state: State, reference: Floats, position:
         max_penetration=depth,
         penetrating_side=side,
         largest=largest,
+        pressing=float(np.maximum(normal_force, 0.0).sum()),
         cone_violation=float(
             max((-normal_force).max(initial=0.0), (np.abs(tangential_force) - bound).max(initial=0.0)) / largest
         ),
@@ -137,16 +144,17 @@ def _integral(
 ) -> Floats:
     """Force on the slave: pressure against the outward normal, shear along the chain.
 
-    With the covered `share` of nodes, tractions at pressed ends and vertices act along the contact's normal there, the
-    master's, as do those of nodes beside them that bear no force: their multipliers belong to the vertex.
+    With the covered `share` of nodes, tractions at pressed ends and vertices act along the contact's force there, as do
+    those of nodes beside them that bear no force: their multipliers belong to the vertex.
     """
     a, b = pair.slave.segments.T
     edge = seen.at.slave[b] - seen.at.slave[a]
     inward = np.repeat(np.stack([-edge[:, 1], edge[:, 0]], axis=1)[:, None], 2, axis=1)
     if share is not None:
         pressure, shear = share * pressure, share * shear
-        slot = by_slot(pair, seen.forces[0]).argmax(axis=0) * len(share) + np.arange(len(share))
-        bears = seen.forces[0][slot] > 0.0
+        force = np.stack([by_slot(pair, seen.forces[0] * part).sum(axis=0) for part in seen.normals.T], axis=1)
+        size = np.hypot(*force.T)
+        bears = (by_slot(pair, seen.forces[0]).max(axis=0) > 0.0) & (size > 0.0)
         pressed, free = np.flatnonzero(bears), np.flatnonzero(~bears & (pressure != 0.0))
         owner = np.arange(len(share))
         if len(pressed) and len(free):
@@ -154,7 +162,8 @@ def _integral(
             owner[free] = pressed[apart.argmin(axis=1)]
         vertex = (_is_vertex(pair, edge) & bears)[owner][pair.slave.segments]
         lengths = np.broadcast_to(np.hypot(*edge.T)[:, None], vertex.shape)
-        inward[vertex] = lengths[vertex][:, None] * seen.normals[slot[owner]][pair.slave.segments[vertex]]
+        direction = (force / np.where(bears, size, 1.0)[:, None])[owner]
+        inward[vertex] = lengths[vertex][:, None] * direction[pair.slave.segments[vertex]]
     total = np.einsum("sk,skd->d", pressure[pair.slave.segments], inward)
     return np.asarray(0.5 * (total + _tangents(np.einsum("sk,skd->d", shear[pair.slave.segments], inward)[None])[0]))
 
