@@ -96,7 +96,7 @@ def _recorder(registry: Registry) -> Recorder:
         raise RequestError(
             "no installed recorder makes recordings that can be looked at",
             where="view",
-            hint=registry.missing_from("rerun") or "install a plugin with such a recorder",
+            hint=" ".join(["pip install", *registry.missing_packages()]) + ", which usually brings one",
         )
     return recorder
 

@@ -46,8 +46,8 @@ def tangent_at(a, b, middle, s):
 def in_wedge(x, v, before, after, length):
     """Whether the line from a vertex at v to a point at x is a normal, between those of the vertex's segments.
 
-    Within 1e-6 of the segments' `length` it is not: on the surface itself the line is round-off and points anywhere. Nor
-    is it where the segments hardly turn: it would cross the whole wedge while the point moves by a part of its distance.
+    Within 1e-6 of the segments' `length` it is not: on the surface itself the line is round-off and points anywhere.
+    Nor is it where segments hardly turn: it would cross the wedge while the point moves by less than its distance.
     """
     between = x - v
     if before.cross(after) < NARROW:

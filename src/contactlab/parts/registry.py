@@ -204,15 +204,17 @@ class Registry:
 
     def missing_from(self, name: str) -> str:
         """What to install for a part that a usual plugin brings, or for that plugin; nothing where none is known."""
-        here = {plugin.origin.distribution for plugin in self._plugins}
-        bringing = [
-            package for package, names in known_packages().items() if name in (package, *names) and package not in here
-        ]
+        bringing = [p for p, names in known_packages().items() if name in (p, *names) and p in self.missing_packages()]
         if not bringing:
             return ""
         hidden = os.environ.get(plugins.RESTRICT)
         also = f", or leave {plugins.RESTRICT} away, which lets {hidden} through alone" if hidden else ""
         return f"{bringing[0]} brings it: pip install {bringing[0]}{also}"
+
+    def missing_packages(self) -> list[str]:
+        """Usual plugins that are not installed."""
+        here = {plugin.origin.distribution for plugin in self._plugins}
+        return [package for package in known_packages() if package not in here]
 
     def part_class(self, kind: str, name: str, where: Where = "") -> type[Any]:
         """The class of a part, imported now and checked against the contract.
