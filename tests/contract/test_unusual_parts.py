@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 from unusual_parts import Enhanced, ExplicitCurve, ImplicitCurve, Relaxing, Springs, Thermal
 
-from contactlab.api import Floats
-from contactlab.testing import Outcome, run_checks
+from contactlab.api import Floats, State
+from contactlab.parts.registry import Registry
+from contactlab.testing import Outcome, integrator_contact, run_check, run_checks
 
 
 @dataclass(frozen=True)
@@ -23,6 +25,44 @@ class OfRate(ImplicitCurve):
     def most(self, slip: Floats) -> tuple[Floats, Floats]:
         fall = 0.4 * np.exp(-((slip / self.step) ** 2))
         return 0.6 + fall, -2.0 * slip / self.step**2 * fall
+
+
+LEAPFROG: Any = Registry(files=[Path(__file__).with_name("leapfrog.py")]).part_class("integrator", "numpy-leapfrog")
+
+
+@dataclass(frozen=True)
+class Decays(LEAPFROG):  # type: ignore[misc]
+    """Leaves a speed of what stands that falls by a share from step to step, as generalised-alpha does at rho = 0.8."""
+
+    left: float = 0.98
+    dissipates: ClassVar[bool] = True
+
+    def bind(self, equations: Any, state: State) -> Any:
+        inner = super().bind(equations, state)
+
+        def step(dt: float) -> Any:
+            done = inner(dt)
+            speed = state["velocity"][:, 0]
+            if state.step > 300 and np.abs(speed).max() < 1e-5:
+                speed += 1e-6 * self.left ** (state.step - 300)
+            return done
+
+        return step
+
+
+@dataclass(frozen=True)
+class DecaysUndeclared(Decays):
+    dissipates: ClassVar[bool] = False
+
+
+def test_a_speed_that_decays_stands_if_the_scheme_declares_that_it_dissipates() -> None:
+    check = integrator_contact.friction_takes_the_energy_of_what_slides
+    assert run_check(check, Decays()).status == "passed"
+    for wrong, said in (
+        (Decays(left=1.0), "300 steps later"),
+        (DecaysUndeclared(), "speed after friction has stopped"),
+    ):
+        assert said in run_check(check, wrong).reason
 
 
 RIGHT: dict[str, tuple[str, Any, dict[str, str]]] = {

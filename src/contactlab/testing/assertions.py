@@ -46,7 +46,7 @@ def agree(got: Any, expected: Any, within: float, what: str) -> None:
         worst = np.unravel_index(int(np.argmax(np.nan_to_num(difference, nan=np.inf))), got.shape)
         raise AssertionError(
             f"{what}: off by {difference[worst]:.3e}, allowed {within:.1e} "
-            f"(got {got[worst]!r}, expected {expected[worst]!r} at {tuple(int(i) for i in worst)})"
+            f"(got {got[worst].item()!r}, expected {expected[worst].item()!r} at {tuple(int(i) for i in worst)})"
         )
 
 
