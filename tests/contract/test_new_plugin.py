@@ -12,9 +12,10 @@ import pytest
 
 from contactlab.api.part import KINDS
 from contactlab.cli import main
-from contactlab.commands.new_plugin import plugin_files
+from contactlab.commands.new_plugin import WAYS, plugin_files
 from contactlab.errors import RequestError
 from contactlab.testing.examples import USUAL
+from contactlab.testing.run import checks_for
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -92,3 +93,32 @@ def test_an_existing_folder_is_left_alone(
     assert main(["new-plugin", "mesh", "own-mesh"]) == 2
     assert "the folder is there already" in capsys.readouterr().err
     assert not [*(tmp_path / "own-mesh").iterdir()]
+
+
+@pytest.mark.parametrize("start", WAYS["contact"])
+def test_contacts_of_every_way_pass_their_checks(
+    start: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Unit checks as `contactlab check` makes them; formulas as plain Python, each of whose lines runs."""
+    source = plugin_files("contact", f"own-{start}", start=start)[f"src/own_{start}/contact.py"]
+    name, part = f"own_{start}_alone", f"Own{start.capitalize()}"
+    hook = f'return [Part("contact", "own-{start}", "{name}:{part}", "as it is written")]'
+    file = tmp_path / f"{name}.py"
+    file.write_text(
+        f"{source}\n\nfrom contactlab.api.plugin import Part, hookimpl\n\n\n"
+        f"@hookimpl\ndef contactlab_parts():\n    {hook}\n"
+    )
+    units = [word for check in checks_for("contact") for word in ("--only", check.__name__)]
+    python = [] if start == "rows" else ["--python"]
+    assert main(["check", str(file), *units, *python]) == 0
+    said = capsys.readouterr().out
+    assert "0 failed" in said
+    if python:
+        assert f"{name}.py:" not in said
+        assert len([line for line in source.splitlines() if line.strip()]) <= 40
+
+
+def test_a_way_that_there_is_not_is_refused() -> None:
+    for kind, start in (("contact", "mortars"), ("material", "mortar")):
+        with pytest.raises(RequestError, match="no such way"):
+            plugin_files(kind, "own", start=start)

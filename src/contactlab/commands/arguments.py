@@ -210,6 +210,10 @@ def _describe_new_plugin(command: argparse.ArgumentParser) -> None:
         "kind", metavar="KIND", help="kind of part: contact, material, integrator ... (contactlab parts)"
     )
     command.add_argument("name", metavar="NAME", help="name of part and package: my-contact; a folder is written")
+    command.add_argument(
+        "--from", dest="start", default="", metavar="WAY",
+        help="way to write a contact: mortar or points, by formulas, or rows in NumPy (default)",
+    )  # fmt: skip
     command.add_argument("--with-ci", action="store_true", help="add a workflow that runs the checks at every push")
 
 

@@ -19,13 +19,21 @@ from contactlab.errors import RequestError, did_you_mean
 from contactlab.parts.registry import default_registry
 
 TEMPLATES = Path(__file__).parents[1] / "data" / "new_plugin"
+WAYS: Mapping[str, Mapping[str, tuple[str, str, str]]] = {
+    "contact": {
+        "rows": ("rows.py", "rows_test.py", ""),
+        "points": ("points.py", "formulas_test.py", "nodes on segments, by the formula of their feet"),
+        "mortar": ("mortar.py", "formulas_test.py", "mortar with linear multipliers, by two formulas"),
+    },
+}
+"""Of kinds that can be written in several ways, the usual one first: the part, its tests, and a summary of its own."""
 _KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 
 
 def new_plugin(options: argparse.Namespace) -> int:
     """Write the package into a new folder of the working one, and say what to do with it."""
     folder = Path(options.name)
-    files = plugin_files(options.kind, options.name, with_ci=options.with_ci)
+    files = plugin_files(options.kind, options.name, with_ci=options.with_ci, start=options.start)
     refuse_taken(options.kind, options.name)
     if folder.exists():
         raise RequestError("the folder is there already", got=str(folder), hint="another name, or another folder")
@@ -40,12 +48,16 @@ def new_plugin(options: argparse.Namespace) -> int:
     return 0
 
 
-def plugin_files(kind: str, name: str, *, with_ci: bool = False) -> dict[str, str]:
-    """Text of every file of the package, by its path. Raises RequestError for what is no kind or cannot be a name."""
+def plugin_files(kind: str, name: str, *, with_ci: bool = False, start: str = "") -> dict[str, str]:
+    """Text of every file of the package, by its path. Raises RequestError for what is no kind, way or name.
+
+    start  way in which the part is written, of `WAYS`; the usual one where it is empty
+    """
     if kind not in KINDS:
         raise RequestError("no such kind of part", got=kind, allowed=", ".join(KINDS), hint=did_you_mean(kind, KINDS))
     refuse_name(name)
-    words = _words(kind, name)
+    part, test, summary = _way(kind, start)
+    words = _words(kind, name, summary)
     module = f"src/{_module(name)}"
     shared = {
         "pyproject.toml": "pyproject.toml",
@@ -60,9 +72,18 @@ def plugin_files(kind: str, name: str, *, with_ci: bool = False) -> dict[str, st
     files = {path: _filled(f"common/{source}", words) for path, source in shared.items()}
     return files | {
         f"{module}/py.typed": "",
-        f"{module}/{kind}.py": _filled(f"{kind}/part.py", words),
-        f"tests/test_{_module(name)}.py": _filled(f"{kind}/test.py", words),
+        f"{module}/{kind}.py": _filled(f"{kind}/{part}", words),
+        f"tests/test_{_module(name)}.py": _filled(f"{kind}/{test}", words),
     }
+
+
+def _way(kind: str, start: str) -> tuple[str, str, str]:
+    ways = WAYS.get(kind, {"": ("part.py", "test.py", "")})
+    way = start or next(iter(ways))
+    if way not in ways:
+        allowed = ", ".join(ways) if kind in WAYS else "nothing for this kind"
+        raise RequestError("no such way to write a part", where="--from", got=way, allowed=allowed)
+    return ways[way]
 
 
 def refuse_name(name: str) -> None:
@@ -88,11 +109,11 @@ def refuse_taken(kind: str, name: str) -> None:
         raise RequestError(f"a package {_module(name)} is installed; this one would hide it", got=name)
 
 
-def _words(kind: str, name: str) -> dict[str, str]:
+def _words(kind: str, name: str, summary: str = "") -> dict[str, str]:
     """What the templates are filled with."""
     said: Mapping[str, str] = tomllib.loads((TEMPLATES / "kinds.toml").read_text())[kind]
     today = date.today()
-    summary = said["summary"]
+    summary = summary or said["summary"]
     return {
         "kind": kind,
         "name": name,
