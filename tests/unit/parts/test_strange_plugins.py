@@ -87,6 +87,7 @@ def test_attempts_without_a_trace_repeat_nothing() -> None:
     silent = Step(status=StepStatus.not_converged)
     told = silent._replace(trace=(Iteration(0.5, 0.1, 1, 0, 0, 1.0),))
     assert not repeats(silent, silent)
+    assert repeats(silent._replace(reason="singular"), silent._replace(reason="singular"))
     assert repeats(told, told)
     assert not repeats(told, silent)
 
@@ -97,7 +98,7 @@ def test_a_part_of_a_stranger_is_no_partner(install: Install) -> None:
     registry = Registry()
     assert "a" in registry.names("contact")
     assert "a" not in partners(registry, "contact")
-    assert usual_algorithm(registry) == "mortar-p0"
+    assert usual_algorithm(registry) in partners(registry, "contact")
 
 
 @dataclass(frozen=True)
