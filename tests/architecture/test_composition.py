@@ -135,7 +135,16 @@ def happened(scene: Scene, arrays: bool = True, plugins: str = "") -> dict[str, 
     return dict(found)
 
 
-@pytest.mark.parametrize("name", CASES)
+ALWAYS = {
+    "bare", "loaded", "rate and quadratic", "static", "disc-on-block", "tresca-block", "three-body-forging",
+    "dropped-block"
+}  # fmt: skip
+"""Scenes between them with every effect; the others are tried with FULL=1."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=() if name in ALWAYS else pytest.mark.full) for name in CASES]
+)
 def test_what_happens_is_what_was_explained(name: str) -> None:
     scene = scene_of(name)
     said, run = explain(scene, default_registry(), run_trial(scene)), happened(scene)
