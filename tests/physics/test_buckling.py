@@ -65,6 +65,19 @@ def test_each_further_way_to_buckle_counts() -> None:
     assert told(column) == [2.0]
 
 
+def test_a_body_whose_nodes_are_all_held_is_stable() -> None:
+    """One cell, pressed by a third: nothing is left that could move."""
+    data = {**COLUMN, "supports": [{"on": f"column.{side}", "ux": 0.0} for side in ("left", "right")]}
+    data["supports"] += [{"on": "column.bottom", "uy": 0.0}, {"on": "column.top", "uy": -0.3}]
+    data["bodies"] = {
+        "column": {
+            "element": "q1", "material": "steel",
+            "mesh": {"use": "rectangle", "x": [0.0, 1.0], "y": [0.0, 1.0], "cells": [1, 1]},
+        }
+    }  # fmt: skip
+    assert told(Scene.from_data(data)) == []
+
+
 @pytest.mark.parametrize("mu", [0.0, 0.3])
 @pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p1"])
 def test_a_column_that_a_plate_presses_is_judged_with_its_contact(algorithm: str, mu: float) -> None:

@@ -2,7 +2,7 @@
 
 An equilibrium is stable if its tangent has positive eigenvalues on the motions that supports and closed contacts leave.
 With a row for each closed condition the matrix [[K, -C^T], [-H, 0]] has then as many negative pivots as conditions, and
-each further one is a motion by which the bodies leave the equilibrium (Wriggers 2008, section 7.1). Past the load of a
+each further one is a motion by which the bodies leave the equilibrium (Wriggers 2008, chapter 7). Past the load of a
 column's buckling the straight column is such a state, and Newton's method finds it as willingly as any other.
 """
 
@@ -45,6 +45,8 @@ def unstable_motions(model: ImplicitModel) -> int:
     What only the turning of contact normals makes unstable is not told: at each corner of a rigid polygon that presses
     a node is one, however smooth the surface that it stands for.
     """
+    if len(np.unique(model.prescribed.dof)) == model.reference.size:
+        return 0  # nothing is free to move
     leaving = _negative_directions(*_tangent(model, normals_turn=True))
     if leaving and model.contact is not None:
         leaving = min(leaving, _negative_directions(*_tangent(model, normals_turn=False)))
@@ -53,8 +55,6 @@ def unstable_motions(model: ImplicitModel) -> int:
 
 def _negative_directions(matrix: Any, conditions: int) -> int:
     """Negative pivots beyond the conditions; by their parity where the matrix is not symmetric."""
-    if not matrix.shape[0]:
-        return 0
     try:
         factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
     except RuntimeError:
