@@ -6,6 +6,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check --quiet
 PLUGINS := $(patsubst %/pyproject.toml,%,$(wildcard plugins/*/pyproject.toml))
+WHEELS = @$(PIP) install --no-compile -c constraints.txt setuptools && \
+	{ $(BIN)/python tools/editables.py $(VENV)/wheels >$(VENV)/wheels.log 2>&1 || { cat $(VENV)/wheels.log; exit 1; }; }
 RUNNABLE := $(VENV)/runnable
 INSTALLED := $(VENV)/installed
 
@@ -82,8 +84,7 @@ $(RUNNABLE): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
 	@test -n "$(PYTHON)" || { echo "contactlab needs Python 3.11 or later; set PYTHON=/path/to/python3"; exit 1; }
 	@$(BIN)/python -m pip --version >/dev/null 2>&1 || { echo "creating $(VENV)"; $(PYTHON) -m venv --clear $(VENV); }
 	@echo "installing contactlab and its plugins into $(VENV)"
-	@$(PIP) install --no-compile -c constraints.txt setuptools
-	@$(BIN)/python tools/editables.py $(VENV)/wheels >$(VENV)/wheels.log 2>&1 || { cat $(VENV)/wheels.log; exit 1; }
+	$(WHEELS)
 	@$(PIP) install --no-compile -c constraints.txt $(VENV)/wheels/*.whl
 	@$(PIP) install --no-compile --no-deps --force-reinstall $(VENV)/wheels/*.whl
 	@touch $@
@@ -91,8 +92,7 @@ $(RUNNABLE): constraints.txt pyproject.toml $(wildcard plugins/*/pyproject.toml)
 # the program without the viewer (slim.txt), in an environment of its own
 slim:
 	@$(PYTHON) -m venv --clear $(VENV)
-	@$(PIP) install --no-compile -c constraints.txt setuptools
-	@$(BIN)/python tools/editables.py $(VENV)/wheels >$(VENV)/wheels.log 2>&1 || { cat $(VENV)/wheels.log; exit 1; }
+	$(WHEELS)
 	@$(PIP) install --no-compile --no-deps -c constraints.txt --find-links $(VENV)/wheels -r slim.txt
 	@echo "$(BIN)/contactlab runs everything but the viewer"
 

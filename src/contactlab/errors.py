@@ -126,6 +126,10 @@ def _written(value: object, depth: int) -> str:
     return str(value)
 
 
+MISSPELT = 0.88
+"""Ratio of difflib from which on a name is another with a letter of eight missing, doubled or exchanged."""
+
+
 def nearest(name: str, choices: Iterable[str]) -> str | None:
     """The choice most like `name`, None if nothing is close."""
     from difflib import get_close_matches

@@ -5,10 +5,18 @@ from __future__ import annotations
 import argparse
 import math
 import shlex
-from typing import Any
 
 from contactlab.accuracy.choose import Chosen, Wish, choose_plan
-from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
+from contactlab.commands.common import (
+    add_row,
+    console,
+    fitting,
+    parse_settings,
+    print_json,
+    registry_with,
+    table,
+    written,
+)
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.scene.scene import load_scene
 
@@ -75,11 +83,7 @@ def command(options: argparse.Namespace, found: Chosen) -> str:
 
 
 def _settings(options: argparse.Namespace, found: Chosen) -> list[str]:
-    return [*options.settings, *(f"{key}={_written(value)}" for key, value in found.choice.items())]
-
-
-def _written(value: Any) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
+    return [*options.settings, *(f"{key}={written(value)}" for key, value in found.choice.items())]
 
 
 def _run(options: argparse.Namespace, found: Chosen, out: str) -> int:

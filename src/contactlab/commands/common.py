@@ -65,6 +65,13 @@ def console() -> Console:
     return made if made.is_terminal or "COLUMNS" in os.environ else Terminal(width=WIDTH_OF_FILES)
 
 
+def written(value: Any, digits: int | None = None) -> str:
+    """A value as `--set KEY=VALUE` takes it; numbers with so many `digits`, all of them by default."""
+    if isinstance(value, float) and digits is not None:
+        return f"{value:.{digits}g}"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
 def print_how_to_look(folder: Path, registry: Registry, out: Console) -> None:
     """Say how to look at what is in the folder, or what has to be installed for that."""
     from contactlab.studies.shown_file import can_be_shown, showing_recorder

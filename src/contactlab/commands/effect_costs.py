@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class EffectCost:
+class EffectPrice:
     """Cost of an effect: the run with it less the run without it.
 
     declared    False: the scene lacks the effect and would cost this more with it
@@ -42,7 +42,7 @@ class EffectCost:
     refused: bool = False
 
 
-def effect_costs(scene: Scene, whole: Estimate, tried: Tried) -> Iterator[EffectCost]:
+def effect_costs(scene: Scene, whole: Estimate, tried: Tried) -> Iterator[EffectPrice]:
     """Each effect of which `tried` has a trial: those that can be taken out, then what installed parts would bring."""
     for variant in (*variants(scene), *lacking(scene)):
         found = _cost(variant, scene, whole, tried)
@@ -50,7 +50,7 @@ def effect_costs(scene: Scene, whole: Estimate, tried: Tried) -> Iterator[Effect
             yield found
 
 
-def _cost(variant: Variant, scene: Scene, whole: Estimate, tried: Tried) -> EffectCost | None:
+def _cost(variant: Variant, scene: Scene, whole: Estimate, tried: Tried) -> EffectPrice | None:
     try:
         changed = scene.with_(variant.changes)
         trial = tried(changed)
@@ -58,13 +58,13 @@ def _cost(variant: Variant, scene: Scene, whole: Estimate, tried: Tried) -> Effe
             return None
         other = estimate(changed, build(changed, changed.registry), trial)
     except SimulationFailure as failure:
-        return EffectCost(variant.effect, variant.declared, reason=failure.reason)
+        return EffectPrice(variant.effect, variant.declared, reason=failure.reason)
     except RequestError as error:
-        return EffectCost(variant.effect, variant.declared, reason=one_line(error), refused=True)
+        return EffectPrice(variant.effect, variant.declared, reason=one_line(error), refused=True)
     if other.reason or whole.reason:
-        return EffectCost(variant.effect, variant.declared, reason=f"its trial ended {other.reason or whole.reason}")
+        return EffectPrice(variant.effect, variant.declared, reason=f"its trial ended {other.reason or whole.reason}")
     rich, poor = (whole, other) if variant.declared else (other, whole)
-    return EffectCost(
+    return EffectPrice(
         variant.effect, variant.declared, rich.cpu_s - poor.cpu_s, rich.least_s - poor.most_s,
         rich.most_s - poor.least_s, rich.memory_mib - poor.memory_mib, rich.steps - poor.steps,
         rich.iterations - poor.iterations,

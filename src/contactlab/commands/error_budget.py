@@ -10,7 +10,16 @@ from typing import Any
 
 from contactlab.accuracy.error_budget import UNRESOLVED, ErrorBudget, Share, budget_plan
 from contactlab.accuracy.files import finite
-from contactlab.commands.common import add_row, console, fitting, parse_settings, print_json, registry_with, table
+from contactlab.commands.common import (
+    add_row,
+    console,
+    fitting,
+    parse_settings,
+    print_json,
+    registry_with,
+    table,
+    written,
+)
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.reports.numbers import percent, significant
 from contactlab.scene.scene import load_scene
@@ -49,7 +58,7 @@ def show(found: ErrorBudget, folder: Path) -> None:
         return
     shown = table("made finer", "pressure, %", "force, %", "CPU s", "more, s", "how", "")
     for share in found.shares:
-        settings = ", ".join(f"{key}={_written(value)}" for key, value in _changed(share))
+        settings = ", ".join(f"{key}={written(value, digits=6)}" for key, value in _changed(share))
         end = "" if share.status == "finished" else f"{share.status}: {share.reason[:60]}"
         end = end if share.resolved else f"not resolved: changes by more than {percent(UNRESOLVED)} % tell no part"
         pressure = percent(share.pressure) if share.resolved else f"> {percent(UNRESOLVED)}"
@@ -66,10 +75,6 @@ def show(found: ErrorBudget, folder: Path) -> None:
         part = f"{percent(best.pressure)} % of the pressure" if best.resolved else "not resolved as it is"
         say(f"next: {best.knob.name}, {part}, for {more}")
     say(str(folder))
-
-
-def _written(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def _changed(share: Share) -> list[tuple[str, Any]]:

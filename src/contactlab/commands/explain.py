@@ -14,7 +14,7 @@ from contactlab.commands.common import add_row, console, number, parse_settings,
 from contactlab.scene.scene import load_scene
 
 if TYPE_CHECKING:
-    from contactlab.commands.effect_costs import EffectCost
+    from contactlab.commands.effect_costs import EffectPrice
     from contactlab.explanation.estimate import Estimate
     from contactlab.explanation.explain import Explanation, Overview
 
@@ -52,7 +52,7 @@ def explain(options: argparse.Namespace) -> int:
     return 0
 
 
-def price_lines(price: Estimate, costs: Sequence[EffectCost]) -> Iterator[tuple[str, str]]:
+def price_lines(price: Estimate, costs: Sequence[EffectPrice]) -> Iterator[tuple[str, str]]:
     """What the whole run will cost, what its effects do in it, and what others would."""
     if price.reason:
         yield "price", f"its trial ended {price.reason}"
@@ -73,7 +73,7 @@ def price_lines(price: Estimate, costs: Sequence[EffectCost]) -> Iterator[tuple[
     yield "known from", whole + more
 
 
-def effect_cost(cost: EffectCost, whole: float) -> str:
+def effect_cost(cost: EffectPrice, whole: float) -> str:
     """An effect with its cost, as "friction: +0.9 s, +12 %", of the cost of all steps as declared."""
     if cost.reason:
         return f"{cost.effect}: {cost.reason}"

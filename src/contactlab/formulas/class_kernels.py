@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
+from functools import cached_property
 from typing import Any
+
+import numpy as np
 
 from contactlab.api.compiled.bound_arrays import BoundArrays, table_of
 from contactlab.api.compiled.formulas import Slot, made
 from contactlab.api.formulas import formulas_of, in_python
+from contactlab.formulas import segment_kernels
+from contactlab.formulas.parameters import numbers_of, parameters_of
 
 
-class ClassKernels:
-    """Makes kernels of templates, compiled, or in plain Python if that is asked for when it is made itself."""
+class ClassKernels(ABC):
+    """Makes kernels of templates when they are first asked for, compiled, or in plain Python if that is wanted then."""
 
     def __init__(self, kind: Any) -> None:
         self.kind, self.formulas, self.in_python = kind, formulas_of(kind), in_python()
@@ -27,6 +33,24 @@ class ClassKernels:
         exec(f"def {name}({arguments}):\n    return formula({words})", names)
         return names[name]
 
-    def made(self, template: Any, given: Mapping[Slot, Any]) -> Any:
-        """The kernel of a template with `given` in its slots."""
-        return made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", given, self.in_python)
+    @property
+    @abstractmethod
+    def formula_slots(self) -> Mapping[Slot, Any]:
+        """What is put into the templates besides numbers among the fields."""
+
+    @cached_property
+    def given(self) -> dict[Slot, Any]:
+        """What is put into the templates."""
+        numbers = segment_kernels.parameters if numbers_of(self.kind) else segment_kernels.no_parameters
+        own = {segment_kernels.PARAMETERS: numbers, segment_kernels.FIELDS: parameters_of(self.kind)}
+        return {**self.formula_slots, **own}
+
+    def made(self, template: Any) -> Any:
+        """The kernel of a template."""
+        return made(template, f"{self.kind.__module__}.{self.kind.__qualname__}", self.given, self.in_python)
+
+
+def gauss_rule(points: int) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Points and weights of the Gauss rule from 0 to 1."""
+    places, weights = np.polynomial.legendre.leggauss(points)
+    return tuple((0.5 + 0.5 * places).tolist()), tuple((0.5 * weights).tolist())

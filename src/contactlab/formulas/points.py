@@ -14,9 +14,7 @@ from contactlab.api.compiled.formulas import Slot
 from contactlab.formulas import point_derivatives as changes
 from contactlab.formulas import point_kernels as kernels
 from contactlab.formulas import point_pieces as single
-from contactlab.formulas import segment_kernels
-from contactlab.formulas.class_kernels import ClassKernels
-from contactlab.formulas.parameters import numbers_of, parameters_of
+from contactlab.formulas.class_kernels import ClassKernels, gauss_rule
 from contactlab.formulas.point_tables import DerivedPoints, Points, TurnedPoints
 from contactlab.formulas.segments import arrays_of, averaged_normals
 
@@ -31,24 +29,20 @@ class _Kernels(ClassKernels):
 
     @cached_property
     def pieces(self) -> Any:
-        return self.made(kernels.pieces, self.given)
+        return self.made(kernels.pieces)
 
     @cached_property
     def derivatives(self) -> Any:
-        return self.made(changes.piece_derivatives, self.given)
+        return self.made(changes.piece_derivatives)
 
-    @cached_property
-    def given(self) -> dict[Slot, Any]:
-        """What is put into the templates."""
-        rule = np.polynomial.legendre.leggauss(max(1, self.kind.points))
+    @property
+    def formula_slots(self) -> dict[Slot, Any]:
+        places, weights = gauss_rule(max(1, self.kind.points))
         return {
             single.FOOT: self.called("foot", "x, master, p", {}),
             single.POINTS: self.kind.points,
             kernels.HOLD: kernels.hold_gauss_points if self.kind.points else kernels.hold_nodes,
-            single.ABSCISSAE: tuple((0.5 + 0.5 * rule[0]).tolist()), single.WEIGHTS: tuple((0.5 * rule[1]).tolist()),
-            segment_kernels.PARAMETERS:
-                segment_kernels.parameters if numbers_of(self.kind) else segment_kernels.no_parameters,
-            segment_kernels.FIELDS: parameters_of(self.kind),
+            single.ABSCISSAE: places, single.WEIGHTS: weights,
         }  # fmt: skip
 
 

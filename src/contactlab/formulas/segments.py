@@ -23,8 +23,8 @@ from contactlab.api.compiled.formulas import Slot
 from contactlab.api.segments import Covered
 from contactlab.formulas import segment_derivatives as changes
 from contactlab.formulas import segment_kernels as kernels
-from contactlab.formulas.class_kernels import ClassKernels
-from contactlab.formulas.parameters import numbers_of, parameters_of, values_of
+from contactlab.formulas.class_kernels import ClassKernels, gauss_rule
+from contactlab.formulas.parameters import values_of
 from contactlab.formulas.segment_normals import inward_normals, turned_normals
 from contactlab.formulas.segment_tables import Both, Derived, Separated
 
@@ -39,19 +39,18 @@ class _Kernels(ClassKernels):
 
     @cached_property
     def pieces(self) -> Any:
-        return self.made(kernels.pieces, self.given)
+        return self.made(kernels.pieces)
 
     @cached_property
     def derivatives(self) -> Any:
-        return self.made(changes.piece_derivatives, self.given)
+        return self.made(changes.piece_derivatives)
 
     @cached_property
     def gradients(self) -> Any:
-        return self.made(changes.separation_gradients, self.given)
+        return self.made(changes.separation_gradients)
 
-    @cached_property
-    def given(self) -> dict[Slot, Any]:
-        """What is put into the templates."""
+    @property
+    def formula_slots(self) -> dict[Slot, Any]:
         kind, breaks = self.kind, tuple(map(float, self.kind.breaks))
         found: dict[Slot, Any] = {
             kernels.OVERLAP: self.called("overlap", "slave, master, p", {}),
@@ -60,13 +59,10 @@ class _Kernels(ClassKernels):
             ),
             kernels.COVERED: "covered" in self.formulas["basis"].arguments,
             kernels.PARTS: len(breaks) + 1, kernels.BREAKS: breaks or (0.5,),
-            kernels.PARAMETERS: kernels.parameters if numbers_of(kind) else kernels.no_parameters,
-            kernels.FIELDS: parameters_of(kind),
         }  # fmt: skip
         names = (kernels.POINTS, kernels.WEIGHTS), (kernels.QUADRATIC_POINTS, kernels.QUADRATIC_WEIGHTS)
         for (points, weights), trace in zip(names, (1, 2), strict=True):
-            rule = np.polynomial.legendre.leggauss((kind.basis_degree + trace) // 2 + 1)
-            found[points], found[weights] = tuple((0.5 + 0.5 * rule[0]).tolist()), tuple((0.5 * rule[1]).tolist())
+            found[points], found[weights] = gauss_rule((kind.basis_degree + trace) // 2 + 1)
         return found
 
 

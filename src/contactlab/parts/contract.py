@@ -22,9 +22,8 @@ from contactlab.api.part import NEW_IN_2
 from contactlab.api.recorder import Recorder
 from contactlab.api.reference import ReferenceSolution
 from contactlab.api.watch import Watch
+from contactlab.errors import MISSPELT
 from contactlab.parts.declared_values import wrong_values
-
-NEAR = 0.88  # of difflib's ratio: a letter of eight that is missing, doubled or exchanged
 
 BASES: dict[str, tuple[type, ...]] = {
     "element": (Element,),
@@ -122,7 +121,7 @@ def _misspelt(target: type) -> list[str]:
     fields, found = set(getattr(target, "__dataclass_fields__", ())), []
     for base in (base for base in target.__mro__ if not base.__module__.startswith(("contactlab.api.", "builtins"))):
         for name in {*vars(base), *inspect.get_annotations(base)} - fields - known:
-            near = [] if name.startswith("_") else get_close_matches(name, known, 1, NEAR)
+            near = [] if name.startswith("_") else get_close_matches(name, known, 1, MISSPELT)
             if near and near[0] not in vars(base):
                 found.append(f"its {name} is nothing that the contract knows; did you mean {near[0]}?")
     return sorted(found)

@@ -19,13 +19,12 @@ from typing import Any
 
 import pluggy
 
-from contactlab.errors import PartError, RequestError, did_you_mean, one_line
+from contactlab.errors import MISSPELT, PartError, RequestError, did_you_mean, one_line
 from contactlab.parts import hookspecs
 
 GROUP = hookspecs.PROJECT
 CORE = "contactlab"
 RESTRICT = "CONTACTLAB_PLUGINS"
-NEAR = 0.88  # of difflib's ratio, in which "contactlabs" has 0.95 and "contact_lab.plugins" 0.72
 SLOW_CPU, SLOW = 0.3, 2.0
 """Seconds of CPU and of the clock beyond which an import is called slow: every command waits for it."""
 
@@ -89,7 +88,7 @@ def misplaced() -> list[Broken]:
     """Entry points in a group whose name misses this program's by a letter or two."""
     if os.environ.get(RESTRICT):
         return []
-    near = [g for g in entry_points().groups if g != GROUP and get_close_matches(g, [GROUP], cutoff=NEAR)]
+    near = [g for g in entry_points().groups if g != GROUP and get_close_matches(g, [GROUP], cutoff=MISSPELT)]
     return [
         Broken(origin_of(point), f'its entry point stands in the group "{group}"; allowed: "{GROUP}"')
         for group in sorted(near)

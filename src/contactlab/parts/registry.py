@@ -204,7 +204,7 @@ class Registry:
 
     def missing_from(self, name: str) -> str:
         """What to install for a part that a usual plugin brings, or for that plugin; nothing where none is known."""
-        bringing = [p for p, names in known_packages().items() if name in (p, *names) and p in self.missing_packages()]
+        bringing = [p for p in self.missing_packages() if name in (p, *known_packages()[p])]
         if not bringing:
             return ""
         hidden = os.environ.get(plugins.RESTRICT)

@@ -116,15 +116,16 @@ def test_the_command_tells_parts_and_what_to_refine(tmp_path: Path, capsys: pyte
     assert told["next"] in ("mesh", "element q2", "element q1-fbar")
 
 
-def test_the_table_says_what_is_not_resolved(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_table_says_what_is_not_resolved(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "160")  # keys are folded in narrow columns
     element = Share(Knob("element q2", {"bodies.a.element": "q2"}, 30.0), "finished", "", 0.7, 0.1, 2.0, 1.0)
     side = Share(
         Knob("slave of contacts.0", {"contacts.0.swap": True}, 30.0, False), "finished", "", 0.1, 0.1, 1.0, 0.0
     )
     showing.show(ErrorBudget("finished", "", 1.0, [element, side, share("mesh", 0.01, 3.0)]), tmp_path)
     told = capsys.readouterr().out
-    assert (
-        "contacts.0.swap=true" in told.replace("\n", "").replace(" ", "") or "0.swap=tr" in told
-    )  # columns are narrow
+    assert "contacts.0.swap=true" in told
     assert "not resolved" in told
     assert "next: element q2, not resolved as it is" in told

@@ -98,7 +98,7 @@ def test_a_part_of_a_stranger_is_no_partner(install: Install) -> None:
     registry = Registry()
     assert "a" in registry.names("contact")
     assert "a" not in partners(registry, "contact")
-    assert usual_algorithm(registry) in partners(registry, "contact")
+    assert usual_algorithm(registry) == "mortar-dual"
 
 
 @dataclass(frozen=True)
