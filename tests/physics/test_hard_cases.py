@@ -30,9 +30,6 @@ NOT_MET: dict[tuple[str, str], dict[str, str]] = {
     ("lifted-beam", "mortar-p1"): {
         SAW: "a force in one point where the beam leaves the floor: linear multipliers swing"
     },
-    ("rigid-punch", "mortar-p1"): {
-        "L2 of the pressure over 0.9 a": "linear multipliers overshoot beside the singular edge; halves with the mesh",
-    },
 }
 """Measures of mortars that are not met, by case and algorithm, with the cause."""
 
