@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tiers import some
 
 from contactlab.explanation.explain import Explanation, explain
 from contactlab.explanation.trial_run import run_trial
@@ -135,16 +136,10 @@ def happened(scene: Scene, arrays: bool = True, plugins: str = "") -> dict[str, 
     return dict(found)
 
 
-ALWAYS = {
-    "bare", "loaded", "rate and quadratic", "static", "disc-on-block", "tresca-block", "three-body-forging",
-    "dropped-block"
-}  # fmt: skip
-"""Scenes between them with every effect; the others are tried with FULL=1."""
+ALWAYS = {"bare", "loaded", "rate and quadratic", "static"}
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=() if name in ALWAYS else pytest.mark.full) for name in CASES]
-)
+@pytest.mark.parametrize("name", some(CASES, ALWAYS))
 def test_what_happens_is_what_was_explained(name: str) -> None:
     scene = scene_of(name)
     said, run = explain(scene, default_registry(), run_trial(scene)), happened(scene)
@@ -245,7 +240,7 @@ def test_every_effect_is_seen_declared_and_not() -> None:
     assert {(effect, declared) for effect in EFFECTS for declared in (True, False)} <= seen
 
 
-@pytest.mark.parametrize("name", ["disc-on-block", "loaded"])
+@pytest.mark.parametrize("name", some(["disc-on-block", "loaded"], ["loaded"]))
 def test_more_plugins_change_nothing(name: str) -> None:
     """The same numbers to the last bit, the same calls and kernels, with the needed plugins alone and with all."""
     scene = scene_of(name)

@@ -97,6 +97,7 @@ def test_resume_needs_a_folder(small_scene: MakeScene) -> None:
         contactlab.compare(small_scene(), VARY, resume=True)
 
 
+@pytest.mark.full
 def test_repetitions_that_were_made_are_kept(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -76,6 +76,7 @@ def rows(folder: Path) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+@pytest.mark.full
 def test_a_run_over_its_time_is_a_row_and_can_go_on(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -121,6 +122,7 @@ def test_first_ctrl_c_says_what_it_waits_for_and_the_second_ends_all(
     assert not any(is_there(worker) for worker in workers)
 
 
+@pytest.mark.full
 def test_started_in_the_background_it_answers_sigterm(
     comparison: Callable[..., subprocess.Popen[str]], tmp_path: Path
 ) -> None:

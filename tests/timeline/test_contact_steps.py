@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tiers import some
 
 import contactlab
 from contactlab.api.contact_steps import NO_SEGMENT
@@ -34,11 +35,9 @@ VARIANTS: dict[str, dict[str, Any]] = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize("changes", VARIANTS.values(), ids=VARIANTS.keys())
-def test_every_step_is_what_a_frame_of_it_shows(
-    changes: dict[str, Any], small_scene: MakeScene, tmp_path: Path
-) -> None:
-    run = simulate(small_scene({**SHORT, **changes}), tmp_path / "run")
+@pytest.mark.parametrize("name", some(VARIANTS, ["node-on-segment, friction, swapped", "statics, friction"]))
+def test_every_step_is_what_a_frame_of_it_shows(name: str, small_scene: MakeScene, tmp_path: Path) -> None:
+    run = simulate(small_scene({**SHORT, **VARIANTS[name]}), tmp_path / "run")
     steps, frames = run.contact["contacts.0"].steps, [frame for frame in run.frames if frame.step]
     assert steps["step"].tolist() == [frame.step for frame in frames]
     assert steps["time"].tolist() == [frame.time for frame in frames]

@@ -49,7 +49,9 @@ def in_a_process(seed: str, *scenes: Any, folder: Path) -> Path:
     return folders[-1]
 
 
-@pytest.mark.parametrize("changes", [FRICTION, STATICS], ids=["explicit, friction", "newton"])
+@pytest.mark.parametrize(
+    "changes", [FRICTION, pytest.param(STATICS, marks=pytest.mark.full)], ids=["explicit, friction", "newton"]
+)
 def test_three_processes_compute_the_same_bits(
     changes: dict[str, Any], small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
 ) -> None:
@@ -66,6 +68,7 @@ def test_three_processes_compute_the_same_bits(
             assert (other / name).read_bytes() == (tmp_path / "here" / name).read_bytes(), name
 
 
+@pytest.mark.full
 def test_a_comparison_computes_the_same_bits_side_by_side(
     small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert
 ) -> None:

@@ -67,6 +67,7 @@ def test_steps_before_the_first_warning_of_a_guard(
     assert "failure" not in run.last_steps
 
 
+@pytest.mark.full
 def test_steps_before_a_warning_that_is_judged_at_the_end(
     small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

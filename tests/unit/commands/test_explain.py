@@ -94,6 +94,7 @@ def test_keys_that_differ_in_one_name_are_told_together(keys: str, told: str) ->
     assert together(keys) == told
 
 
+@pytest.mark.full
 def test_steps_that_effects_shorten_are_told() -> None:
     def steps(name: str, **changes: object) -> str:
         scene = load_scene(name).with_(changes)

@@ -146,6 +146,7 @@ def test_better_new_and_gone_are_told_apart() -> None:
     assert against(Matrix([]), {("a",): "met"})["gone"] == [(("a",), "met", "")]
 
 
+@pytest.mark.full
 def test_killed_at_any_moment_it_goes_on(made: Path, tmp_path: Path) -> None:
     """Killed as soon as the archive has its first runs, then after the next ones; resumed, all is there."""
     folder = tmp_path / "killed"

@@ -40,6 +40,7 @@ def test_another_word_is_refused_before_anything_is_run() -> None:
     assert caught.value.allowed == "all, failed, none"
 
 
+@pytest.mark.full
 def test_a_comparison_that_keeps_nothing_can_be_taken_up_again(tmp_path: Path) -> None:
     """What was dropped is run again, and gives the same; the recording is made before its runs go."""
     pytest.importorskip("contactlab_rerun")

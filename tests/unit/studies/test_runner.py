@@ -42,6 +42,7 @@ class TestRecording:
         assert [(row.status, row.reason) for row in unsettled] == [("not-converged", "it never came to rest")] * 2
         assert len(table.failed) == 6
 
+    @pytest.mark.full
     def test_the_traceback_is_kept_for_the_author_of_the_part(self, tmp_path: Path) -> None:
         table = compare("disc-on-block", ALL, out=tmp_path, jobs=2)
         (raised,) = table.select(algorithm="node-on-segment", level=1, slave="block")
@@ -88,6 +89,7 @@ class TestRecording:
         assert data["rows"][0]["reaction"] is None
         assert data["agreement"] == []  # no two algorithms came to the end
 
+    @pytest.mark.full
     def test_a_study_that_was_left_can_be_run_again(self, tmp_path: Path) -> None:
         first = compare("disc-on-block", ALL, out=tmp_path / "a", jobs=2)
         again = compare(tmp_path / "a" / "study.toml", jobs=2)
@@ -174,6 +176,7 @@ def test_real_runs_give_real_rows(tmp_path: Path) -> None:
     assert (tmp_path / "bodies.png").is_file()
 
 
+@pytest.mark.full
 def test_repeated_runs_report_the_median_cost(tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(load_scene("disc-on-block").with_(QUICK).toml())
     (tmp_path / "study.toml").write_text('scene = "scene.toml"\nrepeat = 3\n[vary]\nlevel = [1]\n')

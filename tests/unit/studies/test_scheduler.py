@@ -165,6 +165,7 @@ def test_rows_are_the_same_whoever_ran_them(cluster: Cluster, tmp_path: Path) ->
     }
 
 
+@pytest.mark.full
 def test_a_matrix_through_a_scheduler_has_the_same_verdicts(
     cluster: Cluster, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
