@@ -27,16 +27,17 @@ Function = Callable[[Floats], Floats]
 
 
 def pressed(
-    setup: Setup, line: list[list[float]], force: float, half: float, h: float, contact: dict[str, Any] | None = None
-) -> Job:
+    setup: Setup, line: list[list[float]], force: float, half: float, h: float, contact: dict[str, Any] | None = None,
+    mesh: dict[str, Any] | None = None,
+) -> Job:  # fmt: skip
     """A rigid line, its lowest point at y = 0, on a block whose foot comes up by what about `force` [N/mm] needs.
 
-    half  of the contact [mm], about; h  cells there [mm]
+    half  of the contact [mm], about; h  cells there [mm], or a mesh of its own
     """
     up = 2.0 * force / (np.pi * MODULUS) * (0.5 + np.log(8.0 * SIZE / half))
     return static_job(
         "pressed", setup, {"plane": {"young": YOUNG, "poisson": 0.3}},
-        {"block": {"material": "plane", "mesh": block_mesh(SIZE, h / SIZE, 1.6 * half / SIZE)}},
+        {"block": {"material": "plane", "mesh": mesh or block_mesh(SIZE, h / SIZE, 1.6 * half / SIZE)}},
         {"slave": "block.top", "master": "punch"} | (contact or {}),
         rigid={"punch": {"line": line}},
         supports=[{"on": "block.bottom", "ux": 0.0, "uy": float(up)}],

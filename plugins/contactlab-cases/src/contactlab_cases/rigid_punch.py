@@ -11,10 +11,9 @@ import numpy as np
 from contactlab.api import Case, Floats, Job, Measure, Record, Setup, Solution
 from contactlab.api.case import at_most, error, reported
 from contactlab_cases.circles import only
+from contactlab_cases.punches import block_under_punch
 from contactlab_cases.statics import force_of, iterations, l2_error, ordered, static_job
 
-EDGE = 4e-3
-"""Length of the cells beside the edges of the punch, over its half width."""
 MOST = 150  # iterations: mortars need three, and those of nodes on segments go round at the corners of the punch
 
 
@@ -44,15 +43,7 @@ class RigidPunch(Case):
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """One job: the rigid punch pressed into the block."""
-        cells = self.cells * setup.level
-        fine = EDGE / setup.level
-        half, fall = cells // 2, _ratio(cells // 2, fine)
-        beside = max(2, cells // 4)
-        mesh = {
-            "use": "rectangle", "x": [-10.0, -1.5, -1.0, 0.0, 1.0, 1.5, 10.0], "y": [-20.0, 0.0],
-            "cells": [[16, beside, half, half, beside, 16], cells],
-            "grading": [[0.05, 0.02, 1.0 / fall, fall, 50.0, 20.0], 0.02 / cells],
-        }  # fmt: skip
+        mesh = block_under_punch(1.0, 10.0, 20.0, self._size(setup))
         line = [[-1.0, 1.0], [-1.0, 0.0], [1.0, 0.0], [1.0, 1.0]]
         job = static_job(
             "pressed", setup, {"m": {"young": 1000.0, "poisson": self.poisson}},
@@ -64,7 +55,7 @@ class RigidPunch(Case):
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """A single nodal force makes the multipliers beside it negative by 24 (P0) and 46 % (P1) of its own."""
-        size = 40.0 / self.cells / setup.level
+        size = self._size(setup)
         most = 0.24 if setup.algorithm == "mortar-p0" else 0.46
         return (
             error(
@@ -98,18 +89,10 @@ class RigidPunch(Case):
         x = np.linspace(-0.9, 0.9, 4001)
         return Solution(x, self._pressure(x, force_of(only(done))), 0.0, "exact", window=(-0.9, 0.9))
 
+    def _size(self, setup: Setup) -> float:
+        return 40.0 / self.cells / setup.level
+
     @staticmethod
     def _pressure(at: Floats, force: float) -> Floats:
         """p = P/(pi (a^2 - x^2)^(1/2)) with a = 1 [MPa]."""
         return np.asarray(force / (np.pi * np.sqrt(np.maximum(1e-9, 1.0 - at**2))))
-
-
-def _ratio(cells: int, last: float) -> float:
-    """Last over first of geometric cells over a length of one, the last of which has this length."""
-    low, high = 1e-9, 1.0
-    for _ in range(60):  # the last cell grows with the ratio
-        ratio = (low * high) ** 0.5
-        q = ratio ** (1.0 / (cells - 1))
-        found = ratio / (cells if q == 1.0 else (1.0 - q**cells) / (1.0 - q))
-        low, high = (ratio, high) if found < last else (low, ratio)
-    return (low * high) ** 0.5

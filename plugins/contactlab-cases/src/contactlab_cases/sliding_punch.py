@@ -11,8 +11,9 @@ import numpy as np
 
 from contactlab.api import Case, Floats, Job, Measure, Record, Setup
 from contactlab.api.case import at_most, error, reported
-from contactlab_cases.circles import block_mesh, only
+from contactlab_cases.circles import only
 from contactlab_cases.indenters import MODULUS, SIZE, YOUNG
+from contactlab_cases.punches import block_under_punch
 from contactlab_cases.statics import force_of, l2_error, ordered, static_job
 
 HALF, CELLS, MEAN = 0.02, 20, 5e-5  # mm; cells in it at level 1; mean pressure over E*
@@ -53,18 +54,19 @@ class SlidingPunch(Case):
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """Pressed until t = 1, drawn to the right until 2, ten times as far as the surface can follow."""
+        mesh = block_under_punch(HALF, 8.0 * SIZE, 4.0 * SIZE, 1.0 / setup.level)  # wide: a narrow block would lean
         force = 2.0 * HALF * MEAN * MODULUS
         up = 2.0 * force / (np.pi * MODULUS) * (0.5 + math.log(8.0 * SIZE / HALF))
-        h = HALF / CELLS / setup.level
+        path = float(10.0 * self.mu * up)
         return (
             static_job(
                 "drawn", setup, {"plane": {"young": YOUNG, "poisson": self.poisson}},
-                {"block": {"material": "plane", "mesh": block_mesh(SIZE, h / SIZE, 1.6 * HALF / SIZE)}},
+                {"block": {"material": "plane", "mesh": mesh}},
                 {"slave": "block.top", "master": "punch", "friction": {"use": "coulomb", "mu": self.mu}},
                 rigid={
                     "punch": {
-                        "line": [[-HALF, 0.0], [HALF, 0.0]],
-                        "ux": {"ramp": "linear", "to": 10.0 * self.mu * up, "begin": 1.0, "duration": 1.0},
+                        "line": [[-HALF - path, 0.0], [HALF - path, 0.0]],  # at the end its edges are on nodes
+                        "ux": {"ramp": "linear", "to": path, "begin": 1.0, "duration": 1.0},
                     }
                 },
                 supports=[
@@ -76,11 +78,10 @@ class SlidingPunch(Case):
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Over the middle eight tenths; the edges are singular."""
-        size = 1.0 / setup.level
-        why = "the root at the edge leaves its mark on the cells beside it"
+        why = "cells are graded to the edges: mortars are off by 0.1 to 0.3 %"
         return [
-            error("L2 of the pressure over 0.8 of the contact", 0.06 * size, why),
-            error("pressure at 0.5 a over that at -0.5 a", 0.05 * size, why),
+            error("L2 of the pressure over 0.8 of the contact", 0.005, why),
+            error("pressure at 0.5 a over that at -0.5 a", 0.005, why),
             error("shear over mu p, largest difference", 1e-6, "all of it slides: Newton's tolerance"),
             at_most("undershoot over the largest pressure", 0.46, "what a single nodal force makes beside itself"),
             reported("sideways force over mu P"),

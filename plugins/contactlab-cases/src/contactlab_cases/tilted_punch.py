@@ -11,7 +11,8 @@ import numpy as np
 from contactlab.api import Case, Floats, Job, Measure, Record, Setup
 from contactlab.api.case import at_most, error, reported
 from contactlab_cases.circles import only
-from contactlab_cases.indenters import MODULUS, pressed
+from contactlab_cases.indenters import MODULUS, SIZE, pressed
+from contactlab_cases.punches import block_under_punch
 from contactlab_cases.statics import force_of, l2_error, ordered
 
 HALF, CELLS, SLOPE = 0.02, 20, 5e-4  # mm, cells in it at level 1
@@ -43,14 +44,15 @@ class TiltedPunch(Case):
         a, high = HALF, 2.0 * HALF * self.slope
         line = [[-a, high], [a, 0.0]]
         force = self.load * 0.5 * np.pi * MODULUS * self.slope * a
-        return (pressed(setup, line, force, a, HALF / CELLS / setup.level),)
+        half = a * min(1.0, self.load)
+        mesh = block_under_punch(half, 2.0 * SIZE, 4.0 * SIZE, 1.0 / setup.level, a - half)
+        return (pressed(setup, line, force, a, HALF / CELLS / setup.level, mesh=mesh),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Over the middle eight tenths of the contact; the edges are singular."""
-        size = 1.0 / setup.level / min(1.0, self.load)
-        why = "the root at the edge leaves its mark on the cells beside it"
+        why = "cells are graded to the ends of contact: mortars are off by 0.2 to 0.4 %"
         return [
-            error("L2 of the pressure over 0.8 of the contact", 0.06 * size, why),
+            error("L2 of the pressure over 0.8 of the contact", 0.005, why),
             error("where the high edge lifts off in cells", 1.0, "nodes tell it to a cell")
             if self.load < 1.0
             else reported("where the high edge lifts off in cells"),
