@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.api.compiled.chains import nodal_normals, segment_normals, tributary_lengths
 from contactlab.api.compiled.formulas import Slot
-from contactlab.api.compiled.kernel import kernel, point, section
+from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import SlavePoint
 from contactlab.api.tensors import Vector
@@ -20,7 +20,7 @@ from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
 
 HOLD = Slot("HOLD")
-LEAVE = 0.02  # as EDGE at the ends of a chain, where nothing else holds a point: bodies of one width spread differently
+LEAVE = 0.02  # beyond the ends of a chain, of the shorter segment: bodies of one width spread differently
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
 
 
@@ -78,10 +78,13 @@ def gauss_point(t, s, xi):
 # --- the nearest ------------------------------------------------------------------------------------------------------
 
 
-@point
-def _beyond(surface, m, side):
-    """How far a point may project beyond an end (0 or 1) of a segment."""
-    return EDGE if surface.node_segments[surface.segments[m, side], side] >= 0 else LEAVE
+@section
+def _beyond(t, m, side, s):
+    """How far a point of slave segment s may project beyond an end (0 or 1) of master segment m, in lengths of m."""
+    surface = t.sides.master
+    if surface.node_segments[surface.segments[m, side], side] >= 0:
+        return EDGE
+    return LEAVE * min(1.0, t.slave_length[s] / t.master_length[m])
 
 
 @section
@@ -95,7 +98,7 @@ def nearest_segment(t, x, s, last, best, reach, depth, p):
         gap, eta = foot(t, x, m, p)
         if gap > reach or gap < -depth:
             continue
-        if not (eta >= -_beyond(view.master, m, 0) and eta <= 1.0 + _beyond(view.master, m, 1)):
+        if not (eta >= -_beyond(t, m, 0, s) and eta <= 1.0 + _beyond(t, m, 1, s)):
             continue
         distance = abs(gap) * (1.0 if m == last else HYSTERESIS)
         if distance < nearest:
