@@ -122,6 +122,9 @@ def test_pair_nodes_keeps_corners_of_the_master_outside_the_slaves_segments() ->
         ([[0.3, -1.2], [0.5, -1.2]], 0),  # deep
         ([[0.3, 0.1], [0.5, -0.1]], 2),  # near
         ([[-1.1, 0.1], [-0.5, 0.1]], 2),  # the end is below the segment
+        ([[-1.01, 0.1], [-0.2, 0.1]], 2),  # beyond the end by a hundredth of either segment
+        ([[-1.01, 0.1], [-0.91, 0.1]], 2),  # the corner holds with a segment that it faces
+        ([[-1.11, 0.1], [-1.01, 0.1]], 0),  # beyond the end by a tenth of its own segment
     ],
 )
 def test_pair_nodes_holds_none_that_is_far_or_deep_or_beyond_an_end(points: list[list[float]], held: int) -> None:
