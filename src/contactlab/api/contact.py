@@ -93,6 +93,10 @@ class Pieces:
         )
 
 
+MERGED_BELOW = 0.05
+"""Share of its length below which a multiplier is merged if its algorithm does not say otherwise."""
+
+
 class ContactMethod(ABC):
     """What both kinds of contact algorithms declare. Algorithms derive from one of the classes below.
 
@@ -114,11 +118,14 @@ class ContactAlgorithm(ContactMethod):
     """Gives local operators. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
     gradient_nodes  most nodes that the weights of a piece depend on; 0 without `gradients`
+    merged_below    share of its length: a multiplier of which less is covered is merged into its neighbour, 0 to 0.5;
+                    with frozen forces in explicit runs 0.05, since they make energy of what comes free later
     closest_points  True if every condition measures the distance between closest points where separations lie along
                     the normals: normals that turn and weights that change do not change it then (to first order)
     """
 
     gradient_nodes: ClassVar[int] = 0
+    merged_below: ClassVar[float] = MERGED_BELOW
     closest_points: ClassVar[bool] = False
 
     def with_friction(self) -> ContactAlgorithm:

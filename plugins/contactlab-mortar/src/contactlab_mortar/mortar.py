@@ -119,6 +119,8 @@ class MortarP0(_Cone):
 class MortarP1(_Cone):
     """Multipliers continuous and linear on slave segments (Baillet & Sassi 2005, M_h^1; mortar-operators.md)."""
 
+    merged_below: ClassVar[float] = 0.2
+
     @formula
     def basis(xi: Any) -> Any:
         """Hats: T is the mass matrix of the slave, and pressures of neighbours are coupled."""
@@ -128,6 +130,8 @@ class MortarP1(_Cone):
 @dataclass(frozen=True)
 class MortarDual(_Mortar):
     """Multipliers biorthogonal to the hats on what is covered (Wohlmuth 2000; mortar-operators.md)."""
+
+    merged_below: ClassVar[float] = 0.45
 
     @formula
     def basis(xi: Any, covered: Any) -> Any:

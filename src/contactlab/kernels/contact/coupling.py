@@ -1,6 +1,6 @@
 """From segment contributions to the coupling T of the multipliers: merged, dropped, factorised and solved.
 
-T is tridiagonal along the slave chain. On partial cover a multiplier that keeps less than 5 % of its length is merged
+T is tridiagonal along the slave chain. On partial cover a multiplier that keeps little of its length is merged
 into its neighbour, one that has none and keeps less than 1e-6 is dropped (docs/theory/rows.md); merging adds rows and
 columns, so T stays square and tridiagonal. All kernels work on a `CouplingTable`.
 """
@@ -11,7 +11,6 @@ from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.kernels.contact.tables import CouplingTable
 
-MERGE_BELOW = 0.05
 DROP_BELOW = 1e-6
 
 

@@ -36,6 +36,9 @@ class ConsistentContactSystem(ContactSystem):
         self.constant, self.offset = constant, np.zeros(len(self.rows.gap))
         self.factored = self.told.rows.factors if self.told is not None else constant
         self.gradients = [consistent_rows(pair) for pair in pairs]
+        for pair in pairs:
+            if isinstance(pair, OperatorPair):
+                pair.coupling.let_go()
         # an overlap of the start that is pushed out puts energy in on purpose
         self.strict = [not pair.pushes_overlaps_out for pair in pairs]
         self.velocity = state["velocity"]

@@ -7,13 +7,14 @@ import numpy as np
 from contactlab.api import Floats, Ints, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.api.contact import MERGED_BELOW
 from contactlab.kernels.contact import banded_rows, coupling
 from contactlab.kernels.contact.tables import BandedRows, CouplingTable
 
 # for steps that free multipliers by and by, in shares of their lengths
 TIE = 0.1  # what ties a multiplier that is half free, about as much as T does at the cover where one comes free
 HELD_BELOW = 0.5  # one that is merged at the start of a step can be held so up to this cover,
-KEPT_ABOVE = 0.025  # and one that is free is merged below this one: it does not come and go at 5 %
+KEPT_ABOVE = 0.6  # and one that is free is merged below this share of that cover: it does not come and go
 
 
 class Coupling:
@@ -21,10 +22,13 @@ class Coupling:
 
     `table` holds its arrays, which the kernels of a pair fill from segment contributions. `carriers` (m,) marks slave
     nodes that carry multipliers, `fixed` (m,) those that cannot move: theirs are merged whatever they cover.
+    `merged_below` is the share of its length below which `let_go` and what follows it merge a multiplier.
     """
 
-    def __init__(self, slave: Surface, rows_per_node: int, carriers: Flags, fixed: Flags) -> None:
-        self.rows_per_node = rows_per_node
+    def __init__(
+        self, slave: Surface, rows_per_node: int, carriers: Flags, fixed: Flags, merged_below: float = MERGED_BELOW
+    ) -> None:
+        self.rows_per_node, self.merged_below = rows_per_node, merged_below
         carried = np.tile(carriers, rows_per_node)
         following, preceding = _neighbours(slave, rows_per_node, carried)
         absent = np.flatnonzero(~carried).astype(np.int32)
@@ -32,7 +36,7 @@ class Coupling:
         tie, full, cover, diagonal, lower, upper, pivot = np.zeros((7, k))
         owner, next_, previous, order = np.zeros((4, k), np.int32)
         self.table = CouplingTable(
-            following, preceding, absent, np.tile(fixed, rows_per_node), np.full(k, coupling.MERGE_BELOW), tie, full,
+            following, preceding, absent, np.tile(fixed, rows_per_node), np.full(k, MERGED_BELOW), tie, full,
             cover, diagonal, lower, upper, pivot, owner, next_, previous, order, np.zeros(1, np.int32),
         )  # fmt: skip
         self.bound = BoundArrays(CouplingTable, *self.table)
@@ -76,12 +80,12 @@ class Coupling:
         return free
 
     def let_go(self) -> None:
-        """Tie nothing, and merge what keeps less than 5 % of its length: the coupling as the theory has it."""
-        self.table.least[:], self.table.tie[:] = coupling.MERGE_BELOW, 0.0
+        """Tie nothing, and merge what keeps too little of its length: the coupling as the theory has it."""
+        self.table.least[:], self.table.tie[:] = self.merged_below, 0.0
 
     def untie(self, freedom: Floats) -> None:
         """Tie nothing; what has some `freedom` (k,) is merged later than what comes free."""
-        self.table.least[:] = np.where(freedom > 0.0, KEPT_ABOVE, coupling.MERGE_BELOW)
+        self.table.least[:] = np.where(freedom > 0.0, KEPT_ABOVE * self.merged_below, self.merged_below)
         self.table.tie[:] = 0.0
 
     def hold(self, freedom: Floats) -> None:
@@ -90,7 +94,7 @@ class Coupling:
         In between it is tied to the neighbour that it would be merged into, the less the more of it is free.
         """
         t = self.table
-        t.least[:] = np.where(freedom > 0.0, KEPT_ABOVE, HELD_BELOW)
+        t.least[:] = np.where(freedom > 0.0, KEPT_ABOVE * self.merged_below, HELD_BELOW)
         part = (freedom > 0.0) & (freedom < 1.0)
         t.tie[:] = 0.0
         t.tie[part] = TIE * t.full[part] * (1.0 / freedom[part] - 1.0)

@@ -42,7 +42,7 @@ class OperatorPair(ContactPair):
         algorithm = algorithm if friction is None else algorithm.with_friction()
         super().__init__(name, algorithm, slave, master, reference, first_slot, friction)
         self.algorithm, self.count = algorithm, 0
-        coupling = Coupling(slave, algorithm.rows_per_node, algorithm.carriers(slave), fixed)
+        coupling = Coupling(slave, algorithm.rows_per_node, algorithm.carriers(slave), fixed, algorithm.merged_below)
         self.arrays = OperatorArrays(slave, master, self.at, self.gaps, _widths(algorithm, slave, master), coupling)
         self.skin = SKIN * self.size
         self._unchecked = True
