@@ -207,7 +207,12 @@ class ImplicitEquations(Equations, Protocol):
 
     Between `begin_step` and `accept` everything is a trial: `internal_force` starts from the history of the
     last accepted step, whatever was tried in between; multipliers are those of `contact.conditions`.
+
+    stabilised  whether the next step has failed at all lengths, and an integrator that `stabilises` is to make it in
+                its second way
     """
+
+    stabilised: bool
 
     def internal_force(self, dt: float, share: float = 1.0) -> None:
         """As `Equations.internal_force`, but for stresses after a `share` of the way from the start of the step.
@@ -331,6 +336,10 @@ class ImplicitIntegrator(Integrator):
     def fixes_steps(self) -> bool:
         """Whether the scene gives this number; otherwise a loading that goes to and fro is given more."""
         return True
+
+    def stabilises(self) -> bool:
+        """Whether steps can be made in a second way where there is no equilibrium near: see `ImplicitEquations`."""
+        return False
 
     def for_coarser_levels(self) -> ImplicitIntegrator | None:
         """The integrator that solves coarser levels of the meshes first, where the end does not depend on the path.

@@ -41,6 +41,7 @@ class ImplicitModel(Model):
     def __post_init__(self) -> None:
         super().__post_init__()
         self.estimates: Sequence[Estimate] = ()
+        self.stabilised = False
         self._start, self._share = self.state["displacement"].copy(), 1.0
         self._tangent: Tangent | None = None
         self.stiffness_s = 0.0

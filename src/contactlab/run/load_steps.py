@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
-from contactlab.api import Floats, ImplicitIntegrator, RunWarning, Step, StepStatus
+from contactlab.api import WORK, Floats, ImplicitIntegrator, RunWarning, Step, StepStatus
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.loading.held_bodies import hold, loose_motions
 from contactlab.model.timing import A_PERIOD
@@ -27,6 +27,10 @@ SHORTEST = 2.0**-12  # of the wished step: below it the run is given up
 MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
 SAME = 1e-6  # relative: residuals of two attempts that differ by less are the same
 EACH_WAY = 2.0  # times the steps of a load, for each way of one that goes to and fro: friction work is right to 2 %
+JUMP = 0.25  # of the wished step: a stabilised one, so that what jumps does so under about the load that it jumps at
+STABILISED = 1  # times that a stabilised step is cut before the run is given up
+MUCH = 0.05  # of the work: stabilisation that takes more is warned of
+AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlier one had to be
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
 NEARLY = 1e-9  # of a step: differences below it are round-off
@@ -67,6 +71,8 @@ class LoadSchedule(Schedule):
         flows = any(body.material.history_size for body in self.model.bodies)
         self.cut_to, self.grow = FLOWING if flows else (CUT, GROW)
         self.failed: Step | None = None  # the last attempt, where it failed
+        self.given_up: SimulationFailure | None = None  # what the run would have ended in, while a step is stabilised
+        self.stabilised = 0  # steps
         return self._length()
 
     def _too_many(self, number: float, integrator: ImplicitIntegrator) -> SceneError:
@@ -129,7 +135,10 @@ class LoadSchedule(Schedule):
     def _took(self, step: Step, dt: float) -> None:
         """Follow an accepted step: longer again where it was easy."""
         self.failed = None
-        if self.skips:
+        if self.given_up is not None:
+            self.stabilised += 1
+            self._stabilise(None)
+        elif self.skips:
             self.model.way_followed = False
         elif step.iterations <= EASY:
             self.part = min(self.wished, self.grow * self.part)
@@ -146,16 +155,40 @@ class LoadSchedule(Schedule):
             self.part = self.wished
         else:
             self.part = self.cut_to * min(self.part, self.path.fraction(time + tried) - self.path.fraction(time))
-        if before is not None and repeats(before, step):
-            raise self._failure(tried, step, "as the longer one before it, iteration by iteration")
-        if self.part < SHORTEST * self.wished:
-            raise self._failure(tried, step, f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one")
+        if self.given_up is not None:
+            if self.part < JUMP * self.cut_to**STABILISED * self.wished:
+                raise SimulationFailure("not-converged", f"{self.given_up.reason}; {step.reason}")
+        elif how := self._in_vain(step):
+            return self._give_up(tried, step, how)
         self.failed, self.dt = step, self._length()
         loose = f"; {self._loose().partition(';')[0]}".rstrip("; ") if before is None else ""
         return (
             f"a step of {tried:.6g} from time {time:.6g} was taken back after {step.iterations} iterations: "
             f"{step.reason}{loose}; {self.dt:.6g} is tried"
         )
+
+    def _in_vain(self, step: Step) -> str:
+        """How a step failed that no shorter one can replace; empty while there is hope."""
+        if self.failed is not None and repeats(self.failed, step):
+            return "as the longer one before it, iteration by iteration"
+        shortest = AGAIN if self.stabilised else SHORTEST
+        if self.part < shortest * self.wished:
+            return f"1/{self.cut_to * self.wished / self.part:.0f} of the wished one"
+        return ""
+
+    def _give_up(self, tried: float, step: Step, how: str) -> str:
+        """Begin to stabilise a step, where the integrator does; raises SimulationFailure where not."""
+        failure = self._failure(tried, step, how)
+        if not cast(ImplicitIntegrator, self.model.integrator).stabilises():
+            raise failure
+        self._stabilise(failure)
+        return f"{failure.reason}; a stabilised step of {self.dt:.6g} is tried"
+
+    def _stabilise(self, failure: SimulationFailure | None) -> None:
+        """Let the next step be stabilised in place of a `failure`, or let steps be plain and long again."""
+        self.given_up, self.part, self.failed = failure, self.wished * (JUMP if failure is not None else 1.0), None
+        cast("ImplicitModel", self.model).stabilised = failure is not None
+        self.dt = self._length()
 
     def _failure(self, tried: float, step: Step, how: str) -> SimulationFailure:
         """Say how far the load went, why it went no further and where, and what to try."""
@@ -236,9 +269,30 @@ class LoadSchedule(Schedule):
             return True
         return super()._over(np.inf) if self.timing.until_settled else False
 
+    def stabilisation(self) -> dict[str, float]:
+        """Stabilised steps, the work [mJ] of their viscous forces, and its share of all work; empty without any."""
+        if not self.stabilised:
+            return {}
+        work = self.state["work"]
+        took, largest = float(work[WORK.index("numerical")]), float(np.abs(work).max())
+        return {"steps": self.stabilised, "work": took, "share": took / max(largest, 1e-300)}
+
+    def verdict(self) -> None:
+        """As every run's; warns where stabilisation took much of the work."""
+        super().verdict()
+        took = self.stabilisation()
+        if took and not abs(took["share"]) <= MUCH:
+            self.model.warnings.add(RunWarning(
+                "stabilised", took["share"], MUCH, "integrator.steps",
+                f"stabilisation took {took['share']:.1%} of the work, in {took['steps']:.0f} load steps (limit "
+                f"{MUCH:.0%}): bodies jumped there; its forces vanish at the end of each, but what depends on the way "
+                "(friction, plastic flow) is not exact; take more integrator.steps, or implicit-dynamics, which "
+                "follows the jump",
+            ))  # fmt: skip
+
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
-        own = {"schedule.load": np.array([self.part, self.model.way_followed])}
+        own = {"schedule.load": np.array([self.part, self.model.way_followed, self.stabilised])}
         if (contact := self._contact()) is not None:
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
         return super().saved() | own
@@ -246,8 +300,8 @@ class LoadSchedule(Schedule):
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Go back to where `memory` was saved."""
         super().restore(memory)
-        self.part, followed = memory["schedule.load"].tolist()
-        self.model.way_followed = bool(followed)
+        self.part, followed, stabilised = memory["schedule.load"].tolist()
+        self.model.way_followed, self.stabilised = bool(followed), int(stabilised)
         if (contact := self._contact()) is not None:
             contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
 

@@ -278,6 +278,8 @@ class Run:
         seen = journal.last, status, reason, self.counts, self.clock, journal.largest_force
         summary = summarise(journal.layout, self.model, *seen)
         summary["reached"] = self.schedule.reached()
+        if took := self.schedule.stabilisation():
+            summary["stabilisation"] = took
         summary["warnings"] = [warning.as_data() for warning in self.model.warnings]
         if self.counts.steps == self.first_step:
             # taken up and not stepped yet: what a step leaves in the model beside the state is not there

@@ -205,6 +205,10 @@ class Schedule:
         of = "time" if self.model.integrator.inertia else "load"
         return {"time": time, "share": self.share(time), "of": of}
 
+    def stabilisation(self) -> dict[str, float]:
+        """Steps that were stabilised, as for the summary. Explicit steps never are."""
+        return {}
+
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
         samples = np.full((SAMPLES + 1, 2), np.nan)

@@ -8,9 +8,11 @@ import numpy as np
 
 from contactlab.api import Estimate, Floats, ImplicitEquations, State, Step, StepStatus
 from contactlab_statics.contact_forces import ContactForces
+from contactlab_statics.factor import with_diagonal
 from contactlab_statics.iteration import NewtonIteration, take_back
 from contactlab_statics.ledger import Ledger
 from contactlab_statics.prediction import Prediction
+from contactlab_statics.relaxation import Relaxation
 
 LIMITED = 3  # corrections that may be shortened where bodies flow on as in the step before: a shorter step costs less
 
@@ -28,13 +30,16 @@ class LoadStep:
         self.iteration = NewtonIteration(equations, state, self, tolerance, iterations)
         self.ledger = Ledger(state)
         self.prediction = Prediction(equations, state)
+        self.relaxation: Relaxation | None = None
 
     def step(self, dt: float) -> Step:
         """Advance the state by dt of (pseudo-)time, or restore it."""
         equations, state = self.equations, self.state
+        if equations.stabilised:
+            return self._relax(dt)
         start = state.snapshot()
         equations.begin_step(dt)
-        self._start(dt)
+        self.start(dt)
         self.time = state.time + dt
         prescribed = equations.prescribed
         target = prescribed.scale * prescribed.values(self.time)[prescribed.ramp]
@@ -49,16 +54,32 @@ class LoadStep:
                 status=StepStatus.not_converged, iterations=len(outcome.trace), residual=outcome.residual.largest,
                 reason=outcome.reason, trace=tuple(outcome.trace),
             )  # fmt: skip
-        self._accept(dt)
+        self.accept()
+        self.prediction.follow(self.ledger.displacement)
         return Step(
             state["work"], state["reaction"], iterations=len(outcome.trace), residual=outcome.residual.contact,
             trace=tuple(outcome.trace),
         )  # fmt: skip
 
-    def _start(self, dt: float) -> None:
-        """Forces at the start of the step, for the ledger."""
+    def _relax(self, dt: float) -> Step:
+        """As `step`, by way of states that viscous forces hold back; see `Relaxation`."""
+        if self.relaxation is None:
+            self.relaxation = Relaxation(self.equations, self.state)
+        start = self.state.snapshot()
+        try:
+            done = self.relaxation.step(self, dt)
+        finally:
+            self.relaxation.active = False
+        if done.status is not StepStatus.accepted:
+            take_back(self.equations, self.state, start)
+        else:
+            self.prediction.follow(self.state["displacement"])  # nothing goes on as a jump did
+        return done
+
+    def start(self, dt: float, begun: bool = False) -> None:
+        """Forces at the start of the step, for the ledger; `begun`: all of the load was there before."""
         state = self.state
-        self.time = state.time
+        self.time = state.time + (dt if begun else 0.0)
         self.equations.internal_force(dt)
         if self.equations.contact is not None:
             self.equations.contact.evaluate(self.equations.position)
@@ -66,7 +87,7 @@ class LoadStep:
         self.unbalanced(out)
         out.reshape(-1)[self.equations.prescribed.dof] = 0.0
         # a load that nothing carries yet grows during the step: its work is that of a load path in balance
-        carried = self.external - out
+        carried = self.external if begun else self.external - out
         self.ledger.begin_step(carried, self.contact_forces.normal, self.contact_forces.tangential)
 
     def _begin_at(self, expected: Estimate, dt: float, target: Floats) -> None:
@@ -84,7 +105,8 @@ class LoadStep:
             np.multiply(expected.pressure, conditions.measure, out=conditions.force)
             conditions.force[:, ~conditions.present] = 0.0
 
-    def _accept(self, dt: float) -> None:
+    def accept(self) -> None:
+        """Book the step, and make the trial the state."""
         state, contact, own = self.state, self.equations.contact, self.contact_forces
         slip = 0.0
         if contact is not None:
@@ -98,7 +120,6 @@ class LoadStep:
         forces = self.external + (state["contact_force"] if contact is not None else 0.0)
         reaction[held] = (state["internal_force"] - forces).reshape(-1)[held]
         self.ledger.end(self.external, own.normal, own.tangential, slip)
-        self.prediction.follow(self.ledger.displacement)
         self.equations.accept()
 
     # --- Balance --------------------------------------------------------------------------------
@@ -112,10 +133,14 @@ class LoadStep:
         self.equations.external_force(self.time, self.external)
         np.subtract(self.external, self.state["internal_force"], out=out)
         self.contact_forces.add_to(out)
+        if self.relaxation is not None and self.relaxation.active:
+            out += self.relaxation.force()
         return self.external, self.state["internal_force"], self.contact_forces.normal
 
     def stiffness(self, dt: float) -> Any:
         """That of the bodies and of loads that follow them."""
         matrix = self.equations.stiffness(dt)
         self.equations.add_load_stiffness(self.time, matrix, 1.0, 0.0)
+        if self.relaxation is not None and self.relaxation.active:
+            return with_diagonal(matrix, 1.0, self.relaxation.viscosity.reshape(-1))
         return matrix

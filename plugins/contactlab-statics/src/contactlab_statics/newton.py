@@ -28,12 +28,15 @@ class Newton(ImplicitIntegrator):
     tolerance   largest unbalanced nodal force over the largest nodal force, and largest violation of a contact
                 condition in segment lengths, at which a step is accepted
     iterations  most iterations of a step before it is cut
+    stabilised  whether a load step that no shorter one can replace is made with viscous forces that vanish at its end
+                (docs/statics.md): bodies that snap, slip off or hang free then move until something holds them
     """
 
     steps: int | None = None
     nested: bool = True
     tolerance: float = 1e-8
     iterations: int = 25
+    stabilised: bool = True
 
     default_enforcement: ClassVar[str] = "active-set"
     order: ClassVar[int] = 1
@@ -54,7 +57,11 @@ class Newton(ImplicitIntegrator):
         """As exact as an estimate need be, unless the scene asks for load steps on the way."""
         if self.steps is not None or not self.nested:
             return None
-        return replace(self, tolerance=max(self.tolerance, ESTIMATE))
+        return replace(self, tolerance=max(self.tolerance, ESTIMATE), stabilised=False)
+
+    def stabilises(self) -> bool:
+        """Whether `stabilised` is true."""
+        return self.stabilised
 
     def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
         """What the last step moved [mm], from which the next one starts in bodies that flow."""
