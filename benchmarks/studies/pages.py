@@ -35,6 +35,7 @@ import hard_cases  # noqa: E402
 import kept_runs  # noqa: E402
 import make  # noqa: E402
 import matrix_page  # noqa: E402
+import methods  # noqa: E402
 import references_page  # noqa: E402
 import statics_cases  # noqa: E402
 
@@ -61,6 +62,7 @@ BUILT: dict[str, Callable[[], str]] = {
 """Pages that are built, and what they hold."""
 FILLED: dict[str, Callable[[], str]] = {
     "matrix.md": lambda: matrix_page.page(cases_page.stored()),
+    "methods.md": lambda: methods.page(methods.stored(), cases_page.stored()),
     "../README.md": demo_page.page,
 }
 """Pages of docs with numbers in their prose, and what they must be."""

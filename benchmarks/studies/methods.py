@@ -1,0 +1,261 @@
+"""What each contact method costs and how accurate it is: the numbers of docs/methods.md.
+
+    python benchmarks/studies/methods.py            # measures all and keeps methods.csv, three turns, some minutes
+    python benchmarks/studies/methods.py mortar-p1  # errors of some methods anew
+
+Pressures of disc-on-block in statics against the reference, at three levels with either side as slave, and what the
+sides' exchange changes; CPU time of a Newton iteration and of an explicit step, by turns of all methods. The page also
+takes rows of the quick matrix: the patch test, Hertz, rings, energy, verdicts. `make pages` fills it in.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections import Counter
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from statistics import median
+from typing import Any, Final
+
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ.setdefault(_name, "1")
+
+import numpy as np  # noqa: E402
+from kept_rows import Row, read, write  # noqa: E402
+
+KEPT, PAGE = Path(__file__).with_name("methods.csv"), Path(__file__).parents[2] / "docs" / "methods.md"
+END: Final = "<!-- end of numbers -->"
+COLUMNS: Final = ("method", "slave", "level", "quantity", "value")
+LEVELS: Final = (1, 2, 4)
+FINEST: Final = max(LEVELS)
+DEPTH, STEPS, EXPLICIT_END = 0.1581, 5, 4e-6
+CONES: Final = {f"{name}, strong cone": {"use": name, "cone": "strong"} for name in ("mortar-p0", "mortar-p1")}
+METHODS: Final[Mapping[str, Any]] = {
+    name: name for name in ("node-on-segment", "gauss-point", "mortar-p0", "mortar-p1", "mortar-dual")
+} | dict(CONES)
+SLAVES: Final = {"disc": False, "block": True}
+
+
+COSTS: Final = ("iteration", "iteration, contact per node", "step", "step, contact per node")
+
+
+# --- measuring --------------------------------------------------------------------------------------------------------
+
+
+def scene(method: str, slave: str, level: int, changes: Mapping[str, Any]) -> Any:
+    """Disc-on-block with a method."""
+    import contactlab
+
+    keys = {"level": level, "contacts.0.algorithm": METHODS[method], "contacts.0.swap": SLAVES[slave]}
+    return contactlab.load_scene("disc-on-block").with_({**keys, "record.recorders": [], **changes})
+
+
+def statics(method: str, slave: str, level: int) -> Any:
+    """A run to the full depth."""
+    import contactlab
+
+    changes = {"integrator": {"use": "newton", "steps": STEPS}, "supports.1.uy.to": -DEPTH, "record.frames": 1}
+    return contactlab.simulate(scene(method, slave, level, changes))
+
+
+def explicit(method: str, slave: str, level: int) -> Any:
+    """The first steps in time."""
+    import contactlab
+
+    return contactlab.simulate(scene(method, slave, level, {"time.end": EXPLICIT_END, "record.frames": 1}))
+
+
+def profile(results: Any) -> Any:
+    """The pressure at the slave's nodes over x."""
+    from contactlab.studies.profile import Profile
+
+    curve = results.contact["contacts.0"].last
+    return Profile.of_nodes(np.asarray(curve.x, float), np.nan_to_num(np.asarray(curve.pressure, float)))
+
+
+def accuracies(method: str, level: int) -> list[Row]:
+    """Errors of the pressure with either slave, their exchange, and the lowest pressure over the largest one."""
+    from contactlab.studies.measures import mutual_difference, pressure_error
+    from contactlab.studies.reference import load_reference
+
+    reference, found, rows = load_reference("disc-on-block-deep"), {}, []
+    for slave in SLAVES:
+        results = statics(method, slave, level)
+        if results.status != "finished":
+            rows.append(_row(method, slave, level, "failed", results.status))
+            continue
+        found[slave] = here = profile(results)
+        rows += [
+            _row(method, slave, level, "error", pressure_error(here, reference.profile, reference.window)),
+            _row(method, slave, level, "lowest", float(here.value.min() / here.value.max())),
+            _row(method, slave, level, "iterations", results.summary["iterations"]),
+        ]
+    if len(found) == len(SLAVES):
+        rows.append(_row(method, "", level, "swap", mutual_difference(found["disc"], found["block"])))
+    return rows
+
+
+def costs(turns: int) -> list[Row]:
+    """CPU time of an iteration at the finest level and of an explicit step at the coarsest one, medians of turns.
+
+    And the contact's share of it per node of the slave.
+    """
+    spent: dict[tuple[str, str, str], list[float]] = {}
+    kinds: Mapping[str, tuple[Callable[..., Any], int]] = {"iteration": (statics, FINEST), "step": (explicit, 1)}
+    for turn in range(turns + 1):  # the first one compiles
+        for method in METHODS:
+            for kind, (run, level) in kinds.items():
+                results = run(method, "disc", level if turn else 1)
+                cost = results.summary["cost"]
+                each = cost["run_cpu_s"] / results.summary["iterations" if kind == "iteration" else "steps"]
+                share = cost["phases"]["contact"] / sum(cost["phases"].values())
+                nodes = len(results.contact["contacts.0"].last.x)
+                if turn:
+                    spent.setdefault((method, kind, str(level)), []).append(each)
+                    spent.setdefault((method, f"{kind}, contact per node", str(level)), []).append(share * each / nodes)
+    return [_row(method, "disc", int(level), kind, median(times)) for (method, kind, level), times in spent.items()]
+
+
+def _row(method: str, slave: str, level: int, quantity: str, value: Any) -> Row:
+    said = f"{value:.4g}" if isinstance(value, float) else str(value)
+    return dict(zip(COLUMNS, (method, slave, str(level), quantity, said), strict=True))
+
+
+# --- the page ---------------------------------------------------------------------------------------------------------
+
+CASES: Final = {
+    "patch": "stress", "hertz": "L2 of the pressure", "two-rings": "order of the carried pressure",
+    "stuck-rings": "order of the carried shear, inside", "ironing": "iterations",
+}  # fmt: skip
+PENETRATION, SAW = "largest penetration of either side in segments", "saw-tooth of the pressure"
+
+
+def stored() -> list[Row]:
+    """The rows that are kept."""
+    return read(KEPT)
+
+
+def page(rows: list[Row], cases: list[Row]) -> str:
+    """docs/methods.md with its numbers put in, from those of this script and of the quick matrix."""
+    text = PAGE.read_text(encoding="utf-8")
+    for mark, table in {
+        "pressure": _pressures(rows),
+        "cone": _cones(rows),
+        "cost": _costs(rows),
+        "cases": _cases(cases),
+    }.items():
+        head, rest = text.split(f"<!-- {mark} -->\n")
+        text = f"{head}<!-- {mark} -->\n{table}\n{END}{rest.partition(END)[2]}"
+    return text
+
+
+class _Values:
+    """Kept values by method, slave, level and quantity; nan where a run failed."""
+
+    def __init__(self, rows: list[Row]) -> None:
+        self._found = {tuple(row[name] for name in COLUMNS[:-1]): row["value"] for row in rows}
+
+    def __call__(self, method: str, slave: str, level: int, quantity: str) -> float:
+        return float(self._found.get((method, slave, str(level), quantity), "nan"))
+
+
+def _table(head: str, lines: list[list[str]]) -> str:
+    rule = "|" + "---|" * head.count("|", 1)
+    return "\n".join([head, rule, *(f"| {' | '.join(line)} |" for line in lines)])
+
+
+def _percent(value: float) -> str:
+    return "failed" if np.isnan(value) else f"{100.0 * value:.2g}"
+
+
+def _pressures(rows: list[Row]) -> str:
+    """Errors of the pressure by level and slave, their order, and what exchanging the sides changes."""
+    value, lines = _Values(rows), []
+    for method in METHODS:
+        if method in CONES:
+            continue
+        line = [f"`{method}`"]
+        for slave in SLAVES:
+            errors = [value(method, slave, level, "error") for level in LEVELS]
+            order = np.log(errors[0] / errors[-1]) / np.log(LEVELS[-1] / LEVELS[0])
+            line += [", ".join(map(_percent, errors)), "" if np.isnan(order) else f"{order:.1f}"]
+        lines.append([*line, ", ".join(_percent(value(method, "", level, "swap")) for level in LEVELS)])
+    return _table("| method | disc slave | order | block slave | order | swap |", lines)
+
+
+def _cones(rows: list[Row]) -> str:
+    """Both cones beside each other: errors, the lowest pressure over the largest one, and iterations."""
+    value, lines = _Values(rows), []
+    for method in METHODS:
+        if f"{method}, strong cone" in CONES or method in CONES:
+            for slave in SLAVES:
+                errors, lowest, iterations = (
+                    [value(method, slave, level, quantity) for level in LEVELS]
+                    for quantity in ("error", "lowest", "iterations")
+                )
+                told = [", ".join(map(_percent, values)) for values in (errors, lowest)]
+                lines.append([_named(method), slave, *told, ", ".join(f"{count:.0f}" for count in iterations)])
+    return _table("| method | slave | error | lowest pressure | iterations |", lines)
+
+
+def _named(method: str) -> str:
+    name, _, cone = method.partition(",")
+    return f"`{name}`,{cone}" if cone else f"`{name}`"
+
+
+def _costs(rows: list[Row]) -> str:
+    """CPU times, and those over the ones of mortar-p0."""
+    value, lines = _Values(rows), []
+    kinds = list(zip(COSTS, (FINEST, FINEST, 1, 1), (1e3, 1e6, 1e6, 1e6), strict=True))
+    for method in METHODS:
+        line = [_named(method)]
+        for kind, level, scale in kinds:
+            spent, base = (value(name, "disc", level, kind) for name in (method, "mortar-p0"))
+            line.append(f"{scale * spent:.3g} ({spent / base:.2f})")
+        lines.append(line)
+    return _table(
+        "| method | iteration [ms] | its contact per node [us] | step [us] | its contact per node [us] |", lines
+    )
+
+
+def _cases(cases: list[Row]) -> str:
+    """What the quick matrix has: some numbers, and the cases that were not met."""
+    lines = []
+    for method in (name for name in METHODS if name not in CONES):
+        own = [row for row in cases if row["contact"] == method and not row["variant"]]
+        found = {(row["case"], row["measure"]): row["value"] for row in own}
+        cells = {row["case"]: row["cell"] for row in own}
+        line = [f"`{method}`", *(found.get(pair, "") for pair in CASES.items())]
+        line += [_largest(own, PENETRATION), _largest(own, SAW), f"{Counter(cells.values())['met']} of {len(cells)}"]
+        lines.append([*line, ", ".join(f"{case} ({said})" for case, said in cells.items() if said != "met")])
+    head = (
+        "| method | patch: stress | Hertz: L2 | rings: order of pressure | of shear | ironing: iterations "
+        "| deepest penetration, segments | largest saw-tooth | met | others |"
+    )
+    return _table(head, lines)
+
+
+def _largest(rows: list[Row], measure: str) -> str:
+    return max((row["value"] for row in rows if row["measure"] == measure), key=float, default="")
+
+
+def main() -> None:
+    """Measure and keep."""
+    wish = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    wish.add_argument("methods", nargs="*", help="errors of these alone; what else is kept stays")
+    wish.add_argument("--turns", type=int, default=3)
+    given = wish.parse_args()
+    if given.methods:
+        rows = [row for row in stored() if row["method"] not in given.methods or row["quantity"] in COSTS]
+    else:
+        rows = costs(given.turns)
+    for method in given.methods or METHODS:
+        for level in LEVELS:
+            rows += accuracies(method, level)
+            print(method, level, rows[-1]["value"], flush=True)
+    write(KEPT, COLUMNS, rows)
+
+
+if __name__ == "__main__":
+    main()
