@@ -65,3 +65,56 @@ def test_without_stabilisation_statics_stop_there_and_say_why() -> None:
     assert stopped.status == "not-converged"
     assert "snaps through" in stopped.reason
     assert "stabilisation" not in stopped.summary
+
+
+def clip(algorithm: str) -> Results:
+    """A clip (a beam 16 by 2 with a hook that rises by 1.8 over 3) is pushed over the sharp edge of a coarse plate."""
+    x = np.concatenate([np.linspace(0.0, 16.0, 9), [16.5, 17.0, 18.0, 19.0, 20.0]])
+    rows, number = [], {}
+    for i, at in enumerate(x):
+        lower = max(0.0, 1.1 * (at - 16.0) / 4.0)
+        heights = list(np.linspace(lower, 2.0, 3))
+        if at >= 16.0:
+            tip = -1.5 + 0.6 * max(0.0, at - 17.0)
+            heights = [tip, 0.5 * (tip + lower), *heights]
+        for j, y in enumerate(heights):
+            number[i, j - (len(heights) - 3)] = len(rows)
+            rows.append((at, y))
+    cells = [
+        [number[i, j], number[i + 1, j], number[i + 1, j + 1], number[i, j + 1]]
+        for i in range(len(x) - 1)
+        for j in range(-2 if x[i] >= 16.0 else 0, 2)
+    ]
+    hook = [number[8, j] for j in (0, -1, -2)] + [number[i, -2] for i in range(9, len(x))]
+    root = [number[0, j] for j in range(3)]
+    edges = {name: np.array([line[:-1], line[1:]]).T for name, line in (("hook", hook), ("root", root))}
+    mesh = contactlab.mesh(np.array(rows), np.array(cells), edges)
+    plate = {"use": "rectangle", "x": [20.3, 24.0], "y": [-4.0, -0.4], "cells": [4, 4]}
+    scene = {
+        "format": 1, "name": "clip", "integrator": {"use": "newton"},
+        "materials": {"soft": SOFT, "steel": {**SOFT, "young": 1e5}},
+        "bodies": {
+            "clip": {"element": "q1", "material": "soft", "mesh": mesh},
+            "plate": {"element": "q1", "material": "steel", "mesh": plate},
+        },
+        "contacts": [{
+            "slave": "clip.hook", "master": ["plate.left", "plate.top"], "algorithm": algorithm,
+            "friction": {"use": "coulomb", "mu": 0.2},
+        }],
+        "supports": [
+            {"on": "plate.bottom", "ux": 0.0, "uy": 0.0},
+            {"on": "clip.root", "ux": {"ramp": "linear", "to": 5.5}, "uy": 0.0},
+        ],
+    }  # fmt: skip
+    return contactlab.simulate(Scene.from_data(scene))
+
+
+@pytest.mark.full
+def test_a_clip_passes_a_sharp_edge_and_rests_on_the_plate_with_the_force_of_friction() -> None:
+    found = clip("mortar-p1")
+    assert found.status == "finished"
+    assert found.summary["stabilisation"]["steps"] > 0
+    along, across = found.summary["reactions"]["clip.root"]
+    # the plate is level, and the clip slides on it
+    assert along == pytest.approx(-0.2 * across, rel=1e-3)
+    np.testing.assert_allclose(clip("node-on-segment").summary["reactions"]["clip.root"], [along, across], rtol=1e-3)

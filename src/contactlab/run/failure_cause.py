@@ -22,6 +22,7 @@ SHARP = 20.0  # degrees by which a surface turns at a corner: meshes of curves t
 LAST = 8  # iterations whose changes of contact states count
 FILLET = 3.0  # segments: the radius that a snap fit needed to get past a corner
 AT_CORNER = 1.0  # longest segments beside a corner
+SLOPE = 0.05  # of the resistance: what normals that lean by deformation add against sliding is no hold
 USED = 0.9  # of the friction that a contact can carry: more of it is a limit that the load comes to
 STICK, SLIP = 1, 2
 
@@ -151,7 +152,7 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
     """Contacts that carry nearly all the friction that they can, while nothing else holds a body."""
     if model.integrator.inertia or not (closed := _closed(model)):
         return ""
-    loose = loose_motions(cast("ImplicitModel", model), friction=False)
+    loose = loose_motions(cast("ImplicitModel", model), friction=False, least=SLOPE)
     contact = cast("ImplicitContactSystem", model.contact)
     if not loose or not len(contact.conditions.slip):
         return ""

@@ -48,6 +48,8 @@ class Oscillator:
     begun, accepted  lengths of the steps that were begun since one was accepted; number of steps accepted
     """
 
+    stabilised = False  # no step fails at all lengths
+
     def __init__(
         self,
         integrator: AnyIntegrator,

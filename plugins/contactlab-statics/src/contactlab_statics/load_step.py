@@ -113,7 +113,8 @@ class LoadStep:
             state["contact_force"][:] = own.normal
             if len(own.tangential):
                 state["contact_force"][:] += own.tangential
-                slip = -float(contact.conditions.force[1] @ contact.conditions.slip)
+                c = contact.conditions
+                slip = -float(c.force[1] @ np.where(c.present, c.slip, 0.0))  # what is not there may have no slip
         held = self.equations.prescribed.dof
         reaction = state["reaction"].reshape(-1)
         reaction[:] = 0.0

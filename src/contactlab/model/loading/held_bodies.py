@@ -53,10 +53,11 @@ def free_motions(body: Body, supports: SupportPlan | Prescribed) -> list[str]:
     return [MOTIONS[int(np.argmax(np.abs(mode)))] for mode in loose]
 
 
-def loose_motions(model: ImplicitModel, friction: bool = True) -> dict[str, tuple[str, ...]]:
+def loose_motions(model: ImplicitModel, friction: bool = True, least: float = RANK) -> dict[str, tuple[str, ...]]:
     """Rigid motions that neither supports, effects nor closed contacts resist at the present state, by body.
 
     friction  whether that of contacts counts
+    least     what resists less than this share of the largest resistance does not count
     """
     bodies = [body for body in model.bodies if free_motions(body, model.prescribed)]
     if not bodies:
@@ -81,13 +82,13 @@ def loose_motions(model: ImplicitModel, friction: bool = True) -> dict[str, tupl
         if friction and across is not None and sticks is not None:
             rows.append((across @ modes)[np.searchsorted(np.flatnonzero(closed), sticks)])
     _, sizes, directions = np.linalg.svd(np.concatenate(rows))
-    free = directions[int((sizes > RANK * max(1.0, sizes.max(initial=0.0))).sum()) :]
+    free = directions[int((sizes > least * max(1.0, sizes.max(initial=0.0))).sum()) :]
     found: dict[str, tuple[str, ...]] = {}
     for number, body in enumerate(bodies):
         share = np.linalg.norm(free[:, 3 * number : 3 * number + 3], axis=0)  # of each motion that is free
         if (most := float(share.max(initial=0.0))) > FREE:
-            least = (1.0 - FREE) * most
-            found[body.name] = tuple(motion for motion, own in zip(MOTIONS, share, strict=True) if own >= least)
+            alike = (1.0 - FREE) * most
+            found[body.name] = tuple(motion for motion, own in zip(MOTIONS, share, strict=True) if own >= alike)
     return found
 
 
