@@ -76,10 +76,10 @@ class LoadStep:
             self.prediction.follow(self.state["displacement"])  # nothing goes on as a jump did
         return done
 
-    def start(self, dt: float, begun: bool = False) -> None:
-        """Forces at the start of the step, for the ledger; `begun`: all of the load was there before."""
+    def start(self, dt: float, loaded: float | None = None) -> None:
+        """Forces at the start of the step, for the ledger; `loaded`: the time [s] of loads that were there before."""
         state = self.state
-        self.time = state.time + (dt if begun else 0.0)
+        self.time = state.time if loaded is None else loaded
         self.equations.internal_force(dt)
         if self.equations.contact is not None:
             self.equations.contact.evaluate(self.equations.position)
@@ -87,7 +87,7 @@ class LoadStep:
         self.unbalanced(out)
         out.reshape(-1)[self.equations.prescribed.dof] = 0.0
         # a load that nothing carries yet grows during the step: its work is that of a load path in balance
-        carried = self.external if begun else self.external - out
+        carried = self.external - out if loaded is None else self.external
         self.ledger.begin_step(carried, self.contact_forces.normal, self.contact_forces.tangential)
 
     def _begin_at(self, expected: Estimate, dt: float, target: Floats) -> None:

@@ -29,7 +29,7 @@ EASY = 8  # iterations of a substep after which a longer one is tried
 GROW, CUT = 4.0, 0.125
 FIRST = 100.0  # times the number of nodes: 1 is what single nodes take among held ones, and a bent body that number
 SHORTEST = 1.0
-MOST = 16  # times the wished iterations, in all substeps together
+MOST = 8  # times the wished iterations, in all substeps together
 SMALL, FINER = 1e-3, 1e-2  # of the largest force: viscous forces below it are left out; where that failed, later
 SOFT = 1e-8  # of the stiffness: holds what no support does, where bodies follow supports
 FAR = 10.0  # sizes of the model: what is carried farther comes to no rest
@@ -55,7 +55,8 @@ class Relaxation:
         """Make a load step of length dt [s] in substeps; the state is left anywhere where that fails."""
         equations, state, iteration = self.equations, self.state, load.iteration
         prescribed, size = equations.prescribed, iteration.scales.size
-        target = prescribed.scale * prescribed.values(state.time + dt)[prescribed.ramp]
+        end = state.time + dt
+        target = prescribed.scale * prescribed.values(end)[prescribed.ramp]
         begin = state["displacement"].copy()
         stiffness, damping = self._damping(dt)
         self.drift[:] = self._carried(load, stiffness, damping, target)
@@ -67,10 +68,11 @@ class Relaxation:
             memory = state.snapshot()
             equations.begin_step(dt)
             self.active = False
-            load.start(dt, begun=accepted > 0)
-            load.time = state.time + dt
+            lasts = dt if not accepted else MOMENT * dt
+            load.start(lasts, end if accepted else None)
+            load.time = end
             self._begin(damping, length)
-            outcome = iteration.run(dt if not accepted else MOMENT * dt, target)
+            outcome = iteration.run(lasts, target)
             trace += outcome.trace
             if outcome.reason:
                 take_back(equations, state, memory)
