@@ -231,10 +231,29 @@ def test_load_increments_follow_a_sine() -> None:
     """
     found, fine = (simulate(dragged(0.1, use, 0.35)) for use in ("newton", {"use": "newton", "steps": 400}))
     assert friction_work(found) == pytest.approx(friction_work(fine), rel=0.05)
-    assert found.summary["steps"] < 150
+    assert found.summary["steps"] < 160
     assert "coarse-steps" not in codes(found)
     rigid = MU * abs(force(fine)) * AMPLITUDE * (1.0 + 2.0 * 5.8)  # 0.315 s are 3.15 periods: 12.6 quarters
     assert 0.7 * rigid < friction_work(fine) < 1.01 * rigid
+
+
+def test_friction_that_turns_at_once_loses_no_work() -> None:
+    """A stiff pad on a rigid floor: mu N times the way. The step in which friction turns books none, and is short."""
+    stiff = {"use": "linear-elastic", "young": 2e5, "poisson": 0.0, "density": 1e-9}
+    wave = {"ramp": "function", "to": AMPLITUDE, "function": {"use": "sine", "period": 0.5}}
+    results = simulate(Scene.from_data({
+        "time": {"end": 0.5},
+        "integrator": "newton",
+        "materials": {"m": stiff},
+        "bodies": {"pad": block([0.0, 0.5], [2, 1])},
+        "rigid": {"floor": {"line": [[4.0, 0.0], [-2.0, 0.0]]}},
+        "contacts": [{"slave": "pad.bottom", "master": "floor", "algorithm": "mortar-p0",
+                      "friction": {"use": "coulomb", "mu": MU}}],
+        "supports": [{"on": "pad.top", "ux": wave}],
+        "loads": [{"on": "pad.top", "ty": -20.0}],
+        "record": {"frames": 4, "recorders": []},
+    }))  # fmt: skip
+    assert friction_work(results) == pytest.approx(MU * 40.0 * 4.0 * AMPLITUDE, rel=0.01)
 
 
 def test_steps_end_where_a_function_turns_and_where_an_effect_is_over() -> None:

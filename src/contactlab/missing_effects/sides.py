@@ -79,13 +79,17 @@ class WrongSide:
         self.worst[1:] += forces.sum(), forces @ _cross(normals, right) ** 2, forces @ _cross(wrong, right) ** 2
 
     def warning(self) -> RunWarning | None:
-        """Advise the other side as slave if forces lean, or if that side is softer or finer and no force would lean."""
+        """Advise the other side as slave if forces lean, or if that side is softer or finer and no force would lean.
+
+        Stiffness and coarseness count for methods that fail the patch test: on finished cells of the quick matrix these
+        alarms are right for 6 of 6 such runs, and for none of 13 mortars, whose errors do not depend on the side.
+        """
         coarseness, force, *squares = (float(number) for number in self.worst)
         lean, other_lean = np.sqrt(np.array(squares) / max(force, np.finfo(float).tiny))
         if lean > LEAN:
             seen = f"normals of facets lean by {np.degrees(lean):.2g} degrees against the smoother side"
             return self._swap(float(lean), LEAN, f"{seen}, and forces with them", "its normals are better known")
-        if other_lean > LEAN:
+        if other_lean > LEAN or self.pair.method.passes_patch_test:
             return None
         better = "the softer and finer side carries the multipliers better"
         if self.stiffness > STIFFER:

@@ -24,6 +24,7 @@ FIT = 0.05  # segments: how far nodes of like meshes may have slid apart
 FEW_PAIRS = 250_000  # of points: comparing all takes some ms, importing a search tree a tenth of a second
 FEW = 6  # nodes: of a disc on a plane five or fewer press if its facets are as deep as FACETS of the approach
 PEAK = 0.1  # multipliers above nodal pressures: with 3 nodes in a Hertz contact 34 to 52 %, with 5 2 to 6 %
+HIGH = 0.01  # of the force: distances that conditions keep between pressed nodes and the other side
 ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 
 
@@ -45,6 +46,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
         elif report.largest > ROUND * largest_force:
             _judge_facets(model, pair, report.curve)
             _judge_peak(model, pair, report.curve)
+            _judge_distance(model, pair, report.curve, sample.energies["stored"] + sample.energies["plastic"])
             _judge_friction(model, pair)
             pressed = model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots] > 0.0
             if np.count_nonzero(pressed) >= ENOUGH:  # of one or two conditions the force alone is known
@@ -161,6 +163,45 @@ def _judge_peak(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
             f"(limit {PEAK:.0%}); take cells of the slave half as long there",
         )
     )  # fmt: skip
+
+
+def _judge_distance(model: Model, pair: ContactPair, curve: ContactCurve, stored: float) -> None:
+    """Whether a few pressed nodes stand off the other side, as if it came nearer than it is.
+
+    A gap averaged over the segments of a node is zero before the node touches a side that curves away by as much. In
+    statics forces times such distances, over twice the energy of the bodies, are at least their share of a force that a
+    support drives, or of its displacement under a given load.
+    """
+    if model.integrator.inertia or pair.start_distance is not None or not _few_between_open_ones(curve):
+        return
+    force = model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]
+    force = np.maximum(0.0, force.reshape(pair.rows_per_node, -1)).sum(axis=0)
+    pressed = np.flatnonzero(force)
+    apart = _signed_distances(model.position[pair.slave.nodes[pressed]], model.position, pair.master)
+    share = float(force[pressed] @ apart) / max(2.0 * stored, 1e-300)
+    if not share > HIGH:
+        return
+    widest = int(apart.argmax())
+    model.warnings.add(
+        RunWarning(
+            "kept-gap", share, HIGH, f"{pair.name}.slave",
+            f"{pair.name}: gaps averaged over segments are zero while pressed nodes are up to {apart[widest]:.3g} from "
+            f"the other side, at {_place(model, model.position[pair.slave.nodes[pressed[widest]]])}: forces are too "
+            f"large by up to {share:.0%}, or displacements under given loads too small (limit {HIGH:.0%}); take cells "
+            "of both sides half as long there, which makes it a quarter",
+        )
+    )  # fmt: skip
+
+
+def _signed_distances(points: Floats, position: Floats, surface: Surface) -> Floats:
+    """Distances (n,) of some points to the nearest segment of a surface, negative inside."""
+    begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
+    along, apart = end - begin, points[:, None] - begin
+    at = np.clip((apart * along).sum(axis=2) / (along**2).sum(axis=1), 0.0, 1.0)
+    apart = apart - at[..., None] * along
+    nearest = (apart**2).sum(axis=2).argmin(axis=1)
+    off, edge = apart[np.arange(len(points)), nearest], along[nearest]
+    return np.asarray(np.hypot(*off.T) * np.sign(off[:, 0] * edge[:, 1] - off[:, 1] * edge[:, 0]))
 
 
 def _few_between_open_ones(curve: ContactCurve) -> bool:

@@ -31,6 +31,7 @@ JUMP = 0.25  # of the wished step: a stabilised one, so that what jumps does so 
 STABILISED = 1  # times that a stabilised step is cut before the run is given up
 MUCH = 0.05  # of the work: stabilisation that takes more is warned of
 AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlier one had to be
+TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has no work, in a stiff pad all friction
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
 NUMBER = re.compile(r"[\d.]+(e[+-]?\d+)?")
 NEARLY = 1e-9  # of a step: differences below it are round-off
@@ -201,14 +202,20 @@ class LoadSchedule(Schedule):
         return SimulationFailure("not-converged", f"{done}, {why} ({attempt})")
 
     def _loose(self) -> str:
-        """Say what nothing holds in statics, and what would."""
+        """Say what nothing holds in statics, or friction that nothing presses yet, and what would."""
         if self.model.integrator.inertia:
             return ""
-        loose = loose_motions(cast("ImplicitModel", self.model))
-        told = [f"{body} against {' or '.join(motions)}" for body, motions in loose.items()]
-        holds = [hold(body, motions) for body, motions in loose.items()]
-        if not told:
+        model = cast("ImplicitModel", self.model)
+        if not (loose := loose_motions(model)):
             return ""
+        if not (never := loose_motions(model, pressed=False)):
+            told = [f"{body} against {' or '.join(motions)}" for body, motions in loose.items()]
+            return (
+                f"friction alone is to hold {', and '.join(told)}, and it cannot from the start: the load drives more "
+                "than it presses; try more friction, pressure before the push, or a support"
+            )
+        told = [f"{body} against {' or '.join(motions)}" for body, motions in never.items()]
+        holds = [hold(body, motions) for body, motions in never.items()]
         return (
             f"nothing holds {', nor '.join(told)}; {holds[0]}; or let it begin in touch with what is to hold it; what "
             "moves freely needs inertia (implicit-dynamics)"
@@ -247,12 +254,20 @@ class LoadSchedule(Schedule):
         done = self.path.fraction(time)
         stop = self.path.stop(time)
         rest = self.path.fraction(stop) - done
-        number = max(1, int(np.ceil(rest / self.part * (1.0 - NEARLY))))
+        part = min(self.part, TURNED * self.wished) if self._turned(time) else self.part
+        number = max(1, int(np.ceil(rest / part * (1.0 - NEARLY))))
         # all are free at a corner: what is to come free before it does so evenly
         self._release(max(pace, 1.0 / number))
         if number == 1:
             return stop - time
-        return self.path.time(done + (rest / number if number <= 2 else self.part)) - time
+        return self.path.time(done + (rest / number if number <= 2 else part)) - time
+
+    def _turned(self, time: float) -> bool:
+        """Whether a value that goes to and fro begins or turns at a time, in statics that remember the path."""
+        if not self.each_way or not self.model.history or self.skips:
+            return False
+        near = NEARLY * self.timing.last
+        return any(bool((np.abs(swing.turns - time) <= near).any()) for swing in self.swings)
 
     def _until_settled(self, time: float) -> float:
         """The step of a run that has no end to meet. Those of the hold are short enough to judge it by."""

@@ -59,14 +59,16 @@ def squeezed(ramp: float) -> dict[str, Any]:
     return scene
 
 
-def with_stiff_slave() -> dict[str, Any]:
+def with_stiff_slave(algorithm: str = "node-on-segment") -> dict[str, Any]:
     scene = colliding(contacts=True, material="hard")
+    scene["contacts"][0]["algorithm"] = algorithm
     scene["materials"]["hard"] = {"use": "neo-hookean", **ELASTIC, "young": 30_000.0}
     return scene
 
 
 def with_coarse_slave() -> dict[str, Any]:
     scene = colliding(contacts=True, slave_cells=(1, 2))
+    scene["contacts"][0]["algorithm"] = "node-on-segment"
     scene["bodies"]["low"] = body((0.0, 1.0), (5, 3))
     return scene
 
@@ -109,6 +111,10 @@ def test_what_is_needed_is_named_once_with_its_number(seed: str) -> None:
     assert len(found) == 1
     assert re.search(number, found[0].text), found[0].text
     assert found[0].value > found[0].limit
+
+
+def test_mortars_are_not_advised_on_the_side_of_the_slave() -> None:
+    assert "other-slave" not in [warning.code for warning in warnings_of(with_stiff_slave("mortar-p0"))]
 
 
 def test_a_run_that_nothing_resists_is_not_only_told_to_be_slower() -> None:

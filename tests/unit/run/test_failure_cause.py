@@ -69,6 +69,13 @@ def test_friction_that_is_none_is_not_to_be_less() -> None:
     assert "less friction" not in reason
 
 
+def test_friction_that_is_too_little_from_the_start_is_named() -> None:
+    """Pressed and pushed at once by more than mu: no increment has an equilibrium, and a law of friction is there."""
+    scene = pushed(0.3, 2.0).with_({"loads.0.ty.duration": 1.0, "loads.1.tx.begin": 0.0, "loads.1.tx.duration": 1.0})
+    reason = simulate(scene.with_({"contacts.0.enforcement": "active-set"})).reason
+    assert "friction alone is to hold block against sliding along x, and it cannot from the start" in reason
+
+
 def built(changes: dict[str, Any] | None = None) -> tuple[Model, Scene]:
     scene = load_scene("disc-on-block").with_({"integrator": "newton", "level": 1} | (changes or {}))
     return build(scene, default_registry()), scene

@@ -192,6 +192,38 @@ def test_a_peak_that_too_few_nodes_carry_is_told_with_its_place(cells: int, node
         assert abs(error) < 0.01
 
 
+def clamped_beam(cells: int) -> Scene:
+    """A beam between two walls, bent by a roll whose curve falls away by a sixth of the stroke within a segment."""
+    data = {
+        "integrator": "newton",
+        "materials": {"m": {**ELASTIC, "poisson": 0.0}},
+        "bodies": {
+            "beam": {
+                "element": "q1", "material": "m",
+                "mesh": {"use": "rectangle", "x": [-2.0, 2.0], "y": [0.0, 1.0], "cells": [cells, 6]},
+            },
+        },
+        "rigid": {"roll": {"arc": {"centre": [0.0, 3.0], "radius": 2.0, "angles": [200.0, 340.0]}, "segment": 0.02,
+                           "uy": {"ramp": "linear", "to": -0.02}}},
+        "contacts": [{"slave": "beam.top", "master": "roll", "algorithm": "mortar-p1"}],
+        "supports": [{"on": f"beam.{side}", "ux": 0.0, "uy": 0.0} for side in ("left", "right")],
+        "record": {"frames": 1, "recorders": []},
+    }  # fmt: skip
+    return Scene.from_data(data)
+
+
+def test_nodes_that_press_before_they_touch_are_told_with_the_force_that_they_add() -> None:
+    """A quarter of the distance with half as long segments; the distance h^2/12R is the share that was added."""
+    values, forces = {}, {}
+    for cells in (16, 32):
+        results = simulate(clamped_beam(cells))
+        values[cells] = {w.code: w.value for w in results.warnings}.get("kept-gap", 0.0)
+        forces[cells] = results.summary["contacts"]["contacts.0"]["resultant"][1]
+    added = forces[16] / forces[32] - 1.0
+    assert 0.5 * values[16] < abs(added) < 2.0 * values[16], (values, forces)
+    assert values[32] < 0.5 * values[16]
+
+
 def test_forces_that_are_round_off_are_not_judged() -> None:
     """A pressure that alternates is warned of, but not if the run had forces that are 1e17 times as large."""
     fine = {"bodies.upper.mesh.cells": [8, 2], "bodies.lower.mesh.cells": [8, 2]}

@@ -53,11 +53,14 @@ def free_motions(body: Body, supports: SupportPlan | Prescribed) -> list[str]:
     return [MOTIONS[int(np.argmax(np.abs(mode)))] for mode in loose]
 
 
-def loose_motions(model: ImplicitModel, friction: bool = True, least: float = RANK) -> dict[str, tuple[str, ...]]:
+def loose_motions(
+    model: ImplicitModel, friction: bool = True, least: float = RANK, pressed: bool = True
+) -> dict[str, tuple[str, ...]]:
     """Rigid motions that neither supports, effects nor closed contacts resist at the present state, by body.
 
     friction  whether that of contacts counts
     least     what resists less than this share of the largest resistance does not count
+    pressed   whether friction needs a force; otherwise a law and touch are enough
     """
     bodies = [body for body in model.bodies if free_motions(body, model.prescribed)]
     if not bodies:
@@ -76,7 +79,8 @@ def loose_motions(model: ImplicitModel, friction: bool = True, least: float = RA
         model.contact.evaluate(model.position)
         c = model.contact.conditions
         closed = c.present & ((c.force[0] > 0.0) | (c.gap <= TOUCHING * c.size))
-        sticks = np.flatnonzero(closed & (c.bound[0] * c.force[0] + c.bound[1] > 0.0)) if len(c.slip) else None
+        force = c.force[0] if pressed else 1.0
+        sticks = np.flatnonzero(closed & (c.bound[0] * force + c.bound[1] > 0.0)) if len(c.slip) else None
         along, across = model.contact.directions(np.flatnonzero(closed).astype(np.int32))
         rows.append(along @ modes)
         if friction and across is not None and sticks is not None:
