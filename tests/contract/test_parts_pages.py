@@ -60,7 +60,7 @@ def test_examples_run(page: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 
 def test_the_penalty_of_the_page_is_the_shipped_one() -> None:
     """Without friction: the same forces, statuses and derivatives, whatever gaps and forces."""
-    (code,) = code_of("enforcement.md")[1:]
+    code = code_of("enforcement.md")[1]
     space: dict[str, Any] = {"np": np, "ImplicitEnforcement": ImplicitEnforcement}
     exec(code, space)
     draw, k = np.random.default_rng(1), 40

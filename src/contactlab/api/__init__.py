@@ -44,6 +44,7 @@ from contactlab.api.integrator import (
 from contactlab.api.material import Kinematics, Material
 from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import Mesh, MeshSource
+from contactlab.api.normal_law import NormalLaw
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
 from contactlab.api.point_contact import PointContact
 from contactlab.api.profile import Profile
@@ -119,6 +120,7 @@ __all__ = [
     "Memory",
     "Mesh",
     "MeshSource",
+    "NormalLaw",
     "Overlap",
     "Part",
     "PieceDerivatives",

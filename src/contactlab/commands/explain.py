@@ -117,7 +117,7 @@ def _stable(s: Overview) -> str:
     if s.stable_step != s.stable_step:
         return ""
     shortened = s.stable_step < SHORTENED * s.bodies_step
-    effects = f" by the effects, {number(s.bodies_step)} s without" if shortened else ""
+    effects = f" by effects or contact pressures, {number(s.bodies_step)} s without" if shortened else ""
     return f" (the stable one is {number(s.stable_step)} s{effects})"
 
 

@@ -40,4 +40,6 @@ def energy_gain(model: Model) -> EnergyGain:
         stored -= model.lagging_work()
         unexplained = stored + sum(forces.dissipated_energy() for forces in model.forces) - work
     energy = model.kinetic_energy() + stored
+    if model.contact is not None:
+        energy += model.contact.stored_since_start
     return EnergyGain(energy, energy - model.initial_energy - float(state["work"][1]), unexplained)

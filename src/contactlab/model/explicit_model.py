@@ -13,6 +13,7 @@ from contactlab.model.model import Model
 
 if TYPE_CHECKING:
     from contactlab.model.contact.explicit_system import ContactSystem
+    from contactlab.model.loading.effect_rates import EffectRates
 
 LEAPFROG = 0.5  # velocity lag of schemes that move by dt times their velocity
 
@@ -30,6 +31,11 @@ class ExplicitModel(Model):
         super().__post_init__()
         leaps = self.integrator.velocity_lag == LEAPFROG
         self._before = None if self.increment is None or leaps else self.state["displacement"].copy()
+
+    def rates(self, stable: float) -> EffectRates:
+        """Those of the effects, and of contact pressures."""
+        rates = super().rates(stable)
+        return rates if self.contact is None else self.contact.rates(rates, stable)
 
     def _follow(self, dt: float) -> None:
         if self._before is None:

@@ -15,6 +15,7 @@ from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.bodies.stable_step import StableStep
 from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.model.history import History
+from contactlab.model.loading.effect_rates import EffectRates
 from contactlab.model.loading.loading import Loading
 from contactlab.model.loading.supports import Prescribed
 from contactlab.model.momentum import start_of
@@ -111,7 +112,11 @@ class Model(ABC):
     def step_within(self, fraction: float) -> float:
         """`fraction` of the stable step of the bodies [s], or less where effects need it."""
         stable = self.stable_step()
-        return min(fraction * stable, self.loading.rates.limit(stable))
+        return min(fraction * stable, self.rates(stable).limit(stable))
+
+    def rates(self, stable: float) -> EffectRates:
+        """What explicit steps have to follow beside the bodies, whose stable step [s] is `stable`."""
+        return self.loading.rates
 
     @property
     def step_limits(self) -> tuple[StableStep, ...]:

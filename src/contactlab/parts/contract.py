@@ -18,6 +18,7 @@ from contactlab.api.integrator import ExplicitIntegrator, ImplicitIntegrator, In
 from contactlab.api.material import Material
 from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import MeshSource
+from contactlab.api.normal_law import NormalLaw
 from contactlab.api.part import NEW_IN_2
 from contactlab.api.recorder import Recorder
 from contactlab.api.reference import ReferenceSolution
@@ -31,7 +32,7 @@ BASES: dict[str, tuple[type, ...]] = {
     "mesh": (MeshSource,),
     "contact": (ContactAlgorithm, GapAlgorithm),
     "friction": (FrictionLaw,),
-    "enforcement": (ExplicitEnforcement, ImplicitEnforcement),
+    "enforcement": (ExplicitEnforcement, ImplicitEnforcement, NormalLaw),
     "integrator": (ExplicitIntegrator, ImplicitIntegrator),
     "effect": (Effect,),
     "function": (Function,),

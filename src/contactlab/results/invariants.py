@@ -213,8 +213,9 @@ def _contact(pair: ContactPair, report: ContactReport, scale: float, sharp: Flag
 def _kept_overlap(model: Model, pair: ContactPair, sample: Sample) -> Iterator[Invariant]:
     """Overlaps that came in an instant, and that forces which give no energy do not push out."""
     stored = abs(sample.energies["internal"])
-    # in statics, and with frozen forces in steps that iterate, pressed nodes have no overlaps
-    if getattr(model.contact, "consistent", False) and stored > 0.0:
+    # in statics, and with frozen forces in steps that iterate, pressed nodes have no overlaps; springs have by nature
+    contact = model.contact
+    if contact is not None and contact.consistent and contact.enforcement.exact and stored > 0.0:
         yield Invariant(
             "overlaps of pressed nodes times their forces over the work of the stresses", "kept-overlap", pair.name,
             sample.contacts[pair.name].kept_work / stored, KEPT,

@@ -68,7 +68,8 @@ class EnergyGuard:
                 f"contact has made {float(self.work[3]):.3g}: {_cure(self.model, self.shorter)}",
             )
         if self.judges_contact:
-            self._made_by_contact(float(self.work[3]) - self.pushed, last)
+            assert self.model.contact is not None
+            self._made_by_contact(float(self.work[3]) + self.model.contact.stored_since_start - self.pushed, last)
 
     def step_made_energy(self) -> bool:
         """Whether the step just made by itself stored more energy than it may: stresses change too much in it."""

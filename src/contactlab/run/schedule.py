@@ -117,13 +117,21 @@ class Schedule:
         """Name what sets the stable step: a cell, and effects where they shorten it by a tenth or more."""
         limit = min(self.model.step_limits, key=lambda limit: limit.latest)
         cell = f"cell {limit.cell} of body {limit.body.name}"
-        effects = self.model.loading.rates.limit(limit.latest) < 0.9 * limit.latest
-        return f"effects (springs, damping) and {cell}" if effects else cell
+        rates = self.model.loading.rates, self.model.rates(limit.latest)
+        effects, all_ = (limits.limit(limit.latest) / limit.latest for limits in rates)
+        if all_ < 0.9 * effects:
+            cell = f"the pressure of contacts, which shortens it to {all_ / effects:.0%}, and {cell}"
+        return f"effects (springs, damping) and {cell}" if effects < 0.9 else cell
 
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
         """What to call after each accepted step, with the step and its length."""
-        return ()
+        return () if self.model.contact is None or self.model.contact.enforcement.exact else (self._follow,)
+
+    def _follow(self, step: Step, dt: float) -> None:
+        """Shorten the step where contact has become stiffer than it was thought to become."""
+        if self.model.contact.stiffened:  # type: ignore[union-attr]
+            self.adapt()
 
     def cut(self, step: Step) -> str:
         """React to a failed step. Explicit steps do not fail."""

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from contactlab.api import BLOCK_CELLS, ExplicitEnforcement, ExplicitIntegrator, GapAlgorithm
+from contactlab.api import BLOCK_CELLS, ExplicitEnforcement, ExplicitIntegrator, GapAlgorithm, NormalLaw
 from contactlab.errors import RequestError
 from contactlab.testing.assertions import NotApplicable
 from contactlab.testing.cells import distorted_cells
@@ -115,6 +115,9 @@ def _enforcement(subject: Subject) -> tuple[str, Call]:
         rows = rows_from(normal, np.random.default_rng(1).uniform(-1.0, 1.0, 50))
         compliance, force = np.ones((53, 2)), np.zeros((53, 2))
         return "solution of 50 rows", lambda: enforcement.solve(rows, compliance, np.zeros((1, 50)), force)
+    if isinstance(enforcement, NormalLaw):
+        gap, ones, pressure, slope = np.linspace(-0.1, 0.1, 1000), np.ones(1000), np.zeros(1000), np.zeros(1000)
+        return "pressure of 1000 gaps", lambda: enforcement.pressure(gap, ones, ones, pressure, slope)
     conditions, out = some_conditions(1000, friction=True)
     return "response of 1000 conditions", lambda: enforcement.respond(conditions, out)
 

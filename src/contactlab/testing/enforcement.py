@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Enforcement, ExplicitEnforcement, Floats, Rows
-from contactlab.testing import enforcement_implicit, scales
+from contactlab.testing import enforcement_implicit, normal_law, scales
 from contactlab.testing.assertions import Check, NotApplicable, agree, require, untouched
 from contactlab.testing.gap_rows import coupled_normals, direct_forces, operator, rows_from, solved, turned
 from contactlab.testing.scales import scale_of
@@ -198,5 +198,6 @@ CHECKS: tuple[Check, ...] = (
     friction_keeps_its_bound,
     inputs_untouched,
     *enforcement_implicit.CHECKS,
+    *normal_law.CHECKS,
     *scales.CHECKS,
 )

@@ -1,4 +1,4 @@
-"""Friction laws on offer."""
+"""Friction and pressure laws on offer."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Offer the friction laws of Coulomb and Tresca."""
+    """Offer the friction laws of Coulomb and Tresca, and pressure laws."""
     return [
         Part(
             "friction",
@@ -22,5 +22,24 @@ def contactlab_parts() -> list[Part]:
             "contactlab_friction.tresca:Tresca",
             "tangential stress bounded by a constant, where closed or everywhere",
             "Baillet & Sassi 2005, [17]-[18] and 5.2",
+        ),
+        Part(
+            "enforcement",
+            "linear-pressure",
+            "contactlab_friction.pressure:LinearPressure",
+            "pressure proportional to the overlap",
+            "Wriggers 2006, ch. 10.3",
+        ),
+        Part(
+            "enforcement",
+            "exponential-pressure",
+            "contactlab_friction.pressure:ExponentialPressure",
+            "softened contact: an exponential that begins before surfaces touch",
+        ),
+        Part(
+            "enforcement",
+            "tabular-pressure",
+            "contactlab_friction.pressure:TabularPressure",
+            "pressure by a table of gaps",
         ),
     ]

@@ -16,6 +16,7 @@ from contactlab.model.contact.pair import ContactPair
 
 if TYPE_CHECKING:
     from contactlab.model.contact.work_split import WorkSplit
+    from contactlab.model.loading.effect_rates import EffectRates
 
 MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
 GROW = 1.5
@@ -63,6 +64,23 @@ class ContactSystem:
         self._solve_rows(current, compliance, force)
         self.seconds += perf_counter() - began
         return self.last
+
+    def rates(self, others: EffectRates, step: float) -> EffectRates:
+        """What explicit steps have to follow beside the bodies: the `others` alone, as exact multipliers set no limit.
+
+        step  [s] stable without contact
+        """
+        return others
+
+    @property
+    def stiffened(self) -> bool:
+        """Whether `rates` are no longer those of the last step."""
+        return False
+
+    @property
+    def stored_since_start(self) -> float:
+        """Energy [mJ] that surfaces hold beyond that of the start; none under exact multipliers."""
+        return 0.0
 
     def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:
         """Work and dissipation of the tangential forces; see `contactlab.api.ContactEquations`."""

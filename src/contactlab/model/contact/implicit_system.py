@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import vstack
@@ -21,6 +21,9 @@ from contactlab.model.contact.pair import ContactPair
 from contactlab.model.contact.passage import first_passage
 from contactlab.model.contact.step_rows import StepRows
 from contactlab.model.examination import examine_pair
+
+if TYPE_CHECKING:
+    from contactlab.model.contact.pressure_store import PressureStore
 
 
 class ImplicitContactSystem:
@@ -59,6 +62,12 @@ class ImplicitContactSystem:
         self.rows = allocate_rows(self.multipliers.shape[1], 32, self.friction)
         self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
+        self.store: PressureStore | None = None  # of a normal law
+
+    @property
+    def stored_since_start(self) -> float:
+        """Energy [mJ] that surfaces hold beyond that of the start; none without a normal law."""
+        return self.store.since_start() if self.store is not None else 0.0
 
     def calls_per_step(self) -> Counter[str]:
         """How often an iteration calls the algorithms, by what they are asked for."""

@@ -17,6 +17,7 @@ from contactlab.api import (
     FrictionLaw,
     Integrator,
     Ints,
+    NormalLaw,
     State,
     Surface,
 )
@@ -45,6 +46,7 @@ class ContactPlan:
 
     sides  slave and master as they act, in words
     start  what is done about an overlap before the run, as in the scene
+    explicit  whether it is for an explicit integrator
     """
 
     name: str
@@ -57,6 +59,7 @@ class ContactPlan:
     sides: tuple[str, str]
     start: Any
     where: Where
+    explicit: bool
 
     @property
     def slots(self) -> int:
@@ -98,7 +101,7 @@ def _plan(
     slave, master = spec.targets
     enforcement_spec = spec.enforcement or integrator.enforcement()
     enforcement = registry.make("enforcement", enforcement_spec, below(where, "enforcement"))
-    if not isinstance(enforcement, integrator.needs):
+    if not isinstance(enforcement, (integrator.needs, NormalLaw)):
         raise PartError(
             f"the integrator cannot work with this enforcement: it needs one of kind {integrator.needs.__name__}",
             where=below(where, "enforcement"),
@@ -106,7 +109,8 @@ def _plan(
             allowed=f'"{integrator.default_enforcement}" (what is used when nothing is written)',
         )
     algorithm = registry.make("contact", spec.algorithm, below(where, "algorithm"))
-    if algorithm.explicit_only and not isinstance(enforcement, ExplicitEnforcement):
+    explicit = issubclass(integrator.needs, ExplicitEnforcement)
+    if algorithm.explicit_only and not explicit:
         raise PartError(
             "this contact algorithm says that it is for explicit integrators alone (explicit_only)",
             where=below(where, "algorithm"),
@@ -124,6 +128,7 @@ def _plan(
         spec.sides,
         spec.start,
         where,
+        explicit,
     )
 
 
@@ -159,6 +164,8 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
     rows = 2 if any(plan.friction is not None for plan in plans) else 1
     shapes: dict[str, tuple[int, ...]] = {"multipliers": (rows, sum(plan.slots for plan in plans))}
     shapes |= {"multipliers_before": shapes["multipliers"][1:], "contact_force": (nodes, 2)}
+    if plans[0].explicit and isinstance(plans[0].enforcement, NormalLaw):
+        shapes["contact_slope"] = (len(plans),)
     for plan in plans:
         if plan.algorithm.memory_size:
             shapes[f"memory.{plan.name}"] = (plan.algorithm.memory_size, len(plan.slave.nodes))
@@ -171,6 +178,7 @@ def build_contact(
     reference: Floats,
     fixed_dof: Ints,
     state: State,
+    mass: Floats,
     ramp_time: float,
     driven: bool,
 ) -> Any:
@@ -185,7 +193,7 @@ def build_contact(
     held[fixed_dof] = True
     immobile = np.asarray(held.reshape(-1, 2).all(axis=1))
     enforcement: Any = plans[0].enforcement
-    explicit = isinstance(enforcement, ExplicitEnforcement)
+    explicit = plans[0].explicit
     # steps that iterate look for a state at their end, explicit ones go on from where they are
     time = state["clock"] if explicit else np.zeros(1)
     pairs, first = [], 0
@@ -202,6 +210,8 @@ def build_contact(
             pair.start_gaps = facet_overlap(pair, time, ramp_time if driven else math.inf, reference)
         pairs.append(pair)
         first += plan.slots
+    if isinstance(enforcement, NormalLaw):
+        return _pressure_system(plans, tuple(pairs), enforcement, bodies, reference, mass, state, time)
     if explicit:
         return _explicit_system(tuple(pairs), enforcement, state)
     from contactlab.model.contact.implicit_system import ImplicitContactSystem
@@ -209,6 +219,39 @@ def build_contact(
     linearised: Any = tuple(pairs)  # the build refuses algorithms and enforcements that do not iterate with others
     consistent = follows_gaps(enforcement, motion="velocity" in state)
     return ImplicitContactSystem(linearised, enforcement, state, time, consistent)
+
+
+def _pressure_system(
+    plans: tuple[ContactPlan, ...],
+    pairs: tuple[ContactPair, ...],
+    law: NormalLaw,
+    bodies: tuple[Body, ...],
+    reference: Floats,
+    mass: Floats,
+    state: State,
+    time: Floats,
+) -> Any:
+    """The contact system of a normal law."""
+    from contactlab.model.contact.cells_behind import in_series, length_over_mass, stiffness_behind
+    from contactlab.model.contact.pressure_store import PressureStore
+
+    stiffness = []
+    for pair in pairs:
+        slave, master = (stiffness_behind(side, bodies, reference) for side in (pair.slave, pair.master))
+        stiffness.append(np.tile(in_series(slave, master), pair.rows_per_node))
+    store = PressureStore(law, pairs, np.concatenate(stiffness), reference)
+    if plans[0].explicit:
+        from contactlab.model.contact.pressure_system import PressureContactSystem
+
+        densities = [sum(length_over_mass(side, reference, mass) for side in (p.slave, p.master)) for p in pairs]
+        return PressureContactSystem(pairs, store, state, densities)
+    from contactlab.model.contact.implicit_system import ImplicitContactSystem
+    from contactlab.model.contact.pressure_response import PressureResponse
+
+    linearised: Any = pairs
+    system = ImplicitContactSystem(linearised, PressureResponse(store), state, time, follows_gaps=False)
+    system.store = store
+    return system
 
 
 def _explicit_system(pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> ContactSystem:

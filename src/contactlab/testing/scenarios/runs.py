@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from contactlab.api import ExplicitEnforcement, ExplicitIntegrator, Floats
+from contactlab.api import ExplicitEnforcement, ExplicitIntegrator, Floats, NormalLaw
 from contactlab.errors import PartError, SceneError
 from contactlab.model.build import build
 from contactlab.parts.registry import Registry
@@ -26,6 +26,7 @@ CELL, STEP, END = 0.2, 4e-8, 4e-6  # mm and s, of the scene
 STEPS = 100  # of the explicit run
 COURANT = 0.4  # of its steps, by the dilatational speed
 TOP = "upper.top"
+SHORTER = 10  # times as short under normal laws, whose slopes explicit steps have to follow
 LONGER = 5  # times as many steps as the scene wishes
 
 
@@ -34,7 +35,7 @@ def modes_of(subject: Subject) -> tuple[Mode, ...]:
     cls = subject.part_class
     if subject.kind == "integrator":
         return ("explicit",) if issubclass(cls, ExplicitIntegrator) else ("statics",)
-    if subject.kind == "enforcement":
+    if subject.kind == "enforcement" and not issubclass(cls, NormalLaw):
         return ("explicit",) if issubclass(cls, ExplicitEnforcement) else ("statics",)
     if subject.kind == "contact" and cls.explicit_only:
         return ("explicit",)
@@ -73,7 +74,8 @@ def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:
         case "contact":
             return {"contacts.0.algorithm": spec}
         case "friction" | "enforcement":
-            return {f"contacts.0.{subject.kind}": spec}
+            shorter = mode == "explicit" and issubclass(subject.part_class, NormalLaw)
+            return {f"contacts.0.{subject.kind}": spec, **({"time.step": STEP / SHORTER} if shorter else {})}
         case "element":
             timed = {"time.step": STEP / subject.part_class.degree**2} if mode == "explicit" else {}
             return {"bodies.upper.element": spec, "bodies.lower.element": spec, **timed}

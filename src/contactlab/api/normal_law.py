@@ -1,0 +1,68 @@
+"""Normal laws: the pressure between two surfaces as a function of their gap."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from itertools import pairwise
+from typing import Any, ClassVar
+
+import numpy as np
+
+from contactlab.api.arrays import Floats
+from contactlab.api.enforcement import Enforcement
+from contactlab.api.formulas import formulas_of, install
+
+_ARGUMENTS = ("gap", "stiffness", "size", "p")
+_PANELS = 32  # of the integral of a pressure: 4 Gauss points in each follow an exponential to round-off
+
+
+class NormalLaw(Enforcement):
+    """An enforcement that is written as the pressure of a gap, for explicit and implicit integrators alike.
+
+    Subclasses are frozen dataclasses; their fields are the TOML keys. The force of a condition is the pressure times
+    the length of slave surface that belongs to it; the core differentiates a formula, shortens explicit steps by the
+    slope, and counts what the surfaces store as energy. Friction is exact under these normal forces: Coulomb's cone
+    without springs.
+
+    A formula `pressure` takes what it needs of `gap` [mm], `stiffness` [MPa/mm] of the cells behind both surfaces (the
+    dilatational modulus over the depth of a cell, both sides in series), `size` [mm] of the slave's segments there, and
+    `p`, the numbers among the fields; it returns the pressure [MPa]. A law without a formula gives the array method.
+    """
+
+    exact: ClassVar[bool] = False
+
+    def __init_subclass__(cls, **named: Any) -> None:
+        super().__init_subclass__(**named)
+        install(cls, NormalLaw, ("pressure",), _ARGUMENTS, "contactlab.formulas.normal_laws")
+
+    @abstractmethod
+    def pressure(self, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats) -> None:
+        """Fill `pressure` (k,) [MPa], at least 0, and `slope` (k,) [MPa/mm], its derivative by the gap, at most 0.
+
+        gap (k,) [mm], stiffness (k,) [MPa/mm] of the cells behind, size (k,) [mm] of the slave's segments. Each entry
+        depends on its own gap alone, and a larger gap has no larger pressure.
+        """
+
+    def begins(self) -> float:
+        """Gap [mm] from which on there is no pressure; 0, the default, for a law of overlaps alone."""
+        return 0.0
+
+    def energy(self, gap: Floats, stiffness: Floats, size: Floats) -> Floats:
+        """Energy per length (k,) [mJ/mm2 of surface] that a gap (k,) stores: the integral of the pressure."""
+        first = self.begins()
+        depth = np.maximum(first - gap, 0.0)
+        nodes, weights = np.polynomial.legendre.leggauss(4)
+        # panels are shorter towards the gap, where curves are steep
+        edges = 1.0 - np.linspace(1.0, 0.0, _PANELS + 1) ** 2
+        total, pressure, slope = np.zeros_like(gap), np.zeros_like(gap), np.zeros_like(gap)
+        for low, high in pairwise(edges):
+            for node, weight in zip(nodes, weights, strict=True):
+                share = low + 0.5 * (node + 1.0) * (high - low)
+                self.pressure(first - share * depth, stiffness, size, pressure, slope)
+                total += 0.5 * weight * (high - low) * depth * pressure
+        return total
+
+    @classmethod
+    def has_formula(cls) -> bool:
+        """Whether `pressure` was written as a formula."""
+        return "pressure" in formulas_of(cls)

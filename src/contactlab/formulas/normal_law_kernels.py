@@ -1,0 +1,20 @@
+"""The loop over conditions in which the pressure of a normal law is put."""
+
+from __future__ import annotations
+
+from contactlab.api.compiled.dual import derivatives, seed, value
+from contactlab.api.compiled.formulas import Slot
+from contactlab.api.compiled.kernel import kernel
+from contactlab.api.compiled.records import column
+
+FORMULA, PARAMETERS = Slot("FORMULA"), Slot("PARAMETERS")
+
+
+@kernel
+def pressure(gap, stiffness, size, pressure, slope, values):
+    """Pressure and its derivative by the gap."""
+    p = column(values, 0, PARAMETERS)
+    for i in range(gap.size):
+        found = FORMULA(seed(gap[i], 0, 4), stiffness[i], size[i], p)
+        pressure[i] = value(found)
+        slope[i] = derivatives(found, 4)[0]

@@ -1,0 +1,69 @@
+"""Friction under given normal forces: tangential multipliers by projected Gauss-Seidel."""
+
+from __future__ import annotations
+
+from contactlab.api.compiled.contact_tables import RowsTable
+from contactlab.api.compiled.kernel import kernel
+from contactlab.api.compiled.unpack import unpack
+
+
+@kernel
+def push(count, bound_rows, multipliers, force):
+    """Add the nodal forces of all rows."""
+    rows = unpack(bound_rows, RowsTable)
+    for row in range(count):
+        y = multipliers[0, rows.slot[row]]
+        t = multipliers[1, rows.slot[row]] if rows.slip.size > 0 else 0.0
+        for z in range(rows.start[row], rows.start[row + 1]):
+            for c in range(2):
+                force[rows.node[z], c] += y * rows.normal_weight[z, c]
+                if t != 0.0:
+                    force[rows.node[z], c] += t * rows.tangent_weight[z, c]
+
+
+@kernel
+def start_slips(count, bound_rows, current, predicted):
+    """Slips of the rows at the predicted positions, along their tangents at the start of the step."""
+    rows = unpack(bound_rows, RowsTable)
+    for row in range(count):
+        slid = 0.0
+        for z in range(rows.start[row], rows.start[row + 1]):
+            for c in range(2):
+                slid += rows.tangent_weight[z, c] * (predicted[rows.node[z], c] - current[rows.node[z], c])
+        rows.slip[row] = slid
+
+
+@kernel
+def rub(count, bound_rows, compliance, multipliers, force, tolerance, sweeps):
+    """Sweep tangential multipliers until none moves its row by `tolerance` segments; (sweeps, last change in segments).
+
+    `force` holds the nodal forces of all multipliers, and follows.
+    """
+    rows = unpack(bound_rows, RowsTable)
+    change = 0.0
+    for sweep in range(sweeps):
+        change = 0.0
+        for place in range(count):
+            row = place if sweep % 2 == 0 else count - 1 - place
+            k, pivot, slip = rows.slot[row], 0.0, rows.slip[row]
+            for z in range(rows.start[row], rows.start[row + 1]):
+                n = rows.node[z]
+                for c in range(2):
+                    w = rows.tangent_weight[z, c]
+                    pivot += w * w * compliance[n, c]
+                    slip += w * compliance[n, c] * force[n, c]
+            normal, old = max(multipliers[0, k], 0.0), multipliers[1, k]
+            limit = rows.bound[0, row] * normal
+            if rows.bound[1, row] > 0.0:
+                limit += min(rows.bound[1, row] * rows.measure[row], rows.bound[2, row] * normal)
+            new = min(max(old - slip / pivot, -limit), limit) if pivot > 0.0 else 0.0
+            if new == old:
+                continue
+            multipliers[1, k] = new
+            change = max(change, abs(new - old) * pivot / rows.size[row])
+            for z in range(rows.start[row], rows.start[row + 1]):
+                for c in range(2):
+                    force[rows.node[z], c] += (new - old) * rows.tangent_weight[z, c]
+        if change <= tolerance:
+            return sweep + 1, change
+    return sweeps, change

@@ -1,0 +1,36 @@
+"""The energy that surfaces hold under a normal law."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats, NormalLaw
+from contactlab.model.contact.initial_gap import initial_gaps
+from contactlab.model.contact.pair import ContactPair
+
+
+class PressureStore:
+    """Length times the integral of the pressure over all conditions, at the positions of the last ones.
+
+    stiffness  (k,) [MPa/mm] of the cells behind each slot
+    beginning  [mJ] at the start of the run
+    """
+
+    def __init__(self, law: NormalLaw, pairs: tuple[ContactPair, ...], stiffness: Floats, reference: Floats) -> None:
+        self.law, self.pairs, self.stiffness = law, pairs, stiffness
+        for pair in pairs:
+            initial_gaps(pair, reference)
+        self.beginning = self.energy()
+
+    def energy(self) -> float:
+        """The energy [mJ] now."""
+        total = 0.0
+        for pair in self.pairs:
+            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            gaps = np.minimum(pair.gaps[:, 0], self.law.begins())
+            total += float(pair.cover @ self.law.energy(gaps, self.stiffness[own], pair.full))
+        return total
+
+    def since_start(self) -> float:
+        """What has come to it since the start [mJ]."""
+        return self.energy() - self.beginning

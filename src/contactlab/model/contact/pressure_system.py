@@ -1,0 +1,128 @@
+"""All contact pairs of a model under a normal law, in explicit steps: forces of the gaps at the start of a step."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from time import perf_counter
+
+import numpy as np
+
+from contactlab.api import ExplicitEnforcement, Floats, Ints, NormalLaw, Rows, Solve, State
+from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.kernels.contact.rub import push, rub, start_slips
+from contactlab.model.contact.consistent_system import ConsistentContactSystem
+from contactlab.model.contact.pair import ContactPair
+from contactlab.model.contact.pressure_store import PressureStore
+from contactlab.model.loading.effect_rates import EffectRates
+
+AHEAD = 2.0  # steps for which the slope is bounded
+SPARE = 1.3  # times the slope for which steps are made: within it none has to be shortened
+TOLERANCE, SWEEPS = 1e-10, 200  # of friction: segment lengths, and most sweeps
+
+
+class PressureForces(ExplicitEnforcement):
+    """What stands for an explicit enforcement where a normal law gives the forces."""
+
+    exact = False
+
+    def __init__(self, law: NormalLaw) -> None:
+        self.law = law
+
+    def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
+        """Never called: forces follow from the gaps at the start of a step, which rows do not hold here."""
+        raise NotImplementedError("forces of a normal law are found by the contact system")
+
+
+class PressureContactSystem(ConsistentContactSystem):
+    """Forces are length times pressure of the gaps at the start of the step, along the derivatives of the gaps.
+
+    So leapfrog keeps the energy of bodies and surfaces, within its stable step; friction is found under these forces
+    with the motion of the step.
+
+    store      the energy of the surfaces, with the law and the stiffness of the cells behind each slot
+    densities  of each pair, the sum of largest lengths over masses of both sides [mm/t]
+    allowed    (pairs,) [MPa/mm] steepest slope of each that steps are made for; in the state, as steps follow it
+    shared     whether a node belongs to several pairs, whose slopes then add up
+    """
+
+    def __init__(
+        self, pairs: tuple[ContactPair, ...], store: PressureStore, state: State, densities: list[float]
+    ) -> None:
+        super().__init__(pairs, PressureForces(store.law), state)
+        self.store, self.law, self.stiffness, self.densities = store, store.law, store.stiffness, densities
+        self.shared = len(np.unique(nodes := np.concatenate([nodes_of(pair) for pair in pairs]))) < len(nodes)
+        self.allowed = state["contact_slope"]
+        self.pressure, self.slope = np.zeros_like(self.stiffness), np.zeros_like(self.stiffness)
+
+    def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
+        """Forces of the gaps at `current`; see `contactlab.api.ContactEquations`."""
+        began, self.compliance = perf_counter(), compliance
+        for pair, memory in zip(self.pairs, self.memories, strict=True):
+            pair.update(current, memory)
+            pair.evaluated = True
+        self.last = self._solve_full(predicted, current, compliance, force)
+        self.seconds += perf_counter() - began
+        return self.last
+
+    def _solve_full(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
+        self._assemble_from(self.law.begins(), current, predicted)
+        rows, asked = self.rows, perf_counter()
+        count, slot, tangential = rows.count, rows.slot[: rows.count], len(rows.slip) > 0
+        pressure, slope = self.pressure[:count], self.slope[:count]
+        self.law.pressure(rows.gap[:count], self.stiffness[slot], rows.size[:count], pressure, slope)
+        rubbed = self.multipliers[1, slot] if tangential else None
+        self.multipliers[:] = force[:] = 0.0
+        self.multipliers[0, slot] = rows.measure[:count] * pressure
+        if rubbed is not None:
+            self.multipliers[1, slot] = rubbed
+        address, sweeps, residual = rows.packed.address, 1, 0.0
+        push(count, address, self.multipliers, force)
+        if tangential:
+            start_slips(count, address, current, predicted)
+            sweeps, residual = rub(count, address, compliance, self.multipliers, force, TOLERANCE, SWEEPS)
+        self.solution_s += perf_counter() - asked
+        return Solve(sweeps, residual, 0, float(np.abs(compliance * force).max(initial=0.0)))
+
+    def _advance(self, rows: Rows, first: int, current: Floats, predicted: Floats, strict: bool) -> None:
+        """Gaps are those of the start of the step."""
+
+    @property
+    def stored_since_start(self) -> float:
+        """Energy [mJ] that the surfaces hold beyond that of the start, at the time of the velocities.
+
+        Gaps and forces are those of the start of the last step; velocities belong to its middle.
+        """
+        half = 0.5 * self.state.last_dt * float(np.vdot(self.velocity, self.state["contact_force"]))
+        return self.store.since_start() - half
+
+    def rates(self, others: EffectRates, step: float) -> EffectRates:
+        """Rates of the effects and of the law: its largest slope in the next steps, times lengths over masses.
+
+        A motion of the nodes (u, v) of both sides changes gaps by u - Pv, with weights P that add up to one; so the
+        energy of slopes s is at most s times length over mass of each side, summed, times that of the masses.
+        """
+        moved = 2.0 * AHEAD * step * float(np.abs(self.velocity).max(initial=0.0))
+        for number, pair in enumerate(self.pairs):
+            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            gaps = np.minimum(np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0), self.law.begins()) - moved
+            pressure, slope = np.zeros_like(gaps), np.zeros_like(gaps)
+            size = np.where(pair.full > 0.0, pair.full, pair.size)
+            self.law.pressure(np.minimum(gaps, -1e-9 * pair.size), self.stiffness[own], size, pressure, slope)
+            self.allowed[number] = SPARE * float(-slope.min(initial=0.0))
+        squares = self.allowed * self.densities
+        return replace(others, square=others.square + float(squares.sum() if self.shared else squares.max()))
+
+    @property
+    def stiffened(self) -> bool:
+        """Whether a slope of the last step is steeper than `rates` allowed for."""
+        slot, slope = self.rows.slot[: self.rows.count], self.slope[: self.rows.count]
+        for pair, allowed in zip(self.pairs, self.allowed, strict=True):
+            own = (slot >= pair.first_slot) & (slot < pair.first_slot + pair.slots)
+            if -slope[own].min(initial=0.0) > allowed:
+                return True
+        return False
+
+
+def nodes_of(pair: ContactPair) -> Ints:
+    """Nodes of both sides."""
+    return np.concatenate([pair.slave.nodes, pair.master.nodes])

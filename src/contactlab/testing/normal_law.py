@@ -1,0 +1,133 @@
+"""Checks of normal laws: pressure, slope and where it begins."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from contactlab.api import Enforcement, Floats, NormalLaw
+from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
+from contactlab.testing.other_values import others
+from contactlab.testing.scales import scale_of
+
+COUNT = 201
+DEPTHS = 3.0  # lengths of the law that are looked at on both sides of where it begins
+APART = 1e-5  # of that length: central differences err by its square, and by round-off over it
+KINKS = 0.05  # share of gaps beside which a law may have a kink: differences across it are wrong
+OVERLAP = 0.01  # mm, of a law without a length of its own
+
+
+def _law(enforcement: Enforcement) -> NormalLaw:
+    if not isinstance(enforcement, NormalLaw):
+        raise NotApplicable("the enforcement is no normal law")
+    return enforcement
+
+
+def _length(law: NormalLaw) -> float:
+    return scale_of(law, "length_scale", max(OVERLAP, abs(law.begins())))
+
+
+def _gaps(law: NormalLaw) -> Floats:
+    return law.begins() + DEPTHS * _length(law) * np.linspace(-1.0, 1.0, COUNT)
+
+
+def _pressures(law: NormalLaw, gap: Floats, stiffness: float = 1e4, size: float = 0.5) -> tuple[Floats, Floats]:
+    pressure, slope = np.full_like(gap, np.nan), np.full_like(gap, np.nan)
+    law.pressure(gap.copy(), np.full_like(gap, stiffness), np.full_like(gap, size), pressure, slope)
+    return pressure, slope
+
+
+def pressure_begins_where_it_says(enforcement: Enforcement) -> None:
+    """There is no pressure, and no slope, beyond `begins`, and there is some at gaps below it."""
+    law = _law(enforcement)
+    gap, begins = _gaps(law), law.begins()
+    require(np.isfinite(begins), f"begins gave {begins}, allowed: a gap in mm")
+    pressure, slope = _pressures(law, gap)
+    open_ = gap > begins + 1e-9 * _length(law)
+    far = np.abs(pressure[open_]).max(), np.abs(slope[open_]).max()
+    require(max(far) == 0.0, f"beyond the gap where it begins, {begins:.4g} mm, pressure or slope is {max(far):.3g}")
+    require(pressure[0] > 0.0, f"no pressure at a gap of {gap[0]:.4g} mm, below {begins:.4g} mm where it begins")
+
+
+def pressure_never_pulls_nor_falls(enforcement: Enforcement) -> None:
+    """Pressures are at least 0, and a smaller gap has no smaller pressure: else gaps would not be decided."""
+    law = _law(enforcement)
+    pressure, slope = _pressures(law, _gaps(law))
+    require(np.all(np.isfinite(pressure)) and np.all(np.isfinite(slope)), "a pressure or a slope is not finite")
+    require(pressure.min() >= 0.0, f"it pulls with {-pressure.min():.3g} MPa")
+    require(np.diff(pressure).max() <= 1e-12 * pressure.max(), "the pressure falls where the gap closes")
+    require(slope.max() <= 0.0, f"a slope is {slope.max():.3g} MPa/mm, allowed: at most 0")
+
+
+def slope_is_the_derivative(enforcement: Enforcement) -> None:
+    """The slope is the central difference of the pressure, but for gaps beside a kink."""
+    law = _law(enforcement)
+    gap, step = _gaps(law), APART * _length(law)
+    _, slope = _pressures(law, gap)
+    expected = (_pressures(law, gap + step)[0] - _pressures(law, gap - step)[0]) / (2.0 * step)
+    error = np.abs(slope - expected) / np.abs(expected).max()
+    allowed = int(KINKS * COUNT)
+    wrong = int(np.count_nonzero(error > 1e-6))
+    require(wrong <= allowed, f"the slope differs from the difference of pressures at {wrong} of {COUNT} gaps")
+
+
+def conditions_do_not_know_each_other(enforcement: Enforcement) -> None:
+    """A gap alone has the pressure that it has among others."""
+    law = _law(enforcement)
+    gap = _gaps(law)
+    pressure, slope = _pressures(law, gap)
+    for i in (0, COUNT // 3, COUNT // 2):
+        identical(_pressures(law, gap[i : i + 1]), (pressure[i : i + 1], slope[i : i + 1]), f"gap {i} alone")
+
+
+def its_numbers_matter(enforcement: Enforcement) -> None:
+    """Every number without a default changes the pressure."""
+    law = _law(enforcement)
+    gap = _gaps(law)
+    before = _pressures(law, gap)[0]
+    for name, other in others(law):
+        require(np.any(_pressures(other, gap)[0] != before), f"the field {name} changes no pressure")
+
+
+def energy_is_the_integral(enforcement: Enforcement) -> None:
+    """Minus the derivative of the energy is the pressure."""
+    law = _law(enforcement)
+    length = _length(law)
+    gap = law.begins() - length * np.linspace(0.1, DEPTHS, 20)
+    stiffness, size = np.full_like(gap, 1e4), np.full_like(gap, 0.5)
+    step = 1e-3 * length
+    moved = [law.energy(gap + side * step, stiffness, size) for side in (1.0, -1.0)]
+    mean = sum(_pressures(law, gap + share * step)[0] for share in (-1.0, 0.0, 0.0, 0.0, 0.0, 1.0)) / 6.0
+    # Simpson's rule over two steps; a kink within a panel costs some thousandths
+    agree((moved[1] - moved[0]) / (2.0 * step), mean, 1e-2 * float(np.abs(mean).max()), "slope of the energy")
+
+
+def gaps_are_only_read(enforcement: Enforcement) -> None:
+    """Gaps, stiffness and sizes stay as they are."""
+    law = _law(enforcement)
+    gap, stiffness, size = _gaps(law), np.full(COUNT, 1e4), np.full(COUNT, 0.5)
+    with untouched(gap=gap, stiffness=stiffness, size=size):
+        law.pressure(gap, stiffness, size, np.zeros(COUNT), np.zeros(COUNT))
+
+
+def stiffness_behind_scales(enforcement: Enforcement) -> None:
+    """A law without required numbers follows the stiffness of the cells behind: it is not tuned to a scene."""
+    law = _law(enforcement)
+    if any(field.default is dataclasses.MISSING for field in dataclasses.fields(type(law))):  # type: ignore[arg-type]
+        raise NotApplicable("the law has numbers that a scene must give")
+    gap = _gaps(law)
+    one, two = (_pressures(law, gap, stiffness)[0] for stiffness in (1e4, 2e4))
+    agree(two, 2.0 * one, 1e-9 * float(two.max()), "pressures in front of cells twice as stiff")
+
+
+CHECKS: tuple[Check, ...] = (
+    pressure_begins_where_it_says,
+    pressure_never_pulls_nor_falls,
+    slope_is_the_derivative,
+    conditions_do_not_know_each_other,
+    its_numbers_matter,
+    energy_is_the_integral,
+    gaps_are_only_read,
+    stiffness_behind_scales,
+)

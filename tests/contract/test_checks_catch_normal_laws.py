@@ -1,0 +1,83 @@
+"""Every check of normal laws catches a planted defect, and right laws pass all of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from contactlab.api import Floats, NormalLaw
+from contactlab.testing import normal_law
+from contactlab.testing.assertions import NotApplicable
+
+
+@dataclass(frozen=True)
+class Square(NormalLaw):
+    """Pressure by the square of what lies below `open_at`, with one flaw or none."""
+
+    length_scale = "open_at"
+
+    open_at: float = 0.01
+    flaw: str = ""
+
+    def begins(self) -> float:
+        return (0.5 if self.flaw == "begins too soon" else 1.0) * self.open_at
+
+    def pressure(self, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats) -> None:
+        k = 1e4 if self.flaw == "does not follow the cells" else stiffness
+        close = self.open_at - gap if self.flaw == "grips" else np.maximum(self.open_at - gap, 0.0)
+        pressure[:] = k * close**2 / self.open_at
+        slope[:] = -2.0 * k * close / self.open_at
+        if self.flaw == "pulls":
+            pressure -= 1e-3 * pressure.max()
+        if self.flaw == "gives way":
+            pressure[:] = np.minimum(pressure, 4.0 * k * self.open_at - pressure)
+        if self.flaw == "half the slope":
+            slope *= 0.5
+        if self.flaw == "slope of the other sign":
+            slope *= -1.0
+        if self.flaw == "knows its neighbours":
+            pressure += 1e-6 * pressure.mean() * (pressure > 0.0)
+        if self.flaw == "writes gaps":
+            gap[:] = np.minimum(gap, self.open_at)
+
+    def energy(self, gap: Floats, stiffness: Floats, size: Floats) -> Floats:
+        share = 0.5 if self.flaw == "half the energy" else 1.0
+        return share * super().energy(gap, stiffness, size)
+
+
+def caught(law: NormalLaw) -> set[str]:
+    found = set()
+    for check in normal_law.CHECKS:
+        try:
+            check(law)
+        except NotApplicable:
+            continue
+        except AssertionError:
+            found.add(check.__name__)
+    return found
+
+
+def test_right_laws_pass() -> None:
+    assert not caught(Square())
+    assert not caught(Square(open_at=1.0))
+
+
+@pytest.mark.parametrize(
+    ("flaw", "check"),
+    [
+        ("begins too soon", "pressure_begins_where_it_says"),
+        ("grips", "pressure_begins_where_it_says"),
+        ("pulls", "pressure_never_pulls_nor_falls"),
+        ("gives way", "pressure_never_pulls_nor_falls"),
+        ("slope of the other sign", "pressure_never_pulls_nor_falls"),
+        ("half the slope", "slope_is_the_derivative"),
+        ("knows its neighbours", "conditions_do_not_know_each_other"),
+        ("half the energy", "energy_is_the_integral"),
+        ("writes gaps", "gaps_are_only_read"),
+        ("does not follow the cells", "stiffness_behind_scales"),
+    ],
+)
+def test_defects_are_caught(flaw: str, check: str) -> None:
+    assert check in caught(Square(flaw=flaw))

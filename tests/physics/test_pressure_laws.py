@@ -1,0 +1,138 @@
+"""Pressure laws: one class for statics and explicit steps, against closed forms of two pressed blocks."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import contactlab
+from contactlab.model.build import build
+from contactlab.parts.registry import default_registry
+from contactlab.results.results import Results
+from contactlab.run.simulation import simulate
+
+E, RHO, HEIGHT, WIDTH = 1000.0, 1e-6, 1.0, 2.0
+PUSH = 0.01  # mm
+EXPLICIT = 3e-4  # of the force: a run has settled when reactions agree to 2e-4 and ring no more
+CLEARANCE, TABLE = 0.002, ((-0.01, 0.0, 0.01), (40.0, 2.0, 0.0))
+BEHIND = E / HEIGHT / 2.0  # MPa/mm: one cell of each block in series, Poisson's ratio 0
+LAWS: dict[str, dict[str, Any]] = {
+    "linear": {"use": "linear-pressure"},
+    "exponential": {"use": "exponential-pressure", "clearance": CLEARANCE},
+    "table": {"use": "tabular-pressure", "gaps": list(TABLE[0]), "pressures": list(TABLE[1])},
+}
+
+
+def pressure(law: str, gap: float) -> float:
+    """The law by hand."""
+    if law == "linear":
+        return max(0.0, -10.0 * BEHIND * gap)
+    if law == "table":
+        return float(np.interp(gap, *TABLE))
+    u = max(0.0, 1.0 - gap / CLEARANCE)
+    return 10.0 * BEHIND * CLEARANCE * u * (math.exp(u) - 1.0) / (math.e - 1.0)
+
+
+def closed_form(law: str) -> float:
+    """Pressure at which both blocks give way by what the gap leaves of the push, by bisection."""
+    low, high = 0.0, E * PUSH
+    for _ in range(60):
+        p = 0.5 * (low + high)
+        gap = p * 2.0 * HEIGHT / E - PUSH
+        low, high = (p, high) if pressure(law, gap) > p else (low, p)
+    return p
+
+
+def blocks(law: dict[str, Any] | str, integrator: str, **changes: Any) -> contactlab.Scene:
+    """A block on another one, pressed by `PUSH`; one cell high."""
+    top = {"ramp": "parabola", "to": -PUSH} if integrator == "central-difference" else -PUSH
+    mesh = {"use": "rectangle", "x": [0.0, WIDTH], "cells": [2, 1]}
+    body = {"element": "q1", "material": "m"}
+    scene = contactlab.Scene.from_data(
+        {
+            "integrator": integrator,
+            "materials": {"m": {"use": "linear-elastic", "young": E, "poisson": 0.0, "density": RHO}},
+            "bodies": {
+                "upper": body | {"mesh": mesh | {"y": [0.0, HEIGHT]}},
+                "lower": body | {"mesh": mesh | {"y": [-HEIGHT, 0.0]}},
+            },
+            "contacts": [
+                {"slave": "upper.bottom", "master": "lower.top", "algorithm": "mortar-p1", "enforcement": law}
+            ],
+            "supports": [{"on": "upper.top", "ux": 0.0, "uy": top}, {"on": "lower.bottom", "ux": 0.0, "uy": 0.0}],
+        }
+    )
+    return scene.with_(changes) if changes else scene
+
+
+def done(scene: contactlab.Scene) -> Results:
+    results = simulate(scene)
+    assert results.status == "finished", results.reason
+    return results
+
+
+@pytest.mark.parametrize("integrator", ["newton", "central-difference"])
+@pytest.mark.parametrize("law", LAWS)
+def test_two_blocks_press_as_in_the_closed_form(law: str, integrator: str) -> None:
+    results = done(blocks(LAWS[law], integrator))
+    exact = WIDTH * closed_form(law)
+    within = 1e-7 if integrator == "newton" else EXPLICIT
+    assert -results.summary["reactions"]["upper.top"][1] == pytest.approx(exact, rel=within)
+    assert not results.summary["warnings"]
+
+
+def free(law: dict[str, Any], **changes: Any) -> Results:
+    """Blocks that nothing drives, in short steps and without damping."""
+    held = [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}]
+    given = {"supports": held, "time.damping": 0.0, "time.fraction": 0.1} | changes
+    return done(blocks(law, "central-difference", **given))
+
+
+def test_what_surfaces_store_at_the_start_is_no_energy_that_contact_makes() -> None:
+    """Softened contact that begins in touch pushes a block away: all energy there is comes from the surfaces."""
+    balance = free(LAWS["exponential"], **{"time.end": 1e-4}).summary["balance"]
+    stored = WIDTH * 10.0 * BEHIND * CLEARANCE**2 / (math.e - 1.0) * 0.5  # of u e^u - u between 0 and 1
+    assert balance["contact"] == pytest.approx(stored, rel=5e-2)  # leapfrog: (w dt / 2)^2, w dt = 0.2 to 0.4
+    assert balance["kinetic"] + balance["internal"] == pytest.approx(balance["contact"], rel=1e-9)
+
+
+def test_a_bounce_gives_back_what_it_took() -> None:
+    """Work of the contact is zero again when a block has left: forces follow from a potential.
+
+    Leapfrog keeps an energy that differs from it by the square of the step over the spring's period.
+    """
+    results = free(
+        LAWS["linear"] | {"factor": 2.0}, **{"bodies.upper.velocity": [0.0, -100.0], "time.end": 3e-4}
+    )  # fmt: skip
+    kinetic = 0.5 * RHO * WIDTH * HEIGHT * 100.0**2
+    assert float(np.max(results.contact["contacts.0"].last.pressure)) == 0.0
+    assert abs(results.summary["balance"]["contact"]) < 1e-2 * kinetic
+    assert min(results.history["energy.contact"]) < -0.05 * kinetic
+
+
+@pytest.mark.parametrize("integrator", ["newton", "central-difference"])
+def test_friction_carries_its_share_of_the_pressure(integrator: str) -> None:
+    """A block dragged along slides under mu times its pressure; in an explicit run, which rings, it sticks at times."""
+    way = {"ramp": "linear" if integrator == "newton" else "parabola", "to": 0.02}
+    given = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}, "supports.0.ux": way, "time.end": 1e-3}
+    given |= {"bodies.upper.mesh.x": [0.5, 1.5]}
+    results = done(blocks(LAWS["linear"], integrator, **given))
+    if integrator == "newton":
+        curve = results.contact["contacts.0"].last
+        np.testing.assert_allclose(np.abs(curve.shear), 0.2 * np.asarray(curve.pressure), rtol=1e-6)
+    along, across = results.summary["contacts"]["contacts.0"]["resultant"]
+    assert 0.1 < abs(along / across) < 0.2 * 1.02  # the surface tilts by a hundredth at most
+
+
+def test_explicit_steps_follow_the_slope() -> None:
+    """Stable steps are those of both blocks and of the springs between their nodes' masses."""
+    registry = default_registry()
+    steps = [build(blocks(law, "central-difference"), registry).step_within(1.0) for law in
+             ("forward-increment", LAWS["linear"], LAWS["linear"] | {"factor": 1000.0})]  # fmt: skip
+    mass_per_length = 0.5 * RHO * HEIGHT
+    for step, factor in zip(steps[1:], (10.0, 1000.0), strict=True):
+        square = 1.05 * 1.3 * factor * BEHIND * 2.0 / mass_per_length  # both margins: docs/parts/enforcement.md
+        assert step == pytest.approx((steps[0] ** -2 + square / 4.0) ** -0.5, rel=1e-9)
