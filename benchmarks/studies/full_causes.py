@@ -48,10 +48,6 @@ ENDS = "with mu = 100 the node at the plane of symmetry opens and sticks in turn
 NODE_BY_NODE = "contact opens node by node, one or two per iteration: more than the work limit allows on this mesh"
 
 CAUSES: dict[tuple[str, str, str], str] = {
-    ("dropped-block", "mortar-p0", "silent"): LEANING,
-    ("dropped-block", "mortar-p1", "silent"): LEANING,
-    ("pressed-block", "mortar-p0", "silent"): LEANING,
-    ("pressed-block", "mortar-p1", "silent"): LEANING,
     ("stiffness-contrast", "mortar-p0", "failed"): FINE_ON_SOFT,
     ("stiffness-contrast", "mortar-p1", "failed"): FINE_ON_SOFT,
     ("inclined-layers", NODES, "silent"): f"{ONE_PASS}: the same on a slope",
@@ -69,7 +65,6 @@ CAUSES: dict[tuple[str, str, str], str] = {
     ("ironing", NODES, "not-judged"): VERTEX,
     ("lifted-beam", NODES, "not-judged"): NODE_BY_NODE,
     ("disc-on-block", NODES, "not-judged"): VERTEX,
-    ("rigid-punch", NODES, "not-judged"): "statuses next to the singular edge keep changing",
     ("rough-plate", "mortar-p0", "not-judged"): ROUGH,
     ("rough-plate", "mortar-p1", "not-judged"): ROUGH,
     ("bars-with-gap", NODES, "silent"): ONE_PASS,
