@@ -41,6 +41,8 @@ class Columns:
         )  # fmt: skip
         self.patterns: list[bytes] = []
 
+    by_energy = False
+
     @property
     def position(self) -> Floats:
         return self.reference + self.displacement

@@ -47,6 +47,7 @@ from contactlab.api.mesh import Mesh, MeshSource
 from contactlab.api.normal_law import NormalLaw
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
 from contactlab.api.point_contact import PointContact
+from contactlab.api.potential import Potential, PotentialView, Pressures
 from contactlab.api.profile import Profile
 from contactlab.api.record import Record
 from contactlab.api.recorder import Recorder, Recording
@@ -126,7 +127,10 @@ __all__ = [
     "PieceDerivatives",
     "Pieces",
     "PointContact",
+    "Potential",
+    "PotentialView",
     "PrescribedMotion",
+    "Pressures",
     "Profile",
     "Quadrature",
     "Record",

@@ -149,6 +149,23 @@ class ImplicitContact(Protocol):
     enforcement: ImplicitEnforcement
     conditions: Conditions
 
+    @property
+    def by_energy(self) -> bool:
+        """Whether some forces come from potentials (`contactlab.api.Potential`).
+
+        Then every correction is limited by `free_share` (with any depth), a converged iteration asks `settled`,
+        `forces` and the `force` of `linearise` include theirs, and no condition need be chosen.
+        """
+
+    def settled(self) -> bool:
+        """Whether friction of potentials belongs to the normal forces of the last `evaluate`.
+
+        If not, it does from now on: forces have changed, and the iteration continues.
+        """
+
+    def dissipation(self) -> float:
+        """Energy [mJ] that friction has taken since the start of the step, conditions and potentials together."""
+
     def evaluate(self, position: Floats) -> None:
         """Fill `conditions` at trial positions (N, 2); slots without a condition lose their force."""
 
@@ -158,7 +175,7 @@ class ImplicitContact(Protocol):
     def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
         """Share of a motion (N, 2) [mm] from `position` (N, 2) before a node is `depth` segments inside the other side.
 
-        It is 1 if no node passes through the other side, however long the motion is.
+        It is 1 if no node passes through the other side, however long the motion is, and no potential allows less.
         """
 
     def scale(self, flexibility: Floats) -> None:

@@ -27,6 +27,7 @@ class State:
     contact_force   (N, 2)  contact forces on the nodes over the last step [N]
     history.BODY    history of each body whose law has any, all its blocks one after another
     memory.CONTACT  memory of a contact algorithm that declares any
+    friction.CONTACT  (n, 2) friction of a potential at the end of the step, on the nodes of both sides [N]
 
     and an integrator may declare more. Fields that no part declares do not exist.
     """

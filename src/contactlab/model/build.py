@@ -129,10 +129,15 @@ def _contact_plans(
     if not scene.contacts:
         return (), bodies
     from contactlab.model.contact.initial_gap import adjusted_bodies
-    from contactlab.model.contact.plan import plan_contacts
+    from contactlab.model.contact.plan import by_energy, plan_contacts
 
     plans = plan_contacts(scene, registry, bodies, rigid, integrator)
-    return plans, adjusted_bodies(bodies, rigid, plans)
+    bodies = adjusted_bodies(bodies, rigid, plans)
+    if any(map(by_energy, plans)):
+        from contactlab.model.contact.potential_start import opened
+
+        return opened(bodies, rigid, plans)
+    return plans, bodies
 
 
 def _joints(plans: tuple[Any, ...], reference: Floats) -> Joints:

@@ -20,6 +20,7 @@ from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import MeshSource
 from contactlab.api.normal_law import NormalLaw
 from contactlab.api.part import NEW_IN_2
+from contactlab.api.potential import Potential
 from contactlab.api.recorder import Recorder
 from contactlab.api.reference import ReferenceSolution
 from contactlab.api.watch import Watch
@@ -30,7 +31,7 @@ BASES: dict[str, tuple[type, ...]] = {
     "element": (Element,),
     "material": (Material,),
     "mesh": (MeshSource,),
-    "contact": (ContactAlgorithm, GapAlgorithm),
+    "contact": (ContactAlgorithm, GapAlgorithm, Potential),
     "friction": (FrictionLaw,),
     "enforcement": (ExplicitEnforcement, ImplicitEnforcement, NormalLaw),
     "integrator": (ExplicitIntegrator, ImplicitIntegrator),

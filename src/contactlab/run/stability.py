@@ -78,7 +78,7 @@ def _tangent(model: ImplicitModel, normals_turn: bool) -> tuple[Any, int]:
     contact = model.contact
     if contact is None:
         return _scaled(csc_array(stiffness)[free][:, free]), 0
-    pressed = np.flatnonzero(contact.conditions.force[0] > 0.0).astype(np.int32)
+    pressed = np.flatnonzero(contact.conditions.present & (contact.conditions.force[0] > 0.0)).astype(np.int32)
     change = contact.linearise(pressed)
     matrix = (csc_array(stiffness) - change.force if normals_turn else csc_array(stiffness))[free][:, free]
     if not len(pressed):

@@ -7,7 +7,9 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
+from contactlab.api import Potential
 from contactlab.errors import PartError, SceneError, one_line
+from contactlab.testing.assertions import Check
 from contactlab.testing.cost import Cost, costs
 from contactlab.testing.examples import refused
 from contactlab.testing.run import Outcome, checks_for, run_check
@@ -76,8 +78,10 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
         return
     failed = False
     fatal = False
-    wanted = {*only, *FATAL} if only else set(check_names(subject.kind))
-    for check in checks_for(subject.kind):
+    checks = _checks_of(subject)
+    known = {*check_names(subject.kind), *(check.__name__ for check in checks)}
+    wanted = {*only, *FATAL} if only else known
+    for check in checks:
         if check.__name__ not in wanted:
             continue
         if fatal:
@@ -97,6 +101,15 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
             yield Outcome(scenario.__name__, says, "not applicable", why)
         else:
             yield run_check(scenario, subject)
+
+
+def _checks_of(subject: Subject) -> tuple[Check, ...]:
+    """Checks of its kind; potentials set no conditions and have checks of their own."""
+    if issubclass(subject.part_class, Potential):
+        from contactlab.testing.potential import CHECKS
+
+        return CHECKS
+    return checks_for(subject.kind)
 
 
 def keeps_the_contract(subject: Subject) -> None:

@@ -89,6 +89,8 @@ def _edges(subject: Subject) -> tuple[int, int]:
 def _contact(subject: Subject, edges: tuple[int, int]) -> tuple[str, Call]:
     at = flat(edges=edges)
     pair, memory = pair_of(subject.make(), at)
+    if pair.by_energy:
+        raise NotApplicable("potentials set no conditions")
     n = len(at.slave.segments)
     return f"pieces and rows of {n} segments", lambda: pair.update(at.nodes, memory)
 

@@ -45,6 +45,8 @@ class ExplicitFloor:
 class ImplicitFloor:
     """The same floor for implicit steps. Implements `contactlab.api.ImplicitContact`."""
 
+    by_energy = False
+
     def __init__(self, level: Floats, friction: float, state: State, enforcement: ImplicitEnforcement) -> None:
         n, slots = len(level), len(level) if friction else 0
         self.level, self.enforcement = level, enforcement
@@ -71,6 +73,15 @@ class ImplicitFloor:
         self.conditions.gap[:] = position[:, 1] - self.level
         if len(self.conditions.slip):
             self.conditions.slip[:] = position[:, 0] - self.start
+
+    def settled(self) -> bool:
+        """Always: there is no potential."""
+        return True
+
+    def dissipation(self) -> float:
+        """What the slips of the conditions take."""
+        c = self.conditions
+        return -float(c.force[1] @ c.slip) if len(c.slip) else 0.0
 
     def forces(self, normal: Floats, tangential: Floats) -> None:
         """Nodal forces (N, 2) of the trial multipliers; the second (0, 2) without friction."""

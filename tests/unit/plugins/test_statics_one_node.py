@@ -38,6 +38,8 @@ class Obstacle:
             stiffness=one.copy(),
         )
 
+    by_energy = False
+
     def evaluate(self, position: Floats) -> None:
         self.conditions.gap[0], self.conditions.slip[0] = -position[0, 1], position[0, 0]
 

@@ -17,6 +17,7 @@ from contactlab_statics.scales import AWAY, Scales
 from contactlab_statics.trial import Balance, Trial
 
 AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may need
+TAKEOVERS = 40  # times that friction of potentials may take newer normal forces in a step
 FALLING, FALL = 6, 0.9  # residuals in a row, each below that of the one before: then more iterations are made
 MORE = 4  # times the wished iterations, at most
 TOUCHING = 1e-9  # segment lengths
@@ -50,6 +51,7 @@ class NewtonIteration:
         self.scales = Scales(equations.reference, self.trial.held)
         self.search = LineSearch(self.trial, self.scales)
         self.system = SaddleSystem(equations.reference, self.trial.held)
+        self.takeovers = 0  # times that friction of potentials took newer normal forces in this step
         self.soft = False  # whether the last correction needed soft springs
 
     def run(self, dt: float, target: Floats, limited: int | None = None) -> Outcome:
@@ -59,6 +61,7 @@ class NewtonIteration:
         """
         outcome, trial = Outcome(), self.trial
         self.system.solver.forget()
+        self.takeovers = 0
         self.search.forget()
         self.scales.floor = 0.0
         trial.balance.update_stresses(dt)
@@ -88,7 +91,9 @@ class NewtonIteration:
                     if softly > 1:
                         outcome.reason = "in balance, and nothing would resist if a body were pushed"
                         return outcome
-                elif not self._augment(outcome):
+                elif not (self._unsettled(outcome) or self._augment(outcome)):
+                    return outcome
+                if outcome.reason:
                     return outcome
                 began = len(outcome.trace)
             if not np.isfinite(residual.largest):
@@ -108,7 +113,7 @@ class NewtonIteration:
         if np.any(self.trial.still_to_move(target)):
             return False
         outcome.residual = self._residual()
-        return outcome.residual.largest <= self.tolerance and not self._augment(outcome)
+        return outcome.residual.largest <= self.tolerance and not (self._unsettled(outcome) or self._augment(outcome))
 
     def _goes_on(self, trace: list[Iteration]) -> bool:
         """Whether another iteration is made: up to the wished number, and on while residuals fall all the time."""
@@ -117,6 +122,21 @@ class NewtonIteration:
         left = [max(one.force, one.contact) for one in trace[-FALLING:]]
         fell = len(left) == FALLING and all(new < FALL * old for old, new in pairwise(left))
         return fell and len(trace) < MORE * self.most
+
+    def _unsettled(self, outcome: Outcome) -> bool:
+        """Whether friction of potentials has taken newer normal forces; the reason is given after too many times."""
+        contact = self.trial.contact
+        if contact is None or not contact.by_energy or contact.settled():
+            return False
+        self.takeovers += 1
+        if self.takeovers > TAKEOVERS:
+            outcome.reason = (
+                f"friction forces did not settle after {TAKEOVERS} times that they took newer normal forces"
+            )
+        self.trial.update_forces()
+        if outcome.trace:
+            outcome.trace[-1] = outcome.trace[-1]._replace(note="friction takes the new normal forces")
+        return True
 
     def _augment(self, outcome: Outcome) -> bool:
         """Whether the enforcement wants to go on from the forces it has found; they are its anchor then."""

@@ -75,17 +75,29 @@ class LineSearch:
         trial, u, y = self.trial, self.trial.u, self.trial.multipliers
         start, y_start = u.copy(), y.copy()
         length, note = self._reach(start, du)
-        shortest = SHORTEST * length
+        shortest, work = SHORTEST * length, self._work(du, given)
         while length >= shortest > 0.0:
             u[:] = start + length * du
             if length == 1.0:
                 u.reshape(-1)[trial.held] = (start.reshape(-1) + given)[trial.held]
             y[:] = y_start + length * dy
             trial.evaluate(dt)
-            if trial.makes_sense():
+            sense = trial.makes_sense()
+            if sense and (length <= 2.0 * shortest or abs(float(np.vdot(trial.force * self.scales.free, du))) <= work):
                 return note, length
-            length, note = 0.5 * length, "cells fold over"
+            length, note = 0.5 * length, "the energy of contact grows" if sense else "cells fold over"
         return note, 0.0
+
+    def _work(self, du: Floats, given: Floats) -> float:
+        """Largest work of unbalanced forces along a correction at its end: with potentials, that at its start.
+
+        A correction that ends where the energy of potentials grows has gone too far. While supports move, or
+        with conditions, there is no energy that would fall.
+        """
+        contact = self.trial.contact
+        if contact is None or not contact.by_energy or np.any(given) or contact.conditions.present.any():
+            return np.inf
+        return abs(float(np.vdot(self.trial.force * self.scales.free, du)))
 
     def _reach(self, start: Floats, du: Floats) -> tuple[float, str]:
         """Fraction of a correction at which the first condition is pushed too deep, or a node through a surface."""
@@ -97,7 +109,7 @@ class LineSearch:
         if not np.isfinite(smallest):
             smallest = self.scales.size / FEW_CELLS
         pieces = max(1, int(np.ceil(np.hypot(*du.T).max() / smallest)))
-        length = 1.0 if pieces == 1 else contact.free_share(place, du, DEEPEST)
+        length = contact.free_share(place, du, DEEPEST) if pieces > 1 or contact.by_energy else 1.0
         if pieces <= MOST_PIECES:
             length = min(length, self._watched(place, du, pieces))
         return length, "surfaces would pass through each other" if length < 1.0 else ""

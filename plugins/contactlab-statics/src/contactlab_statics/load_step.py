@@ -46,7 +46,7 @@ class LoadStep:
         expected = equations.estimate(self.time)
         if expected is not None:
             self._begin_at(expected, dt, target)
-        predicted = expected is None and self.prediction.start(dt, target)
+        predicted = expected is None and self.prediction.start(dt, target, self._reachable)
         outcome = self.iteration.run(dt, target, LIMITED if predicted and self.prediction.flows else None)
         if outcome.reason:
             take_back(equations, state, start)
@@ -96,6 +96,9 @@ class LoadStep:
         before = displacement.copy()
         displacement[:] = expected.displacement
         displacement.reshape(-1)[equations.prescribed.dof] = target
+        if not self._reachable(before):
+            displacement[:] = before
+            return
         equations.internal_force(dt)
         if equations.folded() or not np.isfinite(self.state["internal_force"]).all():
             displacement[:] = before
@@ -105,6 +108,13 @@ class LoadStep:
             np.multiply(expected.pressure, conditions.measure, out=conditions.force)
             conditions.force[:, ~conditions.present] = 0.0
 
+    def _reachable(self, before: Floats) -> bool:
+        """Whether potentials allow the motion from the displacement `before` (N, 2) [mm] to the present one."""
+        contact, now = self.equations.contact, self.state["displacement"]
+        if contact is None or not contact.by_energy:
+            return True
+        return contact.free_share(self.equations.reference + before, now - before, np.inf) == 1.0
+
     def accept(self) -> None:
         """Book the step, and make the trial the state."""
         state, contact, own = self.state, self.equations.contact, self.contact_forces
@@ -113,8 +123,7 @@ class LoadStep:
             state["contact_force"][:] = own.normal
             if len(own.tangential):
                 state["contact_force"][:] += own.tangential
-                c = contact.conditions
-                slip = -float(c.force[1] @ np.where(c.present, c.slip, 0.0))  # what is not there may have no slip
+                slip = contact.dissipation()
         held = self.equations.prescribed.dof
         reaction = state["reaction"].reshape(-1)
         reaction[:] = 0.0

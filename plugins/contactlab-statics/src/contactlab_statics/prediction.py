@@ -9,12 +9,18 @@ the step before opens and closes more than it saves.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from contactlab.api import Floats, ImplicitEquations, State
 
 FARTHEST = 4.0  # times the step before: beyond it nothing is known
 ALONG = 0.9  # cosine between the motions of two steps, below which the loading turns
+
+
+def _anywhere(before: Floats) -> bool:
+    return True
 
 
 class Prediction:
@@ -32,8 +38,10 @@ class Prediction:
         self.follows = self.flows or (equations.contact is not None and len(equations.contact.conditions.slip) > 0)
         self.load: Floats = np.zeros_like(self.moved)
 
-    def start(self, dt: float, target: Floats) -> bool:
+    def start(self, dt: float, target: Floats, reachable: Callable[[Floats], bool] = _anywhere) -> bool:
         """Extrapolate to the end of a step of length dt [s], where prescribed displacements are `target` (p,) [mm].
+
+        `reachable` says whether the state may go there at once from a displacement (N, 2) [mm].
 
         False where the state is left as it is: nothing to go on with, no step before, or loading that turns.
         """
@@ -44,6 +52,9 @@ class Prediction:
         before = u.copy()
         u += ratio * self.moved
         u.reshape(-1)[self.equations.prescribed.dof] = target
+        if not reachable(before):
+            u[:] = before
+            return False
         self.equations.internal_force(dt)
         if self.equations.folded():
             u[:] = before

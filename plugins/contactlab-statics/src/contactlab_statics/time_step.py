@@ -191,7 +191,7 @@ class TimeStep:
         if len(tangential):
             force += tangential
             work[FRICTION] += np.vdot(tangential, moved)
-            work[SLIP] -= float(contact.conditions.force[1] @ contact.conditions.slip)
+            work[SLIP] += contact.dissipation()
         # what the impulses push on prescribed nodes, their supports hold
         held = self.held
         impulse = (pressed + stuck).reshape(-1)[held]

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Rows, Surface
+from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Potential, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.model.contact.gap_pair import GapPair
 from contactlab.model.contact.operator_pair import OperatorPair
@@ -26,8 +26,17 @@ def contact_pair(
     first_slot: int,
     friction: FrictionLaw | None,
     fixed: Flags,
+    modulus: Floats | None = None,
 ) -> ContactPair:
-    """A pair of slave and master at work; `fixed` (m,) marks slave nodes that cannot move."""
+    """A pair of slave and master at work; `fixed` (m,) marks slave nodes that cannot move.
+
+    `modulus` (N,) [MPa] of the material behind each node is what potentials see.
+    """
+    if isinstance(algorithm, Potential):
+        from contactlab.model.contact.potential_pair import PotentialPair
+
+        behind = np.ones(len(reference)) if modulus is None else modulus
+        return PotentialPair(name, algorithm, sides, reference, first_slot, friction, behind)
     if isinstance(algorithm, GapAlgorithm):
         return GapPair(name, algorithm, *sides, reference, first_slot, friction)
     assert isinstance(algorithm, ContactAlgorithm)

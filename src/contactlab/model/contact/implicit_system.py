@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from scipy.sparse import vstack
+from scipy.sparse import csr_array, vstack
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, State
 from contactlab.model.contact.contact_pairs import linearised
@@ -23,6 +23,7 @@ from contactlab.model.contact.step_rows import StepRows
 from contactlab.model.examination import examine_pair
 
 if TYPE_CHECKING:
+    from contactlab.model.contact.potential_pair import PotentialPair
     from contactlab.model.contact.pressure_store import PressureStore
 
 
@@ -30,6 +31,7 @@ class ImplicitContactSystem:
     """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`.
 
     follows_gaps  whether normal forces act along the derivatives of the gaps
+    potentials    pairs whose forces come from an energy; `ruled` are the others, which set conditions
     consistent    whether they do so in steps of a motion, which holds gaps by rows that are those of the whole step
     pace          how far multipliers that were merged at the start of a step come free in it: 1, at once, or less in
                   load steps that had to be cut (forces jump where one comes free: no shorter step would help otherwise)
@@ -48,14 +50,19 @@ class ImplicitContactSystem:
         self.pairs, self.enforcement, self.state, self.time = pairs, enforcement, state, time
         self.friction = any(pair.friction is not None for pair in pairs)
         nodes = len(state["displacement"])
-        self.linear = tuple(linearised(pair, nodes) for pair in pairs)
+        self.potentials = cast("tuple[PotentialPair, ...]", tuple(pair for pair in pairs if pair.by_energy))
+        for pair in self.potentials:
+            if pair.friction is not None:
+                pair.kept = state[f"friction.{pair.name}"]
+        self.ruled = tuple(pair for pair in pairs if not pair.by_energy)
+        self.linear = tuple(linearised(pair, nodes) for pair in self.ruled)
         # statics have no start of a step that anything would have to hold to
         self.follows_gaps, self.consistent = follows_gaps, follows_gaps and "velocity" in state
         self.stepped = tuple(StepRows(linear) for linear in self.linear) if self.consistent else ()
         self.conditions = _conditions(pairs, state["multipliers"], self.friction)
         self.pace = 1.0
         self.freedom = np.ones(state["multipliers"].shape[1])
-        self.memories = [np.zeros_like(self._memory(pair)) for pair in pairs]
+        self.memories = [np.zeros_like(self._memory(pair)) for pair in self.ruled]
         self.start = np.zeros((nodes, 2))
         self.flexibility = np.ones((nodes, 2))
         self.multipliers = state["multipliers"]
@@ -81,9 +88,13 @@ class ImplicitContactSystem:
         """A step that ends at `time` [s] starts at `position` (N, 2), with what the state remembers."""
         self.start[:] = position
         self.time[0] = time
-        for pair, memory in zip(self.pairs, self.memories, strict=True):
+        for pair, memory in zip(self.ruled, self.memories, strict=True):
             memory[:] = self._memory(pair)
             pair.evaluated = False
+        for pair in self.potentials:
+            pair.begin_step(position)
+            # what the last step wrote for reports is no force of a condition
+            self.conditions.force[:, _own(pair)] = 0.0
         self._release(time)
         for rows, memory in zip(self.stepped, self.memories, strict=False):
             half = 0.5 * (time - self.state.time)
@@ -116,9 +127,11 @@ class ImplicitContactSystem:
 
     def accept(self) -> None:
         """What the last evaluation remembers becomes part of the state."""
-        for pair, memory in zip(self.pairs, self.memories, strict=True):
+        for pair, memory in zip(self.ruled, self.memories, strict=True):
             self._memory(pair)[:] = memory
             pair.evaluated = True
+        for pair in self.potentials:
+            pair.accept(self.multipliers)
         for coupling, freedom in self._couplings():
             freedom[:] = self._freed(coupling, freedom)
         for stepped in self.stepped:
@@ -168,6 +181,8 @@ class ImplicitContactSystem:
             if pair.sliding is not None:
                 c.bound[:, own] = pair.sliding.bound[:, None]
                 c.bound[:, own][:, held_together(pair, self.flexibility, self.start)] = 0.0
+        for pair in self.potentials:
+            pair.evaluate(position)
         c.force[:, ~c.present] = 0.0
         self.seconds += perf_counter() - began
 
@@ -175,6 +190,8 @@ class ImplicitContactSystem:
         """Nodal forces of the trial multipliers; see `contactlab.api.ImplicitContact`."""
         normal[:] = 0.0
         tangential[:] = 0.0
+        for pair in self.potentials:
+            pair.add_forces(normal, tangential)
         for stepped in self.stepped:
             stepped.add_forces(self.conditions.force[:, _own(stepped.linear.pair)], normal, tangential)
         if self.stepped:
@@ -196,10 +213,27 @@ class ImplicitContactSystem:
         own[:] = 0.0
         linear.add_forces(force, normal, tangential)
 
+    @property
+    def by_energy(self) -> bool:
+        """Whether some forces come from potentials; see `contactlab.api.ImplicitContact`."""
+        return bool(self.potentials)
+
     def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
         """How much of a motion no surface passes through; see `contactlab.api.ImplicitContact`."""
-        passage = first_passage(self.pairs, position, position + motion, depth)
-        return 1.0 if passage is None else passage.share
+        passage = first_passage(self.ruled, position, position + motion, depth)
+        allowed = (pair.free_share(position, motion) for pair in self.potentials)
+        return min(1.0 if passage is None else passage.share, *allowed, 1.0)
+
+    def settled(self) -> bool:
+        """Whether the forces of potentials are those of the end of the step; see `contactlab.api.ImplicitContact`."""
+        return sum(pair.take_over() for pair in self.potentials) == 0
+
+    def dissipation(self) -> float:
+        """Energy [mJ] that friction takes in the step; see `contactlab.api.ImplicitContact`."""
+        c = self.conditions
+        # what is not there may have no slip
+        sliding = -float(c.force[1] @ np.where(c.present, c.slip, 0.0)) if self.friction else 0.0
+        return sliding + sum(pair.dissipation() for pair in self.potentials)
 
     def scale(self, flexibility: Floats) -> None:
         """Nodal flexibilities from which contact stiffnesses follow."""
@@ -221,7 +255,10 @@ class ImplicitContactSystem:
             consistent = self.follows_gaps and isinstance(linear, PairLinearisation)
             # how directions change is taken from rows by weights: their own change needs second derivatives
             parts.append(replace(found, normal=found.gap) if consistent else found)
-        derivatives = self._joined(parts)
+        derivatives = self._joined(parts) if parts else self._unconditional(len(chosen))
+        for potential in self.potentials:
+            force_derivative = derivatives.force + potential.force_derivative(2 * len(self.start))
+            derivatives = derivatives._replace(force=force_derivative)
         self.seconds += perf_counter() - began
         return derivatives
 
@@ -238,6 +275,13 @@ class ImplicitContactSystem:
             normal.append(along)
             tangent.append(along * 0.0 if across is None else across)
         return _stacked(normal), _stacked(tangent) if self.friction else None
+
+    def _unconditional(self, rows: int) -> ContactDerivatives:
+        """Those of a model without conditions."""
+        size = 2 * len(self.start)
+        none = csr_array((rows, size))
+        tangent = none if self.friction else None
+        return ContactDerivatives(none, tangent, none, tangent, csr_array((size, size)))
 
     def _joined(self, parts: list[PairDerivatives]) -> ContactDerivatives:
         if len(parts) == 1:

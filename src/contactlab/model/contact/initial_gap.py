@@ -44,7 +44,7 @@ def adjusted_bodies(
     for plan in asked:
         check_overlap(plan.slave, plan.master, bodies, positions, True, plan.where)
         _adjust(plan, positions)
-    return tuple(_moved(body, positions, asked[0].where) for body in bodies)
+    return tuple(moved_body(body, positions, asked[0].where) for body in bodies)
 
 
 def _adjust(plan: Any, positions: Floats) -> None:
@@ -77,7 +77,8 @@ def initial_gaps(pair: ContactPair, positions: Floats) -> Floats:
     return np.asarray(pair.gaps[:, 0].copy())
 
 
-def _moved(body: Body, positions: Floats, where: Where) -> Body:
+def moved_body(body: Body, positions: Floats, where: Where) -> Body:
+    """The body with its nodes at `positions` (N, 2) of the model; raises SceneError where a cell turns over."""
     nodes = np.ascontiguousarray(positions[body.first : body.first + body.count])
     moved = replace(body, mesh=replace(body.mesh, nodes=nodes))
     folded = inverted_cells(moved.mesh, body.element)

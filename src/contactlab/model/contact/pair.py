@@ -89,6 +89,8 @@ class ContactPair(ABC):
 
     factored: ClassVar[bool] = False
     """Whether conditions can be given as `FactoredRows`."""
+    by_energy: ClassVar[bool] = False
+    """Whether forces come from a `Potential`, without conditions."""
 
     def __init__(
         self,

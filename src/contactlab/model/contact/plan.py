@@ -18,6 +18,7 @@ from contactlab.api import (
     Integrator,
     Ints,
     NormalLaw,
+    Potential,
     State,
     Surface,
 )
@@ -47,6 +48,7 @@ class ContactPlan:
     sides  slave and master as they act, in words
     start  what is done about an overlap before the run, as in the scene
     explicit  whether it is for an explicit integrator
+    opened [mm] by how much surfaces that touched were opened, for a potential that needs room
     """
 
     name: str
@@ -61,15 +63,22 @@ class ContactPlan:
     where: Where
     explicit: bool
 
+    opened: float = 0.0
+
     @property
     def slots(self) -> int:
         """Number of multipliers that the contact can have."""
         return self.algorithm.rows_per_node * len(self.slave.nodes)
 
-    def pair(self, positions: Floats, first_slot: int, immobile: Flags) -> ContactPair:
-        """The pair at work. `immobile` (N,) marks nodes that cannot move."""
+    def pair(self, positions: Floats, first_slot: int, immobile: Flags, modulus: Floats | None = None) -> ContactPair:
+        """The pair at work. `immobile` (N,) marks nodes that cannot move; `modulus` (N,) [MPa] is for potentials."""
         sides, fixed = (self.slave, self.master), immobile[self.slave.nodes]
-        return contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed)
+        return contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, modulus)
+
+
+def by_energy(plan: ContactPlan) -> bool:
+    """Whether the forces of a contact come from a potential."""
+    return isinstance(plan.algorithm, Potential)
 
 
 def plan_contacts(
@@ -117,6 +126,10 @@ def _plan(
             got=spec.algorithm,
             allowed="with an implicit integrator: algorithms that do not say so",
         )
+    if isinstance(algorithm, Potential):
+        from contactlab.model.contact.potential_start import refuse_potential
+
+        refuse_potential(algorithm, spec, integrator, where)
     return ContactPlan(
         name,
         spec.name or name,
@@ -169,6 +182,8 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
     for plan in plans:
         if plan.algorithm.memory_size:
             shapes[f"memory.{plan.name}"] = (plan.algorithm.memory_size, len(plan.slave.nodes))
+        if by_energy(plan) and plan.friction is not None:
+            shapes[f"friction.{plan.name}"] = (len(plan.slave.nodes) + len(plan.master.nodes), 2)
     return shapes
 
 
@@ -193,19 +208,26 @@ def build_contact(
     held[fixed_dof] = True
     immobile = np.asarray(held.reshape(-1, 2).all(axis=1))
     enforcement: Any = plans[0].enforcement
+    modulus = None
+    if any(map(by_energy, plans)):
+        from contactlab.model.contact.potential_start import begin_open, stiffness_behind
+
+        modulus = stiffness_behind(bodies, len(reference))
     explicit = plans[0].explicit
     # steps that iterate look for a state at their end, explicit ones go on from where they are
     time = state["clock"] if explicit else np.zeros(1)
     pairs, first = [], 0
     for plan in plans:
         refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
-        pair = plan.pair(reference, first, immobile)
+        pair = plan.pair(reference, first, immobile, modulus)
+        if by_energy(plan):
+            begin_open(plan, pair, reference)
         if plan.start.overlap == "ramp":
             pair.start_gaps = ramped_overlap(pair, time, plan.start.duration or ramp_time, reference)
         elif plan.start.gap == "zero":
             pair.start_gaps = ZeroStart(initial_gaps(pair, reference))
         refuse_overlap(plan, pair, bodies, reference)
-        if pair.start_gaps is None and "velocity" in state:
+        if pair.start_gaps is None and "velocity" in state and not pair.by_energy:
             # statics go to the end, where the overlap counts; what moves freely keeps its energy, and the overlap
             pair.start_gaps = facet_overlap(pair, time, ramp_time if driven else math.inf, reference)
         pairs.append(pair)

@@ -10,7 +10,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from contactlab.api import ExplicitEnforcement, ExplicitIntegrator, Floats, NormalLaw
+from contactlab.api import ExplicitEnforcement, ExplicitIntegrator, Floats, NormalLaw, Potential
 from contactlab.errors import PartError, SceneError
 from contactlab.model.build import build
 from contactlab.parts.registry import Registry
@@ -37,6 +37,8 @@ def modes_of(subject: Subject) -> tuple[Mode, ...]:
         return ("explicit",) if issubclass(cls, ExplicitIntegrator) else ("statics",)
     if subject.kind == "enforcement" and not issubclass(cls, NormalLaw):
         return ("explicit",) if issubclass(cls, ExplicitEnforcement) else ("statics",)
+    if subject.kind == "contact" and issubclass(cls, Potential):
+        return ("statics",)
     if subject.kind == "contact" and cls.explicit_only:
         return ("explicit",)
     if subject.kind == "effect" and not _stands_in_statics(subject):

@@ -1,0 +1,117 @@
+"""Contact by potentials: forces that are the gradient of an energy of node positions.
+
+A `Potential` sees the nodes and segments of both surfaces, no body and no scene. It sets no conditions and has no
+multipliers: implicit integrators add its forces and stiffness to those of the bodies, and take no correction beyond its
+`largest_step`. Explicit integrators refuse it.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any, ClassVar, NamedTuple
+
+from contactlab.api.arrays import Floats, Ints
+from contactlab.api.contact import ContactMethod
+from contactlab.api.friction import FrictionBound
+from contactlab.api.surface import Surface
+
+
+class PotentialView(NamedTuple):
+    """All that a potential may see of a contact, for one step. Read-only.
+
+    Nodes are numbered through both surfaces: first those of the slave, then those of the master, n in all.
+
+    slave, master  the surfaces
+    edges          (e, 2) int32 all segments, start and end by these numbers; the first len(slave.segments) the slave's
+    reference      (n, 2) [mm] undeformed positions
+    length         (n,) [mm] half the undeformed length of the segments at each node
+    modulus        (n,) [MPa] stiffness of the material behind each node, density times squared speed of its
+                   dilatational waves; inf on rigid surfaces
+    start          (n, 2) [mm] positions at the start of the step
+    lagged         (n, 2) [mm] positions that normal forces of friction belong to: those at the start of the step, then
+                   those of the last iteration that converged
+    friction       the bound of the contact's law; None without friction
+    """
+
+    slave: Surface
+    master: Surface
+    edges: Ints
+    reference: Floats
+    length: Floats
+    modulus: Floats
+    start: Floats
+    lagged: Floats
+    friction: FrictionBound | None
+
+
+class Pressures(NamedTuple):
+    """What slave nodes feel, (m,) each: pressure and shear [MPa] over the tributary lengths of the deformed surface.
+
+    Their integrals are the contact forces. Shear is positive along the slave's direction.
+    """
+
+    pressure: Floats
+    shear: Floats
+
+
+class Potential(ContactMethod):
+    """Gives an energy of node positions. Subclasses are frozen dataclasses; their fields are the TOML keys.
+
+    Positions (n, 2) [mm] and all results follow the numbers of the `PotentialView`. Surfaces that drifted too close
+    may be answered with numbers that are not finite: the integrator then takes a shorter correction.
+
+    rubs  True if it has `friction_gradient`; contacts with friction refuse it otherwise
+    """
+
+    rubs: ClassVar[bool] = False
+
+    def clearance(self, view: PotentialView) -> float:
+        """Distance [mm] that surfaces need before the run, 0 if they may touch.
+
+        If it is positive, surfaces must never intersect: the core opens surfaces that touch to this distance by moving
+        slave nodes of the undeformed mesh, warns by how much, and refuses surfaces that intersect.
+        """
+        return 0.0
+
+    @abstractmethod
+    def energy(self, view: PotentialView, positions: Floats) -> float:
+        """Energy [mJ per mm of thickness]; inf where positions are not allowed."""
+
+    @abstractmethod
+    def gradient(self, view: PotentialView, positions: Floats) -> Floats:
+        """Derivative (n, 2) [N] of the energy by the positions: minus the contact forces."""
+
+    def hessian(self, view: PotentialView, positions: Floats) -> Any:
+        """Second derivative, SciPy sparse (2n, 2n) [N/mm]. By default None: the core takes differences of gradients.
+
+        It need not be positive definite; the exact one converges best.
+        """
+        return None
+
+    def largest_step(self, view: PotentialView, positions: Floats, displacement: Floats) -> float:
+        """Largest fraction, 0 to 1, of a displacement (n, 2) [mm] from the positions that the integrator may take.
+
+        By default 1. Nodes move along straight lines.
+        """
+        return 1.0
+
+    def friction_gradient(self, view: PotentialView, positions: Floats) -> Floats:
+        """Minus the friction forces (n, 2) [N], from the slip since `view.start` and normal forces at `view.lagged`.
+
+        The core repeats the iteration until the normal forces are those of the end of the step.
+        """
+        raise NotImplementedError(f"{type(self).__name__} has no friction")
+
+    def friction_hessian(self, view: PotentialView, positions: Floats) -> Any:
+        """Derivative of `friction_gradient` by the positions, as `hessian`; by default None: differences."""
+        return None
+
+    def pressures(self, view: PotentialView, positions: Floats, normal: Floats, length: Floats) -> Pressures | None:
+        """What slave nodes feel at accepted positions, for tables, curves and errors.
+
+        normal  (m, 2) outward unit normals of the slave, averaged at nodes
+        length  (m,) [mm] tributary lengths
+
+        By default None: the core divides the forces on the slave's nodes by their tributary lengths.
+        """
+        return None

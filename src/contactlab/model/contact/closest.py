@@ -1,0 +1,116 @@
+"""Closest points of two surfaces in plain NumPy, and where their segments intersect."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from contactlab.api import Candidates, ContactView, Floats, GapAlgorithm, GapConditions, Ints, Surface
+from contactlab.kernels.contact.search import near_segments
+
+STRAIGHT = 0.999  # cosine to the normal of a chain's last segment: nodes beyond its end are not behind it
+
+
+class Feet(NamedTuple):
+    """Points of one surface held against segments of another, one row for each of p pairs.
+
+    node, segment  (p,) positions in the one surface, and in the segments of the other
+    share          (p,) of the segment, 0 to 1, where the closest point lies
+    apart          (p, 2) [mm] from there to the node
+    distance       (p,) [mm] negative for a node behind the inside of the segment
+    direction      (p, 2) unit vectors from the segment to the node
+    """
+
+    node: Ints
+    segment: Ints
+    share: Floats
+    apart: Floats
+    distance: Floats
+    direction: Floats
+
+
+def closest_points(x: Floats, own: Surface, y: Floats, other: Surface, near: Candidates) -> Feet:
+    """Every node (positions x) of the segments in `near` against their candidates (positions y)."""
+    count = np.diff(near.start)
+    node = np.repeat(own.segments, count, axis=0).T.ravel()
+    segment = np.tile(near.master, 2)
+    a, along = y[other.segments[segment, 0]], y[other.segments[segment, 1]] - y[other.segments[segment, 0]]
+    length = np.hypot(*along.T)
+    share = np.clip(((x[node] - a) * along).sum(axis=1) / length**2, 0.0, 1.0)
+    apart = x[node] - a - share[:, None] * along
+    normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / length[:, None]
+    height, distance = (apart * normal).sum(axis=1), np.hypot(*apart.T)
+    vertex = other.segments[segment, (share == 1.0).astype(int)]
+    at_end = (share <= 0.0) | (share >= 1.0)
+    # which side of a vertex: by the normals of both its segments; of the last of a chain, straight behind it alone
+    both = (other.node_segments[vertex] >= 0).all(axis=1)
+    behind = np.where(
+        both, (apart * _vertex_normals(y, other)[vertex]).sum(axis=1) < 0.0, height < -STRAIGHT * distance
+    )
+    signed = np.where(at_end, np.where(behind, -distance, distance), height)
+    away = at_end & (distance > 0.0)
+    direction = np.where(away[:, None], apart / np.where(away, signed, 1.0)[:, None], normal)
+    return Feet(node, segment, share, apart, signed, direction)
+
+
+def _vertex_normals(y: Floats, surface: Surface) -> Floats:
+    """Sums (m, 2) of the outward unit normals of the segments at each node."""
+    along = y[surface.segments[:, 1]] - y[surface.segments[:, 0]]
+    normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.hypot(*along.T)[:, None]
+    out = np.zeros_like(y)
+    for end in range(2):
+        np.add.at(out, surface.segments[:, end], normal)
+    return out
+
+
+def first_crossing(at: Floats, one: Surface, other: Surface) -> Floats | None:
+    """The place (2,) of an intersection of two surfaces at positions (N, 2) of all nodes; None without one.
+
+    Segments are compared, so that a corner between two nodes of the other side counts.
+    """
+    x, y = at[one.nodes], at[other.nodes]
+    near = near_segments(x, one.segments, y, other.segments, 0.0)
+    first = np.repeat(np.arange(len(one.segments)), np.diff(near.start))
+    a, b = (x[one.segments[first, end]] for end in range(2))
+    c, d = (y[other.segments[near.master, end]] for end in range(2))
+    sides = [_cross(b - a, c - a), _cross(b - a, d - a), _cross(d - c, a - c), _cross(d - c, b - c)]
+    crossed = np.flatnonzero((sides[0] * sides[1] < 0.0) & (sides[2] * sides[3] < 0.0))
+    if not len(crossed):
+        return None
+    k = crossed[0]
+    share = sides[2][k] / (sides[2][k] - sides[3][k])
+    return np.asarray(a[k] + share * (b[k] - a[k]))
+
+
+def _cross(u: Floats, v: Floats) -> Floats:
+    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+
+
+@dataclass(frozen=True)
+class ClosestPoints(GapAlgorithm):
+    """Distances of slave nodes from the closest points of the master: how a contact without conditions is measured."""
+
+    passes_patch_test: ClassVar[bool] = False
+
+    def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
+        """One for each node within reach of a segment that it is not far behind."""
+        found = closest_points(view.at.slave, view.slave, view.at.master, view.master, view.near)
+        order = np.lexsort((found.segment, np.abs(found.distance), found.node))
+        order = order[np.abs(found.distance[order]) <= view.reach]
+        owner, first = np.unique(found.node[order], return_index=True)
+        chosen = order[first]
+        k, share, direction = len(chosen), found.share[chosen], found.direction[chosen]
+        ends = view.master.segments[found.segment[chosen]]
+        node = np.column_stack([view.slave.nodes[owner], view.master.nodes[ends]]).astype(np.int32)
+        shares = np.column_stack([np.ones(k), share - 1.0, -share])
+        weight = (shares[:, :, None] * direction[:, None, :]).reshape(-1, 2)
+        across = np.stack([weight[:, 1], -weight[:, 0]], axis=1) if tangent else np.zeros((0, 2))
+        x, segments = view.at.slave, view.slave.segments
+        measure = np.zeros(len(x))
+        np.add.at(measure, segments, 0.5 * np.hypot(*(x[segments[:, 1]] - x[segments[:, 0]]).T)[:, None])
+        start = np.arange(0, 3 * k + 1, 3, dtype=np.int32)
+        return GapConditions(
+            start, node.ravel(), weight, across, found.distance[chosen], measure[owner], owner.astype(np.int32)
+        )

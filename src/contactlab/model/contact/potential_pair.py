@@ -1,0 +1,212 @@
+"""One contact pair whose forces are the gradient of an energy."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from scipy.sparse import coo_array
+
+from contactlab.api import Floats, FrictionLaw, Potential, PotentialView, Surface
+from contactlab.api.compiled.chains import nodal_normals, segment_normals
+from contactlab.errors import WrongAnswer
+from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.model.contact.closest import ClosestPoints
+from contactlab.model.contact.gap_pair import GapPair
+from contactlab.model.contact.start_gaps import StartGaps
+
+STEP = 1e-6  # of a segment: differences of gradients
+LAGGED = 1e-4  # of the largest force: friction forces that change less by newer normal forces are those of the end
+
+
+class Opened(StartGaps):
+    """Surfaces that touched before the run, and were opened by `amount` [mm]; all gaps count in full."""
+
+    def __init__(self, slots: int, amount: float) -> None:
+        super().__init__(np.zeros(slots))
+        self.amount = amount
+
+    def uncounted(self) -> float:
+        """None of them."""
+        return 0.0
+
+    def told(self) -> str:
+        """The amount."""
+        return (
+            f"surfaces that touch before the run were opened by up to {self.amount:.4g} mm, as the algorithm needs; "
+            "nodes of the slave were moved, and nothing is strained"
+        )
+
+
+class PotentialPair(GapPair):
+    """A slave and a master surface under one `Potential`.
+
+    Closest points say what gaps and rows of its nodes are, for all that looks at contacts; forces come from the
+    potential. Multipliers are written once a step is accepted.
+
+    nodes      (n,) global nodes of both surfaces, the slave's first
+    view       what the potential sees; `start` and `lagged` are filled anew
+    at_nodes   (n, 2) [mm] positions of the last `evaluate`
+    pushed     (n, 2) [N] gradient there; rubbed: the same of friction, None without
+    kept       (n, 2) [N] that of friction at the end of the last step, part of the state
+    """
+
+    by_energy: ClassVar[bool] = True
+
+    def __init__(
+        self,
+        name: str,
+        potential: Potential,
+        sides: tuple[Surface, Surface],
+        reference: Floats,
+        first_slot: int,
+        friction: FrictionLaw | None,
+        modulus: Floats,
+    ) -> None:
+        """`modulus` (N,) [MPa] of the material behind each node."""
+        super().__init__(name, ClosestPoints(), *sides, reference, first_slot, friction)
+        self.method, self.potential = potential, potential
+        self.nodes = np.concatenate([self.slave.nodes, self.master.nodes])
+        self.dof = np.add.outer(2 * self.nodes, np.arange(2)).ravel()
+        at = reference[self.nodes]
+        edges = np.concatenate([self.slave.segments, self.master.segments + len(self.slave.nodes)]).astype(np.int32)
+        length = np.zeros(len(at))
+        np.add.at(length, edges, 0.5 * np.hypot(*(at[edges[:, 1]] - at[edges[:, 0]]).T)[:, None])
+        bound = friction.bound() if friction is not None else None
+        self.view = PotentialView(*sides, edges, at, length, modulus[self.nodes], at.copy(), at.copy(), bound)
+        self.position, self.at_nodes, self.pushed = reference, at.copy(), np.zeros_like(at)
+        self.rubbed: Floats | None = None
+        self.kept = np.zeros_like(at)
+
+    def calls_per_step(self) -> dict[str, int]:
+        """The gradient once, and that of friction."""
+        return {"contact potential": 1 + int(self.friction is not None)}
+
+    # --- a trial ----------------------------------------------------------------------------------
+
+    def begin_step(self, position: Floats) -> None:
+        """A step starts at `position` (N, 2)."""
+        self.view.start[:] = self.view.lagged[:] = position[self.nodes]
+        self.evaluated = False
+
+    def evaluate(self, position: Floats) -> None:
+        """Forces at trial positions (N, 2)."""
+        self.position, self.at_nodes = position.copy(), position[self.nodes]
+        self.pushed = self._checked(self.potential.gradient(self.view, self.at_nodes), "gradient")
+        if self.friction is not None:
+            self.rubbed = self._friction()
+
+    def _friction(self) -> Floats:
+        """The gradient of friction; where nothing has moved yet, what it was at the end of the last step."""
+        if np.array_equal(self.at_nodes, self.view.start):
+            return np.array(self.kept)
+        return self._checked(self.potential.friction_gradient(self.view, self.at_nodes), "friction_gradient")
+
+    def _checked(self, found: Any, method: str) -> Floats:
+        if np.shape(found) != self.at_nodes.shape:
+            raise WrongAnswer(
+                f"{type(self.potential).__name__}: {method} has the shape {np.shape(found)}, needed "
+                f"{self.at_nodes.shape}, one row for each node of both surfaces"
+            )
+        return np.asarray(found, float)
+
+    def add_forces(self, normal: Floats, tangential: Floats) -> None:
+        """Subtract the gradients from (N, 2) each."""
+        np.subtract.at(normal, self.nodes, self.pushed)
+        if self.rubbed is not None:
+            np.subtract.at(tangential, self.nodes, self.rubbed)
+
+    def force_derivative(self, size: int) -> Any:
+        """Derivative (size, size) of all its forces by the degrees of freedom of the model."""
+        total = self._second(self.potential.hessian, self.potential.gradient, "hessian")
+        if self.friction is not None:
+            rub = self.potential
+            total = total + self._second(rub.friction_hessian, rub.friction_gradient, "friction_hessian")
+        entries = total.tocoo()
+        place = self.dof[entries.row], self.dof[entries.col]
+        return coo_array((-entries.data, place), shape=(size, size)).tocsr()
+
+    def _second(self, given: Any, gradient: Any, method: str) -> Any:
+        found = given(self.view, self.at_nodes)
+        n = 2 * len(self.nodes)
+        if found is None:
+            return coo_array(differences(gradient, self.view, self.at_nodes, STEP * self.size))
+        if np.shape(found) != (n, n):
+            raise WrongAnswer(
+                f"{type(self.potential).__name__}: {method} has the shape {np.shape(found)}, needed {(n, n)}"
+            )
+        return found
+
+    def free_share(self, position: Floats, motion: Floats) -> float:
+        """Largest fraction of a motion (N, 2) from `position` (N, 2) that the potential allows."""
+        share = self.potential.largest_step(self.view, position[self.nodes], motion[self.nodes])
+        return min(1.0, max(0.0, float(share)))
+
+    def take_over(self) -> bool:
+        """Whether friction changes if its normal forces are those of the last `evaluate`: they are from now on."""
+        before = self.rubbed
+        if before is None:
+            return False
+        lagged = self.view.lagged.copy()
+        self.view.lagged[:] = self.at_nodes
+        now = self._friction()
+        change, largest = np.abs(now - before).max(initial=0.0), np.abs(self.pushed).max(initial=0.0)
+        if change <= LAGGED * largest:
+            self.view.lagged[:] = lagged
+            return False
+        self.rubbed = now
+        return True
+
+    def dissipation(self) -> float:
+        """Energy [mJ] that friction takes in the step."""
+        if self.rubbed is None:
+            return 0.0
+        return float(np.vdot(self.rubbed, self.at_nodes - self.view.start))
+
+    # --- an accepted step -------------------------------------------------------------------------
+
+    def accept(self, multipliers: Floats) -> None:
+        """Write nodal forces y of the slave's nodes, from their pressures, in `multipliers` (r, slots)."""
+        m, segments = len(self.slave.nodes), self.slave.segments
+        self.update(self.position, np.zeros((0, m)))
+        if self.sliding is not None:
+            began = self.position.copy()
+            began[self.nodes] = self.view.start
+            self.compute_start_normals(began, np.zeros((0, m)))
+        self.evaluated = True
+        if self.rubbed is not None:
+            self.kept[:] = self.rubbed
+        across, lengths, normal = np.zeros((len(segments), 2)), np.zeros(len(segments)), np.zeros((m, 2))
+        segment_normals(self.at.slave, segments, across, lengths)
+        nodal_normals(self.slave.node_segments, across, lengths, normal)
+        full = self.full[:m]
+        found = self.potential.pressures(self.view, self.at_nodes, normal, full)
+        if found is None:
+            push, rub = -self.pushed[:m], -self.rubbed[:m] if self.rubbed is not None else np.zeros((m, 2))
+            size = np.hypot(*push.T)
+            pressed = (push * normal).sum(axis=1) < 0.0
+            # nodes are pushed along their forces, so that pressures sum up to what acts
+            inward = np.where(pressed[:, None], push / np.where(pressed, size, 1.0)[:, None], -normal)
+            along = np.stack([inward[:, 1], -inward[:, 0]], axis=1)
+            pressure, shear = (push * inward).sum(axis=1) / full, (rub * along).sum(axis=1) / full
+            self.made.normals[:] = inward
+        else:
+            pressure, shear = found
+        own = slice(self.first_slot, self.first_slot + m)
+        held = (self.gaps[:m, 0] < FAR) & (pressure > 0.0)
+        multipliers[0, own] = np.where(held, pressure * full, 0.0)
+        if self.friction is not None:
+            multipliers[1, own] = np.where(held, shear * full, 0.0)
+
+
+def differences(gradient: Any, view: PotentialView, at: Floats, step: float) -> Floats:
+    """Central differences (2n, 2n) of a gradient at positions (n, 2)."""
+    out = np.zeros((at.size, at.size))
+    for column in range(at.size):
+        pair = []
+        for sign in (1.0, -1.0):
+            moved = at.copy()
+            moved.reshape(-1)[column] += sign * step
+            pair.append(np.asarray(gradient(view, moved)).ravel())
+        out[:, column] = (pair[0] - pair[1]) / (2.0 * step)
+    return out

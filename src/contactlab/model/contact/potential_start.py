@@ -1,0 +1,115 @@
+"""What contacts by potentials need before a run: a fitting scene, stiffness of what lies behind, and open surfaces."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import ExplicitIntegrator, Floats, Integrator, Potential
+from contactlab.errors import PartError, SceneError, below
+from contactlab.kernels.contact.search import near_segments
+from contactlab.model.bodies.body import Body, positions_of
+from contactlab.model.contact.closest import closest_points, first_crossing
+from contactlab.model.contact.initial_gap import moved_body
+
+if TYPE_CHECKING:
+    from contactlab.errors import Where
+    from contactlab.model.contact.plan import ContactPlan
+    from contactlab.model.loading.rigid import RigidSurface
+
+ROUNDS = 60
+SETTLED = 1e-9  # of the clearance: round-off of positions
+
+
+def refuse_potential(potential: Potential, spec: Any, integrator: Integrator, where: Where) -> None:
+    """Raise PartError or SceneError for a contact that a potential cannot be used for."""
+    if isinstance(integrator, ExplicitIntegrator):
+        raise PartError(
+            "this contact algorithm is a potential: its forces depend on the positions that they lead to, so that an "
+            "explicit step has no use for it",
+            where=below(where, "algorithm"), got=spec.algorithm,
+            allowed="with an implicit integrator: newton or implicit-dynamics",
+            hint="take a mortar here, or change integrator.use",
+        )  # fmt: skip
+    if spec.friction and not potential.rubs:
+        raise PartError(
+            "this contact algorithm has no friction", where=below(where, "friction"), got=spec.friction,
+            allowed="not written", hint="take the friction out, or another algorithm",
+        )  # fmt: skip
+    for key, value in (("overlap", "ramp"), ("gap", "zero")):
+        if getattr(spec.start, key) == value:
+            raise SceneError(
+                "a potential counts distances as they are", where=below(below(where, "start"), key), got=value,
+                allowed='not written, or overlap = "adjust"', hint="move a body with shift, or take another algorithm",
+            )  # fmt: skip
+
+
+def stiffness_behind(bodies: tuple[Body, ...], nodes: int) -> Floats:
+    """Dilatational modulus (N,) [MPa] of the material of each node's body; inf on rigid surfaces."""
+    out = np.full(nodes, np.inf)
+    for body in bodies:
+        out[body.first : body.first + body.count] = body.dilatational_modulus
+    return out
+
+
+def opened(
+    bodies: tuple[Body, ...], rigid: tuple[RigidSurface, ...], plans: tuple[ContactPlan, ...]
+) -> tuple[tuple[ContactPlan, ...], tuple[Body, ...]]:
+    """The contacts and bodies with slave nodes moved where a potential needs more room than the scene leaves it."""
+    positions, found = positions_of(bodies, rigid), []
+    modulus = stiffness_behind(bodies, len(positions))
+    for plan in plans:
+        amount = _open(plan, positions, modulus) if isinstance(plan.algorithm, Potential) else 0.0
+        found.append(replace(plan, opened=amount) if amount > 0.0 else plan)
+    if not any(plan.opened for plan in found):
+        return plans, bodies
+    return tuple(found), tuple(moved_body(body, positions, plans[0].where) for body in bodies)
+
+
+def _open(plan: ContactPlan, positions: Floats, modulus: Floats) -> float:
+    """Move slave nodes in `positions` into their body until surfaces are apart; by how much at most [mm]."""
+    pair: Any = plan.pair(positions, 0, np.zeros(len(positions), np.bool_), modulus)
+    clearance = float(pair.potential.clearance(pair.view))
+    if not clearance > 0.0:
+        return 0.0
+    slave, master, before = plan.slave, plan.master, positions[plan.slave.nodes].copy()
+    for _ in range(ROUNDS):
+        x, y = positions[slave.nodes], positions[master.nodes]
+        move = np.zeros_like(x)
+        lacks = np.zeros(len(x))
+        for own, other, at, there in ((slave, master, x, y), (master, slave, y, x)):
+            near = near_segments(at, own.segments, there, other.segments, clearance)
+            feet = closest_points(at, own, there, other, near)
+            lack = np.where(np.abs(feet.distance) < clearance, clearance - feet.distance, 0.0)
+            for row in np.flatnonzero(lack > SETTLED * clearance):
+                nodes = [feet.node[row]] if own is slave else other.segments[feet.segment[row]]
+                away = feet.direction[row] if own is slave else -feet.direction[row]
+                for node in nodes:
+                    if lack[row] > lacks[node]:
+                        lacks[node], move[node] = lack[row], lack[row] * away
+        if not lacks.any():
+            return float(np.hypot(*(x - before).T).max())
+        positions[slave.nodes] += move
+    raise SceneError(
+        "surfaces cannot be opened for this contact algorithm", where=plan.where,
+        got=f"{lacks.max():.3g} mm too close after {ROUNDS} rounds", allowed=f"a distance of {clearance:.3g} mm",
+        hint="leave a gap between the bodies with shift",
+    )  # fmt: skip
+
+
+def begin_open(plan: ContactPlan, pair: Any, positions: Floats) -> None:
+    """Raise SceneError where surfaces intersect that must not, and say by how much they were opened."""
+    from contactlab.model.contact.potential_pair import Opened
+
+    if pair.potential.clearance(pair.view) > 0.0:
+        place = first_crossing(positions, plan.slave, plan.master)
+        if place is not None:
+            raise SceneError(
+                "slave and master intersect before the run", where=plan.where,
+                got=f"an intersection at ({place[0]:.6g}, {place[1]:.6g})", allowed="surfaces that touch or have a gap",
+                hint='move a body with shift, or write start = { overlap = "adjust" }',
+            )  # fmt: skip
+    if plan.opened > 0.0:
+        pair.start_gaps = Opened(pair.slots, plan.opened)
