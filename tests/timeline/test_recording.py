@@ -30,6 +30,7 @@ PLASTIC = {f"materials.soft.{key}": value for key, value in {
 BOTH = {"record.recorders": ["vtkhdf", {"use": "rerun", "write": "run"}]}
 # the viewer keeps single precision, and drawings are scaled: 2^-23 of the largest coordinate, a few times
 SINGLE = 1e-6
+LANES = "/disc.arc/s_"
 DRAWN = 2.0**-15  # positions of meshes, as a share of the model's size: half of their last place
 
 
@@ -109,7 +110,7 @@ def test_entities(run: Results, reader: Reader) -> None:
     expected |= {
         f"/axes/0{what}/{name}" for what in ("", "-gap", "-slip") for name in ("view", "axes", "grid", "labels")
     }
-    tracks = {path for path in reader.paths if path.startswith("/run/state/contacts.0/s-")}
+    tracks = {path for path in reader.paths if path.startswith(LANES)}
     assert 2 <= len(tracks) <= 8
     pictures = {f"/run/steps/contacts.0/{kind}/picture" for kind in ("state", "segment", "pressure", "gap", "slip")}
     pictures |= {f"/run/steps/contacts.0/all/{part}" for part in ("nodes", "page", "cursor")}
@@ -330,9 +331,9 @@ def test_lanes_change_with_the_states(run: Results, reader: Reader) -> None:
     from contactlab.api.frame import STATES as NAMES
 
     first = run.frames[0].curves["contacts.0"]
-    tracks = [path for path in reader.paths if path.startswith("/run/state/")]
+    tracks = [path for path in reader.paths if path.startswith(LANES)]
     for path in tracks:
-        s = float(path.rpartition("s-")[2])
+        s = float(re.findall(r"[\d.]+", path.removeprefix(LANES))[0])
         node = int(np.argmin(np.abs(first.s - s)))
         states = [NAMES[frame.curves["contacts.0"].state[node]] for frame in run.frames]
         changes = [k for k in range(len(states)) if k == 0 or states[k] != states[k - 1]]
@@ -346,13 +347,15 @@ def test_events_count_what_the_curves_show(run: Results, reader: Reader) -> None
     told: dict[str, int] = {}
     slaves = set(run.layout.contacts[0].slave_nodes.tolist())
     for (text,) in rows.values:
-        for part in text.split(", "):
+        for part in text.partition(": ")[2].split(", "):
             number, _, what = part.partition(" (node")[0].partition(" ")
             if number.isdigit():
                 told[what] = told.get(what, 0) + int(number)
                 named = re.findall(r"\d+", part.partition(" (node")[2])
                 assert len(named) == (int(number) if int(number) <= 2 else 0)
                 assert set(map(int, named)) <= slaves
+        if often := re.search(r"node \d+ changes segment (\d+) times", text):
+            told["changed segment"] = told.get("changed segment", 0) + int(often[1])
     states = np.array([frame.curves["contacts.0"].state for frame in run.frames])
     old, new = states[:-1], states[1:]
     assert told["closed"] == ((old == 0) & (new > 0)).sum() > 0
@@ -483,6 +486,26 @@ def test_fewer_frames_keep_the_last_one(run: Results, tmp_path: Path) -> None:
     assert len(read.scalars("/run/energy")[1].steps) == len(run.steps["step"])
 
 
+def _frame_bytes(run: Results) -> int:
+    """Size of a drawn frame: mesh, outlines and inner sides of cells."""
+    from contactlab_rerun.drawing import LINE_BYTES, MESH_BYTES
+    from contactlab_rerun.mesh_shape import MeshShape
+
+    shape = MeshShape(run.layout)
+    return MESH_BYTES * shape.nodes + LINE_BYTES * sum(map(len, [*shape.outlines, *shape.wire]))
+
+
+def test_wire_passes_every_inner_side_once(run: Results) -> None:
+    """A side of a cell is an inner one if two cells have it; no line of the wire jumps."""
+    from contactlab_rerun.mesh_shape import MeshShape
+
+    sides = np.concatenate([np.stack([b.cells, np.roll(b.cells, -1, axis=1)], axis=-1) for b in run.layout.bodies])
+    found, counts = np.unique(np.sort(sides.reshape(-1, 2), axis=1), axis=0, return_counts=True)
+    lines = MeshShape(run.layout).wire
+    drawn = np.concatenate([np.stack([line[:-1], line[1:]], axis=1) for line in lines])
+    assert sorted(map(tuple, np.sort(drawn, axis=1).tolist())) == sorted(map(tuple, found[counts == 2].tolist()))
+
+
 def test_meshes_of_large_models_are_drawn_at_fewer_frames(
     run: Results, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -490,14 +513,14 @@ def test_meshes_of_large_models_are_drawn_at_fewer_frames(
     from contactlab_rerun import drawing, timeline_file
 
     frames = len(run.frames)
-    monkeypatch.setattr(timeline_file, "MESHES", drawing.POINT_BYTES * len(run.nodes) * frames / 2.5)
+    monkeypatch.setattr(timeline_file, "MESHES", _frame_bytes(run) * frames / 2.5)
     monkeypatch.setattr(drawing, "FEWEST", 4)
     read = again(run, tmp_path / "run")
     steps = [frame.step for frame in run.frames]
     expected = sorted({*steps[::-1][::3], steps[0]})
     for path, component in (("mesh", "Mesh3D:vertex_positions"), ("arrows", "Arrows3D:origins")):
         assert read.rows(f"/run/{path}", component).steps.tolist() == expected
-    tracks = [path for path in read.paths if path.startswith("/run/state/")]
+    tracks = [path for path in read.paths if path.startswith(LANES)]
     changes = {step for path in tracks for step in read.rows(path, "StateChange:state").steps.tolist()}
     assert not changes <= set(expected)
     monkeypatch.setattr(drawing, "FEWEST", frames)
@@ -648,7 +671,7 @@ def test_comparison_has_all_runs_on_one_cursor(small_scene: MakeScene, tmp_path:
         assert {c for frame in read.rows(f"/{name}/arrows", "Arrows3D:colors").values for c in frame or ()} == {
             packed(CLOSED)
         }
-        assert any(text.startswith(names[0]) for (text,) in read.rows(f"/{name}/events", "TextLog:text").values)
+        assert any(text.endswith(f" [{name}]") for (text,) in read.rows(f"/{name}/events", "TextLog:text").values)
     assert len(colours) == 2
 
 
@@ -673,7 +696,7 @@ def test_failed_run_says_so_at_its_end(tmp_path: Path) -> None:
     assert run.status == "diverged"
     read = Reader(tmp_path / "run" / FILE)
     texts = [text for (text,) in read.rows("/run/events", "TextLog:text").values]
-    assert texts[-1] == f"diverged: {run.reason}"
+    assert texts[-1] == f"{run.summary['steps']}: diverged: {run.reason}"
     (page,) = read.constant("/run/scene", "TextDocument:text")
     assert f"(diverged at step {run.summary['steps']})" in page.splitlines()[0]
     levels = [level for (level,) in read.rows("/run/events", "TextLog:level").values]
@@ -687,7 +710,7 @@ def test_warnings_stand_on_the_page_and_among_the_events(small_scene: MakeScene,
     (page,) = read.constant("/run/scene", "TextDocument:text")
     assert f"| plasticity | {warning.text} |" in page
     events = [text for (text,) in read.rows("/run/events", "TextLog:text").values]
-    assert any(text.startswith("body ") and "von Mises" in text for text in events)
+    assert any(": body " in text and "von Mises" in text for text in events)
 
 
 def test_full_disk_is_said_and_leaves_nothing_half(run: Results, tmp_path: Path) -> None:
@@ -721,7 +744,7 @@ def test_recording_of_a_resumed_run_is_whole(small_scene: MakeScene, tmp_path: P
     with pytest.raises(Interrupted):
         simulate(scene, tmp_path / "run", progress=stop)
     texts = [text for (text,) in Reader(tmp_path / "run" / FILE).rows("/run/events", "TextLog:text").values]
-    assert texts[-1].startswith("interrupted: stopped by SIGINT")
+    assert ": interrupted: stopped by SIGINT" in texts[-1]
     run = simulate(scene, tmp_path / "run", resume=True)
     read = Reader(tmp_path / "run" / FILE)
     _, rows = read.scalars("/run/energy")

@@ -10,6 +10,7 @@ import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
 from rerun.blueprint.components import AbsoluteTimeRange
+from rerun.blueprint.encodings import TimelineColumn
 
 from contactlab.api.arrays import Floats
 from contactlab.api.drawing.units import Units
@@ -19,6 +20,7 @@ from contactlab_rerun.convergence import PATH as CONVERGENCE
 from contactlab_rerun.gathered import Appearance, Gathered
 from contactlab_rerun.iterations import CHANGES, RESIDUALS
 from contactlab_rerun.node_tables import FOLDER as TABLES
+from contactlab_rerun.notes import track_folders
 from contactlab_rerun.pages import Picture
 from contactlab_rerun.profiles import Profile
 from contactlab_rerun.projection import bounds
@@ -273,7 +275,7 @@ def _states(shown: Sequence[Shown]) -> list[rrb.View | rrb.Container]:
     """Tracks of some nodes; among several runs the picture of all nodes of each in a tab beside."""
     if not any(one.run.layout.contacts for one in shown):
         return []
-    tracks = [f"+ {one.appearance.path}/state/**" for one in shown]
+    tracks = [f"+ {folder}/**" for one in shown for folder in track_folders(one.run, one.appearance, len(shown) > 1)]
     view = rrb.StateTimelineView(origin="/", contents=tracks, name="states of slave nodes", time_view=_WHOLE)
     if len(shown) == 1 or not any(one.pictures for one in shown):
         return [view]
@@ -303,7 +305,7 @@ def _log_view(shown: Sequence[Shown], name: str) -> rrb.TextLogView:
         origin="/",
         contents=[f"+ {one.appearance.path}/{name}" for one in shown],
         name=name,
-        columns=rrb.TextLogColumns(timeline_columns=["step"], text_log_columns=["Body"]),
+        columns=rrb.TextLogColumns(timeline_columns=[TimelineColumn("step", visible=False)], text_log_columns=["Body"]),
     )
 
 

@@ -19,7 +19,8 @@ from contactlab_rerun.mesh_shape import MeshShape
 from contactlab_rerun.projection import ON_MESH, camera, in_plane, line_strips
 from contactlab_rerun.timelines import frame_times, iterate_times, last_iterations
 
-POINT_BYTES = 16.0  # of a node in a frame: position and colour
+MESH_BYTES = 16  # of a node in a frame: position and colour
+LINE_BYTES = 12  # of a point of a line
 FEWEST = 20  # frames that are drawn in any case
 PLACES = 16  # bits of positions, of the size of the model: a twentieth of a pixel, and one where it is seen from near
 AT_ONCE = 4_000_000  # bytes of positions that are sent together
@@ -78,9 +79,10 @@ class Drawing:
         self.outline = outline
         self.shape = MeshShape(run.layout)
         self.wire = wire
-        self.frames = drawn_frames(run, room)
+        size = self._frame_bytes()
+        self.frames = drawn_frames(run, size, room)
         self.instants = [run.instants[k] for k in self.frames]
-        self.iterates = drawn_iterates(run, self.frames, room)
+        self.iterates = drawn_iterates(run, self.frames, size, room)
         self.films = [self._frames_film(), *([self._iterates_film()] if self.iterates else [])]
         self.place = 2.0 ** (np.ceil(np.log2(scale.size)) - PLACES)
 
@@ -93,6 +95,11 @@ class Drawing:
             self._wire()
         self._arrows()
         self._node_states()
+
+    def _frame_bytes(self) -> int:
+        """Bytes of the mesh and its lines in one frame."""
+        lines = [*self.shape.outlines, *(self.shape.wire if self.wire else ())]
+        return MESH_BYTES * self.shape.nodes + LINE_BYTES * sum(map(len, lines))
 
     def _frames_film(self) -> Film:
         steps, times = [i.step for i in self.instants], [i.time for i in self.instants]
@@ -117,7 +124,7 @@ class Drawing:
                 made = rr.Mesh3D.columns(vertex_positions=positions, vertex_colors=colours)
                 return made.partition(np.full(len(film.positions[some]), nodes))
 
-            self._in_batches(path, 16 * nodes, film, columns)
+            self._in_batches(path, MESH_BYTES * nodes, film, columns)
 
     def _colours(self, field: np.ndarray) -> np.ndarray:
         scale = self.scale
@@ -125,15 +132,12 @@ class Drawing:
         return TABLE[np.clip(values * len(TABLE), 0, len(TABLE) - 1).astype(np.intp)]
 
     def _outlines(self) -> None:
-        loops = self.shape.outlines
-        self._strips("outline", np.concatenate(loops), [len(loop) for loop in loops])
+        self._strips("outline", self.shape.outlines)
         self._style("outline", rgb(self.outline), LINE)
 
     def _wire(self) -> None:
-        sides = self.shape.wire
-        if sides:
-            lengths = [side.shape[1] for side in sides for _ in side]
-            self._strips("wire", np.concatenate([side.ravel() for side in sides]), lengths)
+        if self.shape.wire:
+            self._strips("wire", self.shape.wire)
             self._style("wire", WIRE, HAIR)
 
     def _arrows(self) -> None:
@@ -186,8 +190,9 @@ class Drawing:
 
     # --- sending ----------------------------------------------------------------------------------
 
-    def _strips(self, name: str, nodes: Ints, lengths: Sequence[int]) -> None:
-        """Lines through nodes, so many in each, in every frame."""
+    def _strips(self, name: str, lines: Sequence[Ints]) -> None:
+        """Lines through nodes, in every frame."""
+        nodes, lengths = np.concatenate(lines), [len(line) for line in lines]
         for film in self.films:
 
             def columns(some: slice, film: Film = film) -> rr.ComponentColumnList:
@@ -196,7 +201,7 @@ class Drawing:
                 made = rr.LineStrips3D.columns(strips=line_strips(points, np.tile(lengths, len(positions))))
                 return made.partition(np.full(len(positions), len(lengths)))
 
-            self._in_batches(f"{self.appearance.path}/{name}", 12 * len(nodes), film, columns)
+            self._in_batches(f"{self.appearance.path}/{name}", LINE_BYTES * len(nodes), film, columns)
 
     def _in_plane(self, positions: np.ndarray, lift: float) -> np.ndarray:
         """Positions (..., 2) as the viewer takes them (P, 3), to a fraction of a pixel: what is finer is noise."""
@@ -217,22 +222,21 @@ class Drawing:
         self.recording.log(f"{self.appearance.path}/{name}", style, static=True)
 
 
-def drawn_frames(run: Gathered, room: float) -> list[int]:
-    """Which frames are drawn: the last steps before an end, and others evenly apart as far as `room` bytes go."""
+def drawn_frames(run: Gathered, size: float, room: float) -> list[int]:
+    """Which frames of `size` bytes are drawn: the last steps before an end, others evenly apart in `room` bytes."""
     whole = {instant.step for part in run.last_steps.values() for instant in part}
     others = [k for k, instant in enumerate(run.instants) if instant.step not in whole]
-    size = POINT_BYTES * len(run.layout.nodes) * len(others)
-    apart = max(1, min(math.ceil(size / room), len(others) // FEWEST))
+    apart = max(1, min(math.ceil(size * len(others) / room), len(others) // FEWEST))
     left_out = {k for place, k in enumerate(reversed(others)) if place % apart and k != others[0]}
     return [k for k in range(len(run.instants)) if k not in left_out]
 
 
-def drawn_iterates(run: Gathered, frames: Sequence[int], room: float) -> list[Iterate]:
-    """Which states after iterations are drawn beside these frames: evenly apart as far as `room` bytes go."""
+def drawn_iterates(run: Gathered, frames: Sequence[int], size: float, room: float) -> list[Iterate]:
+    """Which states after iterations are drawn beside these frames: evenly apart in `room` bytes, of `size` each."""
     last = last_iterations(run)
     shown = {last.get(run.instants[frame].step) for frame in frames}
     others = [one for one in run.iterates if one.number not in shown]
-    apart = max(1, math.ceil(POINT_BYTES * len(run.layout.nodes) * len(others) / room))
+    apart = max(1, math.ceil(size * len(others) / room))
     return others[::-1][::apart][::-1]
 
 

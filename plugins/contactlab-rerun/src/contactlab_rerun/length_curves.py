@@ -16,7 +16,6 @@ from contactlab_rerun.profiles import Curves, Profile, along_surface, curves_of,
 from contactlab_rerun.projection import line_strips
 from contactlab_rerun.timelines import frame_times
 
-MOST_POINTS = 8000  # of the curves of a run, beside its frames and last steps: pictures have all steps
 DECADES = {"gap": 8, "slip": 6}  # below the largest length: smaller ones are drawn at zero
 
 
@@ -60,7 +59,7 @@ def _largest(first: tuple[str, Gathered, Appearance], what: str, known: Sequence
 def _curves(axes: Axes, run: Gathered, contact: str, what: str) -> tuple[Curves, np.ndarray, np.ndarray]:
     """Instants, arc lengths (k,) within the axes and lengths (n, k) there, nan where there are none."""
     order = along_surface(axes, run.surfaces[contact])
-    shown = curves_of(run, contact, len(order), MOST_POINTS)
+    shown = curves_of(run, contact, len(order))
     return shown, run.surfaces[contact].s[order], np.asarray(getattr(shown, what)[:, order], np.float64)
 
 

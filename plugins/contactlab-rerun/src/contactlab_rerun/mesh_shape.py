@@ -53,8 +53,8 @@ class MeshShape:
 
     @cached_property
     def wire(self) -> list[Ints]:
-        """Sides that two cells share, (k, 2) or (k, 3) nodes, per body."""
-        return [inner for body in self.bodies if len(inner := _inner_sides(body))]
+        """Lines of nodes that pass every side shared by two cells once."""
+        return [line for body in self.bodies for line in _trails(_inner_sides(body).tolist())]
 
 
 def _triangles(body: BodyLayout) -> Ints:
@@ -74,6 +74,26 @@ def _inner_sides(body: BodyLayout) -> Ints:
     sides = _sides(body)
     _, first, counts = np.unique(_sorted_ends(sides), axis=0, return_index=True, return_counts=True)
     return sides[first[counts > 1]]
+
+
+def _trails(sides: list[list[int]]) -> list[Ints]:
+    """Lines through the sides, each passed once: a node that ends two sides is then written once for both."""
+    at: dict[int, list[int]] = {}
+    for number, side in enumerate(sides):
+        for end in (side[0], side[-1]):
+            at.setdefault(end, []).append(number)
+    # a line that begins where an odd number of sides end leaves fewer pieces behind
+    starts = sorted(at, key=lambda node: len(at[node]) % 2 == 0)
+    used, lines = [False] * len(sides), []
+    for start in starts:
+        while any(not used[number] for number in at[start]):
+            line = [start]
+            while (number := next((k for k in at[line[-1]] if not used[k]), None)) is not None:
+                used[number] = True
+                side = sides[number]
+                line += side[1:] if side[0] == line[-1] else side[-2::-1]
+            lines.append(np.array(line, np.int32))
+    return lines
 
 
 def _loops(body: BodyLayout) -> list[Ints]:

@@ -13,36 +13,46 @@ from contactlab.api.contact_steps import NO_SEGMENT
 from contactlab.api.drawing.colours import CLOSED, rgb
 from contactlab.api.drawing.colours import STATES as COLOURS
 from contactlab.api.frame import OPEN, SLIP, STATES, STICK, ContactLayout, Event, IterationRow
-from contactlab_rerun.gathered import Appearance, Gathered, Surface, short, state_names
+from contactlab_rerun.gathered import Appearance, Gathered, Surface, entity_name, short, state_names
 from contactlab_rerun.timelines import frame_times, iteration_times
 
+RESTLESS = 5  # changes of its segment from which on a node has one line for all of them
 LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
 
 
 # --- tracks ---------------------------------------------------------------------------------------
 
 
-def log_state_tracks(recording: rr.RecordingStream, run: Gathered, appearance: Appearance, tracks: int) -> None:
-    """A track of open, stick and slip for some nodes of every contact, evenly spread over what was ever closed.
-
-    A track is named by the arc length of its node, and by its chain where the surface has several.
-    """
-    for contact in run.layout.contacts:
+def log_state_tracks(recording: rr.RecordingStream, run: Gathered, folders: Sequence[str], tracks: int) -> None:
+    """Log tracks of open, stick and slip for some nodes of every contact, evenly spread over what was ever closed."""
+    for contact, folder in zip(run.layout.contacts, folders, strict=True):
         surface = run.surfaces[contact.name]
         nodes = watched_nodes(surface, tracks)
-        for node, track in zip(nodes, track_names(surface, nodes), strict=True):
-            path = f"{appearance.path}/state/{contact.name}/{track}"
-            _log_track(recording, path, run, surface.state[:, node].tolist(), bool(contact.friction))
+        for node, track in zip(nodes, track_names(surface, contact, nodes), strict=True):
+            _log_track(recording, f"{folder}/{track}", run, surface.state[:, node].tolist(), bool(contact.friction))
 
 
-def track_names(surface: Surface, nodes: Sequence[int]) -> list[str]:
-    """A name for the track of each of the `nodes`, no two alike."""
-    chains = [f"-chain-{surface.chain[node]}" if surface.chain.max(initial=0) else "" for node in nodes]
+def track_folders(run: Gathered, appearance: Appearance, several: bool) -> list[str]:
+    """Return the entity path above the tracks of each contact: the viewer writes all of it as the name of a track."""
+    slaves = [contact.slave for contact in run.layout.contacts]
+    above = appearance.path if several else ""
+    return [
+        f"{above}/{entity_name(c.slave if slaves.count(c.slave) == 1 else f'{c.slave}_{c.name}')}"
+        for c in run.layout.contacts
+    ]
+
+
+def track_names(surface: Surface, contact: ContactLayout, nodes: Sequence[int]) -> list[str]:
+    """Name the tracks of the `nodes` by arc length and node, and by chain if there are several, without blanks."""
+    chains = [f"_chain_{surface.chain[node]}" if surface.chain.max(initial=0) else "" for node in nodes]
     apart = np.diff(np.unique(surface.s[nodes]))
     finest = min(0.01 * float(np.ptp(surface.s)), float(apart.min(initial=np.inf)))
     # as many decimals for all: the viewer sorts tracks by name
     digits = max(0, -int(np.floor(np.log10(max(finest, 1e-300)))))
-    return [f"s-{surface.s[node]:.{digits}f}{chain}" for node, chain in zip(nodes, chains, strict=True)]
+    return [
+        f"s_{surface.s[node]:.{digits}f}_node_{contact.slave_nodes[node]}{chain}"
+        for node, chain in zip(nodes, chains, strict=True)
+    ]
 
 
 def watched_nodes(surface: Surface, tracks: int) -> list[int]:
@@ -70,13 +80,14 @@ def _log_track(
 def log_events(recording: rr.RecordingStream, run: Gathered, appearance: Appearance, several: bool) -> None:
     """The run's own events and the changes of its contacts between frames, in order of time.
 
-    Among `several` runs each line begins with the name of its run.
+    A line begins with its step, which the viewer's own column cuts; among `several` runs it ends with the run's path.
     """
     events = sorted([*contact_changes(run), *run.events], key=lambda event: event.step)
     if not events:
         return
-    name = f"{appearance.title}: " if several else ""
-    texts, levels = [f"{name}{event.text}" for event in events], [LEVELS[event.level] for event in events]
+    name = f" [{appearance.path.removeprefix('/')}]" if several else ""
+    texts = [f"{event.step}: {event.text}{name}" for event in events]
+    levels = [LEVELS[event.level] for event in events]
     when = frame_times(run, [event.step for event in events], [event.time for event in events])
     recording.send_columns(f"{appearance.path}/events", when, rr.TextLog.columns(text=texts, level=levels))
 
@@ -90,11 +101,29 @@ def contact_changes(run: Gathered) -> Iterator[Event]:
         facing = [
             segments_faced(contact, surface, frame, instant.positions) for frame, instant in enumerate(run.instants)
         ]
-        for frame, instant in enumerate(run.instants[1:], start=1):
+        moved = np.zeros(surface.state.shape, bool)
+        for frame in range(1, len(moved)):
             both = (frame - 1, frame)
-            faced = [recorded[k] for k in both] if all(k in recorded for k in both) else [facing[k] for k in both]
-            if text := _changes(contact, surface.state[frame - 1], surface.state[frame], *faced):
+            old, new = (recorded[k] if all(j in recorded for j in both) else facing[k] for k in both)
+            moved[frame] = (old != new) & (old >= 0) & (new >= 0)
+        restless = _restless(run, contact, moved)
+        for frame, instant in enumerate(run.instants[1:], start=1):
+            texts = [text for begin, text in restless if begin == frame]
+            if text := _changes(contact, surface.state[frame - 1], surface.state[frame], moved[frame]):
+                texts.append(text)
+            for text in texts:
                 yield Event(instant.step, instant.time, "info", f"{name}{text}")
+
+
+def _restless(run: Gathered, contact: ContactLayout, moved: np.ndarray) -> list[tuple[int, str]]:
+    """Take nodes that change their segment often out of `moved` (F, m); one line for each, with its first frame."""
+    found = []
+    for k in np.flatnonzero(moved.sum(axis=0) >= RESTLESS).tolist():
+        frames = np.flatnonzero(moved[:, k])
+        moved[:, k] = False
+        times = f"{len(frames)} times up to step {run.instants[frames[-1]].step}"
+        found.append((int(frames[0]), f"node {contact.slave_nodes[k]} changes segment {times}"))
+    return found
 
 
 def recorded_segments(run: Gathered, contact: ContactLayout) -> dict[int, Ints]:
@@ -106,13 +135,13 @@ def recorded_segments(run: Gathered, contact: ContactLayout) -> dict[int, Ints]:
     }
 
 
-def _changes(contact: ContactLayout, old: Ints, new: Ints, old_facing: Ints, new_facing: Ints) -> str:
+def _changes(contact: ContactLayout, old: Ints, new: Ints, moved: np.ndarray) -> str:
     changed = {
         "closed": (old == OPEN) & (new != OPEN),
         "opened": (old != OPEN) & (new == OPEN),
         "began to slip": (old == STICK) & (new == SLIP),
         "began to stick": (old == SLIP) & (new == STICK),
-        "changed segment": (old_facing != new_facing) & (old_facing >= 0) & (new_facing >= 0),
+        "changed segment": moved,
     }
     nodes = {what: contact.slave_nodes[mask].tolist() for what, mask in changed.items()}
     return ", ".join(f"{len(which)} {what}{_names(which)}" for what, which in nodes.items() if which)
@@ -157,8 +186,9 @@ def _iteration_text(row: IterationRow) -> str:
     attempt = f"attempt {row.attempt}, " if row.attempt > 1 else ""
     shorter = f", {row.length:.3g} of the correction" if row.length < 1.0 else ""
     return (
-        f"{attempt}iteration {row.number}: force {row.force:.1e}, contact {row.contact:.1e}; {row.active} closed, "
-        f"{row.sticking} sticking, {row.changed} changed{shorter}{'; ' + row.note if row.note else ''}"
+        f"{row.step}: {attempt}iteration {row.number}: force {row.force:.1e}, contact {row.contact:.1e}; "
+        f"{row.active} closed, {row.sticking} sticking, {row.changed} changed{shorter}"
+        f"{'; ' + row.note if row.note else ''}"
     )
 
 

@@ -119,9 +119,8 @@ def log_beside(
     centres = np.stack([wide * (place + 0.5), np.full(len(place), height / 2.0)], axis=1).astype(np.float32)
     # a little larger than a column
     half = (wide / 2.0 + width / 600.0, height / 2.0 + width / 200.0)
-    boxes = rr.Boxes2D.columns(centers=centres, half_sizes=np.tile(np.array(half, np.float32), (len(place), 1)))
-    recording.send_columns(f"{path}/cursor", when, boxes)
-    frame = rr.Boxes2D.from_fields(colors=[(255, 255, 255)], radii=[-0.8])
+    recording.send_columns(f"{path}/cursor", when, rr.Boxes2D.columns(centers=centres))
+    frame = rr.Boxes2D.from_fields(half_sizes=[half], colors=[(255, 255, 255)], radii=[-0.8])
     recording.log(f"{path}/cursor", frame, static=True)
 
 

@@ -17,8 +17,7 @@ from contactlab_rerun.gathered import Appearance, Gathered, Surface, nice
 from contactlab_rerun.timelines import frame_times
 
 MARGIN = 0.08  # of what is ever pressed, on either side
-MOST_POINTS = 100_000  # of the curves of all runs of a recording, beside their last steps
-LEAST_POINTS = 30_000  # of those of each
+MOST_POINTS = 8000  # of the curves of a run, beside its frames and last steps: pictures have all steps
 LAST = 200  # steps before the end whose curves are always there
 
 
@@ -58,8 +57,7 @@ def log_profile(
     axes = profile.axes
     log_axes(recording, profile, f"p{in_brackets(profile.units.pressure)}", ticks(axes.low, axes.high), runs)
     for name, run, appearance in runs:
-        most = max(LEAST_POINTS, MOST_POINTS // len(runs))
-        _log_curves(recording, axes, run, appearance, name, most)
+        _log_curves(recording, axes, run, appearance, name)
 
 
 def log_axes(
@@ -87,12 +85,10 @@ def along_surface(axes: Axes, surface: Surface) -> np.ndarray:
     return order[(surface.s[order] >= axes.x0 - 1e-12) & (surface.s[order] <= axes.x1 + 1e-12)]
 
 
-def _log_curves(
-    recording: rr.RecordingStream, axes: Axes, run: Gathered, appearance: Appearance, contact: str, most: int
-) -> None:
+def _log_curves(recording: rr.RecordingStream, axes: Axes, run: Gathered, appearance: Appearance, contact: str) -> None:
     surface = run.surfaces[contact]
     order = along_surface(axes, surface)
-    shown = curves_of(run, contact, len(order), most)
+    shown = curves_of(run, contact, len(order))
     when, path = frame_times(run, shown.step.tolist(), shown.time.tolist()), f"{appearance.path}/profile/{contact}"
     pressure = axes.points(np.broadcast_to(surface.s[order], (len(shown.step), len(order))), shown.pressure[:, order])
     recording.send_columns(f"{path}/pressure", when, solid_columns(pressure))
@@ -125,8 +121,8 @@ class Curves:
     slip: np.ndarray
 
 
-def curves_of(run: Gathered, contact: str, nodes: int, most: int) -> Curves:
-    """Curves of the frames, and of the contact record: all of its last steps, earlier ones up to `most` points."""
+def curves_of(run: Gathered, contact: str, nodes: int) -> Curves:
+    """Curves of the frames, and of the contact record: all of its last steps, earlier ones up to `MOST_POINTS`."""
     surface, rows = run.surfaces[contact], run.records.get(contact, np.zeros(0))
     step, time = np.array([i.step for i in run.instants]), np.array([i.time for i in run.instants])
     slip = np.full_like(surface.gap, np.nan)
@@ -134,7 +130,7 @@ def curves_of(run: Gathered, contact: str, nodes: int, most: int) -> Curves:
         return Curves(step, time, surface.pressure, surface.shear, surface.gap, slip)
     _, frames, recorded = np.intersect1d(step, rows["step"], return_indices=True)
     slip[frames] = slips(rows[recorded])
-    sparse = -(-len(rows) * nodes // most)
+    sparse = -(-len(rows) * nodes // MOST_POINTS)
     kept = np.union1d(np.arange(0, len(rows), sparse), np.arange(max(0, len(rows) - LAST), len(rows)))
     rows = rows[kept]
     rows = rows[~np.isin(rows["step"], step)]

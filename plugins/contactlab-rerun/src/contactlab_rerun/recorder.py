@@ -24,7 +24,7 @@ class Rerun(Recorder):
     field      what colours the mesh: von_mises or (hydrostatic) pressure [MPa], an internal variable of the laws such
                as plastic_strain, or "none"
     every      1: every stored frame is drawn, 2: every other one, ... (the last one always); "auto": as many as fit
-               into 2.5 MB, at least 20; curves, tracks and events are then those of all frames
+               into 0.4 MB, at least 20; curves, tracks and events are then those of all frames
     wire       draw the sides of all cells; "auto": where there are few enough to be told apart
     lanes      slave nodes of each contact whose state has a track of its own
     panel      show the panel alone whose name has this in it; by default all of them

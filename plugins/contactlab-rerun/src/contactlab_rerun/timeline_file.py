@@ -20,7 +20,7 @@ from contactlab_rerun.gathered import NO_FIELD, PRESSURE, VON_MISES, Appearance,
 from contactlab_rerun.iterations import log_newton
 from contactlab_rerun.length_curves import log_lengths
 from contactlab_rerun.node_tables import log_tables
-from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks
+from contactlab_rerun.notes import log_events, log_iterations, log_page, log_state_tracks, track_folders
 from contactlab_rerun.opening import OPENS
 from contactlab_rerun.profiles import Profile, log_profile, profile_of
 from contactlab_rerun.series import SeriesWriter
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from contactlab_rerun.recorder import Rerun
 
 MOST_TRACKS = 12  # in the view of a comparison
-MESHES = 2.5e6  # bytes of all meshes of a recording, where it is not said which frames are drawn
+MESHES = 0.4e6  # bytes of all meshes and their lines in a recording, if the scene does not say which frames are drawn
 
 
 class TimelineFile:
@@ -102,7 +102,7 @@ class TimelineFile:
             self.recording, [(run, appearance) for run, appearance, _ in self.runs], 2.0 * self._hang
         )
         for (run, appearance, _), summary in zip(self.runs, summaries, strict=True):
-            log_state_tracks(self.recording, run, appearance, self._tracks())
+            log_state_tracks(self.recording, run, track_folders(run, appearance, several), self._tracks())
             log_events(self.recording, run, appearance, several)
             log_iterations(self.recording, run, appearance)
             log_page(self.recording, run, appearance, summary)
