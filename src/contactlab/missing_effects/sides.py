@@ -23,16 +23,17 @@ LEAN = 0.01  # sine of the angle between forces and that normal: at mu = 0.2 fri
 
 def side_detectors(scene: Scene, model: Model) -> Detectors:
     """A detector for every contact whose master is a body: a rigid surface is never too soft, too coarse or a slave."""
+    ends = np.array([body.first + body.count for body in model.bodies])
     for pair, spec in zip(model.contact.pairs if model.contact is not None else (), scene.contacts, strict=True):
-        slave = _bodies_of(pair.slave.nodes, model.bodies)
-        master = _bodies_of(pair.master.nodes, model.bodies)
+        slave = _bodies_of(pair.slave.nodes, model.bodies, ends)
+        master = _bodies_of(pair.master.nodes, model.bodies, ends)
         if master:
             ratio = max(body.shear_modulus for body in slave) / min(body.shear_modulus for body in master)
             yield WrongSide(pair, spec, model, ratio)
 
 
-def _bodies_of(nodes: Ints, bodies: tuple[Body, ...]) -> list[Body]:
-    found = np.unique(np.searchsorted([b.first + b.count for b in bodies], nodes, side="right"))
+def _bodies_of(nodes: Ints, bodies: tuple[Body, ...], ends: Ints) -> list[Body]:
+    found = np.unique(np.searchsorted(ends, nodes, side="right"))
     return [bodies[number] for number in found if number < len(bodies)]  # behind them are nodes of rigid surfaces
 
 

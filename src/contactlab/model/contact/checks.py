@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -101,7 +102,7 @@ def check_overlap(
     """Raise SceneError where nodes of one side lie deep inside the body of the other."""
     size = _longest(slave, master, positions)
     for inner, outer in ((slave, master), (master, slave)):
-        number = int(np.searchsorted([body.first + body.count for body in bodies], outer.nodes[0], side="right"))
+        number = bisect_right(bodies, outer.nodes[0], key=lambda body: body.first + body.count)
         for body in bodies[number : number + 1]:  # none where it is a rigid surface
             nodes = inner.nodes[~_belongs(inner.nodes, body)]
             depth = depths_inside(positions[nodes], positions, outer_edges(body.cells, body.element))

@@ -90,7 +90,7 @@ def plan_contacts(
     joined = JoinedStretches()
     for number, spec in enumerate(scene.contacts):
         where = scene.where(f"contacts.{number}")
-        plan = _plan(f"contacts.{number}", spec, where, registry, bodies, rigid, integrator)
+        plan = _plan(f"contacts.{number}", spec, where, registry, bodies, rigid, integrator, positions)
         check_facing(plan.slave, plan.master, positions, plan.sides, where)
         joined.add(plan, where)
         plans.append(plan)
@@ -105,6 +105,7 @@ def _plan(
     bodies: tuple[Body, ...],
     rigid: tuple[RigidSurface, ...],
     integrator: Integrator,
+    positions: Floats,
 ) -> ContactPlan:
     slave_key, master_key = ("master", "slave") if spec.swap else ("slave", "master")
     slave, master = spec.targets
@@ -134,7 +135,7 @@ def _plan(
         name,
         spec.name or name,
         algorithm,
-        split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions_of(bodies, rigid)),
+        split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions),
         _surface(master, bodies, rigid, below(where, master_key)),
         registry.make("friction", spec.friction, below(where, "friction")) if spec.friction else None,
         enforcement,

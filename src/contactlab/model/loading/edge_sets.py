@@ -20,12 +20,12 @@ SLACK = 1e-6  # of an edge: a bound this near to a node goes through the node
 def edge_set(bodies: tuple[Body, ...], name: str, where: Where) -> tuple[Body, Ints]:
     """The edges (e, b) named "body.set", in global node numbers."""
     body_name, _, set_name = name.partition(".")
-    by_name = {body.name: body for body in bodies}
-    if body_name not in by_name:
+    body = next((body for body in bodies if body.name == body_name), None)
+    if body is None:
+        known = [body.name for body in bodies]
         raise SceneError(
-            "no such body", where=where, got=name, allowed=", ".join(by_name), hint=did_you_mean(body_name, by_name)
+            "no such body", where=where, got=name, allowed=", ".join(known), hint=did_you_mean(body_name, known)
         )
-    body = by_name[body_name]
     sets = body.mesh.edges
     if set_name not in sets:
         names = [f"{body_name}.{key}" for key in sets]
