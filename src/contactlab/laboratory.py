@@ -24,7 +24,7 @@ from contactlab.run.folders import results_folder
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.check_part import PartReport, check_part
 from contactlab.testing.find import subjects
-from contactlab.verdicts.files import write
+from contactlab.verdicts.folder import write_folder
 from contactlab.verdicts.plan import Request
 from contactlab.verdicts.run import Matrix, run_matrix
 
@@ -116,16 +116,16 @@ def matrix(
     levels    of mesh refinement
     full      either slave, all elements, integrators and variants of the cases, too
 
-    The other arguments are those of `choose`. A folder `out` gets `matrix.csv` and `archive.sqlite`.
+    The other arguments are those of `choose`. A folder `out` gets the files of the command.
     Raises RequestError for a wrong request, KeyboardInterrupt after Ctrl-C; finished cells stay in `out`.
     """
     request = Request(tuple(cases), tuple(contacts), full, tuple(dict.fromkeys(levels)))
     with _driver(out, resume, jobs, scheduler, time_limit, progress) as driver:
         found = run_matrix(request, registry or default_registry(), driver)
-        if out is not None and not driver.interrupted:
-            assert driver.folder is not None
-            write(found, driver.folder)
-        return found
+    if out is not None:
+        assert driver.folder is not None
+        write_folder(found, driver.folder)
+    return found
 
 
 @arguments(scene=(Scene, *NAME), registry=Registry)

@@ -12,6 +12,7 @@ import pytest
 
 import contactlab
 from contactlab.cli import main
+from contactlab.commands.matrix import show
 from contactlab.errors import RequestError
 
 AFTER_ALL = """
@@ -53,10 +54,17 @@ def test_an_error_budget_is_kept_and_found_again(tmp_path: Path) -> None:
     np.testing.assert_array_equal([share.pressure for share in again.shares], [s.pressure for s in first.shares])
 
 
-def test_a_matrix_is_judged_and_found_again(tmp_path: Path) -> None:
+def test_a_matrix_is_judged_and_found_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     first = contactlab.matrix(["two-bars"], ["mortar-p0", "node-on-segment"], out=tmp_path / "matrix", jobs=1)
     assert first.count("met") == len(first.cells) == 2
-    assert (tmp_path / "matrix/matrix.csv").is_file()
+    assert {path.name for path in (tmp_path / "matrix").iterdir()} >= {"matrix.csv", "matrix.json", "matrix.html"}
+    scenes = {path.stem for path in (tmp_path / "matrix/scenes").iterdir()}
+    assert scenes == {key for _, result in first.cells for key in result.runs}
+    show(first)
+    printed = " ".join(capsys.readouterr().out.split())
+    for _, result in first.cells:
+        assert any(f"met {m['value']:.2g}" in printed for m in result.measures)
+    assert "met: all numbers are within what the case allows" in printed
     again = contactlab.matrix(["two-bars"], ["mortar-p0", "node-on-segment"], out=tmp_path / "matrix", resume=True)
     assert [result.measures for _, result in again.cells] == [result.measures for _, result in first.cells]
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from math import isfinite, nan
 from pathlib import Path
 
 from contactlab.cases.verdict import WORST
 from contactlab.commands.common import add_row, console, fitting, print_json, registry_with, table
 from contactlab.commands.many import folder_of, interrupted, many
-from contactlab.jobs.archive import FILE, Archive
 from contactlab.verdicts.cell import CellResult
-from contactlab.verdicts.files import against, plain_cells, verdicts, write
+from contactlab.verdicts.files import against, plain_cells, verdicts
+from contactlab.verdicts.folder import write_folder
 from contactlab.verdicts.margins import Margin, margins_asked, run_margins
-from contactlab.verdicts.orders import orders, write_orders
-from contactlab.verdicts.page import write_page
+from contactlab.verdicts.orders import orders
+from contactlab.verdicts.page import MEANINGS
 from contactlab.verdicts.plan import Request, plan
 from contactlab.verdicts.run import Matrix, run_matrix
 
@@ -38,10 +39,7 @@ def matrix(options: argparse.Namespace) -> int:
             return interrupted(folder)
     if options.margins:
         return show_margins(margins, folder, options)
-    write(found, folder)
-    write_orders(found, folder)
-    write_scenes(folder)
-    write_page(found, folder)
+    write_folder(found, folder)
     if options.json:
         changes = against(found, before) if before is not None else {}
         print_json({"format": 1, "folder": str(folder), "cells": plain_cells(found), "changes": changes})
@@ -69,14 +67,6 @@ def show_margins(margins: Sequence[Margin], folder: Path, options: argparse.Name
     return 0
 
 
-def write_scenes(folder: Path) -> None:
-    """The scene of every run as a file of its own, where the page leads to."""
-    (folder / "scenes").mkdir(exist_ok=True)
-    with Archive(folder / FILE, write=False) as archive:
-        for run in archive.runs():
-            (folder / "scenes" / f"{run['key']}.toml").write_text(run["scene"], encoding="utf-8")
-
-
 def show(found: Matrix) -> None:
     """Counts, the silent ones first, and one line per case and variant."""
     out = console()
@@ -93,13 +83,24 @@ def show(found: Matrix) -> None:
         ] = result
     shown = table("case", "variant", "slave", "element", "integrator", *contacts)
     for head, cells in lines.items():
-        words = [SHORT.get(cells[name].verdict, cells[name].verdict) if name in cells else "" for name in contacts]
+        words = [_word(cells[name]) if name in cells else "" for name in contacts]
         add_row(shown, *head, *words)
     out.print(fitting(shown, out.width, last=("case", *contacts)))
+    there = [verdict for verdict in WORST if found.count(verdict)]
+    legend = "; ".join(f"{SHORT.get(verdict, verdict)}: {MEANINGS[verdict]}" for verdict in there)
+    out.print(f"{legend}; numbers: the first measure with this verdict", markup=False, highlight=False)
     for cell, result in found.worst_first:
         if result.verdict in ("silent", "failed"):
             line = f"{result.verdict}: {cell.label}: {result.reason.splitlines()[0] if result.reason else ''}"
             out.print(line, markup=False, highlight=False, soft_wrap=True)
+
+
+def _word(result: CellResult) -> str:
+    """The verdict and the value of the first measure that has it, errors before others."""
+    same = [m for m in result.measures if m["verdict"] == result.verdict and isfinite(m["value"] or nan)]
+    first = min(same, key=lambda m: m["role"] != "error", default=None)
+    word = SHORT.get(result.verdict, result.verdict)
+    return word if first is None else f"{word} {first['value']:.2g} {first['unit']}".strip()
 
 
 def show_orders(found: Matrix) -> None:
