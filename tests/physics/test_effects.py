@@ -199,5 +199,6 @@ def test_two_bodies_draw_each_other_together() -> None:
 
 @pytest.mark.parametrize(("between", "word"), [(["square", "square"], "different"), (["square", "ghost"], "ghost")])
 def test_a_wrong_pair_is_refused(between: list[str], word: str) -> None:
-    with pytest.raises(ContactlabError, match=word):
+    with pytest.raises(ContactlabError, match=word) as refused:
         model([{"use": "attraction", "between": between, "force": 1.0}])
+    assert "effects.0.between" in str(refused.value)

@@ -26,6 +26,10 @@ def view(options: argparse.Namespace) -> int:
     """Open the viewer, or write a picture and say where."""
     _check_place(options)
     recorder = _recorder(default_registry())
+    if not options.path:
+        raise RequestError(
+            "there is nothing to look at", where="DIR-or-RRD", got='""', allowed="a folder or a recording"
+        )
     path = Path(options.path)
     if options.runs and (path.is_file() or (path / FILE).is_file()):
         raise RequestError("runs are chosen of a comparison", where="--runs", got=str(path), allowed="its folder")

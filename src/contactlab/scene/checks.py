@@ -187,8 +187,9 @@ def _check_names(scene: Scene, table: str, entries: Sequence[Contact | Support |
         if entry.name is None:
             continue
         where = scene.where(f"{table}.{number}.name")
-        if not entry.name or entry.name.isdecimal() or "." in entry.name:
-            raise SceneError("not a usable name", where=where, got=entry.name, allowed="a word without dots")
+        if not entry.name.isprintable() or not entry.name or entry.name.isdecimal() or "." in entry.name:
+            allowed = "a word without dots, line breaks and control characters"
+            raise SceneError("not a usable name", where=where, got=entry.name, allowed=allowed)
         if seen.setdefault(entry.name, number) != number:
             raise SceneError(
                 f"{table}.{seen[entry.name]} already has this name",

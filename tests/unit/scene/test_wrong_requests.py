@@ -91,6 +91,8 @@ WRONG = {
     "no integrator": edit('[integrator]\nuse = "central-difference"\nforces = "frozen"', "", '"integrator" is missing', at=""),
     "velocity of three numbers": edit('element = "q1"', 'element = "q1"\nvelocity = [0, 0, 0]', "key bodies.disc.velocity"),
     "name with a dot": edit("[bodies.disc]", '[bodies."disc.1"]', "not a usable name", at=""),
+    "name with a line break": edit("[[contacts]]", '[[contacts]]\nname = "a\\nb"', "key contacts.0.name", "not a usable name", at=""),
+    "gap wider than the model": edit("[[contacts]]", '[[contacts]]\nstart = { overlap = "adjust", gap = 1e300 }', "key contacts.0.start.gap", "wider than the model", at=""),
     "broken table": edit("[time]", "[time", "no TOML"),
     "missing quote": edit('end = "auto"', "end = auto", "no TOML", "quotes"),
     "key written twice": edit("frames = 50", "frames = 50\nframes = 60", "no TOML", "frames = 60"),
@@ -239,6 +241,7 @@ def test_numbers_and_texts_of_python_are_looked_at_as_well(tmp_path: Path) -> No
         (["compare", "a", "--jobs", "0"], ["compare, --jobs: this value is not allowed", "a whole number >= 1"]),
         (["completion", "fsh"], ["bash, zsh, fish, powershell", 'did you mean "fish"?']),
         (["--levl"], ["COMMAND is missing"]),
+        (["view", ""], ["there is nothing to look at", "a folder or a recording"]),
     ],
 )  # fmt: skip
 def test_words_that_fit_no_command(arguments: list[str], words: list[str], capsys: pytest.CaptureFixture[str]) -> None:

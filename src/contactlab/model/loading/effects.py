@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.api import EffectView, Floats, Ints, Profile, RunWarning, State
-from contactlab.errors import SceneError, below
+from contactlab.errors import below
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import nodes_of
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.node_profiles import tell_unresolved
+from contactlab.scene.reading import refused_later
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
@@ -49,7 +50,7 @@ def build_effects(
         try:
             loads.append(effect.bind(view))
         except ValueError as problem:
-            raise SceneError(str(problem), where=where) from problem
+            raise refused_later(type(effect), "the effect is refused", str(problem), where) from problem
     return tuple(loads)
 
 
