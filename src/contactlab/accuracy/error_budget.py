@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from contactlab.accuracy.configuration import exchangeable
-from contactlab.accuracy.lines import LEAST_SCATTER
 from contactlab.api import ExplicitIntegrator, Job, Record
 from contactlab.errors import RequestError
 from contactlab.jobs.run import Run
@@ -30,6 +29,8 @@ WHOLE = 30.0
 """Order of what does not converge: the change is all of the error."""
 UNRESOLVED = 0.5
 """Part of a pressure from which on a change is no estimate: the run as it is does not resolve it."""
+SCATTER = 0.12
+"""Part of the cost of a single run that is taken for scatter."""
 FIRST = "contacts.0"
 
 
@@ -75,7 +76,7 @@ class Share:
         Else a knob that changes next to nothing would come first whenever its run happens to be the faster one.
         """
         less = self.pressure * (1.0 - 0.5**self.knob.order)
-        extra = max(self.extra, (LEAST_SCATTER - 1.0) * (self.cost - self.extra))
+        extra = max(self.extra, SCATTER * (self.cost - self.extra))
         return less / extra if extra > 0.0 else math.inf
 
 

@@ -11,15 +11,17 @@ from contactlab.accuracy.predictions import Prediction, predictions_of
 from contactlab.accuracy.run import Accuracy
 from contactlab.accuracy.solved import Solved, solved
 from contactlab.accuracy.targets import Cost, costs_of
+from contactlab.accuracy.winners import Winner, winners_of
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A study with its lines of convergence, costs of targets, orders, shares answered in time, and predictions."""
+    """A study with its lines of convergence, costs, winners, orders, shares answered in time, and predictions."""
 
     found: Accuracy
     lines: Sequence[Line]
     costs: Sequence[Cost]
+    winners: Sequence[Winner]
     orders: Sequence[Order]
     profiles: Sequence[Solved]
     predictions: Sequence[Prediction]
@@ -29,4 +31,5 @@ def evaluate(found: Accuracy) -> Evaluation:
     """Work everything out from the points."""
     lines = lines_of(found)
     costs = costs_of(found, lines)
-    return Evaluation(found, lines, costs, orders_of(found, lines), solved(costs), predictions_of(lines))
+    winners = winners_of(found, costs)
+    return Evaluation(found, lines, costs, winners, orders_of(found, lines), solved(costs), predictions_of(lines))

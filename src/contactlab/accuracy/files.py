@@ -7,12 +7,13 @@ import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 from contactlab.accuracy.evaluation import Evaluation
 from contactlab.accuracy.point import Point
-from contactlab.jobs.system import system_facts
+from contactlab.jobs.system import commit, system_facts
 
 COUNTS = ("steps", "iterations", "sweeps", "nodes", "updates")
 
@@ -31,12 +32,13 @@ def point_row(point: Point, side_by_side: int) -> dict[str, Any]:
 
 
 def write(evaluated: Evaluation, folder: Path) -> None:
-    """Write `accuracy.csv` (points), `costs.csv` (targets), `orders`, `solved`, `predictions` and `accuracy.json`."""
+    """Write `accuracy.json` and CSV: `accuracy` (points), `costs`, `winners`, `orders`, `solved`, `predictions`."""
     found = evaluated.found
     points = [point_row(point, found.side_by_side) for point in found.points]
     tables: dict[str, list[dict[str, Any]]] = {
         "accuracy": points,
         "costs": [asdict(cost) for cost in evaluated.costs],
+        "winners": [asdict(one) | {"group": "; ".join(one.group)} for one in evaluated.winners],
         "orders": [asdict(order) | {"levels": _spaced(order.levels)} for order in evaluated.orders],
         "predictions": [asdict(one) | {"levels": _spaced(one.levels)} for one in evaluated.predictions],
         "solved": [
@@ -49,8 +51,10 @@ def write(evaluated: Evaluation, folder: Path) -> None:
         _write_csv(folder / f"{name}.csv", rows)
     data = {
         "format": 1, "name": found.study.name, "cases": [asdict(each) for each in found.asked],
-        "contenders": list(found.contenders), "interrupted": found.interrupted, "system": system_facts(),
-        "points": points, "costs": tables["costs"], "orders": [asdict(order) for order in evaluated.orders],
+        "contenders": list(found.contenders), "interrupted": found.interrupted,
+        "date": f"{datetime.now(UTC):%Y-%m-%d}", "commit": commit(), "system": system_facts(),
+        "points": points, "costs": tables["costs"], "winners": [asdict(one) for one in evaluated.winners],
+        "orders": [asdict(order) for order in evaluated.orders],
         "solved": [asdict(one) for one in evaluated.profiles],
         "predictions": [asdict(one) for one in evaluated.predictions],
     }  # fmt: skip

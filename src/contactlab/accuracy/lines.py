@@ -1,24 +1,22 @@
-"""Lines of convergence: the points of a case, a contender and a slave over the levels, and costs read from them."""
+"""Lines of convergence: the points of a case, a method and a slave over the levels, and costs of their targets."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from contactlab.accuracy.point import Point
+from contactlab.accuracy.point import NOT_RUN, Point
 from contactlab.accuracy.run import Accuracy
 
 CLEAR = 3.0
 """Times the uncertainty of a reference: errors below it say nothing, targets below it are grey."""
-BEYOND = 1.5
-"""How far in error a line is followed past its last point, to say how wide an interval is."""
-LEAST_SCATTER = 1.12
-"""Factor that the cost of a single run may be off either way: the same study twice, on a machine with other work, gave
-costs of short runs that differed by up to 1.24."""
+REPEATED = 3
+"""Runs of a point from which on they tell the scatter. The median of further runs lies between the least and the
+largest of n with a probability of 1 - 2^(1-n) only, three in four of 3: the scatter of all points says more."""
 TINY = 1e-14
 
 
@@ -27,7 +25,7 @@ class Line:
     """Points by increasing level.
 
     uncertainty  of the reference, as a fraction
-    scatter      factor by which the cost of a single run may be off either way
+    scatter      factor between median and ends of the interval, at least
     """
 
     case: str
@@ -48,28 +46,39 @@ class Line:
         return [point for point in self.points if point.finished and point.cost > 0.0]
 
     @cached_property
+    def lost(self) -> list[Point]:
+        """The points that were begun and have no error, and the first one that was over its limit."""
+        begun = [p for p in self.points if not p.finished and p.status not in NOT_RUN]
+        return begun or [p for p in self.points if p.status == "over-limit"][:1]
+
+    def lost_at(self, point: Point, limit: float) -> float:
+        """Cost [s] at which a lost point is drawn: its limit where that stopped it, else what was spent until then."""
+        if _kind(point.status) == "over-limit":
+            return limit
+        known = [p.cost for p in self.points if p.cost > 0.0 and p.level <= point.level]
+        return known[-1] if known else limit
+
+    @cached_property
     def errors(self) -> list[float]:
         """Of each finished point the largest error from there on: one that crosses zero on its way is no luck."""
         found = np.array([max(point.error, TINY) for point in self.finished])
         return [float(e) for e in np.maximum.accumulate(found[::-1])[::-1]]
 
-    def cost_at(self, error: float) -> float:
-        """CPU time [s] from which on the error stays below `error`, between points log-log; inf where none is."""
-        costs = [point.cost for point in self.finished]
-        return _cost_at(costs, self.errors, error)
+    def cheapest(self, error: float) -> Point | None:
+        """The cheapest point that was run and whose error, like that of all finer ones, is not above `error`."""
+        kept = [point for point, found in zip(self.finished, self.errors, strict=True) if found <= error]
+        return min(kept, key=lambda point: point.cost, default=None)
 
     def interval(self, error: float) -> tuple[float, float]:
-        """Least and largest cost [s] that the scatter of times and the uncertainty of the reference leave."""
-        low = self.cost_at(error + self.uncertainty)
-        high = self.cost_at(error - self.uncertainty) if error > self.uncertainty else math.inf
-        spread = self.spread
-        return low / spread, high * spread
+        """Least and largest cost [s] that repeated runs and the uncertainty of the reference leave."""
+        sure = self.cheapest(error - self.uncertainty)
+        kept = [p for p, found in zip(self.finished, self.errors, strict=True) if found <= error + self.uncertainty]
+        low = min((self.times(point)[0] for point in kept), default=math.inf)
+        return low, math.inf if sure is None else max(self.times(p)[1] for p in (sure, self.cheapest(error) or sure))
 
-    @cached_property
-    def spread(self) -> float:
-        """Factor of the costs either way: as repetitions differ, else as the calibration beside single runs does."""
-        ratios = [max(max(p.cpu) / p.cost, p.cost / max(min(p.cpu), TINY)) for p in self.finished if len(p.cpu) > 2]
-        return max(ratios) if ratios else self.scatter
+    def times(self, point: Point) -> tuple[float, float]:
+        """Least and largest cost [s] of a point: of its repetitions, and at least the scatter of the study's."""
+        return min(*point.cpu, point.cost / self.scatter), max(*point.cpu, point.cost * self.scatter)
 
     def ended(self, error: float) -> tuple[str, str]:
         """Why it does not come below `error`: a kind, and words."""
@@ -90,30 +99,6 @@ def _kind(status: str) -> str:
     return "not-run" if status in ("over-budget", "interrupted", "waiting", "not-applicable") else "failed"
 
 
-def _cost_at(costs: Sequence[float], errors: Sequence[float], error: float) -> float:
-    """Where a falling line goes through `error`: on its segments, and a little past its end where it still falls."""
-    if not errors:
-        return math.inf
-    if errors[0] <= error:
-        return costs[0]
-    for k in range(1, len(errors)):
-        if errors[k] <= error:
-            return _between(costs[k - 1 : k + 1], errors[k - 1 : k + 1], error)
-    if len(errors) > 1 and errors[-1] <= BEYOND * error and errors[-1] < errors[-2] and costs[-1] > costs[-2]:
-        return _between(costs[-2:], errors[-2:], error)
-    return math.inf
-
-
-def _between(costs: Sequence[float], errors: Sequence[float], error: float) -> float:
-    share = math.log(errors[0] / error) / math.log(errors[0] / errors[1])
-    return float(costs[0] * (costs[1] / costs[0]) ** share)
-
-
-def reached(line: Line, target: float) -> bool:
-    """Whether a run of the line has come below the target, and every finer one that finished, too."""
-    return bool(line.errors) and min(line.errors) <= target
-
-
 def lines_of(found: Accuracy) -> list[Line]:
     """All lines, in the order of the study."""
     scatter = scatter_of(found.points)
@@ -128,25 +113,39 @@ def lines_of(found: Accuracy) -> list[Line]:
 
 
 def scatter_of(points: Sequence[Point]) -> float:
-    """Factor that CPU times of equal work differ by either way: half of the range of the calibration, in logarithms."""
-    times = [point.calibration for point in points if point.calibration > 0.0]
-    if len(times) < 5:
-        return 1.2  # a machine that nobody has watched; found on shared ones
-    low, high = np.quantile(times, [0.1, 0.9])
-    return float(max(LEAST_SCATTER, np.sqrt(high / low)))
+    """Factor of their median that nine in ten of a study's repeated runs keep, medians themselves not counted.
+
+    Without repetitions half of the range of the calibration beside the runs, in logarithms; inf where nothing tells.
+    """
+    times = [time / point.cost for point in points if point.cost > 0.0 and len(point.cpu) >= REPEATED
+             for time in point.cpu if time > 0.0 and time != point.cost]  # fmt: skip
+    if times:
+        return float(np.exp(np.quantile(np.abs(np.log(times)), 0.9)))
+    beside = [point.calibration for point in points if point.calibration > 0.0]
+    return float(np.sqrt(np.divide(*np.quantile(beside, [0.9, 0.1])))) if len(beside) >= REPEATED else math.inf
+
+
+def better(lines: Sequence[Line]) -> list[Line]:
+    """Of each contender the slave with the smaller error times cost; and lines that have a point of the front."""
+    found: dict[str, Line] = {}
+    for line in lines:
+        before = found.get(line.contender)
+        if line.finished and (before is None or _worth(line) < _worth(before)):
+            found[line.contender] = line
+    best = front(lines)
+    return [line for line in lines if found.get(line.contender) is line or any(p in best for p in line.finished)]
+
+
+def _worth(line: Line) -> float:
+    return float(np.mean([math.log(max(p.error, TINY) * p.cost) for p in line.finished]))
 
 
 def front(lines: Sequence[Line]) -> list[Point]:
     """The finished points of these lines that no other one beats in both error and cost, the cheapest first."""
     best = math.inf
     kept: list[Point] = []
-    for point in sorted(_points(lines), key=lambda p: (p.cost, p.error)):
+    for point in sorted((p for line in lines for p in line.finished), key=lambda p: (p.cost, p.error)):
         if point.error < best:
             kept.append(point)
             best = point.error
     return kept
-
-
-def _points(lines: Sequence[Line]) -> Iterator[Point]:
-    for line in lines:
-        yield from line.finished

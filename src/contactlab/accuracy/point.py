@@ -31,7 +31,7 @@ SLAVES = ("declared", "exchanged")
 
 @dataclass(frozen=True)
 class Task:
-    """What a point is made from: `limit` is its CPU time [s], `repeat` how often it is run."""
+    """What a point is made from: `limit` of its CPU time [s], `repeat` of runs that take less than `short` [s]."""
 
     choice: CaseChoice
     contender: Contender
@@ -39,6 +39,7 @@ class Task:
     level: int
     limit: float
     repeat: int = 1
+    short: float = math.inf
 
     @property
     def slave(self) -> str:
@@ -107,9 +108,9 @@ def point_plan(
         answer = problem.measure(setup).answer
         if answer is not None and (why := answer.refusal(task.level)):
             return named(task, "not-applicable", why)
-        takes: Sequence[Point] = yield [
-            _take_plan(task, problem, registry, n, rank, unless) for n in range(task.repeat)
-        ]
+        takes: list[Point] = yield [_take_plan(task, problem, registry, 0, rank, unless)]
+        if takes[0].finished and takes[0].cost < task.short:
+            takes += yield [_take_plan(task, problem, registry, n, rank, unless) for n in range(1, task.repeat)]
     except ContactlabError as error:
         return named(task, "failed", str(error))
     cpu = tuple(cost for take in takes for cost in take.cpu)

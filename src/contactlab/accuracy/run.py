@@ -29,6 +29,7 @@ class Asked:
 
     uncertainty  of the reference, as a fraction
     order        that theory gives the error, nan if the case does not say
+    targets      errors asked for, as fractions; empty for the targets of the study
     """
 
     label: str
@@ -38,6 +39,7 @@ class Asked:
     uncertainty: float
     order: float
     why: str
+    targets: Sequence[float] = ()
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,15 @@ class Accuracy:
     points: Sequence[Point]
     side_by_side: int
     interrupted: bool = False
+
+    @property
+    def targets(self) -> list[float]:
+        """All errors that are asked for, the largest first."""
+        return sorted({target for asked in self.asked for target in self.targets_of(asked)}, reverse=True)
+
+    def targets_of(self, asked: Asked) -> Sequence[float]:
+        """Errors that are asked for in a case."""
+        return asked.targets or self.study.targets
 
 
 @dataclass(frozen=True)
@@ -99,7 +110,7 @@ def line_plan(
         expected = expected_cost(done, task.level)
         point = _not_worth(task, expected)
         if point is None:
-            unless = partial(budget.refusal, expected * task.repeat)
+            unless = partial(budget.refusal, expected * (task.repeat if expected < task.short else 1))
             point = yield from point_plan(task, line.problem, registry, line.place(task, expected), unless)
         budget.spent += point.spent
         done.append(point)
@@ -179,7 +190,7 @@ def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[LineTa
         if not fitting:
             continue
         asked.append(_asked(problem, fitting[0][0]))
-        asking = partial(Task, choice, limit=study.limit, repeat=study.repeat)
+        asking = partial(Task, choice, limit=study.limit, repeat=study.repeat, short=study.short)
         groups.append(
             [
                 LineTasks(
@@ -216,7 +227,7 @@ def _asked(problem: Problem, contender: Contender) -> Asked:
     choice: CaseChoice = problem.choice
     return Asked(
         choice.label, problem.case.title, measure.name, problem.reference(setup), problem.uncertainty(setup),
-        math.nan if measure.order is None else measure.order, choice.why,
+        math.nan if measure.order is None else measure.order, choice.why, choice.targets,
     )  # fmt: skip
 
 

@@ -36,6 +36,7 @@ class CaseChoice:
     fields: Any = key(None, says="fields of the case")
     changes: Any = key(None, says="scene keys and values")
     levels: tuple[int, ...] = key((), least=1, says="mesh levels; not written: those of the study")
+    targets: tuple[float, ...] = key((), above=0.0, says="errors asked for, as fractions; not written: the study's")
 
     def __post_init__(self) -> None:
         if bool(self.use) == bool(self.scene):
@@ -107,7 +108,8 @@ class CaseStudy:
     join: bool = key(True, says="whether cases of other packages than the study's take part")
     limit: float = key(30.0, above=0.0, says="CPU time of one run [s]; what needs more is not run, or stopped")
     budget: float | None = key(None, above=0.0, says="CPU time of all runs [s]; what is left then is not run")
-    repeat: int = key(1, least=1, says="runs of each point; costs are medians")
+    repeat: int = key(3, least=1, says="runs of each point that takes less than `short`; costs are medians")
+    short: float = key(1.0, above=0.0, says="CPU time [s] up to which a run is repeated")
     targets: tuple[float, ...] = key(TARGETS, above=0.0, says="errors that are asked for, as fractions")
     quick: Quick = field(default=Quick(), metadata={"says": "what --quick leaves of it"})
     path: Path | None = field(default=None, metadata={"hidden": True})

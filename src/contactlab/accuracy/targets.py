@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from contactlab.accuracy.lines import CLEAR, Line, reached
+from contactlab.accuracy.lines import CLEAR, Line
 from contactlab.accuracy.run import Accuracy
 
 KINDS = ("reached", "not-reached", "over-limit", "not-run", "failed", "grey")
@@ -18,7 +18,8 @@ class Cost:
     """What a line needs to come below a target.
 
     kind       one of KINDS: grey are targets below what the reference can tell
-    cost       CPU time [s], inf unless it is reached; low, high  its interval
+    cost       CPU time of the cheapest run that keeps it [s], inf if none does; low, high  its interval
+    level      of that run, 0 without one
     coarsest   the coarsest mesh is already that good: the cost is an upper bound
     why        in words, where it is not reached
     mark       "cheapest", "tied" or nothing
@@ -32,6 +33,7 @@ class Cost:
     cost: float = math.inf
     low: float = math.inf
     high: float = math.inf
+    level: int = 0
     coarsest: bool = False
     why: str = ""
     mark: str = ""
@@ -39,7 +41,8 @@ class Cost:
 
 def costs_of(found: Accuracy, lines: Sequence[Line]) -> list[Cost]:
     """Every line at every target, with marks."""
-    costs = [_cost(line, target) for line in lines for target in sorted(found.study.targets, reverse=True)]
+    asked = {each.label: sorted(found.targets_of(each), reverse=True) for each in found.asked}
+    costs = [_cost(line, target) for line in lines for target in asked[line.case]]
     groups: dict[tuple[str, float], list[Cost]] = {}
     for cost in costs:
         groups.setdefault((cost.case, cost.target), []).append(cost)
@@ -51,11 +54,12 @@ def _cost(line: Line, target: float) -> Cost:
     head = (line.case, line.contender, line.slave, target)
     if target < CLEAR * line.uncertainty:
         return Cost(*head, "grey", why=f"the reference is known to {100.0 * line.uncertainty:.2g} %")
-    if not reached(line, target):
+    point = line.cheapest(target)
+    if point is None:
         kind, why = line.ended(target)
         return Cost(*head, kind, why=why)
-    low, high = line.interval(target)
-    return Cost(*head, "reached", line.cost_at(target), low, high, line.errors[0] <= target)
+    coarsest = line.errors[0] <= target
+    return Cost(*head, "reached", point.cost, *line.interval(target), point.level, coarsest)
 
 
 def _marks(group: Sequence[Cost]) -> list[tuple[Cost, str]]:

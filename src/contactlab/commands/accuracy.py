@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from dataclasses import replace
 
 from contactlab.accuracy.evaluation import evaluate
@@ -32,10 +33,11 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
         print_json({"folder": str(folder), **json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))})
     else:
         from contactlab.reports.accuracy_predictions import told
-        from contactlab.reports.accuracy_table import print_costs
+        from contactlab.reports.accuracy_table import print_costs, print_winners
 
         out = console()
         print_costs(found, evaluated.costs, out)
+        print_winners(found, evaluated.winners, out)
         if evaluated.predictions:
             out.print(f"predicted from coarser meshes: {told(evaluated.predictions)}", markup=False, highlight=False)
         out.print(f"page: {folder / 'accuracy.html'}", markup=False, highlight=False, soft_wrap=True)
@@ -48,7 +50,7 @@ def _asked(study: CaseStudy, options: argparse.Namespace) -> CaseStudy:
     """The study as the options change it."""
     if options.quick:
         study = study.quickened()
-    return replace(study, repeat=options.repeat) if options.repeat else study
+    return replace(study, repeat=options.repeat, short=math.inf) if options.repeat else study
 
 
 def _refuse_others(options: argparse.Namespace) -> None:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import platform
+import subprocess
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
 
 from contactlab.parts.machine import processor_name, usable_cores
 
@@ -21,6 +23,16 @@ def system_facts() -> dict[str, str | int]:
         "python": platform.python_version(),
         **{name: _version(name) for name in _LIBRARIES},
     }
+
+
+@cache
+def commit() -> str:
+    """Commit of the sources, with "-dirty" after changes; empty if this is no checkout or there is no git."""
+    words = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty", "--exclude=*"]
+    try:
+        return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return ""
 
 
 def machine() -> str:

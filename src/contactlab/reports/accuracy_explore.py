@@ -21,7 +21,7 @@ from bokeh.resources import Resources
 from contactlab.accuracy.lines import CLEAR, Line, front
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy
-from contactlab.reports.accuracy_plots import Look, looks, parts_of
+from contactlab.reports.accuracy_plots import STOPPED, Look, looks, parts_of
 from contactlab.reports.bokeh_figures import GREY, page_figure
 from contactlab.reports.templates import filled
 
@@ -32,7 +32,7 @@ Columns = dict[str, list[Any]]
 _MARKERS = {"o": "circle", "s": "square", "D": "diamond", "^": "triangle", "v": "inverted_triangle", "P": "cross"}
 _DASHES = ("solid", "dashed", "dotted", "dotdash", "dashdot", [8, 4])
 _TIPS = [
-    ("", "@contender, @slave, level @level"), ("error", "@y{0.000} %@best"), ("CPU", "@x{0.000} s"),
+    ("", "@contender, @slave, level @level"), ("error", "@error"), ("CPU", "@x{0.000} s"),
     ("counts", "@counts"),
 ]  # fmt: skip
 _TAP = (
@@ -70,7 +70,7 @@ def _plot(found: Accuracy, lines: Sequence[Line], pages: Mapping[Place, str], ca
     for axis in (plot.xaxis[0], plot.yaxis[0]):
         axis.formatter = CustomJSTickFormatter(code=_TICK)
     chosen = looks(found)
-    fronts, curves, points = _fronts(lines), _curves(lines, chosen), _points(lines, chosen, pages)
+    fronts, curves, points = _fronts(lines), _curves(lines, chosen), _points(lines, chosen, pages, found.study.limit)
     shown = {name: _source(f"{name}-shown", _of_case(all_of, case)) for name, all_of in
              (("front", fronts), ("curves", curves), ("points", points))}  # fmt: skip
     plot.multi_line("xs", "ys", source=shown["front"], color=GREY, line_width=7, alpha=0.3)
@@ -122,15 +122,22 @@ def _curves(lines: Sequence[Line], chosen: Mapping[str, Look]) -> Columns:
     return _columns(rows)
 
 
-def _points(lines: Sequence[Line], chosen: Mapping[str, Look], pages: Mapping[Place, str]) -> Columns:
+def _points(lines: Sequence[Line], chosen: Mapping[str, Look], pages: Mapping[Place, str], limit: float) -> Columns:
+    """Finished points, and lost ones above them."""
+    above: dict[str, float] = {}
+    for line in lines:
+        above[line.case] = max([above.get(line.case, 0.0), *(2.0 * p.error for p in line.finished)])
     rows = [
         {
-            **_labels(line), "level": p.level, "x": p.cost, "y": 100.0 * max(p.error, 1e-14),
-            "colour": chosen[line.contender].colour, "marker": _MARKERS[chosen[line.contender].marker],
-            "fill": 0.9 if line.slave == "declared" else 0.0, "counts": _counts(p), "best": _best(p),
+            **_labels(line), "level": p.level, "x": p.cost if ended else line.lost_at(p, limit),
+            "y": 100.0 * max(p.error if ended else above[line.case], 1e-14), "colour": look.colour,
+            "marker": _MARKERS[look.marker] if ended else "triangle_pin" if p.status in STOPPED else "x",
+            "fill": 0.9 if line.slave == "declared" else 0.0, "counts": _counts(p),
+            "error": f"{100.0 * p.error:.3g} %{_best(p)}" if ended else f"{p.status}: {p.reason}",
             "page": pages.get((line.case, line.contender, line.slave, p.level), ""),
         }
-        for line in lines for p in line.finished
+        for line in lines for look in (chosen[line.contender],)
+        for ended, points in ((True, line.finished), (False, line.lost)) for p in points
     ]  # fmt: skip
     return _columns(rows)
 

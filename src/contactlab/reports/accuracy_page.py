@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
 from html import escape
 from pathlib import Path
 
@@ -13,8 +14,8 @@ from contactlab.accuracy.evaluation import Evaluation
 from contactlab.accuracy.lines import Line
 from contactlab.accuracy.orders import Order
 from contactlab.accuracy.run import WAITING, Accuracy
-from contactlab.jobs.system import system_facts
-from contactlab.reports.accuracy_costs import costs_section
+from contactlab.jobs.system import commit, system_facts
+from contactlab.reports.accuracy_costs import costs_section, winners_section
 from contactlab.reports.accuracy_explore import Place, explore_section
 from contactlab.reports.accuracy_limits import limits_section
 from contactlab.reports.accuracy_plots import cost_figure, solved_figure
@@ -26,10 +27,10 @@ from contactlab.reports.html import ASSETS, document, facts_list, figure_section
 from contactlab.reports.numbers import percent, significant
 
 _FRONT = (
-    "Each line is a contender with the better of its slaves, from coarse to fine; colours are algorithms, markers "
-    "elements, dashes the way of solution. The broad grey step is the front: no other run is both cheaper and more "
-    "accurate. In the grey band the reference cannot tell. CPU seconds are of one thread, without imports, building "
-    "and compilation."
+    "Lower left is better. Each line is a contender with the better of its slaves, and the other one if it has a point "
+    "of the front; numbers are mesh levels. The broad grey step is the front: no other run is both cheaper and "
+    "more accurate. In the hatched band the reference cannot tell. Crosses above are runs that failed, arrowheads runs "
+    "stopped at their limit. CPU seconds are medians of the steps, of one thread."
 )
 _SOLVED = (
     "A question is a case, a slave and one of the targets that the reference can tell. A line rises where a contender "
@@ -61,9 +62,10 @@ def page(evaluated: Evaluation, figures: dict[str, Figure], pages: Mapping[Place
     sections = [
         f"<style>\n{style}</style>",
         _head(found),
+        winners_section(found, evaluated.winners),
+        figure_section(figures, "error-against-cost", "Error against cost, all cases", _FRONT),
         costs_section(found, evaluated.costs),
         explore_section(found, evaluated.lines, pages),
-        figure_section(figures, "error-against-cost", "Error against cost, all cases", _FRONT),
         figure_section(figures, "solved", "How much is answered in a given time", _SOLVED, narrow=True),
         limits_section(found, evaluated.lines),
         _orders(evaluated.orders),
@@ -89,12 +91,16 @@ def _head(found: Accuracy) -> str:
     beside = (
         f" {found.side_by_side} runs were made side by side and disturbed each other." if found.side_by_side > 1 else ""
     )
+    facts = system_facts()
+    made = f"{datetime.now(UTC):%Y-%m-%d}, contactlab {facts['contactlab']} {commit()}, {facts['processor']}".strip()
+    files = ", ".join(f'<a href="{name}.csv">{name}.csv</a>' for name in ("accuracy", "winners", "costs"))
     return (
         f"<header>\n<h1>{escape(found.study.name)}</h1>\n"
         f'<p class="lead">{len(found.asked)} case{"s" * (len(found.asked) > 1)}, {len(found.contenders)} contenders, '
         f"{len(found.points)} points: "
         f"{finished} finished{f', {told}' if told else ''}.{beside}"
-        f"{later}{' The study was interrupted.' if found.interrupted else ''}</p>\n</header>"
+        f"{later}{' The study was interrupted.' if found.interrupted else ''}</p>\n"
+        f'<p class="note">{escape(made)}. Rows of the figures: {files}.</p>\n</header>'
     )
 
 

@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from contactlab.accuracy.lines import Line, front
+from contactlab.accuracy.lines import CLEAR, Line, better, front
 from contactlab.accuracy.run import Accuracy, Asked
 from contactlab.accuracy.solved import BEST, Solved
 from contactlab.api.drawing.colours import REFERENCE, styles
@@ -22,9 +22,12 @@ from contactlab.reports.numbers import percent, significant
 
 _DASHES: Any = ("-", (0, (4, 2)), (0, (1, 1.5)), (0, (5, 1, 1, 1)), (0, (8, 2, 1, 2)), (0, (3, 1)))
 _MARKERS = ("o", "s", "D", "^", "v", "P")
-_COLUMNS = 4
+_COLUMNS = 3
 _ENTRY = 2.6  # inches that an entry of the legend takes
 _BESIDE, _WIDE_ENTRY = 3, 3.0  # entries with numbers beside each other, and inches that one takes
+_UNCLEAR: Any = {"facecolor": "none", "edgecolor": REFERENCE, "alpha": 0.35, "hatch": "////", "linewidth": 0.0}
+_STRIP = 0.05  # of the height that points take, for the marks of an algorithm's lost runs
+STOPPED = ("timed-out", "over-limit")
 _LEAST_RANGE = 5.0  # of an axis, largest over least: points that are closer than that look it
 
 
@@ -66,14 +69,14 @@ def cost_figure(found: Accuracy, lines: Sequence[Line]) -> Figure:
     rows = max(1, math.ceil(len(cases) / _COLUMNS))
     columns = min(_COLUMNS, max(1, len(cases)))
     with house_style():
-        width = max(7.0, 3.4 * columns)
-        drawn = {line.contender for line in lines if line.finished}
+        width = max(7.0, 4.2 * columns)
+        drawn = [name for name in found.contenders if any(line.contender == name for line in lines)]
         beside = min(_COLUMNS, int(width / _ENTRY))
-        beneath = math.ceil((len(drawn) + 3) / beside)  # and three entries that tell of all
-        figure = Figure(figsize=(width, 0.9 + 0.17 * beneath + 2.75 * rows), layout="constrained")
+        beneath = math.ceil((sum(len({parts_of(name)[k] for name in drawn}) for k in range(3)) + 5) / beside)
+        figure = Figure(figsize=(width, 0.9 + 0.17 * beneath + 3.3 * rows), layout="constrained")
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
         for axes, asked in zip(grid, cases, strict=False):
-            _panel(axes, asked, [line for line in lines if line.case == asked.label], chosen)
+            _panel(axes, asked, [line for line in lines if line.case == asked.label], chosen, found.study.limit)
         for axes in grid[len(cases) :]:
             axes.set_axis_off()
         if not cases:
@@ -82,56 +85,52 @@ def cost_figure(found: Accuracy, lines: Sequence[Line]) -> Figure:
             axes.set_xlabel("CPU time [s]", fontsize=8.5)
         for axes in grid[: len(cases) : columns]:
             axes.set_ylabel("relative error [%]", fontsize=8.5)
-        _legend(figure, {name: look for name, look in chosen.items() if name in drawn}, beside)
+        _legend(figure, drawn, chosen, beside)
     return figure
 
 
-def _panel(axes: Axes, asked: Asked, lines: Sequence[Line], chosen: dict[str, Look]) -> None:
+def _panel(axes: Axes, asked: Asked, lines: Sequence[Line], chosen: dict[str, Look], limit: float) -> None:
     axes.set_title(asked.label, pad=6)
     axes.set_xscale("log")
     axes.set_yscale("log")
     best = front(lines)
-    if best:
-        axes.step(
-            [p.cost for p in best],
-            [p.error for p in best],
-            where="post",
-            color=INK,
-            linewidth=5.0,
-            alpha=0.16,
-            zorder=1,
-        )
+    axes.step([p.cost for p in best], [p.error for p in best], where="post", color=INK, linewidth=5.0, alpha=0.16,
+              zorder=1)  # fmt: skip
     for line in better(lines):
         look = chosen[line.contender]
-        cost, error = [p.cost for p in line.finished], [p.error for p in line.finished]
         axes.plot(
-            cost, error, color=look.colour, linestyle=look.dashes, marker=look.marker, markersize=4.5, linewidth=1.1,
+            [p.cost for p in line.finished], [p.error for p in line.finished], color=look.colour,
+            linestyle=look.dashes, marker=look.marker, markersize=4.5, linewidth=1.1,
             markerfacecolor=look.colour if line.slave == "declared" else "none", zorder=2, alpha=0.9,
         )  # fmt: skip
+        for point in line.finished:
+            axes.annotate(
+                str(point.level), (point.cost, point.error), (2.5, 2.5), textcoords="offset points", fontsize=5.5,
+                color=look.colour, fontweight="bold" if point in best else "normal", zorder=3,
+            )  # fmt: skip
+    _lost(axes, lines, chosen, limit)
     _scales(axes)
     if asked.uncertainty > 0.0:
         bottom, top = axes.get_ylim()
-        if 3.0 * asked.uncertainty > bottom:
-            axes.axhspan(
-                bottom, min(3.0 * asked.uncertainty, top), color=REFERENCE, alpha=0.18, linewidth=0.0, zorder=0
-            )
+        if CLEAR * asked.uncertainty > bottom:
+            axes.axhspan(bottom, min(CLEAR * asked.uncertainty, top), **_UNCLEAR, zorder=0)
             axes.set_ylim(bottom, top)
 
 
-def better(lines: Sequence[Line]) -> list[Line]:
-    """Of each contender the slave with the smaller error times cost, over its finest finished points."""
-    found: dict[str, Line] = {}
-    for line in lines:
-        if not line.finished:
-            continue
-        before = found.get(line.contender)
-        if before is None or _worth(line) < _worth(before):
-            found[line.contender] = line
-    return list(found.values())
-
-
-def _worth(line: Line) -> float:
-    return float(np.mean([math.log(max(p.error, 1e-14) * p.cost) for p in line.finished]))
+def _lost(axes: Axes, lines: Sequence[Line], chosen: dict[str, Look], limit: float) -> None:
+    """Marks above the points for runs that failed or were stopped, a row per algorithm."""
+    marks = {(look.colour, line.lost_at(point, limit), point.status) for line in lines for point in line.lost
+             for look in (chosen[line.contender],)}  # fmt: skip
+    if not marks:
+        return
+    colours = list(dict.fromkeys(look.colour for look in chosen.values()))
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(bottom, top * (top / bottom) ** (_STRIP * len(colours)))
+    height = _STRIP * len(colours) / (1.0 + _STRIP * len(colours))
+    for colour, cost, status in marks:
+        y = 1.0 - height * (colours.index(colour) + 0.5) / len(colours)
+        marker = ">" if status in STOPPED else "x"
+        axes.plot(cost, y, marker, color=colour, markersize=3.8, transform=axes.get_xaxis_transform(), zorder=3)
 
 
 def _scales(axes: Axes) -> None:
@@ -145,17 +144,23 @@ def _scales(axes: Axes) -> None:
     axes.tick_params(labelsize=8)
 
 
-def _legend(figure: Figure, chosen: dict[str, Look], columns: int) -> None:
-    entries = [
-        Line2D([], [], color=look.colour, linestyle=look.dashes, marker=look.marker, markersize=5, label=name)
-        for name, look in chosen.items()
-    ]
-    entries.append(Line2D([], [], color=INK, linewidth=5.0, alpha=0.16, label="front: nothing is better and cheaper"))
-    entries.append(Line2D([], [], color=REFERENCE, linewidth=7.0, alpha=0.3, label="the reference cannot tell"))
-    entries.append(
-        Line2D([], [], color=MUTED, marker="o", markerfacecolor="none", linestyle="none", label="slaves exchanged")
+def _legend(figure: Figure, names: Sequence[str], chosen: dict[str, Look], columns: int) -> None:
+    """Colours are algorithms, dashes ways, markers elements: an entry each, and the marks that all share."""
+    algorithms, elements, ways = ({parts_of(name)[k]: chosen[name] for name in names} for k in range(3))
+    entries = [Line2D([], [], color=look.colour, linewidth=4.0, label=name) for name, look in algorithms.items()]
+    entries += [Line2D([], [], color=INK, linestyle=look.dashes, linewidth=1.6, label=f"line: {name}")
+                for name, look in ways.items()]  # fmt: skip
+
+    def mark(marker: str, label: str, face: str = MUTED) -> Line2D:
+        return Line2D([], [], color=MUTED, marker=marker, markerfacecolor=face, linestyle="none", label=label)
+
+    entries += [mark(look.marker, f"point: {name}") for name, look in elements.items()]
+    entries += [mark("o", "slaves exchanged", "none"), mark("x", "failed"), mark(">", "stopped at its limit")]
+    entries.append(Line2D([], [], color=INK, linewidth=5.0, alpha=0.16, label="front: nothing better is cheaper"))
+    entries.append(Patch(**_UNCLEAR, label="the reference cannot tell"))
+    figure.legend(
+        handles=entries, loc="outside lower center", ncols=columns, fontsize=8, labelcolor=MUTED, handlelength=3.4
     )
-    figure.legend(handles=entries, loc="outside lower center", ncols=columns, fontsize=8, labelcolor=MUTED)
 
 
 def solved_figure(found: Accuracy, profiles: Sequence[Solved]) -> Figure:

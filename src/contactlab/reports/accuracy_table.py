@@ -11,6 +11,7 @@ from rich.text import Text
 
 from contactlab.accuracy.run import Accuracy
 from contactlab.accuracy.targets import Cost, best_of, shown
+from contactlab.accuracy.winners import Winner, told
 from contactlab.reports.numbers import percent
 
 _STYLES = {"cheapest": "bold green", "tied": "green", "failed": "red", "grey": "dim", "not-run": "dim"}
@@ -28,10 +29,25 @@ def print_costs(found: Accuracy, costs: Sequence[Cost], console: Console) -> Non
     console.print(costs_table(found, costs), soft_wrap=True)
 
 
+def print_winners(found: Accuracy, winners: Sequence[Winner], console: Console) -> None:
+    """Print who wins where, a line per case and target."""
+    table = RichTable(box=box.SIMPLE_HEAD, pad_edge=False, title=Text("Who wins"), title_justify="left")
+    for name in ("case", "error", "cheapest", "CPU time", "next"):
+        table.add_column(name, overflow="fold")
+    label = ""
+    for winner in winners:
+        who, cost, after = told(winner)
+        case, label = "" if winner.case == label else winner.case, winner.case
+        style = "bold green" if len(winner.group) == 1 else "green" if winner.group else "dim"
+        cells = Text(case), Text(f"{percent(winner.target, 1)} %"), Text(who, style=style), Text(cost), Text(after)
+        table.add_row(*cells)
+    console.print(table)
+
+
 def costs_table(found: Accuracy, costs: Sequence[Cost]) -> Group:
     """CPU seconds to each target, and what the marks mean."""
     best = best_of(costs)
-    targets = sorted(found.study.targets, reverse=True)
+    targets = found.targets
     title = Text(f"{found.study.name}: CPU seconds to an error of")
     table = RichTable(box=box.SIMPLE_HEAD, pad_edge=False, title=title, title_justify="left")
     for name in ("case", "contender"):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import json
-import math
 import re
 import shutil
 import subprocess
@@ -138,7 +137,7 @@ def test_a_browser_draws_and_filters(folder: Path, tmp_path: Path, width: int) -
     (title,) = re.findall(r"<title>(.*?)</title>", dom)[:1]
     told = json.loads(html.unescape(title))
     assert told["wide"] == 0
-    assert told["first"] == sum(p.case == CASES[0] and math.isfinite(p.error) for p in study().points)
+    assert told["first"] == sum(p.case == CASES[0] for p in study().points)  # the failed one, too
     assert told["cases"] == ["case 3"]
     assert told["algorithms"] == ["mortar-p1", "node-on-segment"]
     assert len(told["pages"]) == 1
@@ -148,11 +147,11 @@ def test_a_browser_draws_and_filters(folder: Path, tmp_path: Path, width: int) -
 @pytest.mark.full
 @pytest.mark.skipif(BROWSER is None, reason="no Chromium here")
 def test_it_is_printed_without_empty_pages(folder: Path, tmp_path: Path) -> None:
-    """Five tables of twelve rows, two figures and four short sections on A4: headings stay with what follows them."""
+    """Winners, five tables of twelve rows, two figures and short sections on A4: headings stay with what follows."""
     words = [str(BROWSER), "--headless", "--no-sandbox", "--disable-gpu", "--no-first-run", "--no-pdf-header-footer",
              "--virtual-time-budget=20000", f"--user-data-dir={tmp_path}"]  # fmt: skip
     printed = tmp_path / "page.pdf"
     page = (folder / "accuracy.html").as_uri()
     subprocess.run([*words, f"--print-to-pdf={printed}", page], capture_output=True, check=True)
     (pages,) = re.findall(rb"/Type /Pages\s+/Count (\d+)", printed.read_bytes())[:1]
-    assert 4 <= int(pages) <= 7
+    assert 4 <= int(pages) <= 8
