@@ -8,6 +8,7 @@ from enum import Enum
 from typing import Any, ClassVar, NamedTuple, Protocol
 
 from contactlab.api.arrays import Floats, Ints
+from contactlab.api.compiled.late import late
 from contactlab.api.enforcement import Conditions, Enforcement, ExplicitEnforcement, ImplicitEnforcement, Solve
 from contactlab.api.state import State
 
@@ -141,6 +142,36 @@ class ExplicitEquations(Equations, Protocol):
 
     def stable_step(self) -> float:
         """Largest explicit step [s] at the state's geometry, without safety factor."""
+
+
+class Motion(Protocol):
+    """One run as `ExplicitIntegrator.step` sees it: primitives that move the state and book what they do.
+
+    Kicks change velocities, drifts positions. Work, reactions, damping, loads, prescribed motion, friction and stresses
+    are the core's. The drifts of a step sum to its length, and each follows a kick.
+
+    state    as the last primitive left it: read only, but for the integrator's own `memory`
+    last_dt  length of the last step [s]; 0 before the first
+    """
+
+    state: State
+    last_dt: float
+
+    def kick(self, duration: float) -> None:
+        """Let stresses and loads of this moment act on velocities for a time [s], with the damping of its middle."""
+
+    def contact(self, ahead: float) -> None:
+        """Add to the kick the contact forces that hold the gaps at the end of the next drift, `ahead` [s] from now.
+
+        They act as long as the kick, the only one of the step: velocities between two kicks would lack them, and
+        stresses be booked with work that they did not do. Nothing happens in a scene without contact.
+        """
+
+    def drift(self, duration: float) -> None:
+        """Move positions with the velocities for a time [s], and find the stresses there."""
+
+    def acceleration(self) -> Floats:
+        """Accelerations (N, 2) [mm/s^2] by stresses and loads of this moment, 0 where motion is prescribed."""
 
 
 class ImplicitContact(Protocol):
@@ -324,6 +355,8 @@ class Integrator(ABC):
 class ExplicitIntegrator(Integrator):
     """Steps that follow from the state before them, limited by the stable step; see `Integrator` for the duties.
 
+    A scheme of kicks and drifts writes `step`: of the duties 1, 2, 6, 10 and 12 are left. Any other writes `bind`.
+
     velocity_lag  fraction of a step by which `velocity` lags behind `time`: 0.5 for leapfrog schemes, 0 for schemes
                   whose velocities are those at the end of the step
     """
@@ -332,13 +365,18 @@ class ExplicitIntegrator(Integrator):
     inertia: ClassVar[bool] = True
     velocity_lag: ClassVar[float] = 0.5
 
-    @abstractmethod
+    def step(self, motion: Motion, dt: float) -> None:
+        """Make one step of length dt [s] by the primitives of `motion`."""
+        raise NotImplementedError
+
     def bind(self, equations: ExplicitEquations, state: State) -> Callable[[float], Step]:
-        """A function that advances `state` in place by one step of the given length [s].
+        """A function that advances `state` in place by one step of the given length [s]; by default that of `step`.
 
         Called once per run; all arrays of `state` stay where they are for the whole run.
         The state is as built (t = 0, initial velocities) or restored from a snapshot.
         """
+        advance: Callable[[float], Step] = late("contactlab.model.motion").bound(self, equations, state)
+        return advance
 
 
 class ImplicitIntegrator(Integrator):

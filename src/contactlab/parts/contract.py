@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+from collections.abc import Iterator
 from difflib import get_close_matches
 from weakref import WeakKeyDictionary
 
@@ -77,7 +78,16 @@ def _faults(kind: str, target: object) -> list[str]:
 
 def _missing_methods(target: type) -> list[str]:
     missing = sorted(getattr(target, "__abstractmethods__", ()))
+    if issubclass(target, ExplicitIntegrator) and not {"step", "bind"} & {*_own_names(target)}:
+        missing.append("step")
     return [f"it has no {', '.join(missing)}"] if missing else []
+
+
+def _own_names(target: type) -> Iterator[str]:
+    """Names that a part and its bases outside the contract define."""
+    for base in target.__mro__:
+        if not base.__module__.startswith(("contactlab.api.", "builtins")):
+            yield from vars(base)
 
 
 def _missing_attributes(target: type) -> list[str]:
