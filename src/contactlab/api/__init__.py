@@ -40,6 +40,7 @@ from contactlab.api.integrator import (
     Motion,
     PrescribedMotion,
     Step,
+    StepControl,
     StepStatus,
 )
 from contactlab.api.material import Kinematics, Material
@@ -152,6 +153,7 @@ __all__ = [
     "Spec",
     "State",
     "Step",
+    "StepControl",
     "StepStatus",
     "StepView",
     "StoredRun",

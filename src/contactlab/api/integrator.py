@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any, ClassVar, NamedTuple, Protocol
 
@@ -51,6 +52,7 @@ class Step(NamedTuple):
     status      whether it is accepted; otherwise `reason` gives the cause and no other field is needed
     iterations  number of Newton iterations; `trace` has each of them
     sweeps      of the contact solve; `residual` is that at its end
+    error       estimate of the error made in this step over its tolerance: 1 is just allowed; None without an estimate
 
     `work` and `reaction` are new arrays, or the state's own fields of these names brought up to date in place.
     """
@@ -63,6 +65,41 @@ class Step(NamedTuple):
     residual: float = 0.0
     reason: str = ""
     trace: tuple[Iteration, ...] = ()
+    error: float | None = None
+
+
+@dataclass(frozen=True)
+class StepControl:
+    """Choose the length of the next step from the errors of this step and the last one, a PI controller.
+
+    A step whose error exceeds its tolerance is repeated from the same state with a shorter length.
+
+    order         power of the step length that the estimated error falls with; 3 for the error in one step of a
+                  second-order scheme
+    safety        fraction of the length that would just meet the tolerance
+    integral      weight of the error of this step; `proportional` that of the change of errors: 0.7 and 0.4 keep
+                  steps smooth (Hairer & Wanner, Solving Ordinary Differential Equations II, IV.2)
+    shrink, grow  limits of the ratio of a step to the one before
+    """
+
+    order: int
+    safety: float = 0.9
+    integral: float = 0.7
+    proportional: float = 0.4
+    shrink: float = 0.2
+    grow: float = 2.0
+
+    def ratio(self, error: float, before: float) -> float:
+        """Length of the next step over the length of this step; errors over their tolerances, `before` the last one.
+
+        The last one is 1 in the first step. A step whose error exceeds 1 was rejected, and the ratio is below 1.
+        """
+        error = max(error, 1e-10)
+        if error > 1.0:
+            return max(self.shrink, self.safety * error ** (-1.0 / self.order))
+        before = max(before, 1e-10)
+        ratio = self.safety * error ** (-self.integral / self.order) * before ** (self.proportional / self.order)
+        return min(self.grow, max(self.shrink, ratio))
 
 
 class PrescribedMotion(Protocol):
@@ -347,6 +384,14 @@ class Integrator(ABC):
         """The enforcement of contacts that name none, as a scene would write it: `default_enforcement`."""
         return {"use": self.default_enforcement}
 
+    def control(self) -> StepControl | None:
+        """Chooses step lengths from the errors that steps report; None: the scene does, by `time` and `steps`.
+
+        Lengths start as without it. Explicit steps stay below the stable one, implicit ones are not limited by the
+        number of steps that the scene wishes; both end at every frame and at the end of the run.
+        """
+        return None
+
     def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
         """Shapes of further state fields that the integrator needs, by name."""
         return {}
@@ -365,8 +410,8 @@ class ExplicitIntegrator(Integrator):
     inertia: ClassVar[bool] = True
     velocity_lag: ClassVar[float] = 0.5
 
-    def step(self, motion: Motion, dt: float) -> None:
-        """Make one step of length dt [s] by the primitives of `motion`."""
+    def step(self, motion: Motion, dt: float) -> float | None:
+        """Make one step of length dt [s] by the primitives of `motion`; returns `Step.error`, or None."""
         raise NotImplementedError
 
     def bind(self, equations: ExplicitEquations, state: State) -> Callable[[float], Step]:

@@ -29,6 +29,8 @@ class State:
     memory.CONTACT  memory of a contact algorithm that declares any
     friction.CONTACT  (n, 2) friction of a potential at the end of the step, on the nodes of both sides [N]
 
+    step_error      (2,)    error of the last step over its tolerance, and of the step before, with a `StepControl`
+
     and an integrator may declare more. Fields that no part declares do not exist.
     """
 

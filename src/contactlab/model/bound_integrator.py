@@ -21,6 +21,7 @@ class BoundIntegrator:
     def __init__(self, name: str, advance: Callable[[float], Step], state: State) -> None:
         self.name, self.advance = name, advance
         self.clock, self.work, self.reaction = state["clock"], state["work"], state["reaction"]
+        self.error = state["step_error"] if "step_error" in state else None
 
     def step(self, dt: float) -> Step:
         """Make one step of length dt [s], and check what it says of itself.
@@ -44,6 +45,10 @@ class BoundIntegrator:
                 self._store("work", done.work, self.work)
             if done.reaction is not self.reaction:
                 self._store("reaction", done.reaction, self.reaction)
+            if self.error is not None:
+                if done.error is None or not done.error >= 0.0:
+                    raise WrongAnswer(f"{self.name}: its step gave error {done.error}, needed: a number of at least 0")
+                self.error[1], self.error[0] = self.error[0], done.error
             clock[0], clock[1], clock[2] = after, count + 1.0, dt
         return done
 

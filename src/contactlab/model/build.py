@@ -214,6 +214,8 @@ def _shapes(
 
         shapes |= contact_shapes(plans, nodes)
     shapes |= {f"history.{body.name}": body.history_shape() for body in bodies if body.material.history_size}
+    if integrator.control() is not None:
+        shapes["step_error"] = (2,)
     return shapes | dict(integrator.memory(nodes))
 
 

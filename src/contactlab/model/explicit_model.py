@@ -37,6 +37,11 @@ class ExplicitModel(Model):
         rates = super().rates(stable)
         return rates if self.contact is None else self.contact.rates(rates, stable)
 
+    def moved_back(self) -> None:
+        """Take the displacement of a state that was restored as the start of the next step."""
+        if self._before is not None:
+            self._before[:] = self.state["displacement"]
+
     def _follow(self, dt: float) -> None:
         if self._before is None:
             np.multiply(self.state["velocity"], dt, out=self.increment)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.api import Floats
+from contactlab.model.explicit_model import ExplicitModel
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
@@ -48,6 +49,8 @@ def restore_model(model: Model, memory: Mapping[str, Floats]) -> None:
         if not name.startswith("near."):
             array[...] = memory[name]
     np.add(model.reference, model.state["displacement"], out=model.position)
+    if isinstance(model, ExplicitModel):
+        model.moved_back()
     for forces in model.forces:
         forces.trial_history[:] = forces.history  # as they are after an accepted step
     for pair in model.contact.pairs if model.contact is not None else ():

@@ -57,14 +57,14 @@ class ExplicitMotion:
         self.time, self.last_dt = float(self.clock[0]), float(self.clock[2])
         self.moved = self.kicked = self.duration = self.ahead = 0.0
         self.done = self.plain
-        self.scheme(self, dt)
+        error = self.scheme(self, dt)
         if self.duration > 0.0:
             self._make(0.0)
         if self.done is not self.plain and self.kicked != self.touched:
             raise WrongAnswer(f"{self.name}: its step kicks again beside contact, needed: one kick a step with contact")
         if abs(self.moved - dt) > ROUND_OFF * dt:
             raise WrongAnswer(f"{self.name}: its step of {dt:.6g} s drifts for {self.moved:.6g} s, needed: its length")
-        return self.done
+        return self.done if error is None else self.done._replace(error=error)
 
     def kick(self, duration: float) -> None:
         """See `contactlab.api.Motion`."""

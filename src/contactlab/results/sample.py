@@ -20,7 +20,7 @@ class Sample:
 
     prescribed: mean displacement of each support [mm]; reactions: force (2,) [N] of each support on
     its body; contacts by "contacts.0"; sweeps: mean per step since the last sample; share: of the loading (statics) or
-    of time that is done, 0 to 1
+    of time that is done, 0 to 1; step_error: of the step that ended here over its tolerance, if steps follow it
     """
 
     number: int
@@ -32,6 +32,7 @@ class Sample:
     contacts: dict[str, ContactReport]
     sweeps: float
     share: float
+    step_error: float | None = None
 
     def scalars(self) -> dict[str, float]:
         """The scalars of this instant: one row of `history.csv`."""
@@ -50,6 +51,7 @@ class Sample:
                 f"{name}.active": contact.active,
                 f"{name}.sticking": contact.sticking,
             }
+        row |= {"step_error": self.step_error} if self.step_error is not None else {}
         return row | {"sweeps": self.sweeps, "share": self.share}
 
 
@@ -66,6 +68,7 @@ def take_sample(model: Model, number: int, sweeps: float, share: float = math.na
         contacts=_contacts(model),
         sweeps=sweeps,
         share=share,
+        step_error=float(state["step_error"][0]) if "step_error" in state else None,
     )
 
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from contactlab.api import Step, StepStatus
 from contactlab.errors import SimulationFailure
+from contactlab.run.controlled_step import rejected
 from contactlab.run.guards import Guards
 from contactlab.run.watches import NoGuards
 
@@ -19,7 +20,7 @@ class GuardedStep:
 
     def __init__(self, advance: Callable[[float], Step], model: Any, guards: Guards | NoGuards) -> None:
         self.advance, self.model, self.guards = advance, model, guards
-        self.objections = 0
+        self.objections, self.controlled = 0, model.integrator.control() is not None
 
     def __call__(self, dt: float) -> Step:
         """One step of length dt [s], accepted only where positions at its end make sense."""
@@ -35,14 +36,17 @@ class GuardedStep:
             if self.objections == MOST:
                 raise
             reason = failure.reason
-        if not reason:
+        too_wrong = not reason and step.error is not None and step.error > 1.0 and self.controlled
+        if not reason and not too_wrong:
             self.objections = 0
             return step
-        self.objections += 1
+        self.objections += not too_wrong
         model.state.restore(start)
         model.begin_step(0.0)
         model.internal_force(0.0)
         # forces of that evaluation may differ from those that were reached by a step, in their last digits
         model.state.restore(start)
         self.guards.restore(memory)
-        return step._replace(status=StepStatus.not_converged, reason=reason)
+        return (
+            rejected(step) if too_wrong else step._replace(status=StepStatus.not_converged, reason=reason, error=None)
+        )

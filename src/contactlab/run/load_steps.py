@@ -12,8 +12,9 @@ from contactlab.api import WORK, Floats, ImplicitIntegrator, RunWarning, Step, S
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.loading.held_bodies import hold, loose_motions
 from contactlab.model.timing import A_PERIOD
+from contactlab.run.controlled_step import next_stop
 from contactlab.run.load_path import LoadPath, TimePath, corners
-from contactlab.run.schedule import Schedule
+from contactlab.run.schedule import SHORTEST_CONTROLLED, Schedule
 from contactlab.run.swings import Swing, frame_warnings, step_warnings
 
 if TYPE_CHECKING:
@@ -24,6 +25,7 @@ CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
 FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it
 EASY = 8  # iterations of a step after which a longer one is tried
 SHORTEST = 2.0**-12  # of the wished step: below it the run is given up
+LONGEST = 0.999  # of the loading in one step that follows its error: the whole at once is no step of a path
 MOST = 1e6  # steps of a run: more is a step that was meant for an explicit one
 SAME = 1e-6  # relative: residuals of two attempts that differ by less are the same
 EACH_WAY = 2.0  # times the steps of a load, for each way of one that goes to and fro: friction work is right to 2 %
@@ -141,6 +143,9 @@ class LoadSchedule(Schedule):
             self._stabilise(None)
         elif self.skips:
             self.model.way_followed = False
+        elif self.control is not None:
+            taken = self.path.fraction(self.state.time) - self.path.fraction(self.state.time - dt)
+            self.part = min(LONGEST, self._after(step, taken, self.part))
         elif step.iterations <= EASY:
             self.part = min(self.wished, self.grow * self.part)
         self.dt = self._length()
@@ -151,6 +156,12 @@ class LoadSchedule(Schedule):
         Raises SimulationFailure below the shortest, and where an attempt went as the longer one before it did.
         """
         tried, before, time = self.dt, self.failed, self.state.time
+        if self.control is not None and step.error is not None and step.error > 1.0:
+            self.part = self._ratio(step) * (self.path.fraction(time + tried) - self.path.fraction(time))
+            self.dt = self._length()
+            if self.part < SHORTEST_CONTROLLED * self.wished:
+                raise self._failure(tried, step, f"{self.part / self.wished:.1e} of the wished one")
+            return f"a step of {tried:.6g} from time {time:.6g} was rejected: {step.reason}; {self.dt:.6g} is tried"
         # of the step that was taken, which a corner of the loading may have made shorter than it might have been
         if self.skips:
             self.part = self.wished
@@ -253,6 +264,8 @@ class LoadSchedule(Schedule):
             return self._until_settled(time)
         done = self.path.fraction(time)
         stop = self.path.stop(time)
+        if self.control is not None and time < stop:
+            stop = next_stop(self, stop)
         rest = self.path.fraction(stop) - done
         part = min(self.part, TURNED * self.wished) if self._turned(time) else self.part
         number = max(1, int(np.ceil(rest / part * (1.0 - NEARLY))))

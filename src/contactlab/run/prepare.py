@@ -55,6 +55,8 @@ def prepare_run(
     layout = layout_of(model, scene, parts_of(used, registry), versions(used, registry))
     # there is never a frame without a step: room for more would be taken for nothing
     steps = run.schedule.estimated_steps()
+    if run.schedule.control is not None:
+        steps = max(steps, scene.record.frames)  # that follow their error, and end at each
     budget = layout.budget if scene.record.budget is None else scene.record.budget
     layout = replace(layout, frames=min(layout.frames, steps), budget=budget)
     check_frame_size(layout.frames, len(layout.nodes), scene.where("record.frames"))

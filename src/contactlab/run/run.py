@@ -95,7 +95,11 @@ class Run:
     def guarded(self, integrator: BoundIntegrator) -> Callable[[float], Step]:
         """The function that makes one step; steps that can be taken back are judged by the guards, too."""
         if self.model.explicit:
-            return integrator.step
+            if self.schedule.control is None:
+                return integrator.step
+            from contactlab.run.controlled_step import ControlledStep
+
+            return ControlledStep(integrator.step, self.model)
         from contactlab.run.guarded_step import GuardedStep
 
         return GuardedStep(integrator.step, self.model, self.guards)
@@ -108,7 +112,8 @@ class Run:
         last = self.last_steps.every_step if self.last_steps is not None else ()
         split = split_of(self.model)
         booked = (split.sample,) if split is not None else ()  # first: what follows looks at it
-        return (*booked, *self.journal.every_step, *last, *self.schedule.every_step, *more, *limit)
+        kept = (lambda step, dt: self.keep(),) if self.schedule.control is not None else ()  # each has its own length
+        return (*booked, *self.journal.every_step, *last, *self.schedule.every_step, *kept, *more, *limit)
 
     def iterated(self, step: Step) -> None:
         """Keep the iterations of an attempted step of an implicit run."""
@@ -127,7 +132,9 @@ class Run:
         self.counts.iterations += step.iterations
         if self.work_limit is not None:
             self.work_limit.check()
-        self.journal.tell("warning", self.schedule.cut(step))
+        self.journal.tell("warning" if step.error is None else "info", self.schedule.cut(step))
+        if self.schedule.control is not None:
+            self.keep()  # the next step from here is shorter than the one that was kept with this state
         if self.nested is not None:
             self.nested.model.estimates = ()
 

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
 SETTLED_MISMATCH = 2e-4  # of support reactions, over the last period
 SETTLED_KINETIC = 1e-3  # kinetic over internal energy
 SAMPLES = 40  # samples per period while waiting to settle
+SAME_TIME = 1e-12  # relative: round-off of sums of steps that meet a time
 ROUND_OFF = 1.0 + 1e-6  # of the stable step: what a step may be longer that was meant to be as long
+SHORTEST_CONTROLLED = 1e-6  # of the stable step: an error that such steps do not cure is no matter of their length
 SHORTEST = 1e-3  # of the first step: a stable step below it means that cells are collapsing
 MANY = 1000  # frames that were asked for within one step
 
@@ -36,11 +38,14 @@ class Schedule:
     def __init__(self, model: Model, scene: Scene) -> None:
         self.model, self.scene, self.timing, self.state = model, scene, model.timing, model.state
         self.fraction_of_limit, self.fixed = scene.time.fraction, scene.time.step
+        self.control = model.integrator.control()
         self.swings = swings_of(scene, model.timing)
-        self.dt = self.first = self._first_step()
         self.limit = self.end = self.timing.end if self.timing.end is not None else self.timing.last + self.timing.hold
         self.frame_every = self.timing.last / max(1, scene.record.frames)
         self.next_frame = self.frame_every
+        self.dt = self.first = self.longest = self.aimed = self._first_step()
+        if self.control is not None and model.explicit:
+            self._aim(self.dt)
         self.next_sample = self.timing.last
         self.samples: deque[tuple[float, float]] = deque(maxlen=SAMPLES + 1)
         self.settled = False
@@ -91,7 +96,10 @@ class Schedule:
                 f"{self._smallest()}",
                 "cells are collapsing: try a finer mesh where strain is large",
             )
-        if safe < self.dt:
+        if self.control is not None:
+            self.longest = safe
+            self._aim(self.aimed)
+        elif safe < self.dt:
             self.dt = self._even(safe)
 
     @property
@@ -126,15 +134,50 @@ class Schedule:
     @property
     def every_step(self) -> tuple[Callable[[Step, float], None], ...]:
         """What to call after each accepted step, with the step and its length."""
-        return () if self.model.contact is None or self.model.contact.enforcement.exact else (self._follow,)
+        springs = self.model.contact is not None and not self.model.contact.enforcement.exact
+        controlled = (self._follow_error,) if self.control is not None else ()
+        return (*controlled, self._follow) if springs else controlled
 
     def _follow(self, step: Step, dt: float) -> None:
         """Shorten the step where contact has become stiffer than it was thought to become."""
         if self.model.contact.stiffened:  # type: ignore[union-attr]
             self.adapt()
 
+    def _follow_error(self, step: Step, dt: float) -> None:
+        """Choose the next step from the error of this one, at most the stable step."""
+        self._aim(self._after(step, dt, self.aimed))
+
+    def _after(self, step: Step, length: float, aimed: float) -> float:
+        """Length of the next step by the error of this one, which may have been cut to meet a frame."""
+        ratio = self._ratio(step)
+        return ratio * length if ratio < 1.0 else max(ratio * length, aimed)
+
+    def _ratio(self, step: Step) -> float:
+        assert self.control is not None
+        before = float(self.state["step_error"][1])
+        return self.control.ratio(step.error or 0.0, before if before > 0.0 else 1.0)
+
+    def _aim(self, dt: float) -> None:
+        """Take a step of at most dt that meets frames and the end."""
+        from contactlab.run.controlled_step import next_stop, within
+
+        time, end = self.state.time, np.inf if self.timing.end is None else self.end
+        self.dt = self.aimed = min(dt, self.longest)
+        if time < end * (1.0 - SAME_TIME):
+            self.dt = within(self.aimed, next_stop(self, end) - time)
+
     def cut(self, step: Step) -> str:
-        """React to a failed step. Explicit steps do not fail."""
+        """React to a step that was not accepted: explicit steps are only rejected for their error."""
+        if self.control is not None and step.error is not None and step.error > 1.0:
+            tried = self.dt
+            self._aim(self._ratio(step) * tried)
+            if self.aimed < SHORTEST_CONTROLLED * self.longest:
+                raise SimulationFailure(
+                    "not-converged", f"step {self.state.step}: {step.reason} with a step of {tried:.3g} s, "
+                    f"{tried / self.longest:.1e} of the stable one; try a larger tolerance",
+                )  # fmt: skip
+            start = f"a step of {tried:.6g} from time {self.state.time:.6g}"
+            return f"{start} was rejected: {step.reason}; {self.dt:.6g} is tried"
         raise SimulationFailure("failed", f"step {self.state.step}: {step.reason or step.status.value}")
 
     def stop(self) -> None:
@@ -222,13 +265,16 @@ class Schedule:
         samples = np.full((SAMPLES + 1, 2), np.nan)
         samples[: len(self.samples)] = list(self.samples) or np.zeros((0, 2))
         numbers = (self.dt, self.first, self.next_frame, self.next_sample, self.settled, len(self.samples))
-        return {"schedule": np.array(numbers, np.float64), "schedule.samples": samples}
+        own = {"schedule.control": np.array([self.aimed, self.longest])} if self.control is not None else {}
+        return {"schedule": np.array(numbers, np.float64), "schedule.samples": samples, **own}
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Go back to where `memory` was saved."""
         numbers = memory["schedule"].tolist()
         self.dt, self.first, self.next_frame, self.next_sample = numbers[:4]
         self.settled = bool(numbers[4])
+        if self.control is not None:
+            self.aimed, self.longest = memory["schedule.control"].tolist()
         rows = memory["schedule.samples"][: int(numbers[5])].tolist()
         self.samples = deque(((mismatch, kinetic) for mismatch, kinetic in rows), maxlen=SAMPLES + 1)
 

@@ -1,0 +1,53 @@
+"""Steps whose lengths follow their errors: what is rejected, and where the next one ends."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from contactlab.api import Step, StepStatus
+from contactlab.model.memory import model_memory, restore_model
+from contactlab.model.model import Model
+from contactlab.run.schedule import SAME_TIME
+
+if TYPE_CHECKING:
+    from contactlab.run.schedule import Schedule
+
+NEARLY = 1e-9  # of a step, or of the time between frames: differences below it are round-off
+
+
+def rejected(step: Step) -> Step:
+    """The step, not accepted: its error exceeds the tolerance."""
+    reason = f"its error is {step.error:.3g} times its tolerance"
+    return step._replace(status=StepStatus.not_converged, reason=reason)
+
+
+class ControlledStep:
+    """Advances an explicit model, and brings it back where the error of a step exceeds its tolerance."""
+
+    def __init__(self, advance: Callable[[float], Step], model: Model) -> None:
+        self.advance, self.model = advance, model
+
+    def __call__(self, dt: float) -> Step:
+        """One step of length dt [s], rejected or not."""
+        start = {name: array.copy() for name, array in model_memory(self.model).items()}
+        step = self.advance(dt)
+        if step.error is None or step.error <= 1.0:
+            return step
+        restore_model(self.model, start)
+        return rejected(step)
+
+
+def next_stop(schedule: Schedule, end: float) -> float:
+    """The time [s] of the next frame, or `end` if that is nearer or as good as the same."""
+    frame = schedule.next_frame
+    while frame * (1.0 - SAME_TIME) <= schedule.state.time:  # as frames are found to be due
+        frame += schedule.frame_every
+    return frame if frame < end - NEARLY * schedule.frame_every else end
+
+
+def within(dt: float, rest: float) -> float:
+    """A step of at most dt that meets the end of the time `rest`, without a sliver before."""
+    number = max(1, math.ceil(rest / dt * (1.0 - NEARLY)))
+    return rest / number if number <= 2 else dt
