@@ -22,7 +22,7 @@ LAYERS = (
     ("errors", "outside_files", "arguments"),
     ("api", "views"),
     ("formulas", "kernels", "meshing"),
-    ("parts", "scene"),
+    ("contact", "parts", "scene"),
     ("model",),
     ("results",),
     ("missing_effects",),

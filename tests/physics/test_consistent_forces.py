@@ -11,10 +11,10 @@ from contactlab_segments.node_on_segment import NodeOnSegment
 
 import contactlab
 from contactlab.api import ContactAlgorithm, Floats
+from contactlab.contact.explicit_system import allocate_rows
+from contactlab.contact.gradients import PairGradients
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.model.build import build
-from contactlab.model.contact.explicit_system import allocate_rows
-from contactlab.model.contact.gradients import PairGradients
-from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.testing.surfaces import Chains, chains, curved, flat, pair_of
 
 P0, P1, NODES = MortarP0(), MortarP1(), NodeOnSegment()

@@ -70,7 +70,7 @@ def test_a_block_that_falls_flat_is_stopped_by_closing_alone() -> None:
 
 
 def test_conditions_that_come_finished_have_closing_and_the_step_alone() -> None:
-    from contactlab.model.contact.work_split import OperatorSplit, PairSplit
+    from contactlab.contact.work_split import OperatorSplit, PairSplit
 
     model, _ = stepped("disc-on-block", "frozen", "mortar-p0", FAST, 250)
     split = split_of(model)

@@ -9,7 +9,7 @@ import pytest
 from contactlab_mortar.mortar import MortarP0, MortarP1
 
 from contactlab.api import ContactAlgorithm, Floats
-from contactlab.model.contact.operator_pair import OperatorPair
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.testing.surfaces import Chains, chains, pair_of, stations
 
 P0, P1 = MortarP0(), MortarP1()

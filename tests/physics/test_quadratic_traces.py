@@ -9,8 +9,8 @@ import pytest
 from contactlab_mortar.mortar import MortarP0, MortarP1
 
 from contactlab.api import ContactAlgorithm
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.model.build import build
-from contactlab.model.contact.operator_pair import OperatorPair
 from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene

@@ -154,7 +154,7 @@ def _history(model: Model, at_once: int) -> str:
 
 def _contact_forces(model: Model) -> str:
     """Along what contact forces act in explicit runs."""
-    from contactlab.model.contact.explicit_system import ContactSystem
+    from contactlab.contact.explicit_system import ContactSystem
 
     contact = model.contact
     if not isinstance(contact, ContactSystem):

@@ -50,7 +50,7 @@ class WrongSide:
 
     def update(self) -> None:
         """Take in segment lengths and normals at the slave nodes that are pressed now."""
-        from contactlab.model.contact.near_list import segment_lengths  # of contacts alone
+        from contactlab.contact.near_list import segment_lengths  # of contacts alone
 
         pair, position = self.pair, self.model.position
         forces = self.model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]

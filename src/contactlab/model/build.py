@@ -168,7 +168,7 @@ def _contact(plans: tuple[Any, ...], *arguments: Any) -> Any:
 
 def _split_work(scene: Scene, integrator: Integrator, contact: Any, state: State, reference: Floats) -> None:
     if scene.record.contact_work and contact is not None:
-        from contactlab.model.contact.work_split import split_work
+        from contactlab.contact.work_split import split_work
 
         split_work(contact, integrator, state, reference, scene.where("record.contact_work"))
 

@@ -10,24 +10,15 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from contactlab.api import Floats, GapConditions, Pieces, Solve
+from contactlab.api import Floats, Solve
+from contactlab.contact.examination import examine_contact, finite, refuse
 from contactlab.errors import SimulationFailure, WrongAnswer
 from contactlab.kernels.checks import smallest_jacobian
 from contactlab.model.bodies.body import Block, BodyForces
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.explicit_system import ContactSystem
-    from contactlab.model.contact.pair import ContactPair
+    from contactlab.contact.explicit_system import ContactSystem
     from contactlab.model.model import Model
-
-
-def finite(*arrays: Floats) -> bool:
-    """Whether all numbers are; sums of them tell, without an array of answers."""
-    return all(bool(np.isfinite(array.sum())) or bool(np.isfinite(array).all()) for array in arrays)
-
-
-def _refuse(part: Any, method: str, what: str, place: str = "") -> None:
-    raise WrongAnswer(f"{type(part).__name__}: {method} gave {what} that is not finite{place}, from finite numbers")
 
 
 # --- bodies -----------------------------------------------------------------------------------------
@@ -46,7 +37,7 @@ def examine_bodies(model: Model) -> None:
     force = model.state["internal_force"]
     if not folded and not finite(force):
         body = next(f.body for f in model.forces if not finite(force[f.body.first : f.body.first + f.body.count]))
-        _refuse(body.element, "its forces", "a nodal force", f" in body {body.name}")
+        refuse(body.element, "its forces", "a nodal force", f" in body {body.name}")
 
 
 def _examine_block(forces: BodyForces, block: Block, begin: int) -> bool:
@@ -64,7 +55,7 @@ def _examine_block(forces: BodyForces, block: Block, begin: int) -> bool:
             continue
         for cell in np.flatnonzero(whole & ~np.isfinite(values).all(axis=0)) % block.connectivity.shape[1]:
             if not _turned_over(forces, block, int(cell)):
-                _refuse(part, method, what, f" in cell {begin + cell} of body {body.name}")
+                refuse(part, method, what, f" in cell {begin + cell} of body {body.name}")
             whole[cell :: block.connectivity.shape[1]] = False
     return not bool(whole.all())
 
@@ -85,49 +76,6 @@ def examine_effects(model: Model, time: float) -> None:
         effect(time, own)
         if not finite(own):
             raise WrongAnswer(f"effects.{number} gave a force that is not finite, from finite numbers")
-
-
-# --- contact ----------------------------------------------------------------------------------------
-
-
-def examine_contact(contact: Any) -> None:
-    """The algorithm of every pair at its last update, then the enforcement; None where there is no contact."""
-    for pair in contact.pairs if contact is not None else ():
-        examine_pair(pair)
-
-
-def examine_pair(pair: ContactPair) -> None:
-    """Raise WrongAnswer where what a contact algorithm gave last is no number."""
-    pieces, found = getattr(pair, "pieces", None), getattr(pair, "found", None)
-    if pieces is not None:
-        _examine_pieces(pair, pieces, getattr(pair, "count", 0))
-    elif found is not None:
-        _examine_conditions(pair, found)
-
-
-def _examine_pieces(pair: ContactPair, pieces: Pieces, count: int) -> None:
-    covered = pieces.T[:count].sum()
-    others = pieces.D[:count].sum() + pieces.M[:count].sum() + pieces.normal.sum()
-    if (covered > 0.0 or not count) and np.isfinite(covered + others):
-        return
-    if not finite(*pair.at):
-        return
-    for name in ("D", "M", "T"):
-        if not finite(getattr(pieces, name)[:count]):
-            _refuse(pair.method, "pieces", f"an entry of {name}", f" in {pair.name}")
-    if not finite(pieces.normal[pieces.multiplier[:count].ravel()]):
-        _refuse(pair.method, "pieces", "a normal", f" in {pair.name}")
-    if count and not covered > 0.0:
-        raise WrongAnswer(
-            f"{type(pair.method).__name__}: pieces gave {count} pieces in {pair.name} whose T sums up to "
-            f"{covered:g}, needed: integrals over the covered length"
-        )
-
-
-def _examine_conditions(pair: ContactPair, found: GapConditions) -> None:
-    for name in ("gap", "normal_weight", "tangent_weight", "measure"):
-        if not finite(getattr(found, name)) and finite(*pair.at):
-            _refuse(pair.method, "conditions", f"an entry of {name}", f" in {pair.name}")
 
 
 # --- a step with all checks on ----------------------------------------------------------------------
@@ -163,7 +111,7 @@ class Examined:
         """Raise WrongAnswer where the integrator made something else of finite forces."""
         for name in ("displacement", "velocity"):
             if name in self._model.state and not finite(self._model.state[name]):
-                _refuse(self._model.integrator, "its step", f"a {name}")
+                refuse(self._model.integrator, "its step", f"a {name}")
 
 
 class _ExaminedContact:
@@ -176,9 +124,9 @@ class _ExaminedContact:
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         """Examine what the algorithms give, then solve as the enforcement does."""
         if not finite(predicted):
-            _refuse(self._model.integrator, "its step", "a predicted position")
+            refuse(self._model.integrator, "its step", "a predicted position")
         done = self._contact.solve(predicted, current, compliance, force)
         examine_contact(self._contact)
         if not finite(force, self._contact.multipliers):
-            _refuse(self._contact.enforcement, "solve", "a force")
+            refuse(self._contact.enforcement, "solve", "a force")
         return done

@@ -12,7 +12,7 @@ from contactlab.model.bound_integrator import BoundIntegrator
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.explicit_system import ContactSystem
+    from contactlab.contact.explicit_system import ContactSystem
     from contactlab.model.loading.effect_rates import EffectRates
 
 LEAPFROG = 0.5  # velocity lag of schemes that move by dt times their velocity

@@ -18,7 +18,7 @@ from contactlab.model.examination import examine_bodies, examine_effects
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.implicit_system import ImplicitContactSystem
+    from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.model.loading.load_stiffness import LoadStiffness
 
 SAME = 1e-9  # of the ramp: times that differ by less are one

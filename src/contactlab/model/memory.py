@@ -18,7 +18,7 @@ from contactlab.model.explicit_model import ExplicitModel
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.pair import ContactPair
+    from contactlab.contact.pair import ContactPair
 
 
 def model_memory(model: Model) -> dict[str, Floats]:

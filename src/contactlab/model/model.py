@@ -22,8 +22,8 @@ from contactlab.model.momentum import start_of
 from contactlab.model.timing import Timing
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.explicit_system import ContactSystem
-    from contactlab.model.contact.implicit_system import ImplicitContactSystem
+    from contactlab.contact.explicit_system import ContactSystem
+    from contactlab.contact.implicit_system import ImplicitContactSystem
 
 
 @dataclass

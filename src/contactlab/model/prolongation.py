@@ -11,8 +11,8 @@ from contactlab.meshing.locate import located
 
 if TYPE_CHECKING:
     from contactlab.api import Surface
+    from contactlab.contact.pair import ContactPair
     from contactlab.model.bodies.body import Body
-    from contactlab.model.contact.pair import ContactPair
     from contactlab.model.implicit_model import ImplicitModel
 
 NEAR = 4  # coarse segments that are compared for each fine one

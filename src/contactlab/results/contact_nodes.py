@@ -6,9 +6,9 @@ import numpy as np
 
 from contactlab.api import Floats, Ints
 from contactlab.api.contact_steps import NO_SEGMENT
+from contactlab.contact.gap_pair import GapPair
+from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.kernels.contact.factored_rows import FAR
-from contactlab.model.contact.gap_pair import GapPair
-from contactlab.model.contact.pair import ContactPair, ContactSnapshot
 
 
 def node_values(pair: ContactPair, seen: ContactSnapshot) -> dict[str, np.ndarray]:

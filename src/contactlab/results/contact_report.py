@@ -8,9 +8,9 @@ import numpy as np
 
 from contactlab.api import Floats, State
 from contactlab.api.arrays import Flags
+from contactlab.contact.pair import ContactPair, ContactSnapshot
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
-from contactlab.model.contact.pair import ContactPair, ContactSnapshot
 from contactlab.results.arc_length import arc_length
 from contactlab.results.contact_nodes import between, by_slot, friction_bound, node_values, per_node, states_of
 from contactlab.results.results import ContactCurve

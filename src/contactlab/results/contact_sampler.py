@@ -11,10 +11,10 @@ import numpy as np
 from contactlab.api import Floats, Layout, Step
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.contact_steps import contact_record
+from contactlab.contact.operator_pair import OperatorPair
+from contactlab.contact.pair import ContactPair
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.record import RecordColumns, RecordScratch, RecordTable, record_pair
-from contactlab.model.contact.operator_pair import OperatorPair
-from contactlab.model.contact.pair import ContactPair
 from contactlab.model.model import Model
 from contactlab.results.contact_nodes import facing_segments, node_values
 from contactlab.results.slips import slips_of

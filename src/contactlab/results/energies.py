@@ -10,7 +10,7 @@ from contactlab.api.state import CONTACT_WORK
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.work_split import WorkSplit
+    from contactlab.contact.work_split import WorkSplit
 
 ALONG_THE_WAY = ("internal", "external", "damping", "contact", "friction", "numerical", "slip", "error")
 

@@ -10,7 +10,7 @@ from contactlab.api import Floats, Surface
 from contactlab.api.arrays import Flags
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.pair import ContactPair
+    from contactlab.contact.pair import ContactPair
 
 CORNER = 0.6
 """Angle [rad] between segments above which a node is a corner, and no part of a curve."""

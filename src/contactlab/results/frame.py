@@ -16,7 +16,7 @@ from contactlab.results.sample import Sample
 from contactlab.results.step_columns import step_columns
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.pair import ContactPair
+    from contactlab.contact.pair import ContactPair
     from contactlab.scene.keys import Contact
     from contactlab.scene.scene import Scene
 

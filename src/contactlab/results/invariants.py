@@ -19,7 +19,7 @@ from contactlab.results.saw_tooth import largest_turn, pressed_depth, pressure_s
 from contactlab.results.strain_scale import energy_of_strain, force_of_strain
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.pair import ContactPair
+    from contactlab.contact.pair import ContactPair
     from contactlab.model.model import Model
     from contactlab.results.contact_report import ContactReport
     from contactlab.results.sample import Sample

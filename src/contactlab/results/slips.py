@@ -10,7 +10,7 @@ from contactlab.api import Floats
 from contactlab.model.model import Model
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.explicit_system import ContactSystem
+    from contactlab.contact.explicit_system import ContactSystem
 
 
 def slips_of(model: Model) -> Floats:

@@ -15,9 +15,9 @@ from contactlab.model.model import Model
 from contactlab.results.energies import split_of
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.explicit_system import ContactSystem
-    from contactlab.model.contact.implicit_system import ImplicitContactSystem
-    from contactlab.model.contact.work_split import WorkSplit
+    from contactlab.contact.explicit_system import ContactSystem
+    from contactlab.contact.implicit_system import ImplicitContactSystem
+    from contactlab.contact.work_split import WorkSplit
 
 SAVED = "recorded.states"
 BLOCK = 256  # steps between hand-overs; long enough that a hand-over costs nothing per step

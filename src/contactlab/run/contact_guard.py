@@ -13,7 +13,7 @@ from contactlab.model.model import Model
 from contactlab.run.stopping import node_name, stop
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.pair import ContactPair
+    from contactlab.contact.pair import ContactPair
     from contactlab.model.implicit_model import ImplicitModel
 
 LOOSE = 1e-6  # natural residual of a contact solve that counts as not converged
@@ -99,7 +99,7 @@ class ContactGuard:
         """Raise WrongAnswer for a contact algorithm whose answer is no number: its contact would vanish."""
         if not self.pairs:
             return
-        from contactlab.model.examination import examine_pair
+        from contactlab.contact.examination import examine_pair
 
         for pair in self.pairs:
             examine_pair(pair)
@@ -116,7 +116,7 @@ class ContactGuard:
 
     def _check_passage(self) -> None:
         """Stop where nodes have come through the other side, farther than their depth is looked for."""
-        from contactlab.model.contact.passage import first_passage
+        from contactlab.contact.passage import first_passage
 
         position = self.model.position
         moved = 2.0 * np.sqrt(2.0) * float(np.abs(position - self.before).max())  # of two nodes, along both axes

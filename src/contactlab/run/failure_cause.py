@@ -12,8 +12,8 @@ from contactlab.api import Conditions, Floats, Iteration, Surface
 from contactlab.model.loading.held_bodies import free_motions, loose_motions
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.implicit_system import ImplicitContactSystem
-    from contactlab.model.contact.pair import ContactPair
+    from contactlab.contact.implicit_system import ImplicitContactSystem
+    from contactlab.contact.pair import ContactPair
     from contactlab.model.implicit_model import ImplicitModel
     from contactlab.model.model import Model
     from contactlab.scene.scene import Scene

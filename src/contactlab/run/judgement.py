@@ -14,7 +14,7 @@ from contactlab.results.invariants import ROUND, invariants
 from contactlab.run.breaches import breach
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.pair import ContactPair
+    from contactlab.contact.pair import ContactPair
     from contactlab.model.model import Model
     from contactlab.results.sample import Sample
 

@@ -18,7 +18,7 @@ from contactlab.run.schedule import SHORTEST_CONTROLLED, Schedule
 from contactlab.run.swings import Swing, frame_warnings, step_warnings
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.implicit_system import ImplicitContactSystem
+    from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.model.implicit_model import ImplicitModel
 
 CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily

@@ -11,7 +11,7 @@ from contactlab.model.model import Model
 from contactlab.results.slips import slips_of
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.pair import ContactPair
+    from contactlab.contact.pair import ContactPair
 
 
 class ModelView:

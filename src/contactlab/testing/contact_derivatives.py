@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import ContactMethod, Floats, ImplicitContact, Ints
-from contactlab.model.contact.contact_pairs import contact_pair, linearised
+from contactlab.contact.contact_pairs import contact_pair, linearised
 from contactlab.testing.assertions import Check, NotApplicable, agree, require
 from contactlab.testing.surfaces import Chains, Rough, curved, flat
 

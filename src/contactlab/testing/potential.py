@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats, FrictionBound, Potential, PotentialView
-from contactlab.model.contact.potential_pair import differences
+from contactlab.contact.potential_pair import differences
 from contactlab.testing.assertions import Check, NotApplicable, agree, require, untouched
 from contactlab.testing.surfaces import flat, pair_of, rotation
 

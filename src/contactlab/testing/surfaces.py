@@ -17,11 +17,11 @@ from contactlab.api import (
     Rows,
     Surface,
 )
+from contactlab.contact.contact_pairs import contact_pair
+from contactlab.contact.explicit_system import allocate_rows
+from contactlab.contact.pair import ContactPair
 from contactlab.errors import WrongAnswer
 from contactlab.meshing.mesh import surface_from_edges
-from contactlab.model.contact.contact_pairs import contact_pair
-from contactlab.model.contact.explicit_system import allocate_rows
-from contactlab.model.contact.pair import ContactPair
 
 LOW, HIGH = 0.5, 2.5  # of the shorter surface; the other one spans 0 ... 3
 

@@ -20,7 +20,7 @@ from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.implicit_system import ImplicitContactSystem
+    from contactlab.contact.implicit_system import ImplicitContactSystem
 
 FAILED = StepStatus.not_converged
 

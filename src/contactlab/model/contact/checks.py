@@ -10,11 +10,11 @@ import numpy as np
 from contactlab.api import Floats, Ints, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.near_list import longest_segment
 from contactlab.errors import SceneError, below
 from contactlab.meshing.inside import depths_inside
 from contactlab.meshing.mesh import outer_edges
 from contactlab.model.bodies.body import Body
-from contactlab.model.contact.near_list import longest_segment
 
 if TYPE_CHECKING:
     from contactlab.errors import Where

@@ -9,14 +9,14 @@ import numpy as np
 
 from contactlab.api import Floats
 from contactlab.api.arrays import Flags
+from contactlab.contact.pair import ContactPair, initial_gaps
+from contactlab.contact.start_gaps import FacetOverlap, RampedOverlap
 from contactlab.errors import SceneError, below
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.penetration import depths, with_midpoints
 from contactlab.meshing.mesh import inverted_cells
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import check_overlap, overlap_error
-from contactlab.model.contact.pair import ContactPair
-from contactlab.model.contact.start_gaps import FacetOverlap, RampedOverlap
 from contactlab.model.loading.ramps import smooth
 
 if TYPE_CHECKING:
@@ -80,12 +80,6 @@ def _adjust(plan: Any, positions: Floats) -> None:
         allowed="surfaces that can be fitted",
         hint='mend the mesh, or write start = { overlap = "ramp" }',
     )
-
-
-def initial_gaps(pair: ContactPair, positions: Floats) -> Floats:
-    """Gaps (k,) [mm] as the algorithm measures them at `positions`; `FAR` where it sets no condition."""
-    pair.update(positions, np.zeros((pair.method.memory_size, len(pair.slave.nodes))))
-    return np.asarray(pair.gaps[:, 0].copy())
 
 
 def moved_body(body: Body, positions: Floats, where: Where) -> Body:

@@ -23,15 +23,15 @@ from contactlab.api import (
     Surface,
 )
 from contactlab.api.arrays import Flags
+from contactlab.contact.contact_pairs import contact_pair
+from contactlab.contact.explicit_system import ContactSystem
+from contactlab.contact.pair import ContactPair, initial_gaps
+from contactlab.contact.start_gaps import ZeroStart
 from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
 from contactlab.model.bodies.body import Body, positions_of
 from contactlab.model.contact.checks import JoinedStretches, check_facing, refuse_held_slave
-from contactlab.model.contact.contact_pairs import contact_pair
-from contactlab.model.contact.explicit_system import ContactSystem
-from contactlab.model.contact.initial_gap import facet_overlap, initial_gaps, ramped_overlap, refuse_overlap
-from contactlab.model.contact.pair import ContactPair
-from contactlab.model.contact.start_gaps import ZeroStart
+from contactlab.model.contact.initial_gap import facet_overlap, ramped_overlap, refuse_overlap
 from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
@@ -237,7 +237,7 @@ def build_contact(
         return _pressure_system(plans, tuple(pairs), enforcement, bodies, reference, mass, state, time)
     if explicit:
         return _explicit_system(tuple(pairs), enforcement, state)
-    from contactlab.model.contact.implicit_system import ImplicitContactSystem
+    from contactlab.contact.implicit_system import ImplicitContactSystem
 
     linearised: Any = tuple(pairs)  # the build refuses algorithms and enforcements that do not iterate with others
     consistent = follows_gaps(enforcement, motion="velocity" in state)
@@ -255,8 +255,8 @@ def _pressure_system(
     time: Floats,
 ) -> Any:
     """The contact system of a normal law."""
+    from contactlab.contact.pressure_store import PressureStore
     from contactlab.model.contact.cells_behind import in_series, length_over_mass, stiffness_behind
-    from contactlab.model.contact.pressure_store import PressureStore
 
     stiffness = []
     for pair in pairs:
@@ -268,8 +268,8 @@ def _pressure_system(
 
         densities = [sum(length_over_mass(side, reference, mass) for side in (p.slave, p.master)) for p in pairs]
         return PressureContactSystem(pairs, store, state, densities)
-    from contactlab.model.contact.implicit_system import ImplicitContactSystem
-    from contactlab.model.contact.pressure_response import PressureResponse
+    from contactlab.contact.implicit_system import ImplicitContactSystem
+    from contactlab.contact.pressure_response import PressureResponse
 
     linearised: Any = pairs
     system = ImplicitContactSystem(linearised, PressureResponse(store), state, time, follows_gaps=False)
@@ -280,7 +280,7 @@ def _pressure_system(
 def _explicit_system(pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> ContactSystem:
     if not follows_gaps(enforcement, motion=True):
         return ContactSystem(pairs, enforcement, state)
-    from contactlab.model.contact.consistent_system import ConsistentContactSystem
+    from contactlab.contact.consistent_system import ConsistentContactSystem
 
     return ConsistentContactSystem(pairs, enforcement, state)
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from contactlab.api import ExplicitIntegrator, Floats, Integrator, Potential
+from contactlab.contact.closest import closest_points, first_crossing
 from contactlab.errors import PartError, SceneError, below
 from contactlab.kernels.contact.search import near_segments
 from contactlab.model.bodies.body import Body, positions_of
-from contactlab.model.contact.closest import closest_points, first_crossing
 from contactlab.model.contact.initial_gap import moved_body
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ def _open(plan: ContactPlan, positions: Floats, modulus: Floats) -> float:
 
 def begin_open(plan: ContactPlan, pair: Any, positions: Floats) -> None:
     """Raise SceneError where surfaces intersect that must not, and say by how much they were opened."""
-    from contactlab.model.contact.potential_pair import Opened
+    from contactlab.contact.potential_pair import Opened
 
     if pair.potential.clearance(pair.view) > 0.0:
         place = first_crossing(positions, plan.slave, plan.master)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from contactlab.api import Floats
+from contactlab.contact.explicit_system import ContactSystem
 from contactlab.model.build import build
-from contactlab.model.contact.explicit_system import ContactSystem
 from contactlab.run.guards import EVERY, Guards
 from contactlab.run.schedule import Schedule
 from contactlab.scene.scene import Scene

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Floats, Ints, Surface
+from contactlab.contact.coupling import Coupling
 from contactlab.kernels.contact import coupling
 from contactlab.kernels.contact.banded_rows import fill_columns
 from contactlab.kernels.contact.tables import BandedRows
 from contactlab.meshing.mesh import surface_from_edges
-from contactlab.model.contact.coupling import Coupling
 
 H = 1e-6  # of central differences over surfaces of size one: their error and round-off over H are below 1e-9
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from surfaces import chain, contributions, coupled, dense_coupling
 
+from contactlab.contact.coupling import TIE, Coupling
 from contactlab.kernels.contact.coupling import couple, unmerged
-from contactlab.model.contact.coupling import TIE, Coupling
 
 ROUND_OFF = 1e-13  # of numbers near one, through a T whose condition is below ten
 

@@ -10,9 +10,9 @@ from contactlab_mortar.mortar import MortarP0, MortarP1
 from surfaces import central_differences
 
 from contactlab.api import Floats
+from contactlab.contact.explicit_system import allocate_rows
+from contactlab.contact.gradients import PairGradients
 from contactlab.kernels.contact import gap_gradients as kernels
-from contactlab.model.contact.explicit_system import allocate_rows
-from contactlab.model.contact.gradients import PairGradients
 from contactlab.testing.surfaces import curved, pair_of
 
 

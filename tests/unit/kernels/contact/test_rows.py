@@ -10,8 +10,8 @@ from contactlab_mortar.mortar import MortarP1
 from surfaces import dense_rows
 
 from contactlab.api import Floats
+from contactlab.contact.explicit_system import allocate_rows
 from contactlab.kernels.contact import rows as kernels
-from contactlab.model.contact.explicit_system import allocate_rows
 from contactlab.testing.surfaces import curved, dense, pair_of
 
 ROUND_OFF = 1e-13  # of numbers near one

@@ -9,11 +9,11 @@ from scipy.sparse import coo_array
 
 from contactlab.api import Floats, FrictionLaw, Potential, PotentialView, Surface
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
+from contactlab.contact.closest import ClosestPoints
+from contactlab.contact.gap_pair import GapPair
+from contactlab.contact.start_gaps import StartGaps
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.factored_rows import FAR
-from contactlab.model.contact.closest import ClosestPoints
-from contactlab.model.contact.gap_pair import GapPair
-from contactlab.model.contact.start_gaps import StartGaps
 
 STEP = 1e-6  # of a segment: differences of gradients
 LAGGED = 1e-4  # of the largest force: friction forces that change less by newer normal forces are those of the end

@@ -11,8 +11,8 @@ import pytest
 
 from contactlab.api import ContactView, GapAlgorithm, GapConditions
 from contactlab.api.plugin import Part, hookimpl
+from contactlab.contact.gap_pair import GapPair, refuse_wrong
 from contactlab.model.build import build
-from contactlab.model.contact.gap_pair import GapPair, refuse_wrong
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.testing import contact as checks

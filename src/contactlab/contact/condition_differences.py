@@ -15,7 +15,7 @@ from scipy.sparse import coo_array, csr_array, eye_array
 from contactlab.api import ConditionDerivatives, Floats, GapConditions, Ints
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
-from contactlab.model.contact.gap_pair import GapPair
+from contactlab.contact.gap_pair import GapPair
 
 STEP = 1e-5  # of the shortest segment at a node; central differences of smooth weights then err by about 1e-10
 ROUND_OFF = 1e-10  # of a weight over a segment length: what differences make of a derivative of zero

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import contactlab
+from contactlab.contact.implicit_system import ImplicitContactSystem
 from contactlab.model.build import build
-from contactlab.model.contact.implicit_system import ImplicitContactSystem
 
 
 @pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p0"])

@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 
 from contactlab.api import ConditionDerivatives, ContactView, GapConditions
+from contactlab.contact.condition_differences import ConditionDifferences
 from contactlab.errors import ContactlabError
 from contactlab.model.build import build
-from contactlab.model.contact.condition_differences import ConditionDifferences
 from contactlab.model.implicit_model import ImplicitModel
 from contactlab.parts.loading import Origin, load
 from contactlab.parts.registry import Registry

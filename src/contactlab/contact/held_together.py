@@ -10,7 +10,7 @@ import numpy as np
 
 from contactlab.api import Floats
 from contactlab.api.arrays import Flags
-from contactlab.model.contact.pair import ContactPair
+from contactlab.contact.pair import ContactPair
 
 HELD = 0.1  # flexibility along the surface over that of the node: chains end with the normal of half a facet's turn
 SAME = 1e-3  # segment lengths along the surface: meshes of both sides begin at one cut, but for round-off and strains

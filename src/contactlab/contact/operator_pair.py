@@ -9,15 +9,15 @@ import numpy as np
 from contactlab.api import ContactAlgorithm, FactoredRows, Floats, FrictionLaw, Ints, Pieces, Rows, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.coupling import Coupling
+from contactlab.contact.near_list import SKIN, Near
+from contactlab.contact.operator_arrays import OperatorArrays
+from contactlab.contact.pair import ContactPair
 from contactlab.errors import SceneError, WrongAnswer
 from contactlab.kernels.contact import pair as kernels
 from contactlab.kernels.contact import rows
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.tables import WeightsTable
-from contactlab.model.contact.coupling import Coupling
-from contactlab.model.contact.near_list import SKIN, Near
-from contactlab.model.contact.operator_arrays import OperatorArrays
-from contactlab.model.contact.pair import ContactPair
 
 
 class OperatorPair(ContactPair):

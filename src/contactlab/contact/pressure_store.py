@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats, NormalLaw
-from contactlab.model.contact.initial_gap import initial_gaps
-from contactlab.model.contact.pair import ContactPair
+from contactlab.contact.pair import ContactPair, initial_gaps
 
 
 class PressureStore:

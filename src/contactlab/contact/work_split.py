@@ -11,13 +11,13 @@ from contactlab.api import ExplicitIntegrator, FactoredRows, Floats, Integrator,
 from contactlab.api.arrays import Flags
 from contactlab.api.state import CONTACT_WORK
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.contact_pairs import twin
+from contactlab.contact.explicit_system import ContactSystem
+from contactlab.contact.gradients import PairGradients
+from contactlab.contact.operator_pair import OperatorPair
+from contactlab.contact.pair import ContactPair
 from contactlab.errors import SceneError
 from contactlab.kernels.contact.factored_rows import FAR
-from contactlab.model.contact.contact_pairs import twin
-from contactlab.model.contact.explicit_system import ContactSystem
-from contactlab.model.contact.gradients import PairGradients
-from contactlab.model.contact.operator_pair import OperatorPair
-from contactlab.model.contact.pair import ContactPair
 
 if TYPE_CHECKING:
     from contactlab.errors import Where

@@ -8,8 +8,8 @@ from contactlab.api import ContactView, Floats, Ints, Pieces, Surface
 from contactlab.api.arrays import Flags
 from contactlab.api.derivatives import PieceDerivatives
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.kernels.contact import derivatives as kernels
-from contactlab.model.contact.operator_pair import OperatorPair
 
 STEP = 1e-5  # segment lengths; central differences of smooth pieces then err by about 1e-10
 OWN_ENTRIES = 16  # room for derivatives that an algorithm gives, for each node and multiplier of a piece

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import Conditions, Floats, ImplicitEnforcement, Response
-from contactlab.model.contact.pressure_store import PressureStore
+from contactlab.contact.pressure_store import PressureStore
 
 OPEN, STICK, SLIP = 0, 1, 2
 

@@ -8,14 +8,14 @@ import numpy as np
 
 from contactlab.api import ContactAlgorithm, ContactMethod, Floats, FrictionLaw, GapAlgorithm, Potential, Rows, Surface
 from contactlab.api.arrays import Flags
-from contactlab.model.contact.gap_pair import GapPair
-from contactlab.model.contact.operator_pair import OperatorPair
-from contactlab.model.contact.pair import ContactPair
+from contactlab.contact.gap_pair import GapPair
+from contactlab.contact.operator_pair import OperatorPair
+from contactlab.contact.pair import ContactPair
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.gap_linearisation import GapLinearisation
-    from contactlab.model.contact.gradients import PairGradients
-    from contactlab.model.contact.linearisation import PairLinearisation
+    from contactlab.contact.gap_linearisation import GapLinearisation
+    from contactlab.contact.gradients import PairGradients
+    from contactlab.contact.linearisation import PairLinearisation
 
 
 def contact_pair(
@@ -33,7 +33,7 @@ def contact_pair(
     `modulus` (N,) [MPa] of the material behind each node is what potentials see.
     """
     if isinstance(algorithm, Potential):
-        from contactlab.model.contact.potential_pair import PotentialPair
+        from contactlab.contact.potential_pair import PotentialPair
 
         behind = np.ones(len(reference)) if modulus is None else modulus
         return PotentialPair(name, algorithm, sides, reference, first_slot, friction, behind)
@@ -52,10 +52,10 @@ def twin(pair: ContactPair, reference: Floats) -> ContactPair:
 def linearised(pair: ContactPair, nodes: int) -> PairLinearisation | GapLinearisation:
     """Gaps and slips of a pair at trial positions and their derivatives, in a model of so many nodes."""
     if isinstance(pair, GapPair):
-        from contactlab.model.contact.gap_linearisation import GapLinearisation
+        from contactlab.contact.gap_linearisation import GapLinearisation
 
         return GapLinearisation(pair, nodes)
-    from contactlab.model.contact.linearisation import PairLinearisation
+    from contactlab.contact.linearisation import PairLinearisation
 
     assert isinstance(pair, OperatorPair)
     return PairLinearisation(pair, nodes)
@@ -78,6 +78,6 @@ def consistent_rows(pair: ContactPair) -> PairGradients | FinishedRows:
     """Rows of a pair with consistent forces, as an object that appends them."""
     if not isinstance(pair, OperatorPair):
         return FinishedRows(pair)
-    from contactlab.model.contact.gradients import PairGradients
+    from contactlab.contact.gradients import PairGradients
 
     return PairGradients(pair)

@@ -14,10 +14,10 @@ import numpy as np
 from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import ConditionDerivatives, Floats, GapConditions, Ints
+from contactlab.contact.condition_differences import ConditionDifferences
+from contactlab.contact.gap_pair import GapPair
+from contactlab.contact.linearisation import PairDerivatives, turned
 from contactlab.errors import WrongAnswer
-from contactlab.model.contact.condition_differences import ConditionDifferences
-from contactlab.model.contact.gap_pair import GapPair
-from contactlab.model.contact.linearisation import PairDerivatives, turned
 
 
 class GapLinearisation:

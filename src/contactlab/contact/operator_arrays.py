@@ -8,6 +8,8 @@ from contactlab.api import Candidates, Floats, Pieces, Surface
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.compiled.contact_tables import PiecesTable
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.coupling import Coupling
+from contactlab.contact.near_list import Near
 from contactlab.kernels.contact import banded_rows
 from contactlab.kernels.contact.tables import (
     BandedRows,
@@ -17,8 +19,6 @@ from contactlab.kernels.contact.tables import (
     PlacesTable,
     WeightsTable,
 )
-from contactlab.model.contact.coupling import Coupling
-from contactlab.model.contact.near_list import Near
 
 
 class OperatorArrays:

@@ -9,11 +9,11 @@ from scipy.sparse import csr_array
 
 from contactlab.api import Floats, Ints
 from contactlab.api.arrays import Flags
+from contactlab.contact.gap_linearisation import GapLinearisation
+from contactlab.contact.linearisation import PairDerivatives, PairLinearisation
+from contactlab.contact.moment_free_rows import MomentFreeRows, neighbours
+from contactlab.contact.start_gaps import FacetOverlap
 from contactlab.kernels.contact.factored_rows import FAR
-from contactlab.model.contact.gap_linearisation import GapLinearisation
-from contactlab.model.contact.linearisation import PairDerivatives, PairLinearisation
-from contactlab.model.contact.moment_free_rows import MomentFreeRows, neighbours
-from contactlab.model.contact.start_gaps import FacetOverlap
 
 
 class StepRows:

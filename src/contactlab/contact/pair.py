@@ -23,10 +23,10 @@ from contactlab.api import (
     Surface,
 )
 from contactlab.api.surface import SurfacePositions
+from contactlab.contact.near_list import REACH, Near, longest_segment
+from contactlab.contact.start_gaps import StartGaps
 from contactlab.kernels.contact import edges, rows
 from contactlab.kernels.contact.factored_rows import FAR
-from contactlab.model.contact.near_list import REACH, Near, longest_segment
-from contactlab.model.contact.start_gaps import StartGaps
 
 
 @dataclass(frozen=True)
@@ -271,3 +271,9 @@ class ContactPair(ABC):
             forces=forces,
             tractions=np.stack([self.tractions(force) for force in forces]),
         )
+
+
+def initial_gaps(pair: ContactPair, positions: Floats) -> Floats:
+    """Gaps (k,) [mm] as the algorithm measures them at `positions`; `FAR` where it sets no condition."""
+    pair.update(positions, np.zeros((pair.method.memory_size, len(pair.slave.nodes))))
+    return np.asarray(pair.gaps[:, 0].copy())

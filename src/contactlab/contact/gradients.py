@@ -5,10 +5,10 @@ from __future__ import annotations
 from contactlab.api import Floats, GapGradients, Rows
 from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.compiled.contact_tables import GradientsTable
+from contactlab.contact.differences import DerivativesOfPieces
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.kernels.contact import gap_gradients as kernels
 from contactlab.kernels.contact.factored_rows import FAR
-from contactlab.model.contact.differences import DerivativesOfPieces
-from contactlab.model.contact.operator_pair import OperatorPair
 
 NORMALS = 6  # room for derivatives of normals, for each multiplier
 

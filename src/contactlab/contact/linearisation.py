@@ -17,10 +17,10 @@ from scipy.sparse import coo_array, csr_array
 
 from contactlab.api import Floats, Ints
 from contactlab.api.derivatives import PieceDerivatives
+from contactlab.contact.differences import DerivativesOfPieces
+from contactlab.contact.operator_pair import OperatorPair
 from contactlab.kernels.contact import banded_rows, derivatives, rows
 from contactlab.kernels.contact.tables import BandedRows
-from contactlab.model.contact.differences import DerivativesOfPieces
-from contactlab.model.contact.operator_pair import OperatorPair
 
 CUT = 1e-13  # a weight below it moves a gap by less than round-off: linear problems end after one iteration
 

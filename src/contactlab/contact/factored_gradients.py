@@ -8,10 +8,10 @@ import numpy as np
 
 from contactlab.api import FactoredGradients, Floats, Ints
 from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.contact.operator_pair import OperatorPair
+from contactlab.contact.pair import ContactPair
 from contactlab.kernels.contact import factored_gradients as kernels
 from contactlab.kernels.contact.factored_gradients import EndsTable
-from contactlab.model.contact.operator_pair import OperatorPair
-from contactlab.model.contact.pair import ContactPair
 
 GROW = 1.5
 

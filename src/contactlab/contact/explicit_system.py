@@ -4,19 +4,18 @@ from __future__ import annotations
 
 from collections import Counter
 from time import perf_counter
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
+from contactlab.contact.pair import ContactPair
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.rows import tangential_work
 from contactlab.kernels.contact.warm_start import extrapolate
-from contactlab.model.contact.pair import ContactPair
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.work_split import WorkSplit
-    from contactlab.model.loading.effect_rates import EffectRates
+    from contactlab.contact.work_split import WorkSplit
 
 MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
 GROW = 1.5
@@ -65,7 +64,7 @@ class ContactSystem:
         self.seconds += perf_counter() - began
         return self.last
 
-    def rates(self, others: EffectRates, step: float) -> EffectRates:
+    def rates(self, others: Any, step: float) -> Any:
         """What explicit steps have to follow beside the bodies: the `others` alone, as exact multipliers set no limit.
 
         step  [s] stable without contact

@@ -12,19 +12,19 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, ImplicitEnforcement, Ints, State
-from contactlab.model.contact.contact_pairs import linearised
-from contactlab.model.contact.coupling import Coupling
-from contactlab.model.contact.explicit_system import allocate_rows
-from contactlab.model.contact.held_together import held_together
-from contactlab.model.contact.linearisation import PairDerivatives, PairLinearisation
-from contactlab.model.contact.pair import ContactPair
-from contactlab.model.contact.passage import first_passage
-from contactlab.model.contact.step_rows import StepRows
-from contactlab.model.examination import examine_pair
+from contactlab.contact.contact_pairs import linearised
+from contactlab.contact.coupling import Coupling
+from contactlab.contact.examination import examine_pair
+from contactlab.contact.explicit_system import allocate_rows
+from contactlab.contact.held_together import held_together
+from contactlab.contact.linearisation import PairDerivatives, PairLinearisation
+from contactlab.contact.pair import ContactPair
+from contactlab.contact.passage import first_passage
+from contactlab.contact.step_rows import StepRows
 
 if TYPE_CHECKING:
-    from contactlab.model.contact.potential_pair import PotentialPair
-    from contactlab.model.contact.pressure_store import PressureStore
+    from contactlab.contact.potential_pair import PotentialPair
+    from contactlab.contact.pressure_store import PressureStore
 
 
 class ImplicitContactSystem:

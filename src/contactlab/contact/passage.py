@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.api import Floats, Ints, Surface
+from contactlab.contact.pair import ContactPair
 from contactlab.kernels.contact.passing import find_passages
-from contactlab.model.contact.pair import ContactPair
 
 
 class Passage(NamedTuple):

@@ -9,15 +9,15 @@ from typing import ClassVar
 import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
+from contactlab.contact.contact_pairs import consistent_rows
+from contactlab.contact.explicit_system import ContactSystem
+from contactlab.contact.factored_gradients import ModelGradients, told_by_feet
+from contactlab.contact.operator_pair import OperatorPair
+from contactlab.contact.pair import ContactPair
+from contactlab.contact.start_gaps import FacetOverlap
 from contactlab.kernels.contact.factored_rows import allow_constant_motion, largest_sideways
 from contactlab.kernels.contact.gap_gradients import allow_motion
 from contactlab.kernels.contact.warm_start import extrapolate
-from contactlab.model.contact.contact_pairs import consistent_rows
-from contactlab.model.contact.explicit_system import ContactSystem
-from contactlab.model.contact.factored_gradients import ModelGradients, told_by_feet
-from contactlab.model.contact.operator_pair import OperatorPair
-from contactlab.model.contact.pair import ContactPair
-from contactlab.model.contact.start_gaps import FacetOverlap
 
 ROUND = 1e-9  # of a segment: what lies that far across a normal turns it by round-off
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from contactlab.api import ContactView, Floats, FrictionLaw, GapAlgorithm, GapConditions, Rows, Surface
 from contactlab.api.compiled.chains import tributary_lengths
+from contactlab.contact.pair import ContactPair
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact import edges
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.warm_start import displaced
-from contactlab.model.contact.pair import ContactPair
 
 
 class _Made(NamedTuple):

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import contactlab
+from contactlab.contact.consistent_system import ConsistentContactSystem
 from contactlab.explanation.explain import explain
 from contactlab.model.build import build
-from contactlab.model.contact.consistent_system import ConsistentContactSystem
 from contactlab.model.model import Model
 
 FINE = {"bodies.block.mesh.cells": [72, 12]}  # 2.7 times shorter than the disc's

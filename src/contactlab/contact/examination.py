@@ -1,0 +1,63 @@
+"""Whether what contact algorithms gave is finite, and the words for what is not: parts are given finite numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import Floats, GapConditions, Pieces
+from contactlab.errors import WrongAnswer
+
+if TYPE_CHECKING:
+    from contactlab.contact.pair import ContactPair
+
+
+def finite(*arrays: Floats) -> bool:
+    """Whether all numbers are; sums of them tell, without an array of answers."""
+    return all(bool(np.isfinite(array.sum())) or bool(np.isfinite(array).all()) for array in arrays)
+
+
+def refuse(part: Any, method: str, what: str, place: str = "") -> None:
+    """Raise WrongAnswer: a method of a part gave what is not finite."""
+    raise WrongAnswer(f"{type(part).__name__}: {method} gave {what} that is not finite{place}, from finite numbers")
+
+
+def examine_contact(contact: Any) -> None:
+    """The algorithm of every pair at its last update, then the enforcement; None where there is no contact."""
+    for pair in contact.pairs if contact is not None else ():
+        examine_pair(pair)
+
+
+def examine_pair(pair: ContactPair) -> None:
+    """Raise WrongAnswer where what a contact algorithm gave last is no number."""
+    pieces, found = getattr(pair, "pieces", None), getattr(pair, "found", None)
+    if pieces is not None:
+        _examine_pieces(pair, pieces, getattr(pair, "count", 0))
+    elif found is not None:
+        _examine_conditions(pair, found)
+
+
+def _examine_pieces(pair: ContactPair, pieces: Pieces, count: int) -> None:
+    covered = pieces.T[:count].sum()
+    others = pieces.D[:count].sum() + pieces.M[:count].sum() + pieces.normal.sum()
+    if (covered > 0.0 or not count) and np.isfinite(covered + others):
+        return
+    if not finite(*pair.at):
+        return
+    for name in ("D", "M", "T"):
+        if not finite(getattr(pieces, name)[:count]):
+            refuse(pair.method, "pieces", f"an entry of {name}", f" in {pair.name}")
+    if not finite(pieces.normal[pieces.multiplier[:count].ravel()]):
+        refuse(pair.method, "pieces", "a normal", f" in {pair.name}")
+    if count and not covered > 0.0:
+        raise WrongAnswer(
+            f"{type(pair.method).__name__}: pieces gave {count} pieces in {pair.name} whose T sums up to "
+            f"{covered:g}, needed: integrals over the covered length"
+        )
+
+
+def _examine_conditions(pair: ContactPair, found: GapConditions) -> None:
+    for name in ("gap", "normal_weight", "tangent_weight", "measure"):
+        if not finite(getattr(found, name)) and finite(*pair.at):
+            refuse(pair.method, "conditions", f"an entry of {name}", f" in {pair.name}")
