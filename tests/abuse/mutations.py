@@ -191,13 +191,13 @@ INTEGRATOR = (
         ("contact forces without friction", "                state[\"contact_force\"][:] += own.tangential\n", "                pass\n", "load_step"),
         ("a step that fails leaves the state", "            take_back(equations, state, start)\n", "", "load_step")),
     *_of("integrator", "central-difference",
-        ("no half step at the start", "mean_dt = 0.5 * (float(self.clock[2]) + dt)", "mean_dt = dt"),
-        ("loads of the end of the step", "loaded = equations.external_force(time, self.external)", "loaded = equations.external_force(time + dt, self.external)"),
-        ("supports lag a step", "equations.prescribed.values(time + dt)", "equations.prescribed.values(time)"),
-        ("forces of the start of the step", "        equations.internal_force(dt)\n        return done", "        return done"),
-        ("half the compliance for contact", "factor = dt * mean_dt / (1.0", "factor = 0.5 * dt * mean_dt / (1.0"),
-        ("friction booked as contact", "        work[3] -= rubbed\n        work[4] += rubbed\n", ""),
-        ("dissipation of the wrong sign", "work[6] += dissipated", "work[6] -= dissipated")),
+        ("no half step at the start", "motion.kick(0.5 * (motion.last_dt + dt))", "motion.kick(dt)"),
+        ("kicks that are too long", "0.5 * (motion.last_dt + dt)", "0.5 * (motion.last_dt + 1.1 * dt)"),
+        ("no kick", "        motion.kick(0.5 * (motion.last_dt + dt))\n", ""),
+        ("half the compliance for contact", "motion.contact(ahead=dt)", "motion.contact(ahead=0.5 * dt)"),
+        ("no contact", "        motion.contact(ahead=dt)\n", ""),
+        ("drifts that are too short", "motion.drift(dt)", "motion.drift(0.9 * dt)"),
+        ("contact after the drift", "        motion.contact(ahead=dt)\n        motion.drift(dt)\n", "        motion.drift(dt)\n        motion.contact(ahead=dt)\n")),
 )  # fmt: skip
 
 EFFECT = (
