@@ -108,9 +108,12 @@ def point_plan(
         answer = problem.measure(setup).answer
         if answer is not None and (why := answer.refusal(task.level)):
             return named(task, "not-applicable", why)
-        takes: list[Point] = yield [_take_plan(task, problem, registry, 0, rank, unless)]
+        takes: Sequence[Point] = yield [_take_plan(task, problem, registry, 0, rank, unless)]
         if takes[0].finished and takes[0].cost < task.short:
-            takes += yield [_take_plan(task, problem, registry, n, rank, unless) for n in range(1, task.repeat)]
+            others: Sequence[Point] = yield [
+                _take_plan(task, problem, registry, n, rank, unless) for n in range(1, task.repeat)
+            ]
+            takes = [*takes, *others]
     except ContactlabError as error:
         return named(task, "failed", str(error))
     cpu = tuple(cost for take in takes for cost in take.cpu)

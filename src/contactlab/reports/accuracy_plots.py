@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -147,7 +148,9 @@ def _scales(axes: Axes) -> None:
 def _legend(figure: Figure, names: Sequence[str], chosen: dict[str, Look], columns: int) -> None:
     """Colours are algorithms, dashes ways, markers elements: an entry each, and the marks that all share."""
     algorithms, elements, ways = ({parts_of(name)[k]: chosen[name] for name in names} for k in range(3))
-    entries = [Line2D([], [], color=look.colour, linewidth=4.0, label=name) for name, look in algorithms.items()]
+    entries: list[Artist] = [
+        Line2D([], [], color=look.colour, linewidth=4.0, label=name) for name, look in algorithms.items()
+    ]
     entries += [Line2D([], [], color=INK, linestyle=look.dashes, linewidth=1.6, label=f"line: {name}")
                 for name, look in ways.items()]  # fmt: skip
 
