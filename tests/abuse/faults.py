@@ -129,11 +129,14 @@ def stop_early(whole: Path, folder: Path, chance: random.Random) -> str:
     sent, shell = chance.choice(SIGNALS), {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
     process = subprocess.Popen(program(whole, folder), text=True, **shell)  # type: ignore[call-overload]
     time.sleep(chance.uniform(0.0, FIRST))
+    over = process.poll() is not None
     process.send_signal(sent)
     told, _ = process.communicate(timeout=HANG)
     ended = process.returncode
     if "Traceback" in told or "Exception ignored" in told:
         return f"{sent.name}: {told[-500:]}"
+    if over:
+        return "killed too early or too late"
     # the interpreter itself does not listen in its first tenth of a second
     if sent != signal.SIGKILL and ended not in (130, -sent) and not (ended == 1 and sent == signal.SIGINT):
         return f"{sent.name} swallowed: status {ended}"

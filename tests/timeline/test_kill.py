@@ -20,6 +20,7 @@ import pytest
 from tiers import some
 
 import contactlab
+from contactlab.results.checkpoint_slots import Slots
 from contactlab.results.journaled import JournaledFile
 from contactlab.results.precision import PLACES
 from contactlab.results.vtkhdf import VtkHdfRecording
@@ -273,6 +274,28 @@ def test_full_disk_keeps_what_was_written(
             assert np.array_equal(frame.displacement, expected.displacement)
     assert fork_server.run(scene, folder, resume=True).status == 0
     assert_same_run(whole, contactlab.load_results(folder))
+
+
+def test_steps_behind_the_last_saved_state_are_made_again(
+    small_scene: MakeScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, assert_same_run: Assert
+) -> None:
+    """The disk takes no second state, but the steps up to the failure and the summary of it."""
+    scene, folder, saved = small_scene({"time.end": 2e-6}), tmp_path / "full", []
+    whole = simulate(scene, tmp_path / "whole")
+    write = Slots.write
+
+    def once(self: Slots, *given: Any) -> None:
+        if saved:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        saved.append(write(self, *given))
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Slots, "write", once)
+        assert simulate(scene, folder).status == "failed"
+    assert len(contactlab.load_results(folder).steps["step"]) > 1
+    again = simulate(scene, folder, resume=True)
+    assert_same_run(whole, again)
+    assert np.array_equal(contactlab.load_results(folder).steps["step"], whole.steps["step"])
 
 
 def test_a_disk_that_is_full_at_the_very_end_is_told_once(

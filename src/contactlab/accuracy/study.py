@@ -11,6 +11,7 @@ from contactlab.errors import RequestError, did_you_mean
 from contactlab.scene.fields import key
 from contactlab.scene.reading import read_table
 from contactlab.scene.toml_text import location, read_toml
+from contactlab.studies.study import MOST_RUNS
 
 FOLDER = Path(__file__).parent.parent / "data" / "case_studies"
 TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
@@ -108,7 +109,9 @@ class CaseStudy:
     join: bool = key(True, says="whether cases of other packages than the study's take part")
     limit: float = key(30.0, above=0.0, says="CPU time of one run [s]; what needs more is not run, or stopped")
     budget: float | None = key(None, above=0.0, says="CPU time of all runs [s]; what is left then is not run")
-    repeat: int = key(3, least=1, says="runs of each point that takes less than `short`; costs are medians")
+    repeat: int = key(
+        3, least=1, most=MOST_RUNS, says="runs of each point that takes less than `short`; costs are medians"
+    )
     short: float = key(1.0, above=0.0, says="CPU time [s] up to which a run is repeated")
     targets: tuple[float, ...] = key(TARGETS, above=0.0, says="errors that are asked for, as fractions")
     quick: Quick = field(default=Quick(), metadata={"says": "what --quick leaves of it"})

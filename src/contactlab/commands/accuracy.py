@@ -14,6 +14,7 @@ from contactlab.commands.accuracy_progress import SoFar, import_what_draws, writ
 from contactlab.commands.common import console, print_json, registry_with
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.errors import RequestError
+from contactlab.studies.study import MOST_RUNS
 
 
 def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
@@ -50,7 +51,11 @@ def _asked(study: CaseStudy, options: argparse.Namespace) -> CaseStudy:
     """The study as the options change it."""
     if options.quick:
         study = study.quickened()
-    return replace(study, repeat=options.repeat, short=math.inf) if options.repeat else study
+    if options.repeat is None:
+        return study
+    if options.repeat > MOST_RUNS:
+        raise RequestError("no such number of runs", where="--repeat", got=options.repeat, allowed=f"1 to {MOST_RUNS}")
+    return replace(study, repeat=options.repeat, short=math.inf)
 
 
 def _refuse_others(options: argparse.Namespace) -> None:

@@ -32,7 +32,9 @@ def _opened(words: list[str], most: int) -> list[Path]:
     found = [Path(word) / FILE if Path(word).is_dir() else Path(word) for word in words or ["."]]
     for path in found:
         if not path.is_file():
-            raise RequestError("there is no archive", where=str(path), allowed="archive.sqlite or a folder with one")
+            raise RequestError(
+                "there is no archive", where="archive", got=str(path), allowed="archive.sqlite or a folder with one"
+            )
     return found
 
 

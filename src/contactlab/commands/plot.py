@@ -27,12 +27,14 @@ def plot(options: argparse.Namespace) -> int:
     """Write the picture and print its name."""
     folder = Path(options.path)
     moving = options.what == "animation"
+    if not folder.is_dir():
+        raise RequestError("there is no such folder", where="plot", got=str(folder), allowed="the folder of a run")
     file = _file(options.out, folder / f"{options.what}{'.gif' if moving else '.png'}", MOVING if moving else STILL)
     if (folder / "table.json").is_file():
         drawn = _of_comparison(folder, options)
     else:
         if options.runs:
-            raise RequestError("runs are chosen in a comparison", where="--runs", got=str(folder))
+            raise RequestError("runs are chosen in a comparison", where="--runs", got=str(folder), allowed="its folder")
         drawn = _of_run(load_results(folder), options)
     if moving:
         _save_animation(drawn, file)
@@ -57,7 +59,7 @@ def _file(out: str | None, default: Path, allowed: tuple[str, ...]) -> Path:
             allowed="a name that ends in .gif", hint="install ffmpeg (apt-get install ffmpeg), or write a gif",
         )  # fmt: skip
     if not file.resolve().parent.is_dir():
-        raise RequestError("there is no such folder", where="--out", got=str(file.parent))
+        raise RequestError("there is no such folder", where="--out", got=str(file.parent), allowed="one that exists")
     return file
 
 

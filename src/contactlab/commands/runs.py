@@ -25,7 +25,7 @@ def runs(options: argparse.Namespace) -> int:
     places = [Path(name) for name in options.folders] or [RUNS]
     for place in places:
         if options.folders and not place.is_dir():
-            raise RequestError("there is no such folder", where="runs", got=str(place))
+            raise RequestError("there is no such folder", where="runs", got=str(place), allowed="a folder of runs")
     found = folders_in(places, _bundled())
     if options.remove:
         return _remove(_chosen(found, options.remove), options.yes)

@@ -27,9 +27,7 @@ def view(options: argparse.Namespace) -> int:
     _check_place(options)
     recorder = _recorder(default_registry())
     if not options.path:
-        raise RequestError(
-            "there is nothing to look at", where="DIR-or-RRD", got='""', allowed="a folder or a recording"
-        )
+        raise RequestError("there is nothing to look at", where="DIR-or-RRD", got="", allowed="a folder or a recording")
     path = Path(options.path)
     if options.runs and (path.is_file() or (path / FILE).is_file()):
         raise RequestError("runs are chosen of a comparison", where="--runs", got=str(path), allowed="its folder")
@@ -110,5 +108,5 @@ def _writable(png: Path) -> Path:
     if png.suffix.lower() != ".png":
         raise RequestError("pictures are PNG files", where="--png", got=str(png), allowed="a name that ends in .png")
     if not png.resolve().parent.is_dir():
-        raise RequestError("there is no such folder", where="--png", got=str(png))
+        raise RequestError("there is no such folder", where="--png", got=str(png), allowed="one that exists")
     return png

@@ -19,7 +19,7 @@ from contactlab.arguments import arguments
 from contactlab.errors import RequestError, did_you_mean
 from contactlab.meshing.file import EVERYTHING, quads_of
 from contactlab.meshing.refine import refined
-from contactlab.meshing.room import check_refined_size
+from contactlab.meshing.room import check_number
 
 CELLS = {3: "triangle", 4: "quad", 6: "triangle6", 8: "quad8", 9: "quad9"}
 """Names that meshio has for cells, by number of nodes."""
@@ -52,7 +52,7 @@ class MeshArrays(MeshSource):
     def mesh(self, element: Element, level: int) -> Mesh:
         """The cells with the nodes of `element`; ValueError says what is wrong with them."""
         quads = quads_of(self._file, "", 1.0)  # type: ignore[attr-defined]
-        check_refined_size(len(quads.cells), level)
+        check_number(f"cells: got {len(quads.cells)}", len(quads.cells) * float(level) ** 2, level)
         return refined(quads, element, level)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from contactlab.api import Element, Floats, Mesh, MeshSource
 from contactlab.meshing.refine import Indices, Quads, refined
-from contactlab.meshing.room import check_file_size, check_refined_size
+from contactlab.meshing.room import check_file_size, check_number
 from contactlab.outside_files import GROWTH, bounded_memory
 
 CELLS = {"quad": 4, "quad8": 8, "quad9": 9}
@@ -52,7 +52,7 @@ class MeshFile(MeshSource):
         """The file's cells with the nodes of `element`; ValueError says what keeps it from being a plane quad mesh."""
         check_file_size(self.path)
         quads = quads_of(_read(self.path), self.cells, self.scale)
-        check_refined_size(len(quads.cells), level)
+        check_number(f"path: got {len(quads.cells)} cells", len(quads.cells) * float(level) ** 2, level)
         return refined(quads, element, level)
 
 

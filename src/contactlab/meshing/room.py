@@ -36,12 +36,14 @@ def check_file_size(path: Path) -> None:
         raise ValueError(f"path: got {path.name}: about {in_words(size)}, allowed: what fits into {in_words(limit)}")
 
 
-def check_refined_size(cells: int, level: int) -> None:
-    """Raise ValueError where the cells of a file, each cut into level x level, are more than this machine can hold."""
-    number = cells * float(level) ** 2
-    size, limit = NODE_BYTES * number, machine_memory()
+def check_number(got: str, cells: float, level: int) -> None:
+    """Raise ValueError where a mesh of so many cells at this level is more than this machine can hold.
+
+    got  the key and its value, "cells: got [4, 2]"
+    """
+    size, limit = NODE_BYTES * cells, machine_memory()
     if size > limit:
         raise ValueError(
-            f"path: got {cells} cells at level {level}, {number:.3g} cells: about {in_words(size)}, "
+            f"{got} at level {level}, {cells:.3g} cells: about {in_words(size)}, "
             f"allowed: what fits into {in_words(limit)}"
         )

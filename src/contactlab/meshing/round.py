@@ -11,6 +11,7 @@ from contactlab.api import Element, Floats, Mesh, MeshSource
 from contactlab.api.meshing import Map, renamed, structured
 from contactlab.meshing.blocks import arc_point
 from contactlab.meshing.grading import axis, check_counts, check_ratios
+from contactlab.meshing.room import check_number
 from contactlab.meshing.structured import welded
 
 CORE = 0.5  # half the diagonal of the inner grid over the radius
@@ -44,6 +45,7 @@ class Disc(MeshSource):
     def mesh(self, element: Element, level: int) -> Mesh:
         """Counts times `level`; nodes on the circle lie on it."""
         around, out = self.cells[0] * level, self.cells[1] * level
+        check_number(f"cells: got {list(self.cells)}", around * (around + 4.0 * out), level)
         core = renamed(structured(element, (around, around), self._core), {})
         quarters = []
         for number, name in enumerate(QUARTERS):

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from contactlab.api import Element, Material
 
-MODEL = 2.0 * 2**20  # B of any model: objects of Python, tables of elements, text of the scene, pages of allocators
+MODEL = 2.5 * 2**20  # B of any model: objects of Python, tables of elements, text of the scene, pages of allocators
 NODE = 280.0  # B per node: five copies of positions, the state twice, results of the last frame, mass
 CELL = 24.0  # B per cell: sizes and frequencies, by which the stable step is followed
 NUMBER = 12.0  # B per node of a cell: the numbers of the mesh, of the body and of the block
@@ -23,6 +23,10 @@ MATRIX = 32.0  # B per entry of a cell's stiffness: itself, scaled, and as eigen
 TRIPLET = 56.0  # B per entry of the stiffness of all cells: with rows and columns, sorted and added up
 DENSER = 1.4  # times as much for matrices of elements of more nodes than corners: a node has more neighbours
 FACTORS = 250.0  # B per node and doubling of nodes: factors of its stiffness grow as n log n
+DENSE = (
+    8.0 * (2.0 * 500.0) ** 2
+)  # B of a dense matrix for the lowest frequency: of 500 nodes at most (`frequency.SMALL`)
+COPIES = 3.2  # of it at one time: itself, springs of joints, their factors; later its free part and its factors
 SOLUTION = 1500.0  # B per node: GMRES, Newton's iterations, right-hand sides
 MATRICES = 5200.0  # B per node of an implicit model: pattern, stiffness, saddle point system and its parts
 CONTACT = 4500.0  # B per slave node: conditions and their rows, near lists, tables of the algorithm
@@ -94,7 +98,8 @@ class ModelSize:
         nodes = self.nodes * (DENSER if self.dense else 1.0)
         factors = nodes * FACTORS * math.log2(max(nodes, 2.0))
         whole = factors + nodes * (SOLUTION + MATRICES) if self.implicit else 0.0
-        return max(whole, factors + TRIPLET * self.entries if self.lowest else 0.0)
+        dense = COPIES * min(32.0 * self.nodes**2, DENSE)
+        return max(whole, max(factors, dense) + TRIPLET * self.entries if self.lowest else 0.0)
 
     @property
     def words(self) -> str:

@@ -125,6 +125,7 @@ class _Reader:
     def limit(self, checkpoint: Checkpoint) -> None:
         """See no more than was stored when the checkpoint was made."""
         self.frames, self.events = checkpoint.frames, checkpoint.events
+        self.closed = False  # a run may end later than its last saved state, as on a full disk
         self.numbers = self.numbers[: self.frames]
         self.last_step = float(checkpoint.memory["state.clock"][1])
         self.steps = up_to(self.steps, lambda row: int(self.own["steps"][row, 0]), self.last_step)
@@ -175,7 +176,7 @@ class _Reader:
         """That of the end, or of the last checkpoint when there was no end."""
         if self.closed:
             text = read_text(self.own, "summary")
-        elif self.checkpoint is not None:
+        elif self.checkpoint is not None and self.checkpoint.summary:
             text = self.checkpoint.summary
         elif (self.folder / "summary.json").is_file():
             text = (self.folder / "summary.json").read_text()

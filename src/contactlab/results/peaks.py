@@ -117,7 +117,7 @@ def peak_force(summary: Mapping[str, Any], on: str) -> Peak | None:
     end = final_force(summary, on)
     if end is not None and _only_the_end(summary):
         return _at_the_end(summary, math.hypot(*end)) | {"vector": end}
-    return peak
+    return _finite(peak)
 
 
 def final_force(summary: Mapping[str, Any], on: str) -> list[float] | None:
@@ -131,8 +131,12 @@ def peak_pressure(summary: Mapping[str, Any], contact: str) -> Peak | None:
     end = summary.get("contacts", {}).get(contact, {}).get("max_pressure")
     if end is not None and _only_the_end(summary):
         return _at_the_end(summary, float(end))
-    peak: Peak | None = summary.get("peaks", {}).get("contacts", {}).get(contact, {}).get("pressure")
-    return peak
+    return _finite(summary.get("peaks", {}).get("contacts", {}).get(contact, {}).get("pressure"))
+
+
+def _finite(peak: Peak | None) -> Peak | None:
+    """The peak; None where its value is no number, as in a run that diverged."""
+    return None if peak is None or peak["value"] is None else peak
 
 
 def _only_the_end(summary: Mapping[str, Any]) -> bool:

@@ -32,4 +32,5 @@ def placed(values: np.ndarray, bits: int) -> np.ndarray:
     if not np.isfinite(largest):
         return rounded(values, FULL)
     place = np.ldexp(1.0, int(np.frexp(largest)[1]) - bits)
-    return np.asarray(np.rint(values / place) * place, np.float32)
+    with np.errstate(over="ignore"):  # beyond single precision: infinite
+        return np.asarray(np.rint(values / place) * place, np.float32)

@@ -12,6 +12,7 @@ from contactlab.errors import Location, SceneError, Where, did_you_mean
 from contactlab.scene.accepts import in_words
 
 LARGEST = 2**63 - 1  # TOML's largest integer
+GREATEST = 1e150  # of a measured number: its square, such as a kinetic energy, is a number still
 
 
 def choice(hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> Any:
@@ -64,6 +65,9 @@ def _number(hint: type, value: Any, where: Where, limits: Mapping[str, Any], all
         number = math.inf
     if hint is float and not math.isfinite(number):
         raise SceneError("the number is not finite", where=where, got=value, allowed=allowed)
+    if hint is float and abs(number) > GREATEST:
+        allowed = f"{allowed}, of a size up to {GREATEST:g}"
+        raise SceneError("the number is out of bounds", where=where, got=value, allowed=allowed)
     if hint is int and abs(number) > LARGEST:
         raise SceneError("the number is out of bounds", where=where, got=value, allowed=f"{allowed}, below 2^63")
     if not _within(number, limits):

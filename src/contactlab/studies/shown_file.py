@@ -59,7 +59,10 @@ def recording_in(folder: Path, recorder: Recorder, names: Sequence[str] = ()) ->
     """
     if not folder.is_dir():
         raise RequestError(
-            "there is no such file or folder", where=str(folder), allowed="the folder of a run, or a recording"
+            "there is no such file or folder",
+            where="view",
+            got=str(folder),
+            allowed="the folder of a run, or a recording",
         )
     file = folder / recorder.shown_file
     if (folder / FILE).is_file():

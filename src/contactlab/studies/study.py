@@ -29,6 +29,10 @@ class Pareto:
     levels: tuple[int, ...] = key((), least=1, says="mesh levels to run in addition")
 
 
+MOST_RUNS = 10_000
+"""Runs of one combination: a median of more says no more, and a plan holds each of them."""
+
+
 @dataclass(frozen=True)
 class Study:
     """A study file.
@@ -44,7 +48,7 @@ class Study:
         says='reference to compare with: a name, a JSON or CSV file, or "finest"; else the first that fits',
     )
     measures: tuple[str, ...] = key((), says="columns of the printed table; not written: the usual ones")
-    repeat: int = key(1, least=1, says="runs of each combination; the costs shown are medians")
+    repeat: int = key(1, least=1, most=MOST_RUNS, says="runs of each combination; the costs shown are medians")
     time_limit: float | None = key(None, above=0.0, says="wall time that one run may take [s]; not written: any")
     contact: str = key("contacts.0", says="the contact whose pressure is compared")
     vary: Mapping[str, tuple[Any, ...]] = field(default_factory=dict, metadata={"hidden": True})

@@ -15,7 +15,7 @@ from contactlab.model.bodies.body import Body
 from contactlab.model.bodies.stiffness import cell_stiffness
 
 SMALL = 1000
-"""Degrees of freedom of all bodies up to which matrices are dense: 20 ms for a solution."""
+"""Degrees of freedom of all bodies up to which matrices are dense: 20 ms for a solution. `model_size` counts them."""
 ROUND = 1e-12  # of the mean stiffness over mass: rigid motions keep round-off of the moduli
 STIFF = 100.0  # of the largest nodal stiffness: springs of joints then give a hundredth of what a cell does
 
@@ -73,7 +73,7 @@ def _frequency(
         return float("inf")
     nodal = np.repeat(mass, 2)[own]
     stiffness = _stiffness(bodies, positions)
-    stiffness = stiffness + _springs(bodies, joints, STIFF * stiffness.diagonal().max(), stiffness.shape[0])
+    stiffness += _springs(bodies, joints, STIFF * stiffness.diagonal().max(), stiffness.shape[0])
     reduced = stiffness[own][:, own]
     if _adrift(bodies, reduced, positions, nodal, own):
         return None
@@ -132,7 +132,8 @@ def _springs(bodies: Sequence[Body], joints: Joints, stiffness: float, size: int
     both = np.concatenate([2 * nodes, 2 * nodes + 1])
     rows = np.repeat(np.arange(2 * count), 3)
     ties = _summed(rows, both.ravel(), np.tile(weights, (2, 1)).ravel(), (2 * count, size))
-    return stiffness * (ties.T @ ties)
+    ties = ties * np.sqrt(stiffness)
+    return ties.T @ ties
 
 
 def _nodes(bodies: Sequence[Body]) -> Ints:
