@@ -22,7 +22,7 @@ CHANGES = "contact_changes"
 MEGABYTE = 1e6
 LEAST = 8  # rows
 ROOM = 1 << 18  # bytes by which the room of a table grows, at least
-CHUNK = 1 << 15  # bytes of a chunk
+CHUNK = ROOM  # bytes of a chunk: HDF5 keeps some 400 B of each in memory
 
 
 def _name(contact: ContactLayout) -> str:

@@ -19,6 +19,7 @@ import numpy as np
 
 from contactlab.results.journaled import JournaledFile, written
 
+NOWHERE = np.zeros(0, np.int64)
 HEADERS = ("v108", "v108")  # the oldest format whose headers have checksums; later ones mark a file as open
 
 
@@ -80,8 +81,9 @@ class GrowingFile:
 class Column:
     """A dataset whose rows have `height` entries of shape `shape` each, one row per stored frame or step.
 
-    `sum` is the checksum of what was written last. Once there is room, rows are written to their places in the file:
-    HDF5 takes twenty times as long, and needs to know nothing of it. So it must keep no copies of chunks.
+    `sum` is the checksum of what was written last. Once there is room, rows are written to their `places` in the file,
+    the bytes at which its chunks begin (-1: not known): HDF5 takes twenty times as long, and needs to know nothing of
+    it. So it must keep no copies of chunks.
     """
 
     def __init__(
@@ -97,7 +99,7 @@ class Column:
         self.dtype = self.dataset.dtype  # of a file that was begun with another one, that one
         self.sum = 0
         self.room = len(self.dataset) // max(1, height)
-        self.places: dict[int, int] = {}
+        self.places = NOWHERE
         self.descriptor = -1
 
     @property
@@ -107,7 +109,7 @@ class Column:
 
     def resize(self, rows: int) -> None:
         """Change the number of rows to `rows`."""
-        self.places = {}
+        self.places = NOWHERE
         self.dataset.id.set_extent((rows * self.height, *self.shape))
         self.room = rows
 
@@ -115,7 +117,8 @@ class Column:
         """From here on write to the file with this descriptor, where HDF5 has allocated the chunks."""
         if self.dataset.chunks[1:] != self.shape or self.dataset.id.get_create_plist().get_nfilters():
             return
-        found, first, self.descriptor = self.places, self.dataset.chunks[0], descriptor
+        first, self.descriptor = self.dataset.chunks[0], descriptor
+        found = self.places = np.full(-(-len(self.dataset) // first), -1, np.int64)
 
         def note(chunk: Any) -> None:
             found[chunk.chunk_offset[0] // first] = chunk.byte_offset
@@ -131,7 +134,7 @@ class Column:
         size = (rows * self.height, *self.shape)
         data: Any = np.ascontiguousarray(values, self.dtype).reshape(size)
         self.sum = zlib.crc32(data)
-        if data.size and not (around and self.places and self._placed(row * self.height, data)):
+        if data.size and not (around and len(self.places) and self._placed(row * self.height, data)):
             space = self.dataset.id.get_space()
             space.select_hyperslab((row * self.height, *(0 for _ in self.shape)), size)
             self.dataset.id.write(h5py.h5s.create_simple(size), space, data)
@@ -140,11 +143,11 @@ class Column:
         """Write entries from `begin` on to their chunks; False where HDF5 has not said where one is."""
         first, end = self.dataset.chunks[0], begin + len(data)
         for chunk in range(begin // first, -(-end // first)):
-            if chunk not in self.places:
+            if self.places[chunk] < 0:
                 return False
             low, high = max(begin, chunk * first), min(end, (chunk + 1) * first)
             part: Any = data[low - begin : high - begin]
-            place = self.places[chunk] + (low - chunk * first) * (data.nbytes // len(data))
+            place = int(self.places[chunk]) + (low - chunk * first) * (data.nbytes // len(data))
             written(self.descriptor, part.reshape(-1).view(np.uint8).data, place)
         return True
 

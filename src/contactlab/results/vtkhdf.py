@@ -42,8 +42,7 @@ from contactlab.results.thinned_table import ThinnedTable
 KEPT = {"steps": "the scalars of steps", "contact": "the contact record"}
 SHARE = 4.0  # of the budget of the contact record is for the scalars of steps: a million of the usual ones
 SPARE_FRAMES = 4  # room beside the frames that the scene asks for; runs that settle go on a little
-STEP_ROWS = 1024  # steps by which their room grows, at least
-CHUNK_STEPS = 256
+STEP_ROWS = 1024  # steps by which their room grows, at least, and of a chunk: HDF5 keeps some 400 B of each in memory
 METADATA = 350_000.0  # bytes of a file beside its numbers, as measured: some 60 datasets and what is set aside for them
 FRAME_METADATA = 1200.0  # and of a frame: each dataset tells where its chunk is
 PACKED = 3 << 20  # bytes from which a file is compressed: of smaller ones it saves less than it takes of a short run
@@ -262,8 +261,8 @@ class VtkHdfRecording(Recording):
 
 
 def _step_table(growing: GrowingFile, own: h5py.Group, layout: Layout) -> ThinnedTable:
-    rows = Column(own, "steps", "f8", 1, (len(layout.steps),), CHUNK_STEPS)
-    sums = Column(own.require_group(SUMS), "steps", "u8", 1, (), CHUNK_STEPS)
+    rows = Column(own, "steps", "f8", 1, (len(layout.steps),), STEP_ROWS)
+    sums = Column(own.require_group(SUMS), "steps", "u8", 1, (), STEP_ROWS)
     write_columns(own, "steps", layout.steps)
     most = most_steps(layout)
     changed = [number for number, name in enumerate(layout.steps) if name.endswith(f".{CHANGED}")]
