@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Floats, GapConditions, Pieces
+from contactlab.api import ContactView, Floats, GapConditions, Pieces
 from contactlab.errors import WrongAnswer
 
 if TYPE_CHECKING:
@@ -21,6 +22,29 @@ def finite(*arrays: Floats) -> bool:
 def refuse(part: Any, method: str, what: str, place: str = "") -> None:
     """Raise WrongAnswer: a method of a part gave what is not finite."""
     raise WrongAnswer(f"{type(part).__name__}: {method} gave {what} that is not finite{place}, from finite numbers")
+
+
+def only_read(view: ContactView, part: Any, method: str, call: Callable[[], Any]) -> Any:
+    """The result of a call with this view. Raises WrongAnswer where it wrote to the view, `memory` aside.
+
+    The surfaces are the model's own: gaps and forces would then belong to other positions, and nothing would say so.
+    """
+    parts = {
+        "slave": vars(view.slave),
+        "master": vars(view.master),
+        "at": view.at._asdict(),
+        "near": view.near._asdict(),
+    }
+    arrays = {f"{name}.{field}": array for name, held in parts.items() for field, array in held.items()}
+    before = {name: array.copy() for name, array in arrays.items() if isinstance(array, np.ndarray)}
+    found = call()
+    for name, array in before.items():
+        if not np.array_equal(array, arrays[name]):
+            raise WrongAnswer(
+                f"{type(part).__name__}: {method} wrote to {name} of its view, which it may only read\n"
+                f"  allowed  a copy to work on: view.{name}.copy()"
+            )
+    return found
 
 
 def examine_contact(contact: Any) -> None:

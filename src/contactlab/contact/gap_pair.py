@@ -9,6 +9,7 @@ import numpy as np
 
 from contactlab.api import ContactView, Floats, FrictionLaw, GapAlgorithm, GapConditions, Rows, Surface
 from contactlab.api.compiled.chains import tributary_lengths
+from contactlab.contact.examination import only_read
 from contactlab.contact.pair import ContactPair
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact import edges
@@ -81,7 +82,11 @@ class GapPair(ContactPair):
         if self.near is None or not self.near.holds(self.at, self.size):
             self.find_near(self.at.slave, self.at.master)
         first = self.found is None
-        found = self.ask(self.seen(memory))
+        view = self.seen(memory)
+        if first:
+            found = only_read(view, self.algorithm, "conditions", lambda: self.ask(view))
+        else:
+            found = self.ask(view)
         if first or _doubtful(found):
             refuse_wrong(found, self.slots, len(positions), self.friction is not None, type(self.algorithm).__name__)
         self.found = found

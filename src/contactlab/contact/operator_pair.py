@@ -10,6 +10,7 @@ from contactlab.api import ContactAlgorithm, FactoredRows, Floats, FrictionLaw, 
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.coupling import Coupling
+from contactlab.contact.examination import only_read
 from contactlab.contact.near_list import SKIN, Near
 from contactlab.contact.operator_arrays import OperatorArrays
 from contactlab.contact.pair import ContactPair
@@ -110,7 +111,11 @@ class OperatorPair(ContactPair):
         if not kernels.place(self.arrays.address, positions, compliance, force, asked) <= self.skin:
             self.find_near(self.at.slave, self.at.master)
         pieces = self.arrays.pieces
-        count = self.algorithm.pieces(self.seen(memory), pieces)
+        view = self.seen(memory)
+        if self._unchecked:
+            count = only_read(view, self.algorithm, "pieces", lambda: self.algorithm.pieces(view, pieces))
+        else:
+            count = self.algorithm.pieces(view, pieces)
         if self._unchecked or type(count) is not int or not 0 <= count <= len(pieces.slave):
             self._check(count)
         self.count = count

@@ -8,12 +8,15 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from contactlab_mortar.mortar import MortarP0
 
-from contactlab.api import ContactView, GapAlgorithm, GapConditions
+from contactlab.api import ContactView, GapAlgorithm, GapConditions, Pieces
 from contactlab.api.plugin import Part, hookimpl
 from contactlab.contact.gap_pair import GapPair, refuse_wrong
+from contactlab.errors import PartError
 from contactlab.model.build import build
 from contactlab.parts.registry import Registry
+from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
 from contactlab.testing import contact as checks
 from contactlab.testing.surfaces import conditions
@@ -36,9 +39,31 @@ class Finished(GapAlgorithm):
         return conditions(MortarP1(), Chains(nodes, slave, master), tangent=tangent)
 
 
+@dataclass(frozen=True)
+class Shifted(Finished):
+    """It moves a node of the model to where it wants it."""
+
+    def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
+        view.at.master[:, 1] -= 0.01
+        return super().conditions(view, tangent=tangent)
+
+
+@dataclass(frozen=True)
+class Sorted(MortarP0):
+    """It sorts the list of neighbours in place."""
+
+    def pieces(self, view: ContactView, out: Pieces) -> int:
+        view.near.master[::-1].sort()
+        return super().pieces(view, out)
+
+
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    return [Part("contact", "finished", f"{__name__}:Finished", "conditions of mortar-p1")]
+    return [
+        Part("contact", "finished", f"{__name__}:Finished", "conditions of mortar-p1"),
+        Part("contact", "shifted", f"{__name__}:Shifted", "for tests"),
+        Part("contact", "sorted", f"{__name__}:Sorted", "for tests"),
+    ]
 
 
 @pytest.fixture
@@ -127,6 +152,16 @@ def test_results_of_finished_conditions_are_reported(registry: Registry) -> None
     assert contact["active"] == np.count_nonzero(curve.state) > 0
     assert contact["cone_violation"] < 1e-8
     assert curve.pressure == pytest.approx(curve.nodal_pressure)
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("shifted", "Shifted: conditions wrote to at.master"), ("sorted", "Sorted: pieces wrote to near.master")],
+)
+def test_an_algorithm_that_writes_to_its_view_is_named(registry: Registry, name: str, told: str) -> None:
+    """What it writes to are the arrays of the model: other positions, and nobody would notice."""
+    with pytest.raises(PartError, match=told):
+        simulate(sliding(name, registry, friction=False), registry=registry)
 
 
 def sound() -> GapConditions:
