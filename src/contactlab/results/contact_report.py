@@ -127,10 +127,10 @@ def _tangents(normals: Floats) -> Floats:
 
 
 def _covered(pair: ContactPair, seen: ContactSnapshot) -> Floats:
-    """Share (m,) of each node's length that its multiplier covers; 1 where nodes without one lie between others."""
-    inner = pair.between[0]
-    if np.size(pair.slave.nodes[inner]):
-        return np.ones(len(pair.slave.nodes))
+    """Share (m,) of each node's length that its multiplier covers; of nodes without one it is not asked for."""
+    if np.size(pair.slave.nodes[pair.between[0]]):  # a multiplier's length is that of whole edges
+        cover, full = (by_slot(pair, length).max(axis=0) for length in (seen.cover, pair.full))
+        return np.asarray(np.divide(cover, full, out=np.zeros_like(cover), where=full > 0.0))
     lengths = np.zeros(len(pair.slave.nodes))
     a, b = pair.slave.segments.T
     half = 0.5 * np.hypot(*(seen.at.slave[b] - seen.at.slave[a]).T)
@@ -151,7 +151,7 @@ def _integral(
     edge = seen.at.slave[b] - seen.at.slave[a]
     inward = np.repeat(np.stack([-edge[:, 1], edge[:, 0]], axis=1)[:, None], 2, axis=1)
     if share is not None:
-        pressure, shear = share * pressure, share * shear
+        pressure, shear = (between(pair, share * part) for part in (pressure, shear))
         force = np.stack([by_slot(pair, seen.forces[0] * part).sum(axis=0) for part in seen.normals.T], axis=1)
         size = np.hypot(*force.T)
         bears = (by_slot(pair, seen.forces[0]).max(axis=0) > 0.0) & (size > 0.0)

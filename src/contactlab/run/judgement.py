@@ -9,6 +9,7 @@ import numpy as np
 from contactlab.api import ContactCurve, Floats, Ints, RunWarning, Surface
 from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
+from contactlab.results.contact_report import ContactReport
 from contactlab.results.facets import cusps, facet_depths
 from contactlab.results.invariants import ROUND, invariants
 from contactlab.run.breaches import breach
@@ -42,7 +43,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
     for pair in model.contact.pairs if model.contact is not None else ():
         report = sample.contacts[pair.name]
         if not closed[pair.first_slot : pair.first_slot + pair.slots].any():
-            _never_closed(model, pair)
+            _never_closed(model, pair, report)
         elif report.largest > ROUND * largest_force:
             _judge_facets(model, pair, report.curve)
             _judge_peak(model, pair, report.curve)
@@ -53,7 +54,17 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
                 _judge_pressure(pair.name, report.force_error(report.covered_integral), sample.step)
 
 
-def _never_closed(model: Model, pair: ContactPair) -> None:
+def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> None:
+    if report.max_penetration > 0.0:
+        model.warnings.add(
+            RunWarning(
+                "open-contact", -report.max_penetration, 0.0, pair.name,
+                f"{pair.name}: no force in any step, yet the {report.penetrating_side} lies up to "
+                f"{report.max_penetration:.4g} within the other side at the end: facets overlap where no condition of "
+                "the algorithm closes; try finer cells, or another algorithm",
+            )
+        )  # fmt: skip
+        return
     apart, _ = _nearest(model.position[pair.slave.nodes], model.position[pair.master.nodes])
     place = _place(model, model.position[pair.slave.nodes[apart.argmin()]])
     model.warnings.add(

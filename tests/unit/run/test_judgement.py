@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -190,6 +191,39 @@ def test_a_peak_that_too_few_nodes_carry_is_told_with_its_place(cells: int, node
         assert 0.5 * found["few-nodes"].value < error < found["few-nodes"].value
     else:
         assert abs(error) < 0.01
+
+
+@pytest.mark.parametrize("algorithm", ["mortar-p0", "mortar-p1"])
+def test_quadratic_edges_that_are_covered_in_part_stop_no_run(algorithm: str) -> None:
+    """A block drawn along a wider quadratic plate, the slave: forces are exact, pressures reach beyond its edge."""
+    scene = Scene.from_data({
+        "integrator": {"use": "newton", "steps": 4},
+        "materials": {"m": ELASTIC},
+        "bodies": {
+            "plate": {"element": "q2", "material": "m",
+                      "mesh": {"use": "rectangle", "x": [-3.0, 6.0], "y": [-1.0, 0.0], "cells": [11, 1]}},
+            "block": {"element": "q1", "material": "m",
+                      "mesh": {"use": "rectangle", "x": [0.3, 2.3], "y": [0.0, 1.0], "cells": [5, 2]}},
+        },
+        "contacts": [{"slave": "plate.top", "master": "block.bottom", "algorithm": algorithm,
+                      "friction": {"use": "coulomb", "mu": 0.2}}],
+        "supports": [{"on": "plate.bottom", "ux": 0.0, "uy": 0.0}, {"on": "block.top", "ux": 0.3}],
+        "loads": [{"on": "block.top", "ty": -0.5}],
+        "record": {"frames": 1, "recorders": []},
+    })  # fmt: skip
+    results = simulate(scene)
+    assert results.status == "finished", results.reason
+    assert results.summary["reactions"]["plate.bottom"] == pytest.approx([-0.2, 1.0], rel=1e-3)
+
+
+def test_facets_that_overlap_where_nothing_closes_are_not_called_apart() -> None:
+    model = build(pressed(0.05), default_registry())
+    report = take_sample(model, 0, 1.0).contacts["contacts.0"]
+    deep = replace(report, max_penetration=0.02, penetrating_side="master")
+    judgement._never_closed(model, model.contact.pairs[0], deep)
+    (warning,) = [one for one in model.warnings if one.code == "open-contact"]
+    assert (warning.code, warning.value) == ("open-contact", -0.02)
+    assert "the master lies up to 0.02 within the other side" in warning.text
 
 
 def clamped_beam(cells: int) -> Scene:
