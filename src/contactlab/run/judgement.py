@@ -9,7 +9,6 @@ import numpy as np
 from contactlab.api import ContactCurve, Floats, Ints, RunWarning, Surface
 from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
-from contactlab.results.contact_report import ContactReport
 from contactlab.results.facets import cusps, facet_depths
 from contactlab.results.invariants import ROUND, invariants
 from contactlab.run.breaches import breach
@@ -17,6 +16,7 @@ from contactlab.run.breaches import breach
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
     from contactlab.model.model import Model
+    from contactlab.results.contact_report import ContactReport
     from contactlab.results.sample import Sample
 
 WRONG = 0.25  # of the contact force: the pressure is that of another one
