@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from contactlab.api import Conditions, Floats, Iteration, Surface
-from contactlab.model.loading.held_bodies import free_motions, loose_motions
+from contactlab.model.loading.held_bodies import MOTIONS, free_motions, loose_motions
 
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
@@ -24,6 +24,7 @@ FILLET = 3.0  # segments: the radius that a snap fit needed to get past a corner
 AT_CORNER = 1.0  # longest segments beside a corner
 SLOPE = 0.05  # of the resistance: what normals that lean by deformation add against sliding is no hold
 USED = 0.9  # of the friction that a contact can carry: more of it is a limit that the load comes to
+TIPPED = 0.02  # of the length of a contact: a resultant so near to its end has left the last segments but one
 STICK, SLIP = 1, 2
 
 
@@ -37,6 +38,7 @@ def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt:
     changed = _changes(model, trace)
     return (
         _friction_used_up(model, scene)
+        or _tipping(model, scene)
         or _at_a_corner(model, scene, changed)
         or _unstable(model, dt)
         or _cycling(model, scene, changed)
@@ -169,6 +171,48 @@ def _friction_used_up(model: Model, scene: Scene) -> str:
         f"{where}: {', '.join(at_limit)}, and nothing else holds {held}: "
         "this is a limit load; try less load, more pressure or friction, or a support"
     )
+
+
+def _tipping(model: Model, scene: Scene) -> str:
+    """A body that one contact alone keeps from turning, and whose weight has come to the end of that contact."""
+    if model.integrator.inertia or model.contact is None:
+        return ""
+    turning = {body.name for body in model.bodies if MOTIONS[2] in free_motions(body, model.prescribed)}
+    pressed = [pair for pair in model.contact.pairs if model.state["multipliers"][0, _slots(pair)].any()]
+    for pair in pressed:
+        spec = scene.contacts[_number(pair)]
+        for name in turning & {target.partition(".")[0] for side in spec.targets for target in side}:
+            others = [one for one in pressed if one is not pair and _touches(scene, one, name)]
+            share, end = _reserve(model, pair)
+            if not others and share < TIPPED:
+                return (
+                    f"{_place(model, scene, pair, end)}: body {name} tips: what presses it acts within {share:.1%} of "
+                    "the end of the contact, and nothing else holds it against turning: this is a limit load; try less "
+                    "load, a wider contact, or a support"
+                )
+    return ""
+
+
+def _slots(pair: ContactPair) -> slice:
+    return slice(pair.first_slot, pair.first_slot + pair.slots)
+
+
+def _touches(scene: Scene, pair: ContactPair, body: str) -> bool:
+    return any(target.partition(".")[0] == body for side in scene.contacts[_number(pair)].targets for target in side)
+
+
+def _reserve(model: Model, pair: ContactPair) -> tuple[float, Floats]:
+    """How far the pressure acts from the nearer end of where the sides meet, over its length, and where that end is."""
+    from contactlab.kernels.contact.factored_rows import FAR
+
+    force = model.state["multipliers"][0, _slots(pair)]
+    at = np.tile(model.position[pair.slave.nodes], (pair.rows_per_node, 1))
+    meets = at[(pair.gaps[:, 0] < FAR) | (force > 0.0)]
+    ends = meets[(meets @ (meets[-1] - meets[0])).argsort()[[0, -1]]]
+    along = ends[1] - ends[0]
+    length = float(along @ along)
+    share = float((force @ at / force.sum() - ends[0]) @ along) / length if length > 0.0 else 0.5
+    return min(share, 1.0 - share), ends[int(share > 0.5)]
 
 
 def friction_share(conditions: Conditions, first: int, count: int) -> float:

@@ -63,6 +63,19 @@ def test_used_up_friction_is_a_limit_load() -> None:
     assert simulate(pushed(0.5, 1.9)).status == simulate(pushed(0.8, 2.5)).status == "finished"
 
 
+def test_a_body_that_tips_is_a_limit_load() -> None:
+    """A block 1 wide and 3 high under 2 N/mm, pushed at its head: it tips at F = 2 * 0.5 / 3, in 4 of 5 of the push."""
+    scene = pushed(1.5, 1.25 / 3.0).with_({
+        "bodies.block.mesh.x": [0.0, 1.0], "bodies.block.mesh.y": [0.0, 3.0], "bodies.block.mesh.cells": [4, 6],
+        "loads.0.ty.to": -2.0, "materials.soft.young": 1e6,
+    })  # fmt: skip
+    results = simulate(scene)
+    assert results.status == "not-converged"
+    assert results.summary["reached"]["share"] == pytest.approx((2.0 + 1.0 / 3.0) / (2.0 + 1.25 / 3.0), abs=2e-3)
+    assert "near (1, 0), block.bottom on floor: body block tips" in results.reason
+    assert "this is a limit load" in results.reason
+
+
 def test_friction_that_is_none_is_not_to_be_less() -> None:
     reason = simulate(pushed(0.0, 2.5)).reason
     assert "nothing holds block against sliding along x; hold it: " in reason

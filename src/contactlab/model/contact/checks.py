@@ -119,7 +119,12 @@ def overlap_error(depth: float, at: Floats, inside: str, treated: bool, where: W
         got=f"{depth:.4g} mm at ({at[0]:.6g}, {at[1]:.6g}), inside {inside}",
         allowed="surfaces that touch or have a gap" + ("" if treated else ", unless the contact says what to do"),
         hint="move a body with shift"
-        + ("" if treated else ', or write start = { overlap = "ramp" } or start = { overlap = "adjust" }'),
+        + (
+            ""
+            if treated
+            else ', or write start = { overlap = "ramp" } or { overlap = "adjust" }, or { gap = "zero" } where '
+            "curved sides fit and their facets alone overlap"
+        ),
     )
 
 
