@@ -40,7 +40,7 @@ def scene(bodies: dict[str, Any], material: dict[str, Any], **more: Any) -> Scen
         {
             "name": "impact",
             "time": {"end": 1e9},
-            "integrator": "implicit-dynamics",
+            "integrator": {"use": "implicit-dynamics", "impacts": False},  # steps are made one by one
             "materials": {"m": {"use": "linear-elastic"} | material},
             "bodies": bodies,
         }

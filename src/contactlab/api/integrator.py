@@ -53,6 +53,8 @@ class Step(NamedTuple):
     iterations  number of Newton iterations; `trace` has each of them
     sweeps      of the contact solve; `residual` is that at its end
     error       estimate of the error made in this step over its tolerance: 1 is just allowed; None without an estimate
+    longest     most length [s] of the next step, or of this one where it is to be repeated; None: the schedule's own.
+                Of implicit steps only; one that is repeated with it has not failed
 
     `work` and `reaction` are new arrays, or the state's own fields of these names brought up to date in place.
     """
@@ -66,6 +68,7 @@ class Step(NamedTuple):
     reason: str = ""
     trace: tuple[Iteration, ...] = ()
     error: float | None = None
+    longest: float | None = None
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from contactlab.api import WORK, Floats, ImplicitIntegrator, RunWarning, Step, S
 from contactlab.errors import SceneError, SimulationFailure
 from contactlab.model.loading.held_bodies import hold, loose_motions
 from contactlab.model.timing import A_PERIOD
-from contactlab.run.controlled_step import next_stop
+from contactlab.run.controlled_step import next_stop, within
 from contactlab.run.load_path import LoadPath, TimePath, corners
 from contactlab.run.schedule import SHORTEST_CONTROLLED, Schedule
 from contactlab.run.swings import Swing, frame_warnings, step_warnings
@@ -149,6 +149,8 @@ class LoadSchedule(Schedule):
         elif step.iterations <= EASY:
             self.part = min(self.wished, self.grow * self.part)
         self.dt = self._length()
+        if step.longest is not None:
+            self.dt = within(step.longest, self.dt)
 
     def cut(self, step: Step) -> str:
         """Shorten a step that failed; what was done, for the record.
@@ -156,6 +158,9 @@ class LoadSchedule(Schedule):
         Raises SimulationFailure below the shortest, and where an attempt went as the longer one before it did.
         """
         tried, before, time = self.dt, self.failed, self.state.time
+        if step.longest is not None:
+            self.dt = min(step.longest, 0.9 * tried)
+            return f"a step of {tried:.6g} from time {time:.6g} is cut to {self.dt:.6g}: {step.reason}"
         if self.control is not None and step.error is not None and step.error > 1.0:
             self.part = self._ratio(step) * (self.path.fraction(time + tried) - self.path.fraction(time))
             self.dt = self._length()

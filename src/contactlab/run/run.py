@@ -132,7 +132,7 @@ class Run:
         self.counts.iterations += step.iterations
         if self.work_limit is not None:
             self.work_limit.check()
-        self.journal.tell("warning" if step.error is None else "info", self.schedule.cut(step))
+        self.journal.tell("warning" if step.error is None and step.longest is None else "info", self.schedule.cut(step))
         if self.schedule.control is not None:
             self.keep()  # the next step from here is shorter than the one that was kept with this state
         if self.nested is not None:

@@ -186,8 +186,18 @@ class Oscillator:
         """Displacements (steps, N, 2) after each step. Raises AssertionError where one is not accepted."""
         out = np.empty((steps, *self.state["displacement"].shape))
         for i in range(steps):
-            done = self.advance(dt)
+            done = self._advance_by(dt)
             if done.status.value:
                 raise AssertionError(f"step {i + 1} of {steps} was not accepted: {done.reason or done.status.value}")
             out[i] = self.state["displacement"]
         return out
+
+    def _advance_by(self, dt: float) -> Step:
+        """Steps that sum to dt [s]: one, or several where the integrator asks for shorter ones by `Step.longest`."""
+        end, length = self.state.time + dt, dt
+        while True:
+            done = self.advance(length)
+            rest = end - self.state.time
+            if rest <= 1e-9 * dt or (done.status.value and done.longest is None):
+                return done
+            length = rest if done.longest is None else min(rest, done.longest)

@@ -28,12 +28,15 @@ class ImplicitDynamics(ImplicitIntegrator):
     iterations   most iterations of a step before it is cut
     dissipation  share of a step by which stresses lead its middle: a viscosity of stiffness times
                  dissipation * dt, booked as `numerical`; first order unless it is 0, and angular momentum changes [-]
+    impacts      whether a step in which surfaces meet at a speed that matters ends where they meet, and those after it
+                 are short enough to follow the contact; if not, how fast bodies rebound depends on the step
     """
 
     steps: int | None = None
     tolerance: float = 1e-8
     iterations: int = 25
     dissipation: float = 0.0
+    impacts: bool = True
 
     default_enforcement: ClassVar[str] = "active-set"
     order: ClassVar[int] = 2
@@ -53,8 +56,12 @@ class ImplicitDynamics(ImplicitIntegrator):
         """Whether `steps` is written."""
         return self.steps is not None
 
+    def memory(self, nodes: int) -> Mapping[str, tuple[int, ...]]:
+        """Limit of steps around impacts, and the energies that they are judged by."""
+        return {"impact": (3,)} if self.impacts else {}
+
     def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
         """The function that makes one step in time."""
         from contactlab_statics.time_step import TimeStep
 
-        return TimeStep(equations, state, self.tolerance, self.iterations, self.dissipation).step
+        return TimeStep(equations, state, self.tolerance, self.iterations, self.dissipation, self.impacts).step

@@ -15,9 +15,12 @@ import numpy as np
 from contactlab.api import WORK, Floats, ImplicitEquations, State, Step, StepStatus
 from contactlab_statics.contact_forces import ContactForces
 from contactlab_statics.factor import with_diagonal
+from contactlab_statics.impacts import Impacts, impacts_of
 from contactlab_statics.impulses import solve_impulses
 from contactlab_statics.iteration import NewtonIteration, take_back
 
+MEET = "surfaces meet within it at a speed that matters"
+FRONTS = "contact changes faster than it can follow"
 INTERNAL, EXTERNAL, DAMPING, CONTACT, FRICTION, NUMERICAL, SLIP = range(len(WORK))
 
 
@@ -36,13 +39,20 @@ class StepStart:
 class TimeStep:
     """Makes steps in time. Implements `Balance` for dynamics.
 
-    share  of the way through a step at which stresses are taken: 1/2, or more for a viscosity
+    share    of the way through a step at which stresses are taken: 1/2, or more for a viscosity
+    impacts  judge steps in which surfaces meet; None if there are none, or if they are not to be cut
     """
 
     dynamic = True
 
     def __init__(
-        self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int, dissipation: float
+        self,
+        equations: ImplicitEquations,
+        state: State,
+        tolerance: float,
+        iterations: int,
+        dissipation: float,
+        cuts: bool = False,
     ) -> None:
         self.equations, self.state, self.share = equations, state, 0.5 + dissipation
         nodes = len(equations.reference)
@@ -57,6 +67,7 @@ class TimeStep:
         mobility.reshape(-1)[self.held] = 0.0
         self.mobility = mobility
         self.iteration = NewtonIteration(equations, state, self, tolerance, iterations)
+        self.impacts = Impacts(state, self.mass, mobility) if cuts and impacts_of(equations) else None
 
     def step(self, dt: float) -> Step:
         """Advance the state by dt, or restore it."""
@@ -66,23 +77,39 @@ class TimeStep:
         prescribed = equations.prescribed
         outcome = self.iteration.run(dt, prescribed.scale * prescribed.values(self.time)[prescribed.ramp])
         trace = tuple(outcome.trace)
-        reason = outcome.reason or self._end()
+        reason, longest = outcome.reason, None
+        if not reason and self.impacts is not None:
+            longest = self.impacts.met(self.contact_forces.normal, self.start.v, self.u - self.start.u)
+            reason = MEET if longest is not None else ""
+        reason = reason or self._end()
+        if not reason and self.impacts is not None:
+            longest, repeat = self.impacts.limit(self._diagonal())
+            reason = FRONTS if repeat else ""
         if reason:
             take_back(equations, state, start)
             return Step(
                 status=StepStatus.not_converged, iterations=len(trace), residual=outcome.residual.largest,
-                reason=reason, trace=trace,
+                reason=reason, trace=trace, longest=longest,
             )  # fmt: skip
         equations.accept()
         return Step(
-            state["work"], state["reaction"], iterations=len(trace), residual=outcome.residual.contact, trace=trace
-        )
+            state["work"], state["reaction"], iterations=len(trace), residual=outcome.residual.contact, trace=trace,
+            longest=longest,
+        )  # fmt: skip
+
+    def _diagonal(self) -> Floats:
+        """Diagonal (N, 2) [N/mm] of the stiffness of stresses in the last iteration."""
+        inertia = (2.0 / self.dt + self.damping) / self.dt * self.mass
+        diagonal: Floats = self.iteration.stiffness.diagonal().reshape(-1, 2)
+        return (diagonal - inertia) / self.share
 
     def _start(self, dt: float) -> None:
         equations, state = self.equations, self.state
         equations.begin_step(dt)
         self.start.take(state, equations)
         self.time, self.dt = state.time + dt, dt
+        if self.impacts is not None:
+            self.impacts.begin(dt)
         # the drift is that of the start, and follows until the middle of the step
         following = 0.5 * dt / equations.relaxation if equations.relaxation else 0.0
         self.damping = equations.damping / (1.0 + following)

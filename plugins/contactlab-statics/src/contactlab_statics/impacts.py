@@ -1,0 +1,107 @@
+"""Steps around an impact: one ends where surfaces meet, and those of the contact follow its waves.
+
+Contact forces act in the whole of a step in which surfaces meet, and take the work y . g of gaps g that were open at
+its start; the midpoint rule then spreads fronts over several steps and lets surfaces part too early. A step in which
+surfaces meet with more than `SHARE` of the energy of motion is therefore cut to end where they meet, and those after it
+are halved until the change of elastic forces in a step,
+
+    r = dt/12 |M^-1 (f+ - f)| / |v|,   |a|^2 = a . M a
+
+the leading error of the midpoint rule in velocities, is below `TOLERANCE` of the velocity before the impact, or waves
+pass no more than `COURANT` cells in a step. r falls with the square of the step in a smooth contact, and with its root
+behind a front.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from contactlab.api import Floats, ImplicitEquations, State
+
+SHARE = 2e-3  # of the energy of motion: what surfaces that meet in one step stop at an impact
+SLIGHT = 1e-4  # of the largest energy of motion so far: an impact of less is none
+TOLERANCE = 4e-3  # of the velocity before the impact
+REPEAT = 3.0  # tolerances: an error above is not accepted
+GROW = 1.0 / 6.0  # tolerances: an error below lets the next step be twice as long
+COURANT = 0.5  # cells that a wave passes in the shortest step
+SHORTEST = 1e-3  # of a step: what is left before surfaces meet is not worth a step of its own
+LARGEST, LIMIT, ENERGY = range(3)
+INTERNAL = 0  # of the works
+
+
+def impacts_of(equations: ImplicitEquations) -> bool:
+    """Whether contact stops surfaces at once: springs and potentials take their energy and give it back."""
+    contact = equations.contact
+    return contact is not None and contact.enforcement.exact and not contact.by_energy
+
+
+class Impacts:
+    """Judges steps with contact, and says how long the next may be.
+
+    memory  (3,) of the state: largest kinetic energy so far, most length of a step (0: any), kinetic energy before the
+            impact
+    """
+
+    def __init__(self, state: State, mass: Floats, mobility: Floats) -> None:
+        self.state, self.mass, self.mobility = state, mass, mobility
+        self.memory = state["impact"]
+        self.before: Floats = np.zeros_like(mass)
+        self.kinetic = self.stored = self.dt = 0.0
+        self.pressed = False
+
+    def begin(self, dt: float) -> None:
+        """Remember what the state is at the start of a step of length dt [s]."""
+        state, v = self.state, self.state["velocity"]
+        self.dt, self.before[:] = dt, state["internal_force"]
+        self.kinetic = 0.5 * float(np.vdot(self.mass * v, v))
+        self.memory[LARGEST] = max(float(self.memory[LARGEST]), self.kinetic)
+        # what supports would have done, had they pushed like this from the start: what they drive is no impact
+        driven = state.time * abs(float(np.vdot(state["reaction"], v)))
+        self.stored = abs(float(state["work"][INTERNAL])) + driven
+
+    def met(self, normal: Floats, velocity: Floats, moved: Floats) -> float | None:
+        """Length of a step that ends where surfaces meet; None if this one need not be cut.
+
+        normal    (N, 2) [N] contact forces of the step
+        velocity  (N, 2) [mm/s] at its start; `moved` (N, 2) [mm] displacements in it
+        """
+        self.pressed = bool(normal.any())
+        if not self.pressed:
+            return None
+        work = -float(np.vdot(normal, moved))
+        closing = max(-float(np.vdot(normal, velocity)) * self.dt, work)
+        least = SHARE * max(self.kinetic, self.stored)
+        if closing <= least or self.kinetic <= SLIGHT * self.memory[LARGEST]:
+            return None
+        share = min(work / closing, 0.9)
+        if work > least and share > SHORTEST:
+            return self.dt * share
+        if self.memory[LIMIT] == 0.0:
+            self.memory[LIMIT], self.memory[ENERGY] = self.dt, self.kinetic
+        return None
+
+    def limit(self, diagonal: Floats) -> tuple[float | None, bool]:
+        """Most length of the next step, None for any; and whether this one is to be repeated with it.
+
+        diagonal  (N, 2) [N/mm] of the stiffness in this step
+        """
+        memory, dt = self.memory, self.dt
+        if memory[LIMIT] == 0.0:
+            return None, False
+        before, error = float(memory[LIMIT]), 0.0
+        if self.pressed:
+            change = (self.state["internal_force"] - self.before) ** 2 * self.mobility
+            error = dt / 12.0 * float(np.sqrt(change.sum() / (2.0 * memory[ENERGY]))) / TOLERANCE
+            rate = float(np.vdot(change * self.mobility, diagonal)) / max(float(change.sum()), 1e-300)
+            shortest = COURANT * float(np.sqrt(2.0 / max(rate, 1e-300)))
+            if error > 1.0:
+                repeat = error > REPEAT and dt > shortest
+                share = 0.5 ** (np.ceil(np.log2(error)) if repeat else 1.0)
+                memory[LIMIT] = min(before, max(shortest, share * dt))
+                return float(memory[LIMIT]), repeat
+        if error < GROW:
+            if dt < before * (1.0 - 1e-9):
+                memory[LIMIT] = 0.0  # steps are what the scene wishes
+                return None, False
+            memory[LIMIT] = max(before, 2.0 * dt)
+        return float(memory[LIMIT]), False
