@@ -67,6 +67,8 @@ def page(rows: list[Row]) -> str:
 
 def table(rows: list[Row]) -> list[str]:
     """One line per measure, one column per algorithm; the reason of what failed or is silent below."""
+    if not rows:
+        return ["Not run yet."]
     contacts = list(dict.fromkeys(row["contact"] for row in rows))
     lines = ["| measure | allowed | " + " | ".join(contacts) + " |", "|---" * (len(contacts) + 2) + "|"]
     for name in dict.fromkeys(row["measure"] for row in rows):

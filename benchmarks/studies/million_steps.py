@@ -4,7 +4,7 @@
 
 Energy must never rise above that of the start, momentum must be what the walls gave, and the disc must stay inside.
 `cells` is 8x2 or 12x3. Rows of one mesh, algorithm and kind of forces each are kept in million_steps.csv;
-hard_cases.py puts them into build/docs/hard-cases.md.
+case_pages.py puts them into build/docs/hard-cases.md.
 """
 
 from __future__ import annotations

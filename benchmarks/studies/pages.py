@@ -25,19 +25,17 @@ sys.path[:0] = [str(HERE / place) for place in (".", "paper", "..", "../kernels"
 
 import baselines  # noqa: E402
 import bundled_scenes  # noqa: E402
+import case_pages  # noqa: E402
 import case_rows  # noqa: E402
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
 import effect_costs  # noqa: E402
-import friction  # noqa: E402
 import full_page  # noqa: E402
-import hard_cases  # noqa: E402
 import kept_runs  # noqa: E402
 import make  # noqa: E402
 import matrix_page  # noqa: E402
 import methods  # noqa: E402
 import references_page  # noqa: E402
-import statics_cases  # noqa: E402
 
 from contactlab.jobs.archive import FILE  # noqa: E402
 
@@ -50,9 +48,9 @@ def paper() -> str:
 BUILT: dict[str, Callable[[], str]] = {
     "cases.md": lambda: cases_page.page(cases_page.stored()),
     "full-matrix.md": lambda: full_page.page(full_page.stored()),
-    "hard-cases.md": lambda: hard_cases.page(hard_cases.stored()),
-    "statics-cases.md": lambda: statics_cases.page(statics_cases.stored()),
-    "friction.md": lambda: friction.page(friction.stored()),
+    "hard-cases.md": case_pages.hard_cases,
+    "statics-cases.md": case_pages.statics_cases,
+    "friction.md": case_pages.friction,
     "paper.md": paper,
     "bundled-scenes.md": lambda: bundled_scenes.page(bundled_scenes.stored()),
     "effect-costs.md": lambda: effect_costs.page(effect_costs.stored()),

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from statics.common import MORTARS, Figure, Rows, label, percent
 
 from contactlab.api import Floats
 from contactlab.run.simulation import simulate
@@ -98,49 +97,3 @@ def saw_tooth(along: Floats, force: Floats, size: float, start: float, end: floa
     smooth = np.convolve(values, np.full(window, 1.0 / window), mode="same")
     inside = (even > start) & (even < end)
     return float(np.abs(values - smooth)[inside].max() / np.abs(smooth[inside]).mean())
-
-
-def ironing_figures(found: Forces, judged: bool = True) -> list[Figure]:
-    """Against the published spread, and how smooth the vertical force is between 2 and 8 mm."""
-    half = 0.5 * SLIDE
-    values = {
-        "end of press": found.pressed,
-        "vertical half-way": float(np.interp(half, found.along, found.vertical)),
-        "horizontal half-way": float(np.interp(half, found.along, found.horizontal)),
-    }
-    figures = [Figure(f"{key} N/mm", value, *PUBLISHED[key]) for key, value in values.items()]
-    ratio = values["horizontal half-way"] / values["vertical half-way"]
-    tooth = saw_tooth(found.along, found.vertical, 0.1, 2.0, 8.0)
-    return [
-        *figures,
-        Figure("global friction ratio", ratio, 0.30, 0.53),
-        percent("saw-tooth of the vertical force", tooth, 1.0 if judged else np.inf),
-        Figure("iterations", float(found.iterations)),
-    ]
-
-
-def case_ironing() -> Rows:
-    """Eight steps per segment, either slave; then three meshes for an own value with an error bar."""
-    for algorithm in (*MORTARS, "node-on-segment"):
-        for swap in (False, True):
-            found = forces(ironing(algorithm, swap, steps=880))
-            variant = label(algorithm, "foundation slave" if swap else "block slave")
-            if found.status == "finished":
-                yield variant, ironing_figures(found, algorithm in MORTARS)
-            else:
-                pressed = Figure("end of press N/mm", found.pressed, *PUBLISHED["end of press"])
-                yield variant, [pressed, Figure(f"stopped at mm of {SLIDE:g}", float(found.along[-1]))]
-
-
-def case_ironing_converged() -> Rows:
-    """Half of the published mesh and the whole up to half-way, in steps of 1/12 mm; the difference is the error bar."""
-    slide = 0.5 * SLIDE
-    for cells, level in (([60, 15], 1), ([120, 30], 2)):
-        for algorithm in MORTARS:
-            halved = {"bodies.block.mesh.cells": [7, 6], "bodies.foundation.mesh.cells": [60, 15]}
-            found = forces(ironing(algorithm, steps=120, slide=slide, level=level).with_(halved), slide)
-            values = [found.pressed, float(found.vertical[-1]), float(found.horizontal[-1])]
-            figures = [
-                Figure(f"{key} N/mm", value, *PUBLISHED[key]) for key, value in zip(PUBLISHED, values, strict=True)
-            ]
-            yield label(algorithm, f"{cells[0]} x {cells[1]} cells"), figures

@@ -137,8 +137,7 @@ def test_a_folder_with_some_of_the_cases_leaves_the_others(pages: ModuleType) ->
 
 
 def test_tables_show_the_worst_of_variants_and_what_misses(pages: ModuleType) -> None:
-    from case_tables import table  # type: ignore[import-not-found]
-
+    table = pages.case_pages.table
     bounds = {"role": "error", "least": "-0.1", "most": "0.1", "unit": "", "verdict": "met", "reason": ""}
     values = {"": ("0.05", "met"), "upper=3": ("-0.2", "missed"), "upper=10": ("0.15", "missed")}
     rows = [
