@@ -7,9 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
+from contactlab.kernels.contact.factored_rows import FAR
+from contactlab.model.build import build
+from contactlab.parts.registry import default_registry
 from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
-from contactlab.scene.scene import load_scene
+from contactlab.scene.scene import Scene, load_scene
 
 SWAP = pytest.mark.parametrize("swap", [False, True])
 STATIC: dict[str, Any] = {"integrator": {"use": "newton", "steps": 3}, "supports.1.uy.to": -0.02}
@@ -63,3 +66,24 @@ def test_explicit_steps_give_the_mean_force_of_a_mortar_and_make_no_energy() -> 
     assert found == pytest.approx(expected, rel=0.03)
     made = points.history["energy.contact"].max()  # impacts take energy, and give none beyond round-off
     assert made < 1e-12 * np.abs(points.history["energy.external"]).max()
+
+
+def test_flanks_of_a_disc_have_no_condition() -> None:
+    """The gap counts along the normal of the slave: at half the height of a disc it is none, however high that is."""
+    scene = Scene.from_data({
+        "time": {"end": 1e-3}, "integrator": "central-difference",
+        "materials": {"m": {"use": "neo-hookean", "young": 1.0, "poisson": 0.3, "density": 1e-9}},
+        "bodies": {"disc": {"element": "q1", "material": "m", "shift": [0.0, 10.0],
+                            "mesh": {"use": "disc", "radius": 10.0, "cells": [8, 2]}}},
+        "rigid": {"floor": {"line": [[60.0, 0.0], [-40.0, 0.0]], "segment": 10.0}},
+        "contacts": [{"slave": "disc.arc", "master": "floor", "algorithm": "gauss-point"}],
+        "record": {"frames": 1, "recorders": []},
+    })  # fmt: skip
+    model = build(scene, default_registry())
+    pair = model.contact.pairs[0]
+    pair.update(model.reference, np.zeros((pair.method.memory_size, len(pair.slave.nodes))))
+    held = pair.gaps[:, 0] < FAR
+    height = model.reference[pair.slave.nodes, 1]
+    assert held[height < 0.5].all()
+    # the floor is 10 (1 - c) / c away along a normal of cosine c, within a reach of two of its segments: 20
+    assert not held[height > 10.0 * (1.0 - 1.0 / 3.0) + 2.0].any()

@@ -87,16 +87,21 @@ def _beyond(t, m, side, s):
     return LEAVE * min(1.0, t.slave_length[s] / t.master_length[m])
 
 
+# The gap of a Gauss point counts along the averaged normal of the slave: on a flank, where that lies across the way to
+# the foot, none would be left of it, however far the master is. So points reach as far along their normal as nodes do.
+
+
 @section
 def nearest_segment(t, x, s, last, best, reach, depth, p):
     """The nearer of `best` (segment, eta, distance) and the segments near slave segment s that x projects onto."""
     view, (found, share, nearest) = t.sides, best
     for z in range(view.near.start[s], view.near.start[s + 1]):
         m = view.near.master[z]
-        if x.normal.x * t.master_normal[m, 0] + x.normal.y * t.master_normal[m, 1] >= 0.0:
+        facing = -(x.normal.x * t.master_normal[m, 0] + x.normal.y * t.master_normal[m, 1])
+        if facing <= 0.0:
             continue
         gap, eta = foot(t, x, m, p)
-        if gap > reach or gap < -depth:
+        if gap > reach * (facing if POINTS > 0 else 1.0) or gap < -depth:
             continue
         if not (eta >= -_beyond(t, m, 0, s) and eta <= 1.0 + _beyond(t, m, 1, s)):
             continue
@@ -107,7 +112,7 @@ def nearest_segment(t, x, s, last, best, reach, depth, p):
 
 
 @section
-def nearest_vertex(t, x, s, best, reach):
+def nearest_vertex(t, x, s, best, reach, p):
     """The nearer of `best` (vertex, distance) and the vertices between two segments near slave segment s."""
     view, (found, nearest) = t.sides, best
     for z in range(view.near.start[s], view.near.start[s + 1]):
@@ -120,6 +125,10 @@ def nearest_vertex(t, x, s, best, reach):
         ny = t.master_normal[before, 1] + t.master_normal[after, 1]
         between = x.at - node(view.at.master, v)
         distance = between.length()
+        if POINTS > 0:
+            beyond = foot(t, x, before, p)[1] >= 1.0 - EDGE and foot(t, x, after, p)[1] <= EDGE
+            if not beyond or distance**2 > reach * abs(x.normal @ between):
+                continue
         if x.normal.x * nx + x.normal.y * ny < 0.0 and distance <= reach and distance < nearest:
             found, nearest = v, distance
     return found, nearest
@@ -144,7 +153,7 @@ def hold_nodes(t, reach, depth, p):
         if m < 0:
             for side in range(2):
                 if view.slave.node_segments[i, side] >= 0:
-                    vertex = nearest_vertex(t, x, view.slave.node_segments[i, side], vertex, reach)
+                    vertex = nearest_vertex(t, x, view.slave.node_segments[i, side], vertex, reach, p)
         v = vertex[0]
         if not (m < 0 and v < 0) and not (corners and stands_for(t, i, m, v)):
             count = hold(t, count, x, i, best[:2], v, reach, depth, p)
@@ -163,7 +172,7 @@ def hold_gauss_points(t, reach, depth, p):
             best, v = nearest_segment(t, x, s, last, (np.int64(-1), 0.0, np.inf), reach, depth, p), np.int64(-1)
             t.memory[g, i] = best[0] + 1
             if best[0] < 0:
-                v = nearest_vertex(t, x, s, (np.int64(-1), np.inf), reach)[0]
+                v = nearest_vertex(t, x, s, (np.int64(-1), np.inf), reach, p)[0]
             if best[0] >= 0 or v >= 0:
                 count = hold(t, count, x, q, best[:2], v, reach, depth, p)
     inward_normals(view.at.slave, view.slave.segments, t.out.normal)
