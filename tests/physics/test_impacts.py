@@ -6,6 +6,7 @@ masses slow waves: the mesh of 50 cells takes 2 to 3 % of the speed, whatever th
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
@@ -21,9 +22,13 @@ from contactlab.scene.scene import Scene
 CELLS, CONTACT, ARRIVAL = 50, 2.0 * LENGTH / SOUND, 0.237
 
 
+def found(steps: float, like: bool = False, impacts: bool = True) -> Mapping[str, Floats]:
+    return run(steps, like, impacts)[0]
+
+
 @cache
-def found(steps: float, like: bool = False, impacts: bool = True) -> dict[str, Floats]:
-    """Energies and speeds after every step of a run with so many wished `steps` in the time of the contact."""
+def run(steps: float, like: bool = False, impacts: bool = True) -> tuple[Mapping[str, Floats], dict[str, float]]:
+    """Energies and speeds after every step of a run with so many wished `steps` in 2 L/c, and its warnings."""
     bodies: dict[str, Any] = {
         "bar": strip((0.0, LENGTH), (0.0, 1.0), [CELLS, 1], velocity=[-SPEED, 0.0], shift=[SPEED * ARRIVAL, 0.0])
     }
@@ -44,23 +49,23 @@ def found(steps: float, like: bool = False, impacts: bool = True) -> dict[str, F
     kept = Series(("time", "energy", "work.contact", *(f"velocity.{name}.x" for name in bodies)))
     results = simulate(Scene.from_data(data | more), watch={"kept": kept})
     assert results.status == "finished"
-    return dict(results.watched["kept"])
+    return results.watched["kept"], {warning["code"]: warning["value"] for warning in results.summary["warnings"]}
 
 
 @pytest.mark.parametrize("steps", [10.0, 0.6])
 def test_bar_leaves_a_wall_as_fast_as_it_came(steps: float) -> None:
     """Within what the mesh leaves of it, 2.6 %: for 10 steps and for half of one; contact takes half a cell."""
-    run = found(steps)
-    assert run["velocity.bar.x"][-1] / SPEED == pytest.approx(0.974, abs=2e-3)
+    kept = found(steps)
+    assert kept["velocity.bar.x"][-1] / SPEED == pytest.approx(0.974, abs=2e-3)
     # the stopped node is 1/2N of the bar, and what is left open when a step ends where surfaces meet is below 1e-4
-    assert -run["work.contact"][-1] / ENERGY == pytest.approx(0.5 / CELLS, abs=1e-4)
-    assert np.diff(run["energy"]).max() < 1e-9 * ENERGY
+    assert -kept["work.contact"][-1] / ENERGY == pytest.approx(0.5 / CELLS, abs=1e-4)
+    assert np.diff(kept["energy"]).max() < 1e-9 * ENERGY
 
 
 def test_equal_bars_exchange_their_speeds() -> None:
-    run = found(10.0, like=True)
-    assert -run["velocity.wall.x"][-1] / SPEED == pytest.approx(1.0, abs=0.02)
-    assert run["velocity.bar.x"][-1] / SPEED == pytest.approx(0.0, abs=0.02)
+    kept = found(10.0, like=True)
+    assert -kept["velocity.wall.x"][-1] / SPEED == pytest.approx(1.0, abs=0.02)
+    assert kept["velocity.bar.x"][-1] / SPEED == pytest.approx(0.0, abs=0.02)
 
 
 def test_steps_as_they_are_lose_the_impact() -> None:
@@ -74,3 +79,13 @@ def test_only_the_impact_is_cut() -> None:
     np.testing.assert_allclose(lengths[:3], wished, rtol=1e-12)
     assert lengths[-3] == pytest.approx(wished, rel=1e-12)
     assert lengths.min() < 0.1 * wished
+
+
+@pytest.mark.parametrize(("steps", "impacts"), [(0.6, True), (10.0, False)])
+def test_few_wished_steps_in_a_contact_are_told(steps: float, impacts: bool) -> None:
+    """With their number, by the time 2 L/c; waves slowed by the mesh and steps make it a little longer."""
+    assert run(steps, False, impacts)[1]["few-steps-in-contact"] == pytest.approx(steps, rel=0.1 if impacts else 0.3)
+
+
+def test_enough_steps_in_a_contact_are_not_told() -> None:
+    assert "few-steps-in-contact" not in run(10.0, False, True)[1]

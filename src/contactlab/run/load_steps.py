@@ -20,6 +20,7 @@ from contactlab.run.swings import Swing, frame_warnings, step_warnings
 if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.model.implicit_model import ImplicitModel
+    from contactlab.run.contact_times import ContactTimes
 
 CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
 FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it
@@ -76,6 +77,11 @@ class LoadSchedule(Schedule):
         self.failed: Step | None = None  # the last attempt, where it failed
         self.given_up: SimulationFailure | None = None  # what the run would have ended in, while a step is stabilised
         self.stabilised = 0  # steps
+        self.contact_times: ContactTimes | None = None
+        if integrator.inertia and self.model.contact is not None:
+            from contactlab.run.contact_times import ContactTimes
+
+            self.contact_times = ContactTimes(self.model, self.wished * total)
         return self._length()
 
     def _too_many(self, number: float, integrator: ImplicitIntegrator) -> SceneError:
@@ -138,6 +144,8 @@ class LoadSchedule(Schedule):
     def _took(self, step: Step, dt: float) -> None:
         """Follow an accepted step: longer again where it was easy."""
         self.failed = None
+        if self.contact_times is not None:
+            self.contact_times.follow(step, dt)
         if self.given_up is not None:
             self.stabilised += 1
             self._stabilise(None)
@@ -311,8 +319,12 @@ class LoadSchedule(Schedule):
         return {"steps": self.stabilised, "work": took, "share": took / max(largest, 1e-300)}
 
     def verdict(self) -> None:
-        """As every run's; warns where stabilisation took much of the work."""
+        """As every run's; warns where stabilisation took much of the work, and of impacts that few steps make."""
         super().verdict()
+        if self.contact_times is not None:
+            key = "integrator.steps" if self.fixed is None else "time.step"
+            for warning in self.contact_times.warnings(key):
+                self.model.warnings.add(warning)
         took = self.stabilisation()
         if took and not abs(took["share"]) <= MUCH:
             self.model.warnings.add(RunWarning(
@@ -328,6 +340,8 @@ class LoadSchedule(Schedule):
         own = {"schedule.load": np.array([self.part, self.model.way_followed, self.stabilised])}
         if (contact := self._contact()) is not None:
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
+        if self.contact_times is not None:
+            own["schedule.contact_times"] = self.contact_times.numbers.copy()
         return super().saved() | own
 
     def restore(self, memory: Mapping[str, Floats]) -> None:
@@ -337,6 +351,8 @@ class LoadSchedule(Schedule):
         self.model.way_followed, self.stabilised = bool(followed), int(stabilised)
         if (contact := self._contact()) is not None:
             contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
+        if self.contact_times is not None:
+            self.contact_times.numbers[:] = memory["schedule.contact_times"]
 
 
 def repeats(before: Step, step: Step) -> bool:

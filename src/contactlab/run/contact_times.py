@@ -1,0 +1,60 @@
+"""How long impacts of implicit dynamics last beside the steps that the scene wishes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from contactlab.api import WORK, Floats, RunWarning, Step
+from contactlab.model.model import Model
+
+FEW = 5  # wished steps in the contact of an impact
+FRONT = 40  # of steps that are not cut: the midpoint rule then loses 5 % of the speed behind a sharp front
+LOST = 0.01  # of the energy of motion before it: a contact that takes more is an impact, if steps are not cut
+BEGUN, KINETIC, WORKED, CUT, SHORTEST, EVER = range(6)
+
+
+class ContactTimes:
+    """Follows contact from the first force to the last one.
+
+    numbers  begin of the present contact [s] (NaN: none), kinetic energy and work of contact [mJ] before it, whether
+             steps were cut in it, and the shortest impact so far [s]
+    """
+
+    def __init__(self, model: Model, wished: float) -> None:
+        self.model, self.wished = model, wished
+        self.numbers: Floats = np.array([np.nan, model.kinetic_energy(), 0.0, 0.0, np.inf, 0.0])
+
+    def follow(self, step: Step, dt: float) -> None:
+        """Look at the state after an accepted step of length dt [s]."""
+        state, n = self.model.state, self.numbers
+        n[CUT] = n[CUT] or step.longest is not None
+        if state["contact_force"].any():
+            if np.isnan(n[BEGUN]):
+                n[BEGUN] = state.time - dt
+            return
+        work = float(state["work"][WORK.index("contact")])
+        if not np.isnan(n[BEGUN]):
+            n[EVER] = n[EVER] or n[CUT]
+            if n[CUT] or n[WORKED] - work > LOST * n[KINETIC] > 0.0:
+                n[SHORTEST] = min(n[SHORTEST], state.time - dt - n[BEGUN])
+            n[BEGUN] = np.nan
+        n[KINETIC], n[WORKED], n[CUT] = self.model.kinetic_energy(), work, 0.0
+
+    def warnings(self, key: str) -> Iterator[RunWarning]:
+        """Warn of the shortest impact, if few wished steps make it; `key` is where the scene says how long they are."""
+        lasted, cut = float(self.numbers[SHORTEST]), bool(self.numbers[EVER])
+        limit, number = FEW if cut else FRONT, lasted / self.wished
+        if number >= limit:
+            return
+        done = (
+            "steps were cut to follow it, those between impacts are too long for the vibrations that it leaves"
+            if cut
+            else "how fast bodies rebound depends on the step; set integrator.impacts = true, or"
+        )
+        yield RunWarning(
+            "few-steps-in-contact", number, limit, key,
+            f"an impact lasts {lasted:.3g} s, {number:.2g} of the wished steps of {self.wished:.3g} s (limit {limit}): "
+            f"{done}{';' if cut else ''} take steps of {lasted / limit:.2g} s",
+        )  # fmt: skip
