@@ -85,5 +85,5 @@ def test_flanks_of_a_disc_have_no_condition() -> None:
     held = pair.gaps[:, 0] < FAR
     height = model.reference[pair.slave.nodes, 1]
     assert held[height < 0.5].all()
-    # the floor is 10 (1 - c) / c away along a normal of cosine c, within a reach of two of its segments: 20
-    assert not held[height > 10.0 * (1.0 - 1.0 / 3.0) + 2.0].any()
+    # from a cosine of 0.2 between the normals of both sides on, and half a segment of 1.96 beside
+    assert not held[height > 10.0 * (1.0 - 0.2) + 1.96].any()

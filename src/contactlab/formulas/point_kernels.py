@@ -21,6 +21,7 @@ from contactlab.formulas.segment_normals import inward_normals, node, turn_norma
 
 HOLD = Slot("HOLD")
 LEAVE = 0.02  # beyond the ends of a chain, of the shorter segment: bodies of one width spread differently
+FLANK = 0.2  # cosine: the gap of a Gauss point counts along the slave's normal, across the way to the foot none is left
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
 
 
@@ -87,10 +88,6 @@ def _beyond(t, m, side, s):
     return LEAVE * min(1.0, t.slave_length[s] / t.master_length[m])
 
 
-# The gap of a Gauss point counts along the averaged normal of the slave: on a flank, where that lies across the way to
-# the foot, none would be left of it, however far the master is. So points reach as far along their normal as nodes do.
-
-
 @section
 def nearest_segment(t, x, s, last, best, reach, depth, p):
     """The nearer of `best` (segment, eta, distance) and the segments near slave segment s that x projects onto."""
@@ -98,10 +95,10 @@ def nearest_segment(t, x, s, last, best, reach, depth, p):
     for z in range(view.near.start[s], view.near.start[s + 1]):
         m = view.near.master[z]
         facing = -(x.normal.x * t.master_normal[m, 0] + x.normal.y * t.master_normal[m, 1])
-        if facing <= 0.0:
+        if facing <= (FLANK if POINTS > 0 else 0.0):
             continue
         gap, eta = foot(t, x, m, p)
-        if gap > reach * (facing if POINTS > 0 else 1.0) or gap < -depth:
+        if gap > reach or gap < -depth:
             continue
         if not (eta >= -_beyond(t, m, 0, s) and eta <= 1.0 + _beyond(t, m, 1, s)):
             continue
@@ -127,7 +124,7 @@ def nearest_vertex(t, x, s, best, reach, p):
         distance = between.length()
         if POINTS > 0:
             beyond = foot(t, x, before, p)[1] >= 1.0 - EDGE and foot(t, x, after, p)[1] <= EDGE
-            if not beyond or distance**2 > reach * abs(x.normal @ between):
+            if not beyond or abs(x.normal @ between) < FLANK * distance:
                 continue
         if x.normal.x * nx + x.normal.y * ny < 0.0 and distance <= reach and distance < nearest:
             found, nearest = v, distance
