@@ -64,7 +64,7 @@ def jobs(words: list[str]) -> Iterator[Asked]:
         case = registry.make("case", name)
         for element in case.elements:
             for swap in (False, True):
-                setup = Setup(registry.names("contact")[0], swap, element, case.integrators[0])
+                setup = Setup("mortar-dual", swap, element, case.integrators[0])
                 for job in case.plan(setup, {}):
                     if job.guards:
                         yield f"{name} {job.name}", str(element), swap, partial(scene_of, job, registry)

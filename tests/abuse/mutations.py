@@ -68,6 +68,22 @@ CONTACT = (
     _method(_DERIVATIVES, "node-on-segment", "derivatives of normals forgotten", "super().derivatives(view, pieces, count, out)", "out.normal_count = 0", "return True"),
     M("contact", "node-on-segment", "feet seen from the other end", "return ((x.at - master.start) @ edge) / (edge @ edge)", "return 1.0 - ((x.at - master.start) @ edge) / (edge @ edge)"),
     M("contact", "node-on-segment", "feet beside the closest point", "return ((x.at - master.start) @ edge) / (edge @ edge)", "return ((x.at - master.start) @ edge) / (edge @ edge) + 0.05"),
+    *_of(
+        "contact", "barrier",
+        ("pulls where it should push", "return np.asarray(found).reshape(-1, 2)", "return -np.asarray(found).reshape(-1, 2)"),
+        ("half of the Hessian", "return self._barrier(view).hessian(", "return 0.5 * self._barrier(view).hessian("),
+        ("steps through the other side", "displacement / (1.0 - KEPT)", "0.0 * displacement"),
+        ("friction that drives", "found = potential.gradient(rubbing", "found = -potential.gradient(rubbing"),
+        ("ignores mu", "bound.coefficient)", "1.0)"),
+        ("friction without stiffness", "return potential.hessian(rubbing", "return 0.0 * potential.hessian(rubbing"),
+        ("slip from the beginning of the run", "positions - view.start)\n        return np.asarray", "positions - view.reference)\n        return np.asarray"),
+        ("a distance without a unit", "return self.dhat * float(", "return self.dhat + 0.0 * float("),
+        ("a scale of pressure without a unit", "pressure = self.stiffness * float(", "pressure = 1e5 * self.stiffness + 0.0 * float("),
+        ("energies without lengths", "use_physical_barrier=True", "use_physical_barrier=False"),
+        ("forces without lengths", "found.use_area_weighting = True", "found.use_area_weighting = False"),
+        ("sides that do not see each other", "(np.arange(len(points)) >= slaves)", "(np.arange(len(points)) >= 0)"),
+        ("says that it passes the patch test", "passes_patch_test: ClassVar[bool] = False", "passes_patch_test: ClassVar[bool] = True"),
+    ),
 )  # fmt: skip
 
 MATERIAL = (

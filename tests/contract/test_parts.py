@@ -21,7 +21,7 @@ def installed() -> list[tuple[str, str]]:
 CASES = [
     pytest.param(kind, name, check, id=f"{kind}-{name}-{check.__name__}")
     for kind, name in installed()
-    for check in checks_for(kind)
+    for check in checks_for(kind, default_registry().part_class(kind, name))
 ]
 
 
@@ -34,7 +34,7 @@ def test_part(kind: str, name: str, check: Check) -> None:
 def test_no_part_escapes_its_checks(kind: str, name: str) -> None:
     """A new part whose fields have no usual value would be skipped silently: `USUAL` must know them."""
     part: Any = example(default_registry(), kind, name)
-    assert len(checks_for(kind)) > 0
+    assert len(checks_for(kind, type(part))) > 0
     assert type(part) is default_registry().part_class(kind, name)
 
 

@@ -24,6 +24,7 @@ import contactlab
 
 ROOT = Path(__file__).parents[2]
 PROJECTS = [ROOT, *sorted(path.parent for path in (ROOT / "plugins").glob("*/pyproject.toml"))]
+OPTIONAL = {"contactlab-ipc"}  # by an extra of the core: its library has no wheels for some machines
 NAMES = {path: "contactlab" if path == ROOT else path.name for path in PROJECTS}
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.egg-info", "build", "dist")
 
@@ -175,7 +176,7 @@ def run(alone: Path, folder: Path, *words: str, **variables: str) -> str:
 def test_the_one_name_brings_parts_that_can_be_imported(alone: Path, tmp_path: Path) -> None:
     listed = json.loads(run(alone, tmp_path, "parts", "--json"))
     assert not listed["broken"]
-    assert {part["distribution"] for part in listed["parts"]} == set(NAMES.values())
+    assert {part["distribution"] for part in listed["parts"]} == set(NAMES.values()) - OPTIONAL
     where = "import contactlab, contactlab_mortar; print(contactlab.__file__, contactlab_mortar.__file__)"
     found = subprocess.run([alone.with_name("python"), "-c", where], capture_output=True, text=True, check=True).stdout
     assert all(str(alone.parents[1]) in path for path in found.split())

@@ -70,7 +70,7 @@ def answer(trials: Trials) -> Chosen:
     elif finished:
         place = _least_error(trials, finished, truth)
     else:
-        first = Configuration(trials.registry.names("contact")[0]), 1
+        first = Configuration(trials.registry.names("contact")[-1]), 1
         place = max(trials.all, key=lambda p: trials.all[p].reached, default=first)
     configuration, level = place
     error, interval = math.nan, None

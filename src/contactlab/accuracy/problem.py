@@ -11,7 +11,7 @@ from typing import Any
 from contactlab.accuracy.scene_case import SceneCase
 from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
 from contactlab.api import Case, Measure, Setup
-from contactlab.cases.run_case import with_fields
+from contactlab.cases.run_case import unfit, with_fields
 from contactlab.errors import RequestError, did_you_mean
 from contactlab.parts.registry import Registry, split_spec
 
@@ -30,7 +30,7 @@ class Problem:
         """What the case is put to."""
         return Setup(contender.algorithm, swap, contender.element, contender.integrator, level)
 
-    def refusal(self, contender: Contender, swap: bool) -> str:
+    def refusal(self, contender: Contender, swap: bool, registry: Registry) -> str:
         """Why a contender cannot be put to it; empty where it can."""
         if not isinstance(self.case, SceneCase):
             for kind, spec, allowed in (
@@ -40,7 +40,7 @@ class Problem:
                 names = [_use(kind, each) for each in allowed]
                 if _use(kind, spec) not in names:
                     return f"the case is made for {kind} {', '.join(names)}"
-        return self.case.applies(self.setup(contender, swap, 1))
+        return unfit(self.case, self.setup(contender, swap, 1), registry)
 
     def measure(self, setup: Setup) -> Measure:
         """The error that counts. Raises RequestError where the case has none."""

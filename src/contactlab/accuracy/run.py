@@ -185,7 +185,7 @@ def plan(study: CaseStudy, registry: Registry) -> tuple[list[Asked], list[LineTa
             (contender, swap)
             for contender in contenders(study, registry)
             for swap in (False, True)
-            if SLAVES[swap] in (contender.slaves or SLAVES) and not problem.refusal(contender, swap)
+            if SLAVES[swap] in (contender.slaves or SLAVES) and not problem.refusal(contender, swap, registry)
         ]
         if not fitting:
             continue

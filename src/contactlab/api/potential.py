@@ -60,10 +60,12 @@ class Potential(ContactMethod):
     Positions (n, 2) [mm] and all results follow the numbers of the `PotentialView`. Surfaces that drifted too close
     may be answered with numbers that are not finite: the integrator then takes a shorter correction.
 
-    rubs  True if it has `friction_gradient`; contacts with friction refuse it otherwise
+    rubs     True if it has `friction_gradient`; contacts with friction refuse it otherwise
+    adheres  True if that knows bounds beyond a coefficient; contacts with such laws (Tresca) refuse it otherwise
     """
 
     rubs: ClassVar[bool] = False
+    adheres: ClassVar[bool] = False
 
     def clearance(self, view: PotentialView) -> float:
         """Distance [mm] that surfaces need before the run, 0 if they may touch.

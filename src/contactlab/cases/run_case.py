@@ -7,12 +7,12 @@ from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from contactlab.api import Case, Job, Record, Setup
+from contactlab.api import Case, Job, Potential, Record, Setup
 from contactlab.errors import PartError, RequestError
 from contactlab.jobs.perform import made, watches_of
 from contactlab.jobs.record import refused
 from contactlab.jobs.run import Run, here
-from contactlab.parts.registry import Registry, default_registry
+from contactlab.parts.registry import Registry, default_registry, split_spec
 from contactlab.scene.scene import Scene, load_scene
 
 MOST_JOBS = 40
@@ -23,7 +23,10 @@ RunJob = Callable[[Job, Scene], Record]
 Done = tuple[dict[str, Job], dict[str, Record]]
 """Jobs of a case and their records, by name."""
 
-__all__ = ["MOST_JOBS", "case_plan", "evaluated", "run_case", "run_job", "scene_of", "watches_of", "with_fields"]
+__all__ = [
+    "MOST_JOBS", "case_plan", "evaluated", "is_potential", "run_case", "run_job", "scene_of", "unfit", "watches_of",
+    "with_fields",
+]  # fmt: skip
 
 run_job: RunJob = made
 
@@ -36,6 +39,35 @@ def scene_of(job: Job, registry: Registry | None = None) -> Scene:
     else:
         scene = Scene.from_data({"name": job.name, **job.scene}, registry=registry)
     return scene.with_({"record.recorders": [], "record.frames": job.frames, **job.changes})
+
+
+def is_potential(spec: Any, registry: Registry) -> bool:
+    """Whether this contact algorithm is a potential; one that cannot be imported is not."""
+    try:
+        return issubclass(registry.part_class("contact", split_spec("contact", spec, "")[0]), Potential)
+    except RequestError:
+        return False
+
+
+def unfit(case: Case, setup: Setup, registry: Registry) -> str:
+    """Why a case cannot be run with this setup, also by what its contact algorithm refuses; empty if it can."""
+    why = case.applies(setup)
+    if why or not is_potential(setup.algorithm, registry):
+        return why
+    from contactlab.model.contact.potential_start import refuse_potential
+
+    for job in case.plan(setup, {}):
+        scene = scene_of(job, registry)
+        integrator = registry.make("integrator", scene.integrator)
+        for contact in scene.contacts:
+            algorithm = registry.make("contact", contact.algorithm)
+            try:
+                if isinstance(algorithm, Potential):
+                    law = registry.make("friction", contact.friction) if contact.friction else None
+                    refuse_potential(algorithm, contact, integrator, law, "")
+            except RequestError as error:
+                return error.problem
+    return ""
 
 
 def case_plan(

@@ -79,7 +79,7 @@ def print_how_to_look(folder: Path, registry: Registry, out: Console) -> None:
     line = ""
     if can_be_shown(folder, registry):
         line = f"look at it: {shlex.join(['contactlab', 'view', str(folder)])}"
-    elif showing_recorder(registry) is None and (missing := registry.missing_packages()):
+    elif showing_recorder(registry) is None and (missing := registry.missing_packages(optional=False)):
         line = f"no timeline was recorded, as no viewer is installed: pip install {' '.join(missing)}"
     if line:
         out.print(line, markup=False, highlight=False, soft_wrap=True)

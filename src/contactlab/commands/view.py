@@ -98,7 +98,7 @@ def _recorder(registry: Registry) -> Recorder:
         raise RequestError(
             "no installed recorder makes recordings that can be looked at",
             where="view",
-            hint=" ".join(["pip install", *registry.missing_packages()]) + ", which usually brings one",
+            hint=" ".join(["pip install", *registry.missing_packages(optional=False)]) + ", which usually brings one",
         )
     return recorder
 

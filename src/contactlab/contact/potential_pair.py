@@ -20,11 +20,11 @@ LAGGED = 1e-4  # of the largest force: friction forces that change less by newer
 
 
 class Opened(StartGaps):
-    """Surfaces that touched before the run, and were opened by `amount` [mm]; all gaps count in full."""
+    """Surfaces that touched and were opened before the run; all gaps count in full."""
 
-    def __init__(self, slots: int, amount: float) -> None:
+    def __init__(self, slots: int, opened: float) -> None:
         super().__init__(np.zeros(slots))
-        self.amount = amount
+        self.opened = opened
 
     def uncounted(self) -> float:
         """None of them."""
@@ -33,7 +33,7 @@ class Opened(StartGaps):
     def told(self) -> str:
         """The amount."""
         return (
-            f"surfaces that touch before the run were opened by up to {self.amount:.4g} mm, as the algorithm needs; "
+            f"surfaces that touch before the run were opened by up to {self.opened:.4g} mm, as the algorithm needs; "
             "nodes of the slave were moved, and nothing is strained"
         )
 

@@ -19,11 +19,13 @@ class StartGaps(ABC):
     ramped     whether the scene asks for an overlap to be pushed out, so that contact puts energy in on purpose
     lasting    whether the gaps of the start never come to count
     by_facets  whether no node overlaps, and the facets alone make weighted gaps negative
+    opened     by how much nodes of the slave were moved at most to open surfaces that touched [mm]
     """
 
     ramped: ClassVar[bool] = False
     lasting: ClassVar[bool] = False
     by_facets: ClassVar[bool] = False
+    opened: float = 0.0
 
     def __init__(self, value: Floats) -> None:
         self.value = value

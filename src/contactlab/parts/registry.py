@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.metadata import EntryPoint
+from importlib.metadata import EntryPoint, requires
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,7 @@ from contactlab.api.part import CONTRACT_VERSION, KINDS, Part, what_to_change
 from contactlab.errors import NOTHING, PartError, RequestError, SceneError, Where, below, did_you_mean, one_line, show
 from contactlab.parts import contract
 from contactlab.parts import loading as plugins
-from contactlab.parts.loading import Broken, Origin, Plugin
+from contactlab.parts.loading import CORE, Broken, Origin, Plugin
 from contactlab.parts.scenes_and_commands import KEBAB, commands_of, scenes_of
 from contactlab.scene.fields import PartSpec, as_data
 from contactlab.scene.reading import read_table
@@ -211,10 +211,12 @@ class Registry:
         also = f", or leave {plugins.RESTRICT} away, which lets {hidden} through alone" if hidden else ""
         return f"{bringing[0]} brings it: pip install {bringing[0]}{also}"
 
-    def missing_packages(self) -> list[str]:
-        """Usual plugins that are not installed."""
+    def missing_packages(self, optional: bool = True) -> list[str]:
+        """Plugins of this repository that are not installed; without the `optional` ones, those the core requires."""
         here = {plugin.origin.distribution for plugin in self._plugins}
-        return [package for package in known_packages() if package not in here]
+        missing = [package for package in known_packages() if package not in here]
+        needs = " ".join(line for line in requires(CORE) or () if "extra ==" not in line)
+        return [package for package in missing if optional or package in needs]
 
     def part_class(self, kind: str, name: str, where: Where = "") -> type[Any]:
         """The class of a part, imported now and checked against the contract.

@@ -162,11 +162,13 @@ def _derived(model: Model, name: str) -> dict[str, Any]:
 
 
 def _start(model: Model, name: str) -> dict[str, Any]:
-    """Distances of the start [mm] that count as gaps of zero: least and largest, or the weak overlap by facets."""
+    """What was done about gaps of the start [mm]: least and largest that count as zero, overlap by facets, opening."""
     for pair in model.contact.pairs if model.contact is not None else ():
         if pair.name == name and (start := pair.start_gaps) is not None:
             if start.lasting:
                 return {"start_distance": [float(start.value.min()), float(start.value.max())]}
+            if start.opened:
+                return {"opened": start.opened}
             return {"facet_overlap": -float(start.value.min())} if start.by_facets else {}
     return {}
 

@@ -13,12 +13,12 @@ from contactlab.cases.run_case import MOST_JOBS, evaluated, scene_of, watches_of
 from contactlab.parts.registry import default_registry
 from contactlab.scene.fields import as_data
 from contactlab.testing.assertions import Check, require
-from contactlab.testing.partners import partners
+from contactlab.testing.partners import partners, usual_algorithm
 
 
 def setups(case: Case) -> Iterator[Setup]:
     """Every integrator and element of the case, with a shipped contact algorithm; either slave where it applies."""
-    algorithm = partners(default_registry(), "contact")[0]
+    algorithm = usual_algorithm(default_registry())
     for integrator in case.integrators:
         for element in case.elements:
             for swap in (False, True):

@@ -7,9 +7,7 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
-from contactlab.api import Potential
 from contactlab.errors import PartError, SceneError, one_line
-from contactlab.testing.assertions import Check
 from contactlab.testing.cost import Cost, costs
 from contactlab.testing.examples import refused
 from contactlab.testing.run import Outcome, checks_for, run_check
@@ -78,7 +76,7 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
         return
     failed = False
     fatal = False
-    checks = _checks_of(subject)
+    checks = checks_for(subject.kind, subject.part_class)
     known = {*check_names(subject.kind), *(check.__name__ for check in checks)}
     wanted = {*only, *FATAL} if only else known
     for check in checks:
@@ -101,15 +99,6 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
             yield Outcome(scenario.__name__, says, "not applicable", why)
         else:
             yield run_check(scenario, subject)
-
-
-def _checks_of(subject: Subject) -> tuple[Check, ...]:
-    """Checks of its kind; potentials set no conditions and have checks of their own."""
-    if issubclass(subject.part_class, Potential):
-        from contactlab.testing.potential import CHECKS
-
-        return CHECKS
-    return checks_for(subject.kind)
 
 
 def keeps_the_contract(subject: Subject) -> None:

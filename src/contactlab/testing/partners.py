@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from contactlab.parts.loading import CORE
 from contactlab.parts.registry import Registry, known_packages
+from contactlab.testing.assertions import NotApplicable
 
 
 def partners(registry: Registry, kind: str) -> list[str]:
     """Names of the installed parts of one kind that packages of this repository bring, in alphabetical order."""
     ours = {CORE, *known_packages()}
     return [n for n in registry.names(kind) if registry.offer(kind, n).origin.distribution in ours]
+
+
+def usual_algorithm(registry: Registry) -> str:
+    """A shipped contact algorithm that passes the patch test."""
+    for name in partners(registry, "contact"):
+        if registry.part_class("contact", name).passes_patch_test:
+            return name
+    raise NotApplicable("no contact algorithm that passes the patch test is installed")

@@ -101,11 +101,13 @@ def steps_end_before_surfaces_meet(potential: Potential) -> None:
 
 
 def friction_opposes_slip(potential: Potential) -> None:
-    """Friction takes energy, grows with the normal force, and is at most the bound."""
+    """Friction is zero without slip, takes energy, and is at most the bound."""
     view, at = _pressed(potential)
     if not potential.rubs:
         raise NotApplicable("it has no friction")
     view = view._replace(friction=FrictionBound(0.3, 0.0, np.inf))
+    still = np.asarray(potential.friction_gradient(view, at))
+    agree(still, np.zeros_like(at), ROUND_OFF * _scale(potential, view, at), "friction without slip since view.start")
     slip = np.zeros_like(at)
     slip[: len(view.slave.nodes), 0] = 0.1 * float(view.length.min())
     force = -potential.friction_gradient(view, at + slip)

@@ -10,6 +10,7 @@ from pathlib import Path
 from traceback import walk_tb
 from typing import Any, Literal
 
+from contactlab.api import Potential
 from contactlab.api.part import KINDS
 from contactlab.errors import RequestError, one_line
 from contactlab.testing.assertions import Check, Expected, NotApplicable, Undeclared
@@ -31,17 +32,18 @@ class Outcome:
     reason: str = ""
 
 
-def checks_for(kind: str) -> tuple[Check, ...]:
-    """The checks of a kind; none for what is no kind of part."""
+def checks_for(kind: str, cls: type | None = None) -> tuple[Check, ...]:
+    """The checks of a kind; none for what is no kind of part. Potentials set no conditions and have their own."""
     if kind not in KINDS:
         return ()
-    checks: tuple[Check, ...] = importlib.import_module(f"contactlab.testing.{kind}").CHECKS
+    room = "potential" if cls is not None and issubclass(cls, Potential) else kind
+    checks: tuple[Check, ...] = importlib.import_module(f"contactlab.testing.{room}").CHECKS
     return checks
 
 
 def run_checks(kind: str, part: object) -> list[Outcome]:
     """Every check of the kind on one part. Parts that raise anything have failed the check."""
-    return [run_check(check, part) for check in checks_for(kind)]
+    return [run_check(check, part) for check in checks_for(kind, type(part))]
 
 
 def run_check(check: Check, part: object) -> Outcome:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contactlab.api import Job, Measure
-from contactlab.cases.run_case import case_plan, evaluated
+from contactlab.cases.run_case import case_plan, evaluated, unfit
 from contactlab.cases.verdict import Finding, judge
 from contactlab.errors import ContactlabError
 from contactlab.jobs.archive import Archive
@@ -53,7 +53,7 @@ def cell_plan(cell: Cell, registry: Registry) -> Generator[Sequence[Run], Sequen
 
     try:
         case = cell.case(registry)
-        why = case.applies(cell.setup)
+        why = unfit(case, cell.setup, registry)
         if why:
             return CellResult("not-applicable", "", why)
         _, done = yield from case_plan(case, cell.setup, registry, asked)

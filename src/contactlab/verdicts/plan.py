@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contactlab.api import Case, Setup
+from contactlab.cases.run_case import is_potential
 from contactlab.errors import RequestError, did_you_mean
 from contactlab.parts.registry import Registry
 
@@ -60,9 +61,14 @@ class Request:
 
 
 def plan(request: Request, registry: Registry) -> list[Cell]:
-    """The cells in the order of the table. Raises RequestError for a name that is not installed."""
+    """The cells in the order of the table. Raises RequestError for a name that is not installed.
+
+    Potentials take many times the iterations of others: they are in the full form, or asked for by name.
+    """
     names = _known("case", request.cases, registry)
     contacts = _known("contact", request.contacts, registry)
+    if not request.contacts and not request.full:
+        contacts = [name for name in contacts if not is_potential(name, registry)] or contacts
     return [cell for name in names for cell in _cells(name, contacts, request, registry)]
 
 

@@ -16,7 +16,7 @@ from contactlab.accuracy.point import Point, Task, named, point_plan
 from contactlab.accuracy.problem import choices, contenders, problem_of
 from contactlab.accuracy.run import GROWTH, Budget, LineTasks, expected_cost, line_plan, plan
 from contactlab.accuracy.study import CaseChoice, Contender, bundled_case_studies, find_case_study
-from contactlab.api import Setup
+from contactlab.api import Potential, Setup
 from contactlab.cli import main
 from contactlab.errors import RequestError
 from contactlab.jobs.run import here
@@ -48,7 +48,8 @@ def test_the_demo_begins_with_statics() -> None:
     asked, lines = plan(study, default_registry())
     assert len(asked) == 1
     levels = {line.tasks[0].contender.label: [task.level for task in line.tasks] for line in lines}
-    assert len(levels) == 2 * len(default_registry().names("contact"))
+    classes = [default_registry().part_class("contact", name) for name in default_registry().names("contact")]
+    assert len(levels) == sum(1 if issubclass(cls, Potential) else 2 for cls in classes)
     assert all(found == ([1, 2] if name.endswith("explicit") else [1, 2, 3, 4]) for name, found in levels.items())
     for line in lines:  # level 2 of statics comes before level 1 of explicit runs
         assert (line.place(line.tasks[1], 0.0) < (1, 1)) == (line.tasks[0].contender.way == "statics")

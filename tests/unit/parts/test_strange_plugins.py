@@ -20,8 +20,7 @@ from contactlab.parts.loading import Origin, Plugin
 from contactlab.parts.registry import Registry
 from contactlab.run.load_steps import repeats
 from contactlab.scene.scene import load_scene
-from contactlab.testing.partners import partners
-from contactlab.testing.scenarios.cases import usual_algorithm
+from contactlab.testing.partners import partners, usual_algorithm
 
 Install = Callable[..., None]
 HEAD = "from contactlab.api.plugin import Part, hookimpl\n"

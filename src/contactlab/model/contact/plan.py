@@ -119,6 +119,7 @@ def _plan(
             allowed=f'"{integrator.default_enforcement}" (what is used when nothing is written)',
         )
     algorithm = registry.make("contact", spec.algorithm, below(where, "algorithm"))
+    friction = registry.make("friction", spec.friction, below(where, "friction")) if spec.friction else None
     explicit = issubclass(integrator.needs, ExplicitEnforcement)
     if algorithm.explicit_only and not explicit:
         raise PartError(
@@ -130,14 +131,14 @@ def _plan(
     if isinstance(algorithm, Potential):
         from contactlab.model.contact.potential_start import refuse_potential
 
-        refuse_potential(algorithm, spec, integrator, where)
+        refuse_potential(algorithm, spec, integrator, friction, where)
     return ContactPlan(
         name,
         spec.name or name,
         algorithm,
         split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions),
         _surface(master, bodies, rigid, below(where, master_key)),
-        registry.make("friction", spec.friction, below(where, "friction")) if spec.friction else None,
+        friction,
         enforcement,
         spec.sides,
         spec.start,

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import ExplicitIntegrator, Floats, Integrator, Potential
+from contactlab.api import ExplicitIntegrator, Floats, FrictionLaw, Integrator, Potential
+from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.contact.closest import closest_points, first_crossing
 from contactlab.errors import PartError, SceneError, below
 from contactlab.kernels.contact.search import near_segments
 from contactlab.model.bodies.body import Body, positions_of
-from contactlab.model.contact.initial_gap import moved_body
+from contactlab.model.contact.initial_gap import moved_body, refuse_overlap
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
@@ -23,7 +24,9 @@ ROUNDS = 60
 SETTLED = 1e-9  # of the clearance: round-off of positions
 
 
-def refuse_potential(potential: Potential, spec: Any, integrator: Integrator, where: Where) -> None:
+def refuse_potential(
+    potential: Potential, spec: Any, integrator: Integrator, friction: FrictionLaw | None, where: Where
+) -> None:
     """Raise PartError or SceneError for a contact that a potential cannot be used for."""
     if isinstance(integrator, ExplicitIntegrator):
         raise PartError(
@@ -33,7 +36,12 @@ def refuse_potential(potential: Potential, spec: Any, integrator: Integrator, wh
             allowed="with an implicit integrator: newton or implicit-dynamics",
             hint="take a mortar here, or change integrator.use",
         )  # fmt: skip
-    if spec.friction and not potential.rubs:
+    if friction is not None and potential.rubs and friction.bound().adhesion and not potential.adheres:
+        raise PartError(
+            "this contact algorithm knows friction by a coefficient alone", where=below(where, "friction"),
+            got=spec.friction, allowed="a law without adhesion, as coulomb", hint="take a mortar for this law",
+        )  # fmt: skip
+    if friction is not None and not potential.rubs:
         raise PartError(
             "this contact algorithm has no friction", where=below(where, "friction"), got=spec.friction,
             allowed="not written", hint="take the friction out, or another algorithm",
@@ -61,21 +69,25 @@ def opened(
     positions, found = positions_of(bodies, rigid), []
     modulus = stiffness_behind(bodies, len(positions))
     for plan in plans:
-        amount = _open(plan, positions, modulus) if isinstance(plan.algorithm, Potential) else 0.0
+        amount = _open(plan, bodies, positions, modulus) if isinstance(plan.algorithm, Potential) else 0.0
         found.append(replace(plan, opened=amount) if amount > 0.0 else plan)
     if not any(plan.opened for plan in found):
         return plans, bodies
     return tuple(found), tuple(moved_body(body, positions, plans[0].where) for body in bodies)
 
 
-def _open(plan: ContactPlan, positions: Floats, modulus: Floats) -> float:
-    """Move slave nodes in `positions` into their body until surfaces are apart; by how much at most [mm]."""
+def _open(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats, modulus: Floats) -> float:
+    """Move slave nodes in `positions` into their body until surfaces are apart; by how much at most [mm].
+
+    All move first by the largest distance that is missing, so that the gap keeps its shape.
+    """
     pair: Any = plan.pair(positions, 0, np.zeros(len(positions), np.bool_), modulus)
     clearance = float(pair.potential.clearance(pair.view))
     if not clearance > 0.0:
         return 0.0
+    refuse_overlap(plan, pair, bodies, positions)
     slave, master, before = plan.slave, plan.master, positions[plan.slave.nodes].copy()
-    for _ in range(ROUNDS):
+    for turn in range(ROUNDS):
         x, y = positions[slave.nodes], positions[master.nodes]
         move = np.zeros_like(x)
         lacks = np.zeros(len(x))
@@ -91,6 +103,11 @@ def _open(plan: ContactPlan, positions: Floats, modulus: Floats) -> float:
                         lacks[node], move[node] = lack[row], lack[row] * away
         if not lacks.any():
             return float(np.hypot(*(x - before).T).max())
+        if turn == 0:
+            across, lengths = np.zeros((len(slave.segments), 2)), np.zeros(len(slave.segments))
+            segment_normals(x, slave.segments, across, lengths)
+            nodal_normals(slave.node_segments, across, lengths, move)
+            move *= -lacks.max()
         positions[slave.nodes] += move
     raise SceneError(
         "surfaces cannot be opened for this contact algorithm", where=plan.where,

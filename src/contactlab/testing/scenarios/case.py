@@ -5,7 +5,7 @@ from __future__ import annotations
 from contactlab.api import Case, Setup
 from contactlab.cases.run_case import evaluated, run_case
 from contactlab.testing.assertions import require
-from contactlab.testing.scenarios.cases import usual_algorithm
+from contactlab.testing.partners import usual_algorithm
 from contactlab.testing.spoilt import spoilt
 from contactlab.testing.subject import Subject
 

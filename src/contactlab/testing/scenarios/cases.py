@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contactlab.api import Case, Setup
-from contactlab.cases.run_case import evaluated, run_case
+from contactlab.cases.run_case import evaluated, run_case, unfit
 from contactlab.cases.verdict import Finding, allowed, judge
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.testing.assertions import Expected, NotApplicable
-from contactlab.testing.partners import partners
+from contactlab.testing.partners import usual_algorithm
 from contactlab.testing.subject import Subject
 
 PACKAGE = "contactlab-cases"
@@ -58,7 +58,7 @@ def found_of(subject: Subject, question: Question) -> Finding:
     """The verdict of the case. Raises NotApplicable where it is not installed."""
     case = _case(subject.registry, question)
     setup = _setup(subject, case, question)
-    why = case.applies(setup)
+    why = unfit(case, setup, subject.registry)
     if why:
         raise NotApplicable(why)
     _, done = run_case(case, setup, subject.registry, work=WORK)
@@ -93,14 +93,6 @@ def _quadratic(registry: Registry, case: Case) -> Any:
         if registry.make("element", element).degree > 1:
             return element
     raise NotApplicable("the case has no element with quadratic edges")
-
-
-def usual_algorithm(registry: Registry) -> str:
-    """A shipped contact algorithm that passes the patch test."""
-    for name in partners(registry, "contact"):
-        if registry.part_class("contact", name).passes_patch_test:
-            return name
-    raise NotApplicable("no contact algorithm that passes the patch test is installed")
 
 
 def _told(found: Finding) -> str:

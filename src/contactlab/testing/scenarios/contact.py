@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contactlab.api import Potential
 from contactlab.testing.assertions import NotApplicable, tell
 from contactlab.testing.scenarios.cases import Question, answer
 from contactlab.testing.scenarios.runs import modes_of
@@ -80,6 +81,8 @@ def bars_exchange_their_momentum(subject: Subject) -> None:
 def friction_alone_holds(subject: Subject) -> None:
     """A block that only friction holds keeps its place under Newton."""
     _implicit(subject)
+    if issubclass(subject.part_class, Potential):
+        raise NotApplicable("friction of potentials is lagged: nothing holds a body before surfaces press")
     answer(subject, Question("pulled-block"))
 
 

@@ -1,0 +1,1 @@
+"""Barrier contact by the IPC Toolkit, for contactlab."""

@@ -1,0 +1,232 @@
+"""Barrier contact: pressure against its law, reactions over dhat, no intersection, friction, impacts, refusals."""
+
+from __future__ import annotations
+
+import sys
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from contactlab_ipc import barrier
+from scipy.optimize import brentq
+
+from contactlab import load_scene, simulate
+from contactlab.api import Floats, Ints
+from contactlab.errors import RequestError
+from contactlab.model.build import build
+from contactlab.model.contact import potential_start
+from contactlab.parts.registry import default_registry
+from contactlab.results.results import Results
+from contactlab.scene.scene import Scene
+
+YOUNG, POISSON, WIDTH, DOWN = 1000.0, 0.3, 2.0, 0.1
+MODULUS = YOUNG * (1.0 - POISSON) / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON))
+
+
+def law(x: float) -> float:
+    """Pressure over its scale at a distance x dhat: minus the derivative of -(x^2 - 1)^2 ln(x^2)."""
+    return 4.0 * x * (x * x - 1.0) * np.log(x * x) + 2.0 * (x * x - 1.0) ** 2 / x
+
+
+def blocks(cells: tuple[int, int] = (3, 3), **changes: Any) -> Scene:
+    """Two blocks, each 1 high, between smooth walls, pressed together by DOWN."""
+    body = {"element": "q1", "material": "m"}
+    upper = {"use": "rectangle", "x": [0.0, WIDTH], "y": [0.0, 1.0], "cells": [cells[0], 1]}
+    lower = {"use": "rectangle", "x": [0.0, WIDTH], "y": [-1.0, 0.0], "cells": [cells[1], 1]}
+    return Scene.from_data(
+        {
+            "name": "blocks",
+            "time": {"end": 1.0, "ramp": 1.0},
+            "integrator": {"use": "newton", "steps": 2},
+            "materials": {"m": {"use": "linear-elastic", "young": YOUNG, "poisson": POISSON, "density": 1e-6}},
+            "bodies": {"upper": {**body, "mesh": upper}, "lower": {**body, "mesh": lower}},
+            "contacts": [
+                {"slave": "upper.bottom", "master": "lower.top", "algorithm": {"use": "barrier", "dhat": 0.1}}
+            ],
+            "supports": [
+                {"on": "lower", "ux": 0.0},
+                {"on": "lower.bottom", "uy": 0.0},
+                {"on": "upper", "ux": 0.0},
+                {"on": "upper.top", "uy": {"ramp": "linear", "to": -DOWN}},
+            ],
+            "record": {"frames": 2, "recorders": []},
+        }
+    ).with_(changes)
+
+
+def disc(**changes: Any) -> Scene:
+    return load_scene("disc-on-block").with_(
+        {"integrator": "newton", "record.recorders": [], "contacts.0.algorithm": "barrier", **changes}
+    )
+
+
+def run(scene: Scene) -> Results:
+    results = simulate(scene)
+    assert results.status == "finished", results.reason
+    return results
+
+
+def intersect(at: Floats, one: Ints, other: Ints) -> bool:
+    """Whether a segment of `one` (a, 2) and one of `other` (b, 2) cross or touch at positions (n, 2)."""
+    a, b, c, d = at[one[:, 0], None], at[one[:, 1], None], at[None, other[:, 0]], at[None, other[:, 1]]
+
+    def side(p: Floats, q: Floats, r: Floats) -> Floats:
+        return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (r[..., 0] - p[..., 0])
+
+    return bool(((side(a, b, c) * side(a, b, d) <= 0.0) & (side(c, d, a) * side(c, d, b) <= 0.0)).any())
+
+
+def segments_of(model: Any) -> tuple[Ints, Ints]:
+    pair = model.contact.pairs[0]
+    return pair.slave.nodes[pair.slave.segments], pair.master.nodes[pair.master.segments]
+
+
+def advance(scene: Scene, dt: float, end: float = 1.0) -> Any:
+    """The model at the end, each accepted state looked at for intersections of segments."""
+    model = build(scene, scene.registry)
+    one, other = segments_of(model)
+    assert not intersect(model.reference, one, other)
+    step, left = model.bound_integrator().step, end
+    while left > 1e-9 * end:
+        done = step(min(dt, left))
+        if done.reason:
+            dt *= 0.5
+            assert dt > 1e-3 * end, done.reason
+            continue
+        left -= min(dt, left)
+        assert not intersect(model.reference + model.state["displacement"], one, other)
+    return model
+
+
+def test_blocks_that_begin_in_touch_are_opened_by_dhat_and_have_the_pressure_of_the_law() -> None:
+    """p = kappa f(d / dhat), in series with both blocks, from an opening that the run reports."""
+    dhat = 0.1 * WIDTH / 3.0
+    results = run(blocks(**{"materials.m.density": 1e-6}))
+    assert results.summary["contacts"]["contacts.0"]["opened"] == pytest.approx(dhat, rel=1e-9)
+    # the upper block is lower by dhat, and so is its stiffness larger
+    heights = 2.0 - dhat
+    distance = brentq(lambda x: DOWN - (1.0 - x) * dhat - heights * law(x), 0.5, 1.0, xtol=1e-14)
+    pressure = MODULUS * law(distance)
+    assert results.summary["reactions"]["upper.top"][1] == pytest.approx(-pressure * WIDTH, rel=1e-6)
+    curve = results.contact["contacts.0"].last
+    np.testing.assert_allclose(curve.pressure, pressure, rtol=1e-6)
+    np.testing.assert_allclose(curve.gap, distance * dhat, rtol=1e-6)
+
+
+def test_surfaces_apart_are_not_opened() -> None:
+    scene = blocks(**{"bodies.upper.shift": [0.0, 0.07]})  # dhat is 0.0667
+    assert "opened" not in run(scene).summary["contacts"]["contacts.0"]
+
+
+@pytest.mark.parametrize("depth", [0.1581, pytest.param(0.35, marks=pytest.mark.full)])
+def test_reactions_over_dhat_lead_to_those_of_a_mortar(depth: float) -> None:
+    """At h/5, h/10, h/20 and by a line through them at 0: within 1 % of mortar-p1, and each nearer than the last."""
+    deep = {"supports.1.uy.to": -depth, **({"integrator.steps": 4} if depth > 0.2 else {})}
+    force = [
+        run(disc(**{"contacts.0.algorithm.dhat": d, **deep})).summary["reactions"]["disc.top"][1]
+        for d in (0.2, 0.1, 0.05)
+    ]
+    mortar = run(disc(**{"contacts.0.algorithm": "mortar-p1", **deep})).summary["reactions"]["disc.top"][1]
+    off = np.abs(np.array(force) / mortar - 1.0)
+    assert (np.diff(off) < 0.0).all()
+    assert np.polyfit([0.2, 0.1, 0.05], force, 1)[1] == pytest.approx(mortar, rel=0.01)
+
+
+@pytest.mark.parametrize("depth", [0.1581, pytest.param(0.35, marks=pytest.mark.full)])
+def test_segments_never_intersect_in_any_state_of_a_disc(depth: float) -> None:
+    model = advance(disc(**{"supports.1.uy.to": -depth, "time.end": 1.0, "time.ramp": 1.0}), 0.25)
+    one, other = segments_of(model)
+    place = model.reference + model.state["displacement"]
+    # the test itself: the disc moved down by a tenth of a segment crosses the block
+    place[: model.bodies[0].count, 1] -= 0.007
+    assert intersect(place, one, other)
+
+
+def test_a_block_slides_at_the_limit_of_coulomb() -> None:
+    """A narrow block on a wide one, meshes that do not match, pushed sideways as a whole: mu times the normal force."""
+    mu, side = 0.2, 0.05
+    changes = {
+        "contacts.0.friction": {"use": "coulomb", "mu": mu},
+        "supports.2.ux": {"ramp": "linear", "to": side},
+        "supports.0.uy": 0.0,  # a flat master: normal forces have no part along it
+        "bodies.upper.mesh.x": [0.5, 1.5],
+    }
+    reactions = run(blocks((2, 3), **changes)).summary["reactions"]
+    # normal forces may belong to the iteration before: friction changes by less than 1e-4 of the largest force then
+    assert reactions["upper"][0] == pytest.approx(-mu * reactions["upper.top"][1], rel=1e-3)
+
+
+def test_a_block_that_sticks_is_as_stiff_as_with_a_mortar() -> None:
+    """Half-way to the limit in the mean; 0.83 % less height for the opening, and a slip of 0.1 % of the motion."""
+    force, side = {}, 0.02
+    for algorithm in ("barrier", "mortar-p1"):
+        top = {"on": "upper.top", "ux": {"ramp": "linear", "to": side}, "uy": {"ramp": "linear", "to": -DOWN}}
+        changes = {
+            "contacts.0.algorithm": algorithm,
+            "contacts.0.friction": {"use": "coulomb", "mu": 0.5},
+            "supports": [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}, top],
+        }
+        force[algorithm] = np.array(run(blocks((12, 10), **changes)).summary["reactions"]["upper.top"])
+    x, y = force["barrier"] / force["mortar-p1"]
+    assert x == pytest.approx(1.0, abs=0.02)
+    assert y == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_block_that_meets_another_never_touches_it_and_gives_it_its_momentum() -> None:
+    """Implicit dynamics: momentum is kept, contact makes no energy, most of the speed changes over."""
+    speed, end = 20.0, 2.4e-4
+    changes = {
+        "integrator": {"use": "implicit-dynamics"},
+        "time": {"end": end},
+        "bodies.upper.velocity": [0.0, -speed],
+        "bodies.upper.shift": [0.0, 0.067],  # dhat is 0.0667
+        "supports": [{"on": "lower", "ux": 0.0}, {"on": "upper", "ux": 0.0}],
+    }
+    model = advance(blocks((2, 3), **changes), end / 120, end)
+    mass = model.mass if model.mass.ndim == 1 else model.mass[:, 1]
+    momentum = [
+        float((mass * model.state["velocity"][:, 1])[body.first : body.first + body.count].sum())
+        for body in model.bodies
+    ]
+    whole = -speed * 1e-6 * WIDTH
+    assert sum(momentum) == pytest.approx(whole, rel=1e-9)
+    assert momentum[1] / whole > 0.9
+    assert not model.state["contact_force"].any(), "they have parted"
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"integrator": "central-difference"}, "an explicit step has no use for it"),
+        ({"contacts.0.friction": {"use": "tresca", "stress": 1.0}}, "friction by a coefficient alone"),
+        ({"bodies.upper.shift": [0.0, -0.01]}, "overlap"),
+        ({"contacts.0.algorithm": {"use": "barrier", "dhat": 0.6}}, r"dhat(?s:.*)0.6(?s:.*)above 0, up to 0.5"),
+        ({"contacts.0.algorithm": {"use": "barrier", "stiffness": 0.0}}, r"stiffness(?s:.*)0.0(?s:.*)above 0"),
+    ],
+)
+def test_what_the_barrier_cannot_do_is_refused(changes: dict[str, Any], words: str) -> None:
+    with pytest.raises(RequestError, match=words):
+        build(blocks(**changes), default_registry())
+
+
+def test_surfaces_that_cross_or_stay_too_close_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = blocks()
+    model = build(scene, scene.registry)
+    (pair,) = model.contact.pairs
+    crossed = model.reference.copy()
+    crossed[pair.slave.nodes[0], 1] = -0.1
+    plan: Any = SimpleNamespace(slave=pair.slave, master=pair.master, where="", opened=0.0)
+    with pytest.raises(RequestError, match="slave and master intersect before the run"):
+        potential_start.begin_open(plan, pair, crossed)
+    monkeypatch.setattr(potential_start, "ROUNDS", 1)
+    with pytest.raises(RequestError, match=r"surfaces cannot be opened(?s:.*)0.0667 mm too close after 1 rounds"):
+        build(scene, scene.registry)
+
+
+def test_without_the_toolkit_the_part_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = load_scene("two-bars")
+    monkeypatch.setitem(sys.modules, "ipctk", None)
+    barrier._toolkit.cache_clear()
+    with pytest.raises(RequestError, match="pip install ipctk"):
+        scene.with_({"contacts.0.algorithm": "barrier"})
