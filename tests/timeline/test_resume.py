@@ -30,6 +30,10 @@ RATE = {"materials.soft.use": "hypoelastic"}
 CONSISTENT = {"use": "central-difference", "forces": "consistent"}
 STATICS = {"integrator": {"use": "newton", "steps": 10}, "time.end": 1.0, "supports.1.uy.to": -0.02}
 IMPLICIT = {"integrator": {"use": "implicit-dynamics", "steps": 40}, "supports.1.uy.to": -0.02}
+THROWN = {
+    "supports": [{"on": "block.bottom", "ux": 0.0, "uy": 0.0}], "time.end": 1e-6,
+    "bodies.disc.velocity": [0.0, -4e4], "bodies.disc.shift": [0.0, 0.01],
+}  # fmt: skip
 VARIANTS: dict[str, dict[str, Any]] = {
     "mortar-p0": {},
     "mortar-p1": {"contacts.0.algorithm": "mortar-p1"},
@@ -85,6 +89,21 @@ def test_resumed_run_is_bit_identical(
     stops = [min(17, steps // 4), steps // 2 + 3, steps]
     resumed = run_with_stops(scene, tmp_path / "stopped", stops)
     assert resumed.summary["resumed_at_steps"] == stops
+    assert_same_run(whole, resumed)
+    assert_same_files(tmp_path / "whole", tmp_path / "stopped")
+
+
+@pytest.mark.full
+def test_an_impact_is_taken_up_within_its_short_steps(
+    small_scene: MakeScene, tmp_path: Path, assert_same_run: Assert, assert_same_files: Assert
+) -> None:
+    """In the first step, as the disc meets the block, in the contact, and before the end."""
+    scene = small_scene({"integrator": {"use": "implicit-dynamics", "steps": 10}, **THROWN})
+    whole = simulate(scene, tmp_path / "whole")
+    steps = whole.summary["steps"]
+    assert steps > 20
+    stops = [1, 4, steps // 2, steps - 2]
+    resumed = run_with_stops(scene, tmp_path / "stopped", stops)
     assert_same_run(whole, resumed)
     assert_same_files(tmp_path / "whole", tmp_path / "stopped")
 
