@@ -102,8 +102,10 @@ def advance(scene: Scene, dt: float, end: float = 1.0) -> Any:
 def test_blocks_that_begin_in_touch_are_opened_by_dhat_and_have_the_pressure_of_the_law() -> None:
     """p = kappa f(d / dhat), in series with both blocks, from an opening that the run reports."""
     dhat = 0.1 * WIDTH / 3.0
-    results = run(blocks(**{"materials.m.density": 1e-6}))
-    assert results.summary["contacts"]["contacts.0"]["opened"] == pytest.approx(dhat, rel=1e-9)
+    results = run(blocks())
+    contact = results.summary["contacts"]["contacts.0"]
+    assert contact["opened"] == pytest.approx(dhat, rel=1e-9)
+    assert contact["complementarity"] is contact["stiffness"] is None, "there are no conditions"
     # the upper block is lower by dhat, and so is its stiffness larger
     heights = 2.0 - dhat
     distance = brentq(lambda x: DOWN - (1.0 - x) * dhat - heights * law(x), 0.5, 1.0, xtol=1e-14)
@@ -112,6 +114,8 @@ def test_blocks_that_begin_in_touch_are_opened_by_dhat_and_have_the_pressure_of_
     curve = results.contact["contacts.0"].last
     np.testing.assert_allclose(curve.pressure, pressure, rtol=1e-6)
     np.testing.assert_allclose(curve.gap, distance * dhat, rtol=1e-6)
+    np.testing.assert_allclose(contact["resultant"], contact["pressure_integral"], rtol=1e-9, atol=1e-9)
+    assert set(curve.state) == {2}, "pressed, and free to slide"
 
 
 def test_surfaces_apart_are_not_opened() -> None:

@@ -73,8 +73,9 @@ class ImplicitContactSystem:
 
     @property
     def stored_since_start(self) -> float:
-        """Energy [mJ] that surfaces hold beyond that of the start; none without a normal law."""
-        return self.store.since_start() if self.store is not None else 0.0
+        """Energy [mJ] that surfaces hold beyond that of the start; none without a normal law or a potential."""
+        held = self.store.since_start() if self.store is not None else 0.0
+        return held + sum(pair.stored_since_start() for pair in self.potentials)
 
     def calls_per_step(self) -> Counter[str]:
         """How often an iteration calls the algorithms, by what they are asked for."""

@@ -163,6 +163,11 @@ class PotentialPair(GapPair):
             return 0.0
         return float(np.vdot(self.rubbed, self.at_nodes - self.view.start))
 
+    def stored_since_start(self) -> float:
+        """Energy [mJ] of the potential at the last `evaluate` beyond that of the undeformed surfaces."""
+        start, now = (self.potential.energy(self.view, at) for at in (self.view.reference, self.at_nodes))
+        return float(now - start)
+
     # --- an accepted step -------------------------------------------------------------------------
 
     def accept(self, multipliers: Floats) -> None:

@@ -151,11 +151,16 @@ def _contact(report: ContactReport) -> dict[str, Any]:
 
 
 def _derived(model: Model, name: str) -> dict[str, Any]:
-    """What implicit contact derived from the bodies: least and largest stiffness of a condition [N/mm]."""
+    """What implicit contact derived from the bodies: least and largest stiffness of a condition [N/mm].
+
+    Potentials set no conditions: nothing has to be zero where they push.
+    """
     conditions: Any = getattr(model.contact, "conditions", None)
     if conditions is None or model.contact is None:
         return {}
     (pair,) = (pair for pair in model.contact.pairs if pair.name == name)
+    if pair.by_energy:
+        return {"stiffness": None, "complementarity": None}
     own = slice(pair.first_slot, pair.first_slot + pair.slots)
     stiffness = conditions.stiffness[own][conditions.present[own]]
     return {"stiffness": [float(stiffness.min()), float(stiffness.max())] if len(stiffness) else []}
