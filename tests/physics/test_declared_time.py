@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from contactlab.api import Step
 from contactlab.errors import SceneError
 from contactlab.missing_effects.quasi_static import quasi_static_detectors
 from contactlab.model.build import build
@@ -308,7 +309,7 @@ def test_implicit_steps_in_time_are_short_where_a_value_swings_and_only_there() 
     times = [0.0]
     while times[-1] < 1.0 - 1e-9:
         model.state["clock"][0] = times[-1]
-        schedule.every_step[0](type("Done", (), {"iterations": 1})(), 0.0)  # type: ignore[arg-type]
+        schedule.every_step[0](Step(iterations=1), 0.0)  # type: ignore[arg-type]
         times.append(times[-1] + schedule.dt)
     inside = [time for time in times if 0.5 < time < 0.501]
     assert len(inside) >= 16

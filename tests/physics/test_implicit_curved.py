@@ -22,6 +22,7 @@ name = "discs that meet off centre"
 [integrator]
 use = "implicit-dynamics"
 steps = {steps}
+impacts = false
 
 [time]
 end = 1e-4

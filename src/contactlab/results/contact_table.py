@@ -23,6 +23,7 @@ MEGABYTE = 1e6
 LEAST = 8  # rows
 ROOM = 1 << 18  # bytes by which the room of a table grows, at least
 CHUNK = ROOM  # bytes of a chunk: HDF5 keeps some 400 B of each in memory
+BESIDE = 1 << 15  # the same of checksums and changes, which are shorter
 
 
 def _name(contact: ContactLayout) -> str:
@@ -39,9 +40,9 @@ class ContactTable:
             kind = contact_record(contact)
             together = max(1, CHUNK // kind.itemsize)
             self.tables[contact.name] = Column(own, _name(contact), kind, 1, (), together)
-            sums.append(Column(own.require_group(GROUP), f"{contact.name} steps", "u8", 1, (), CHUNK // 8))
+            sums.append(Column(own.require_group(GROUP), f"{contact.name} steps", "u8", 1, (), BESIDE // 8))
         first = own[_name(layout.contacts[0])]
-        self.changed = Column(own, CHANGES, "u1", 1, (), CHUNK)
+        self.changed = Column(own, CHANGES, "u1", 1, (), BESIDE)
         columns = [*self.tables.values(), *sums, self.changed]
         row = sum(column.row_bytes for column in columns)
         most = max(LEAST, int(layout.budget * MEGABYTE / row))

@@ -64,7 +64,7 @@ class VtkHdf(Recorder):
         curves = 8.0 * len(ContactCurve.COLUMNS) * sum(len(contact.slave_nodes) for contact in layout.contacts)
         frames = layout.frames * (frame_bytes(layout) + curves + FRAME_METADATA)
         beside = METADATA + (ROOM if layout.contacts else 0.0)
-        kept = min(steps, most_steps(layout))
+        kept = STEP_ROWS * -(-min(steps, most_steps(layout)) // STEP_ROWS)  # in whole chunks
         return beside + frames + 8.0 * kept * (len(layout.steps) + 1) + 2.0 * (memory + TEXT)
 
     def open(self, folder: Path, layout: Layout) -> Recording:

@@ -60,7 +60,7 @@ def recording_in(folder: Path, recorder: Recorder, names: Sequence[str] = ()) ->
     if not folder.is_dir():
         raise RequestError(
             "there is no such file or folder",
-            where="view",
+            where=str(folder),
             got=str(folder),
             allowed="the folder of a run, or a recording",
         )
