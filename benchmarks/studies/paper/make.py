@@ -21,7 +21,7 @@ from kept_runs import use
 sys.path.append(str(ROOT / "benchmarks" / "studies"))
 import pictures
 
-MODULES = ("test1", "test2", "test3", "cases")
+MODULES = ("test1", "test2", "test3")
 PAGE = ROOT / "benchmarks" / "studies" / "paper" / "page.md"
 NUMBERS = PICTURES / "numbers.json"
 

@@ -31,6 +31,7 @@ from contactlab.api import Record
 from contactlab.parts.registry import Registry
 from contactlab.studies.measures import excess_turning_points, pressure_error
 from contactlab.studies.profile import Profile
+from contactlab.studies.reference import load_reference
 
 MORTARS = ("mortar-p0", "mortar-p1")
 SLAVES = {False: "disc is slave", True: "block is slave"}
@@ -333,7 +334,54 @@ def friction_paths() -> Numbers:
     return numbers
 
 
+def disc_on_block() -> Numbers:
+    """Errors and asymmetries at level 4, both depths; forces of P0, P1, Q1 and Q2 for three coefficients."""
+    shallow = load_reference("disc-on-block-shallow-other-code").profile
+    numbers: Numbers = {"rows": [], "forces": []}
+    for depth, reference in ((0.01, shallow), (0.1581, deep_reference().profile)):
+        for algorithm in MORTARS:
+            shapes = [profile(disc(algorithm, swap=swap, level=4, depth=depth)) for swap in (False, True)]
+            errors = [percent(pressure_error(shape, reference)) for shape in shapes]
+            numbers["rows"].append(
+                f"| {depth} | {SHORT[algorithm]} | {errors[0]} | {errors[1]} | {percent(difference(*shapes))} |"
+            )
+        runs = [disc("node-on-segment", swap=swap, depth=depth, explicit=True) for swap in (False, True)]
+        cells = [
+            percent(pressure_error(profile(run), reference)) if run.status == "finished" else run.status for run in runs
+        ]
+        apart = percent(difference(*map(profile, runs))) if all(run.status == "finished" for run in runs) else ""
+        numbers["rows"].append(f"| {depth} | node on segment, level 2 | {cells[0]} | {cells[1]} | {apart} |")
+    for mu in (0.0, 0.05, 0.2):
+        steps = 40 if mu else 10
+        base = reaction(disc("mortar-p0", mu=mu, steps=steps))
+        linear = reaction(disc("mortar-p1", mu=mu, steps=steps))
+        quadratic = reaction(disc("mortar-p0", mu=mu, steps=steps, element="q2", level=1))
+        numbers["forces"].append(
+            f"| {mu} | {base:.2f} | {percent(abs(linear / base - 1.0))} | {percent(abs(quadratic / base - 1.0))} |"
+        )
+    return numbers
+
+
+def peers() -> Numbers:
+    """Reactions and pressures of GetFEM on the same meshes, from its files, beside ours."""
+    numbers: Numbers = {"rows": []}
+    reference = deep_reference()
+    for level in (2, 4):
+        for swap, slave in ((False, "disc"), (True, "block")):
+            path = ROOT / "benchmarks" / "references" / f"getfem-disc-on-block-{slave}-level-{level}-depth-0.1581.csv"
+            force = float(path.read_text().split("reaction")[1].split()[0])
+            shape = Profile.of_nodes(*np.loadtxt(path, delimiter=",", unpack=True))
+            own = disc("mortar-p1", swap=swap, level=level)
+            numbers["rows"].append(
+                f"| {level} | {slave} | {force:.2f} | {reaction(own):.2f} | "
+                f"{percent(abs(reaction(own) / force - 1.0))} | "
+                f"{percent(pressure_error(shape, reference.profile))} | "
+                f"{percent(pressure_error(profile(own), reference.profile))} |"
+            )
+    return numbers
+
+
 FIGURES = {
     "f07": figure_7, "f08": figure_8, "f09": figure_9, "f10": figure_10, "f11": figure_11, "f12": figure_12,
-    "paths": friction_paths,
+    "paths": friction_paths, "disc": disc_on_block, "peers": peers,
 }  # fmt: skip
