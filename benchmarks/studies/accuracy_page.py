@@ -24,8 +24,8 @@ from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy, Asked
 from contactlab.accuracy.study import find_case_study
 from contactlab.accuracy.targets import Cost, best_of
+from contactlab.reports.accuracy_page import told as told_predictions
 from contactlab.reports.accuracy_plots import cost_figure
-from contactlab.reports.accuracy_predictions import told as told_predictions
 from contactlab.reports.figures import house_style
 
 DOCS = Path(__file__).parents[2] / "docs"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from numbers import Integral, Real
 from pathlib import Path
 from typing import Any
@@ -17,10 +17,12 @@ from contactlab.jobs.scheduler import LOCAL, checked_scheduler
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.reports.page import write_report
 from contactlab.reports.progress import progress_of
+from contactlab.results.last_steps_file import drop_last_steps
+from contactlab.results.result_file import FILE
 from contactlab.run.folders import claimed_folder, full_disk_told, made_folder
 from contactlab.scene.scene import Scene
-from contactlab.studies.kept_files import checked_keep, drop_files
 from contactlab.studies.plan import Vary
+from contactlab.studies.recordings import RUNS
 from contactlab.studies.runner import planned, run_study
 from contactlab.studies.study import Study
 from contactlab.studies.table import Row, Table
@@ -112,3 +114,28 @@ def _stored(row: Row, scene: Scene, machine: str) -> StoredRow:
 def _number(value: object) -> object:
     """A value as JSON has it: None for a number that is missing."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+KEEP = ("all", "failed", "none")
+"""Whose files are kept: of all runs, of those that did not finish, of none."""
+
+
+def checked_keep(keep: str) -> str:
+    """One of `KEEP`. Raises RequestError for another word."""
+    if keep not in KEEP:
+        raise RequestError("there is no such choice", where="keep", got=keep, allowed=", ".join(KEEP))
+    return keep
+
+
+def drop_files(folder: Path, rows: Sequence[Row], keep: str, registry: Registry) -> None:
+    """Remove results and recordings of the runs that are not kept; the small text files of all runs stay.
+
+    The recording of the comparison has its runs in it, and stays as well.
+    """
+    shown = (registry.part_class("recorder", name).shown_file for name in registry.names("recorder"))
+    large = {FILE, *filter(None, shown)}
+    for row in rows:
+        if keep == "none" or (keep == "failed" and row.status == "finished"):
+            for name in large:
+                (folder / RUNS / row.name / name).unlink(missing_ok=True)
+            drop_last_steps(folder / RUNS / row.name)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from contactlab.api import UNIT, Floats, Kinematics, Material, formula
-from contactlab.testing import NotApplicable, material, material_flow, material_states, scales
+from contactlab.testing import NotApplicable, material, material_states, material_waves, scales
 from contactlab.testing.assertions import Check
 from contactlab.testing.points import DT
 
@@ -238,7 +238,7 @@ def test_right_laws_pass(part: Material, check: Check) -> None:
         check(part)
     except NotApplicable as reason:
         declined = {material.stiffening_bounds_the_waves, material.history_in_place}
-        declined |= {material_flow.flow_is_of_second_order, scales.scales_are_fields}
+        declined |= {material_waves.flow_is_of_second_order, scales.scales_are_fields}
         declined |= {material.formulas_are_what_runs} if not isinstance(part, Formulas) else set()
         if part.kinematics == "rate":
             declined |= {material.energy_is_positive, material.energy_belongs_to_the_stress}
@@ -266,7 +266,7 @@ class Creeping(Small):
 
 
 def test_implicit_euler_steps_are_integrated_to_second_order() -> None:
-    material_flow.flow_is_of_second_order(Creeping())
+    material_waves.flow_is_of_second_order(Creeping())
 
 
 def test_unloading_waves_are_bounded_where_loading_softens() -> None:
@@ -329,7 +329,7 @@ WRONG: list[tuple[Check, Material]] = [
     (material_states.plane_strain, Small("nothing across the plane")),
     (material_states.work_is_stored_or_dissipated, Small("dissipates what it stores")),
     (material_states.arrays_change_in_place, Small("knows its array again")),
-    (material_flow.flow_is_of_second_order, Creeping("flows at the rate of the start")),
+    (material_waves.flow_is_of_second_order, Creeping("flows at the rate of the start")),
     (scales.scales_are_fields, Timed()),
     (material_states.threads_do_not_disturb_each_other, Small("one room for all threads")),
 ]

@@ -21,7 +21,6 @@ from contactlab.accuracy.lines import Line
 from contactlab.accuracy.orders import FIRST
 from contactlab.accuracy.point import Point
 from contactlab.api.arrays import Floats
-from contactlab.studies.unit_costs import unit_costs
 
 Group = tuple[str, bool]
 """Case, whether the runs are explicit."""
@@ -93,3 +92,15 @@ def _next(before: Sequence[Point], level: int, explicit: bool) -> Counts:
     power = np.log(last / first) / np.log(before[1].level / before[0].level)
     ratio = level / before[1].level
     return last * ratio**power, other * ratio if explicit else (one * other) ** 0.5, steps
+
+
+def unit_costs(work: Floats, cost: Floats, rest: Floats | None = None) -> Floats:
+    """Prices (u,) >= 0 of u kinds of work from n runs with the `work` (n, u) and the `cost` (n,).
+
+    `rest` (n,) is the part of the cost that these kinds of work explain; not given: all of it. Least squares of errors
+    relative to the cost: a cheap run counts as much as a dear one (Lawson & Hanson 1974, ch. 23).
+    """
+    from scipy.optimize import nnls
+
+    found: Floats = nnls(work / cost[:, None], np.ones(len(cost)) if rest is None else rest / cost)[0]
+    return found

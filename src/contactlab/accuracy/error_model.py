@@ -19,9 +19,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from contactlab.accuracy.line_fit import LineFit, fitted_line
 from contactlab.accuracy.lines import CLEAR, TINY, Line
-from contactlab.accuracy.orders import FIRST
+from contactlab.accuracy.orders import FIRST, LineFit, fitted_line
 from contactlab.accuracy.point import Point
 
 CHANCE = 0.9

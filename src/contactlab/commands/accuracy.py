@@ -5,12 +5,17 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
+from collections.abc import Callable
 from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+from time import monotonic
 
-from contactlab.accuracy.evaluation import evaluate
-from contactlab.accuracy.run import plan, points_of, run_accuracy
+from contactlab.accuracy.evaluation import Evaluation, evaluate
+from contactlab.accuracy.files import write
+from contactlab.accuracy.run import Accuracy, plan, points_of, run_accuracy
 from contactlab.accuracy.study import CaseStudy
-from contactlab.commands.accuracy_progress import SoFar, import_what_draws, write_all
 from contactlab.commands.common import console, print_json, registry_with
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.errors import RequestError
@@ -33,7 +38,7 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
     if options.json:
         print_json({"folder": str(folder), **json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))})
     else:
-        from contactlab.reports.accuracy_predictions import told
+        from contactlab.reports.accuracy_page import told
         from contactlab.reports.accuracy_table import print_costs, print_winners
 
         out = console()
@@ -70,3 +75,43 @@ def _refuse_others(options: argparse.Namespace) -> None:
                 "a study of cases is not varied from the command line", where=name,
                 hint="copy the study into a file of your own and change its cases, contenders or levels",
             )  # fmt: skip
+
+
+LEAST = 3.0
+"""Wall time [s] from one writing of the page to the next, at least."""
+SHARE = 0.05
+"""Largest share of the time that is spent on writing it."""
+
+
+def import_what_draws() -> None:
+    """Libraries that draw the page: seconds where Python has not compiled them yet, for which no point should wait."""
+    import_module("contactlab.reports.accuracy_page")
+
+
+def write_all(evaluated: Evaluation, folder: Path, figures: bool = True) -> None:
+    """Tables as CSV and JSON, the page, and its `figures` as files of their own."""
+    from contactlab.reports.accuracy_page import write_accuracy_page
+
+    write(evaluated, folder)
+    write_accuracy_page(evaluated, folder, files=figures)
+
+
+class SoFar:
+    """Rewrites the page of a study while points come, unless that was done shortly before."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.next = 0.0
+
+    def __call__(self, found: Callable[[], Accuracy]) -> None:
+        """Write what there is."""
+        began = monotonic()
+        if began < self.next:
+            return
+        write_all(evaluate(found()), self.folder, figures=False)
+        if not self.next:
+            print(
+                f"page so far, rewritten as points come: {self.folder / 'accuracy.html'}", file=sys.stderr, flush=True
+            )
+        now = monotonic()
+        self.next = now + max(LEAST, (now - began) / SHARE)

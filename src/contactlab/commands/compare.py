@@ -81,7 +81,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
 def _print(result: Table, folder: Path, registry: Registry, options: argparse.Namespace) -> None:
     from contactlab.reports.breakdown_table import print_breakdown
     from contactlab.reports.table import print_table
-    from contactlab.reports.table_details import every_number, where_the_time_went
+    from contactlab.reports.times_table import every_number, where_the_time_went
 
     shown = console()
     (print_table if result.breakdown is None else print_breakdown)(result, shown)

@@ -186,7 +186,8 @@ class Archive:
     def record(self, key: str, machine: str | None) -> Record | None:
         """The record of a run that was made before on this machine; on any one for None."""
         found = [place for (own, at), place in self._places["runs"].items() if own == key and machine in (None, at)]
-        return self._record(max(found)) if found else None
+        entry = self._entry("runs", max(found).row) if found else None
+        return None if entry is None else from_bytes(entry["record"])
 
     def newest(self, name: str, scene: str) -> Record | None:
         """The newest record of a run by its name and its scene as TOML, whatever sources and machine made it."""
@@ -195,10 +196,6 @@ class Archive:
             if entry is not None and entry["name"] == name and entry["scene"] == scene:
                 return from_bytes(entry["record"])
         return None
-
-    def _record(self, place: _Place) -> Record | None:
-        entry = self._entry("runs", place.row)
-        return None if entry is None else from_bytes(entry["record"])
 
     def scene(self, key: str, machine: str) -> str:
         """The scene of a run as TOML; empty if there is no such run."""

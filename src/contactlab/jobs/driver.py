@@ -30,7 +30,7 @@ from contactlab.jobs.archive import FILE, Archive, StoredRun, in_words
 from contactlab.jobs.far_end import BEGUN
 from contactlab.jobs.perform import perform
 from contactlab.jobs.processes import Call, Pool, ProcessDiedError, RaisedError, StoppedError, TimedOutError
-from contactlab.jobs.progress import Progress, Silence
+from contactlab.jobs.progress import Progress
 from contactlab.jobs.record import ended, from_bytes, record_of
 from contactlab.jobs.run import Plan, Run
 from contactlab.jobs.scheduler import LOCAL, checked_scheduler, open_pool
@@ -86,7 +86,7 @@ class Driver:
         if time_limit is not None and not 0.0 < time_limit < float("inf"):
             raise RequestError("no time to run in", where="time_limit", got=time_limit, allowed="seconds, above 0")
         self.folder, self.size, self.time_limit = folder, jobs or usable_cores(), time_limit
-        self.scheduler, self.progress = checked_scheduler(scheduler), progress or Silence()
+        self.scheduler, self.progress = checked_scheduler(scheduler), progress or Progress()
         self.interrupted = False
         self.meanwhile: Callable[[], None] | None = None
         self._archive: Archive | None = None
@@ -156,7 +156,7 @@ class Driver:
     def results(self, plans: Iterable[Plan]) -> Iterator[tuple[int, Any]]:
         """Carry out plans side by side; number and result of each as it ends."""
         for number, plan in enumerate(plans):
-            self._begin(plan, None, number)
+            self._advancing.append((_Task(plan, None, number), None))
         while True:
             while self._advancing:
                 ended_plan = self._advance(*self._advancing.popleft())
@@ -167,9 +167,6 @@ class Driver:
                 return
             self._fill()
             self._wait()
-
-    def _begin(self, plan: Plan, parent: _Task | None, slot: int) -> None:
-        self._advancing.append((_Task(plan, parent, slot), None))
 
     def _advance(self, task: _Task, answers: list[Any] | None) -> tuple[int, Any] | None:
         """Take a plan to its next request; its number and result if it is one of the caller's and has ended."""
@@ -185,7 +182,7 @@ class Driver:
             self._advancing.append((task, []))
         for slot, one in enumerate(asked):
             if isinstance(one, Generator):
-                self._begin(one, task, slot)
+                self._advancing.append((_Task(one, task, slot), None))
             else:
                 self._ask(one, task, slot)
         return None
@@ -231,7 +228,8 @@ class Driver:
     def _fill(self) -> None:
         """Begin runs while processes are free, those of the lowest rank first."""
         left: list[_Waiting] = []
-        while self._queue and len(self._under_way) < self._room() and not self.interrupted:
+        # what a cluster offers may change
+        while self._queue and len(self._under_way) < (self._pool or self).size and not self.interrupted:
             waiting = heapq.heappop(self._queue)
             run = waiting.run
             if run.identity in self._under_way:
@@ -246,10 +244,6 @@ class Driver:
                 self._submit(waiting)
         for waiting in left:
             heapq.heappush(self._queue, waiting)
-
-    def _room(self) -> int:
-        """Runs at a time: what a cluster offers may change."""
-        return self.size if self._pool is None else self._pool.size
 
     def _has_to_wait(self, run: Run) -> bool:
         """Whether another run compiles: what several would compile side by side is compiled once."""
@@ -278,7 +272,8 @@ class Driver:
             else:
                 self.progress.advance(run.name, *message)
 
-        future = self._pool.submit(Call(perform, (_bare(run), place), report, limit, place))
+        bare = replace(run, unless=Run.unless)  # without what another process does not need
+        future = self._pool.submit(Call(perform, (bare, place), report, limit, place))
         future.add_done_callback(lambda done: self._events.put((waiting, done)))
 
     def _wait(self) -> None:
@@ -377,11 +372,6 @@ def _waiting_for(names: list[str]) -> str:
     shown = ", ".join(names[:4]) + (f" and {len(names) - 4} more" if len(names) > 4 else "")
     runs = f"{len(names)} run{'s' * (len(names) > 1)}"
     return f"contactlab: stopping, once {runs} saved the state: {shown} (Ctrl-C again ends what runs at once)"
-
-
-def _bare(run: Run) -> Run:
-    """The run without what another process does not need."""
-    return replace(run, unless=Run.unless)
 
 
 def _stored(key: str, run: Run, record: Record, content: bytes) -> StoredRun:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import _thread
 import shutil
-from collections.abc import Callable
-from contextlib import nullcontext, suppress
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -17,7 +19,6 @@ import numpy as np
 
 from contactlab.api import Job, Record, Watch
 from contactlab.errors import PartError, RequestError, SimulationFailure
-from contactlab.jobs.cpu_limit import CpuLimitReached, cpu_limit
 from contactlab.jobs.far_end import BEGUN, WORN
 from contactlab.jobs.processes import Report
 from contactlab.jobs.record import ended, record_of, refused, to_bytes
@@ -147,3 +148,47 @@ def calibrate() -> float:
         np.sort(np.tile(solution, 120))
         times.append(process_time() - began)
     return min(times)
+
+
+SLOW = 30.0
+"""Wall time that a run may take, in limits of its CPU time: machines share their cores, and a process may hang."""
+SHORTEST = 0.05
+"""Time between two looks at the clock [s], at least."""
+
+
+class CpuLimitReached(Exception):
+    """What ran was stopped at its limit."""
+
+
+@contextmanager
+def cpu_limit(seconds: float) -> Iterator[threading.Event]:
+    """Interrupt what runs inside, as Ctrl-C does, when this process has used this CPU time [s]; again after as much.
+
+    A thread looks at the clock: timers of the system that count CPU time make that clock itself coarse while they run
+    (4 ms on Linux). Without effect outside of the main thread, the only one that is interrupted. Raises
+    CpuLimitReached, unless what runs inside ends in order: the event that it gets is set then, too.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield threading.Event()
+        return
+    ended, over, began = threading.Event(), threading.Event(), process_time()
+
+    def look() -> None:
+        allowed = seconds
+        while not ended.wait(max(allowed - (process_time() - began), SHORTEST)):
+            if process_time() - began >= allowed:
+                over.set()
+                allowed += seconds
+                _thread.interrupt_main()
+
+    watching = threading.Thread(target=look, daemon=True)
+    watching.start()
+    try:
+        yield over
+    except KeyboardInterrupt as stop:
+        if over.is_set():
+            raise CpuLimitReached(f"stopped after {seconds:g} CPU s") from stop
+        raise
+    finally:
+        ended.set()
+        watching.join()

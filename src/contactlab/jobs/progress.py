@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Protocol
 
-
-class Progress(Protocol):
-    """Receives the progress; `begun`, `advance` and `say` may be called from any thread."""
+class Progress:
+    """Shows nothing; those who show something override. `begun`, `advance` and `say` are called from any thread."""
 
     def say(self, text: str) -> None:
         """Show what happens before the first step, such as compilation; an empty text takes it away."""
@@ -25,25 +23,3 @@ class Progress(Protocol):
 
     def close(self) -> None:
         """Show nothing any more."""
-
-
-class Silence:
-    """A progress display that shows nothing."""
-
-    def say(self, text: str) -> None:
-        """Show nothing."""
-
-    def begun(self, name: str) -> None:
-        """Show nothing."""
-
-    def advance(self, name: str, fraction: float, step: int) -> None:
-        """Show nothing."""
-
-    def ended(self, name: str) -> None:
-        """Show nothing."""
-
-    def told(self, text: str) -> None:
-        """Show nothing."""
-
-    def close(self) -> None:
-        """Show nothing."""

@@ -22,8 +22,7 @@ from contactlab.accuracy.lines import CLEAR, Line, front
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.run import Accuracy
 from contactlab.reports.accuracy_plots import STOPPED, Look, looks, parts_of
-from contactlab.reports.bokeh_figures import GREY, page_figure
-from contactlab.reports.templates import filled
+from contactlab.reports.templates import GREY, filled, page_figure
 
 Place = tuple[str, str, str, int]
 """Case, contender, slave, level of a point."""

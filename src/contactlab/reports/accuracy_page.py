@@ -10,17 +10,18 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
+from contactlab.accuracy.error_model import CHANCE
 from contactlab.accuracy.evaluation import Evaluation
+from contactlab.accuracy.files import COUNTS, point_row
 from contactlab.accuracy.lines import Line
 from contactlab.accuracy.orders import Order
+from contactlab.accuracy.point import Point
+from contactlab.accuracy.predictions import COST_OFF, WIDE, Prediction
 from contactlab.accuracy.run import WAITING, Accuracy
 from contactlab.jobs.system import commit, system_facts
 from contactlab.reports.accuracy_costs import costs_section, winners_section
 from contactlab.reports.accuracy_explore import Place, explore_section
-from contactlab.reports.accuracy_limits import limits_section
 from contactlab.reports.accuracy_plots import cost_figure, solved_figure
-from contactlab.reports.accuracy_points import points_section
-from contactlab.reports.accuracy_predictions import predictions_section
 from contactlab.reports.accuracy_runs import write_run_pages
 from contactlab.reports.figures import laid_out, save
 from contactlab.reports.html import ASSETS, document, facts_list, figure_section, plain_table, section
@@ -145,3 +146,139 @@ def _references(found: Accuracy) -> str:
         for a in found.asked
     )
     return section("The cases and their references", plain_table(heads, rows, texts=4))
+
+
+_TEXT = (
+    "<p>Efficiency: the error (in L2) of the best approximation of the exact pressure on the same slave nodes over "
+    "the error of the run, at its finest level; with the better slave. At 1 no algorithm could do better on this mesh, "
+    "at 0.5 one with half of the error is possible. Pressures are compared as continuous piecewise linear functions, "
+    "those of constant multipliers and of nodal forces, too. In brackets the level.</p>"
+)
+
+
+def finest_efficiencies(lines: Sequence[Line]) -> dict[tuple[str, str], Point]:
+    """Of each case and contender the finest point that has an efficiency, of the slave that has the better one."""
+    found: dict[tuple[str, str], Point] = {}
+    for line in lines:
+        point = next((p for p in reversed(line.finished) if not math.isnan(p.efficiency)), None)
+        place = line.case, line.contender
+        if point is not None and (place not in found or _rank(point) > _rank(found[place])):
+            found[place] = point
+    return found
+
+
+def _rank(point: Point) -> tuple[int, float]:
+    return point.level, point.efficiency
+
+
+def efficiency_rows(found: Accuracy, points: Mapping[tuple[str, str], Point]) -> list[list[str]]:
+    """A row per contender that has one, a column per case; the cases first."""
+    cases = [asked.label for asked in found.asked if any(case == asked.label for case, _ in points)]
+    rows = [["contender", *cases]]
+    for name in found.contenders:
+        cells = [points.get((case, name)) for case in cases]
+        if any(cells):
+            rows.append([name, *(f"{p.efficiency:.2f} ({p.level})" if p else "" for p in cells)])
+    return rows
+
+
+def limits_section(found: Accuracy, lines: Sequence[Line]) -> str:
+    """The table; empty where no case has an exact pressure."""
+    points = finest_efficiencies(lines)
+    if not points:
+        return ""
+    heads, *rows = efficiency_rows(found, points)
+    return section("How near to the limit", _TEXT + plain_table(heads, rows, texts=1))
+
+
+_HEADS = ("case", "contender", "slave", "level", "status", "error, %", "efficiency", "CPU s", "kernels", *COUNTS, "MiB")
+_WORDS = ("case", "contender", "slave")
+_NUMBERS = ("efficiency", "cpu_s", "kernels", *COUNTS, "memory_mib")
+
+
+def points_section(found: Accuracy, pages: Mapping[Place, str]) -> str:
+    """Every point, failures and what was not run included."""
+    heads = "".join(
+        f'<th scope="col"{" class=text" if n in (0, 1, 2, 4) else ""}>'
+        f'<button type="button">{escape(head)}</button></th>'
+        for n, head in enumerate(_HEADS)
+    )
+    rows = "\n".join(
+        _row(point_row(p, found.side_by_side), pages.get((p.case, p.contender, p.slave, p.level), ""))
+        for p in found.points
+    )
+    return section(
+        "All points",
+        f"<details><summary>{len(found.points)} points</summary>"
+        '<input class="filter" data-table="points" type="search" placeholder="words that a row must have" '
+        'aria-label="filter the points">'
+        '<div class="scroll"><table class="sortable points all" id="points">'
+        f"<thead><tr>{heads}</tr></thead>{rows}</table></div></details>",
+    )
+
+
+def _row(row: dict[str, object], page: str) -> str:
+    words = "".join(f'<td class="text">{escape(str(row[name]))}</td>' for name in _WORDS)
+    link = f'<a href="{escape(page)}">{row["level"]}</a>' if page else row["level"]
+    level, status, reason = row["level"], str(row["status"]), str(row["reason"])
+    state = f'<td class="text"><span class="status {status}" title="{escape(reason)}">{status}</span></td>'
+    numbers = "".join(_number(_float(row[name]), significant(_float(row[name]), 3)) for name in _NUMBERS)
+    error = _number(_float(row["error"]), percent(_float(row["error"]), 3))
+    return f'<tbody class="run"><tr>{words}<td data-value="{level}">{link}</td>{state}{error}{numbers}</tr></tbody>'
+
+
+def _number(value: float, text: str) -> str:
+    return f'<td data-value="{"" if math.isnan(value) else repr(value)}">{text}</td>'
+
+
+def _float(value: object) -> float:
+    return float(value) if isinstance(value, int | float) else math.nan
+
+
+_FORESEEN = (
+    "<p>The finest point of each line, predicted from coarser meshes only: the cost as start + counted work x unit "
+    "cost (shared by the lines of a case), the error as C h<sup>q</sup> (the order near that of the "
+    f"case) with an interval that should hold {CHANCE:.0%} of them.</p>"
+)
+
+
+def told(predictions: Sequence[Prediction]) -> str:
+    """One sentence with the shares of what was predicted right; empty without predictions."""
+    if not predictions:
+        return ""
+    near = sum(abs(one.cost_off) <= COST_OFF for one in predictions)
+    errors = [one for one in predictions if one.tells_error]
+    within, wide = sum(one.is_within for one in errors), sum(one.is_wide for one in errors)
+    return (
+        f"{near} of {len(predictions)} costs within {COST_OFF:.0%}; "
+        f"{within} of {len(errors)} errors in their interval, of which {wide} are wider than a factor of {WIDE:g}."
+    )
+
+
+def predictions_section(predictions: Sequence[Prediction]) -> str:
+    """The shares, and every misprediction; empty without predictions."""
+    if not predictions:
+        return ""
+    off = [one for one in predictions if one.is_off]
+    heads = (
+        "case",
+        "contender",
+        "slave",
+        "from levels",
+        "level",
+        "cost, s",
+        "predicted",
+        "error, %",
+        "predicted",
+        "interval",
+    )
+    rows = (
+        (one.case, one.contender, one.slave, " ".join(map(str, one.levels)), str(one.level), significant(one.cost, 2),
+         significant(one.predicted_cost, 2), percent(one.error),
+         percent(one.predicted_error) if one.tells_error else "",
+         f"{percent(one.low)} to {percent(one.high)}" if one.tells_error else "")
+        for one in off
+    )  # fmt: skip
+    table = plain_table(heads, rows, texts=4)
+    listed = f"<details><summary>{len(off)} mispredictions</summary>{table}</details>" if off else ""
+    return section("Predicted from coarser meshes", f"{_FORESEEN}<p>{told(predictions)}</p>{listed}")

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Sequence
+from html import escape
+from pathlib import Path
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -12,9 +14,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
+from contactlab.reports.breakdown_table import EXPLANATION, HEADS, by_cost, cells, reasons, sentence
+from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note, save
+from contactlab.reports.html import document, figure_section, machine_section, plain_table, scene_section, section
 from contactlab.reports.numbers import percent
 from contactlab.studies.cost_breakdown import CostBreakdown, EffectCost
+from contactlab.studies.table import Table
 
 FLOOR = 1e-5  # share: what changes less is drawn here
 NEEDED = 1e-2  # share of the answer beyond which an effect is called needed in the plot
@@ -128,3 +133,29 @@ def _legend(axes: Axes) -> None:
         ),
     ]  # fmt: skip
     axes.legend(handles=entries, loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=2)
+
+
+_PLOT = (
+    "Each point is an effect. Full: the scene declares it, and it was taken out. Hollow: the scene leaves it out, "
+    "and it was added. Points far up matter to the answer; points far to the right cost much."
+)
+
+
+def write_breakdown_report(table: Table, breakdown: CostBreakdown, folder: Path) -> None:
+    """Write `report.html` and the plot (SVG and PNG) into the folder."""
+    figure = breakdown_figure(breakdown)
+    save(figure, folder, "bill")
+    notes = "".join(f'<p class="note">{escape(text)}</p>\n' for text in reasons(breakdown.effects))
+    rows = (cells(cost, breakdown) for cost in by_cost(breakdown))
+    head = (
+        f'<header>\n<h1>{escape(table.study.name)}</h1>\n<p class="lead">{escape(sentence(breakdown))}</p>\n</header>'
+    )
+    explanation = f'<p class="note">{escape(EXPLANATION)}</p>\n'
+    sections = [
+        head,
+        section("What each effect costs and changes", plain_table(HEADS, rows, texts=2) + explanation + notes),
+        figure_section({"bill": figure}, "bill", "Which effects the scene needs", _PLOT, narrow=True),
+        scene_section(table),
+        machine_section(table),
+    ]
+    (folder / "report.html").write_text(document(table.study.name, sections), encoding="utf-8")

@@ -35,7 +35,7 @@ from contactlab.studies.table import Table
 def write_report(table: Table, folder: Path) -> None:
     """Write `report.html`, `table.tex` and the plots (SVG and PNG) into the folder."""
     if table.breakdown is not None:
-        from contactlab.reports.breakdown_page import write_breakdown_report
+        from contactlab.reports.breakdown_plot import write_breakdown_report
 
         write_breakdown_report(table, table.breakdown, folder)
         return

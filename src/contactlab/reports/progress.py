@@ -6,25 +6,26 @@ import re
 import sys
 from threading import RLock
 
+from rich import progress as rich_progress
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, TaskID, TextColumn, TimeElapsedColumn
 
-from contactlab.jobs import progress as shown
+from contactlab.jobs.progress import Progress
 from contactlab.reports.terminal import Terminal
 
 
-def progress_of(total: int | None = None, show: bool | None = None) -> shown.Progress:
+def progress_of(total: int | None = None, show: bool | None = None) -> Progress:
     """Show the progress of so many results on standard error; None for an unknown number.
 
     show  None: on a terminal alone; False: nowhere
     """
     console = Terminal(stderr=True)
     if show is False or (show is None and not sys.stderr.isatty()):
-        return shown.Silence()
+        return Progress()
     return _Bars(console, total) if console.is_terminal else _Lines(console, total)
 
 
-class _Lines(shown.Silence):
+class _Lines(Progress):
     """A line for each result, and for what happens before the first run."""
 
     def __init__(self, console: Console, total: int | None) -> None:
@@ -52,7 +53,7 @@ class _Bars(_Lines):
     def __init__(self, console: Console, total: int | None) -> None:
         super().__init__(console, total)
         self._lock = RLock()
-        self._bars = Progress(
+        self._bars = rich_progress.Progress(
             TextColumn("{task.description}"), BarColumn(bar_width=32), TextColumn("{task.percentage:>3.0f} %"),
             TextColumn("{task.fields[note]}"), TimeElapsedColumn(), console=console, transient=True,
         )  # fmt: skip

@@ -7,7 +7,7 @@ import numpy as np
 from contactlab.api import Floats, Material
 from contactlab.api.differences import tangent_by_differences
 from contactlab.api.formulas import formulas_of
-from contactlab.testing import material_flow, material_states, scales
+from contactlab.testing import material_states, material_waves, scales
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.material_waves import stiffening_bounds_the_waves
 from contactlab.testing.other_values import any_others, others, switched_on
@@ -331,6 +331,6 @@ CHECKS: tuple[Check, ...] = (
     other_values_are_right,
     numbers_count,
     *material_states.CHECKS,
-    *material_flow.CHECKS,
+    *material_waves.CHECKS,
     *scales.CHECKS,
 )

@@ -12,7 +12,7 @@ from contactlab.accuracy.error_model import UNKNOWN, ErrorModel
 from contactlab.accuracy.lines import Line
 from contactlab.accuracy.point import Point
 from contactlab.accuracy.predictions import Prediction, predictions_of
-from contactlab.reports.accuracy_predictions import predictions_section, told
+from contactlab.reports.accuracy_page import predictions_section, told
 
 LEVELS = (1, 2, 3, 4, 6, 8)
 

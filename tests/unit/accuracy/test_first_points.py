@@ -8,7 +8,7 @@ import sys
 PROGRAM = """
 import sys
 import contactlab.commands.accuracy
-from contactlab.commands.accuracy_progress import import_what_draws
+from contactlab.commands.accuracy import import_what_draws
 late = {"matplotlib", "bokeh", "scipy.optimize", "scipy.stats", "numba"}
 print(sorted(late & set(sys.modules)))
 import_what_draws()

@@ -10,9 +10,8 @@ from time import process_time, sleep
 import pytest
 
 from contactlab.api import Job
-from contactlab.jobs.cpu_limit import CpuLimitReached, cpu_limit
 from contactlab.jobs.far_end import WORN
-from contactlab.jobs.perform import perform
+from contactlab.jobs.perform import CpuLimitReached, cpu_limit, perform
 from contactlab.jobs.record import from_bytes
 from contactlab.jobs.run import Run
 from contactlab.scene.scene import load_scene

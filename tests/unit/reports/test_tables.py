@@ -19,7 +19,7 @@ from contactlab.reports.numbers import percent, significant, uncertain
 from contactlab.reports.run import render_run
 from contactlab.reports.run_details import render_details
 from contactlab.reports.table import USUAL, WIDTH, print_table, render
-from contactlab.reports.table_details import every_number
+from contactlab.reports.times_table import every_number
 from contactlab.results.results import ContactCurve, ContactHistory, Results
 from contactlab.studies.table import Row, Table
 

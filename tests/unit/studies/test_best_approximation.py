@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from contactlab.studies.best_approximation import best_error
+from contactlab.accuracy.efficiency import best_error
 from contactlab.studies.profile import Profile, distance, norm
 
 

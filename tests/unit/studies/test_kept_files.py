@@ -8,11 +8,10 @@ from typing import Any
 
 import pytest
 
-from contactlab.comparison import compare
+from contactlab.comparison import compare, drop_files
 from contactlab.errors import RequestError
 from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import load_scene
-from contactlab.studies.kept_files import drop_files
 
 LARGE, SMALL = ("results.vtkhdf", "timeline.rrd"), ("summary.json", "contact.csv", "scene.toml")
 

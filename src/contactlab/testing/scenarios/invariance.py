@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Floats, Job, StepStatus
-from contactlab.cases.invariants import invariants_of
-from contactlab.cases.verdict import allowed
+from contactlab.cases.verdict import allowed, invariants_of
 from contactlab.jobs.record import record_of
 from contactlab.model.build import build
 from contactlab.model.memory import model_memory, restore_model
