@@ -47,5 +47,5 @@ def _check(where: str, value: Any, kinds: type | tuple[type, ...], parameter: Pa
         words = [WORDS.get(kind, f"a {kind.__name__}") for kind in wanted]
         words += ["None"] if parameter.default is None else []
         raise RequestError("the argument is of the wrong type", where=where, got=value, allowed=" or ".join(words))
-    if wanted == NAME or (isinstance(value, Path) and Path in wanted):
+    if isinstance(value, str | Path) and (wanted == NAME or (isinstance(value, Path) and Path in wanted)):
         usable(Path(value), where)

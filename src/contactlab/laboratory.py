@@ -24,11 +24,11 @@ from contactlab.run.folders import results_folder
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.check_part import PartReport, check_part
 from contactlab.testing.find import subjects
-from contactlab.verdicts.folder import write_folder
+from contactlab.verdicts.files import write_folder
 from contactlab.verdicts.plan import Request
 from contactlab.verdicts.run import Matrix, run_matrix
 
-_MANY = {
+_MANY: dict[str, Any] = {
     "out": NAME, "jobs": Integral, "registry": Registry, "resume": bool, "time_limit": Real, "scheduler": str,
     "progress": bool,
 }  # fmt: skip
@@ -67,7 +67,8 @@ def choose(
     own = _scene(scene, registry)
     wish = Wish(float(error), float(budget), float(search))
     with _driver(out, resume, jobs, scheduler, time_limit, progress) as driver:
-        return driver.result(choose_plan(own, wish, registry or default_registry(), driver.progress.told))
+        found: Chosen = driver.result(choose_plan(own, wish, registry or default_registry(), driver.progress.told))
+    return found
 
 
 @arguments(scene=(Scene, *NAME), **_MANY)
@@ -91,7 +92,8 @@ def error_budget(
     """
     own = _scene(scene, registry)
     with _driver(out, resume, jobs, scheduler, time_limit, progress) as driver:
-        return driver.result(budget_plan(own, registry or default_registry(), driver.progress.told))
+        found: ErrorBudget = driver.result(budget_plan(own, registry or default_registry(), driver.progress.told))
+    return found
 
 
 @arguments(cases=Sequence, contacts=Sequence, levels=Sequence, full=bool, **_MANY)

@@ -99,9 +99,9 @@ class StepControl:
         """
         error = max(error, 1e-10)
         if error > 1.0:
-            return max(self.shrink, self.safety * error ** (-1.0 / self.order))
+            return max(self.shrink, float(self.safety * error ** (-1.0 / self.order)))
         before = max(before, 1e-10)
-        ratio = self.safety * error ** (-self.integral / self.order) * before ** (self.proportional / self.order)
+        ratio: float = self.safety * error ** (-self.integral / self.order) * before ** (self.proportional / self.order)
         return min(self.grow, max(self.shrink, ratio))
 
 

@@ -20,7 +20,7 @@ class Thinning(NamedTuple):
 
     def keeps(self, steps: np.ndarray, changed: np.ndarray) -> np.ndarray:
         """Which steps (n,) stay, `changed` (n,) in which of them a state changed."""
-        return (steps > self.until) | (steps % self.stride == 0) | (changed & (steps % self.changes == 0))
+        return np.asarray((steps > self.until) | (steps % self.stride == 0) | (changed & (steps % self.changes == 0)))
 
     def as_data(self) -> dict[str, int]:
         """For the summary of a run."""

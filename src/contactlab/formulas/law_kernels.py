@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from contactlab.api.compiled.dual import derivatives, seed, value
-from contactlab.api.compiled.formulas import Slot
+from contactlab.api.compiled.formulas import slots
 from contactlab.api.compiled.kernel import kernel, point
 from contactlab.api.compiled.records import column, put_column
 from contactlab.api.tensors import Tensor
 
-FORMULA, MEASURE, MEMORY, STORED, PARAMETERS = map(Slot, ("FORMULA", "MEASURE", "MEMORY", "STORED", "PARAMETERS"))
+FORMULA, MEASURE, MEMORY, STORED, PARAMETERS = slots("FORMULA", "MEASURE", "MEMORY", "STORED", "PARAMETERS")
 
 
 @point

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from contactlab.api.compiled.dual import derivatives, seed, value
-from contactlab.api.compiled.formulas import Slot
+from contactlab.api.compiled.formulas import slots
 from contactlab.api.compiled.kernel import kernel
 from contactlab.api.compiled.records import column
 
-FORMULA, PARAMETERS = Slot("FORMULA"), Slot("PARAMETERS")
+FORMULA, PARAMETERS = slots("FORMULA", "PARAMETERS")
 
 
 @kernel

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.compiled.chains import nodal_normals, segment_normals, tributary_lengths
-from contactlab.api.compiled.formulas import Slot
+from contactlab.api.compiled.formulas import slots
 from contactlab.api.compiled.kernel import kernel, section
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import SlavePoint
@@ -19,7 +19,7 @@ from contactlab.formulas.point_tables import Points
 from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
 
-HOLD = Slot("HOLD")
+(HOLD,) = slots("HOLD")
 LEAVE = 0.02  # beyond the ends of a chain, of the shorter segment: bodies of one width spread differently
 FLANK = 0.2  # cosine: the gap of a Gauss point counts along the slave's normal, across the way to the foot none is left
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners

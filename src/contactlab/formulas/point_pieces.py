@@ -11,14 +11,14 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.compiled.dual import derivatives, seed, value
-from contactlab.api.compiled.formulas import Slot
+from contactlab.api.compiled.formulas import slots
 from contactlab.api.compiled.kernel import point, section
 from contactlab.api.segments import MasterSegment
 from contactlab.api.tensors import Vector
 from contactlab.formulas.segment_kernels import trace
 from contactlab.formulas.segment_normals import node
 
-FOOT, POINTS, ABSCISSAE, WEIGHTS = map(Slot, ("FOOT", "POINTS", "ABSCISSAE", "WEIGHTS"))
+FOOT, POINTS, ABSCISSAE, WEIGHTS = slots("FOOT", "POINTS", "ABSCISSAE", "WEIGHTS")
 SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments
 NARROW = 0.01  # sine of the turn at a vertex below which it has one normal
 AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex

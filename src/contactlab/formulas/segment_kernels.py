@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.compiled.formulas import Slot, methods_of
+from contactlab.api.compiled.formulas import methods_of, slots
 from contactlab.api.compiled.kernel import kernel, point, section
 from contactlab.api.compiled.records import column
 from contactlab.api.compiled.unpack import unpack
@@ -22,10 +22,10 @@ from contactlab.api.tensors import Vector
 from contactlab.formulas.segment_normals import inward_normals, turn_normals
 from contactlab.formulas.segment_tables import Both
 
-OVERLAP, BASIS, PARTS, BREAKS, COVERED = map(Slot, ("OVERLAP", "BASIS", "PARTS", "BREAKS", "COVERED"))
-PARAMETERS, FIELDS = Slot("PARAMETERS"), Slot("FIELDS")
-POINTS, WEIGHTS, QUADRATIC_POINTS, QUADRATIC_WEIGHTS = map(
-    Slot, ("POINTS", "WEIGHTS", "QUADRATIC_POINTS", "QUADRATIC_WEIGHTS")
+OVERLAP, BASIS, PARTS, BREAKS, COVERED = slots("OVERLAP", "BASIS", "PARTS", "BREAKS", "COVERED")
+PARAMETERS, FIELDS = slots("PARAMETERS", "FIELDS")
+POINTS, WEIGHTS, QUADRATIC_POINTS, QUADRATIC_WEIGHTS = slots(
+    "POINTS", "WEIGHTS", "QUADRATIC_POINTS", "QUADRATIC_WEIGHTS"
 )
 SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
 FLANK, FACING = 0.2, 0.3

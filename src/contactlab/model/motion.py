@@ -144,7 +144,7 @@ class ExplicitMotion:
         kernels = late("contactlab.kernels.motion")
         self.move, self.predict, self.correct = kernels.move, kernels.predict, kernels.correct
         equations, state, prescribed = self.equations, self.state, self.equations.prescribed
-        fields = {
+        fields: dict[str, Any] = {
             "reference": equations.reference, "displacement": state["displacement"], "velocity": state["velocity"],
             "internal": state["internal_force"], "external": self.external, "mobility": self.mobility,
             "mass": equations.mass, "dof": prescribed.dof, "scale": prescribed.scale, "ramp": prescribed.ramp,

@@ -17,7 +17,7 @@ from contactlab.api.warning import RunWarning
 from contactlab.arguments import NAME, arguments
 from contactlab.errors import RequestError, one_line
 from contactlab.results.load import load_results
-from contactlab.scene.toml_text import parse_toml
+from contactlab.scene.toml_text import location, parse_toml
 from contactlab.studies.columns import BY_NAME, Column
 from contactlab.studies.cost_breakdown import CostBreakdown, EffectCost
 from contactlab.studies.profile import Profile
@@ -51,7 +51,7 @@ def load_table(folder: str | Path) -> Table:
 
 def _table(data: Mapping[str, Any], folder: Path) -> Table:
     study = study_from(
-        data["study"], str(folder / "table.json"), measures=[*BY_NAME, *data["study"].get("measures", ())]
+        data["study"], location(str(folder / "table.json"), {}), measures=[*BY_NAME, *data["study"].get("measures", ())]
     )
     rows = [_row(row, study.contact, folder / RUNS / row["name"]) for row in data["rows"]]
     text = str(data.get("scene", ""))
@@ -128,9 +128,13 @@ def _reference(data: Mapping[str, Any] | None) -> Reference | None:
 def _breakdown(data: Mapping[str, Any] | None) -> CostBreakdown | None:
     if data is None:
         return None
-    whole = {name: math.nan if value is None else value for name, value in data.items() if name != "prices"}
-    effects = [EffectCost(**{k: math.nan if v is None else v for k, v in cost.items()}) for cost in data["prices"]]
-    return CostBreakdown(**whole, effects=effects)
+    whole: dict[str, Any] = {
+        name: math.nan if value is None else value for name, value in data.items() if name != "prices"
+    }
+    prices: list[dict[str, Any]] = [
+        {k: math.nan if v is None else v for k, v in cost.items()} for cost in data["prices"]
+    ]
+    return CostBreakdown(**whole, effects=[EffectCost(**cost) for cost in prices])
 
 
 def _number(value: Any) -> float:

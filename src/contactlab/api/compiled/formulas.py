@@ -27,14 +27,15 @@ from numba.core.errors import NumbaError
 from contactlab.api import mathematics
 from contactlab.api.compiled import dual, kernel, records
 from contactlab.api.compiled import mathematics as compiled_mathematics
+from contactlab.api.compiled.compiler import Kernel, Part
 from contactlab.api.compiled.unpack import unpack
 from contactlab.api.formulas import Formula, in_python
 from contactlab.errors import WrongAnswer
 
-__all__ = ["FormulaError", "Slot", "compiled_point", "copied", "made", "methods_of", "plain"]
+__all__ = ["FormulaError", "Slot", "compiled_point", "copied", "made", "methods_of", "plain", "slots"]
 
 methods_of = compiled_mathematics.methods_of
-_KERNEL, _PART = kernel.Kernel, kernel.Part
+_KERNEL, _PART = Kernel, Part
 _FUNCTIONS = {
     getattr(module, name): getattr(mathematics, name)
     for module in (math, np)
@@ -56,6 +57,11 @@ class Slot:
     def __call__(self, *arguments: Any) -> Any:
         """Nothing is known yet of what will be here."""
         raise TypeError(f"{self.name}: a template is called")
+
+
+def slots(*names: str) -> tuple[Any, ...]:
+    """Slots of these names, which kernels use as what will be there: functions, numbers, tuples."""
+    return tuple(map(Slot, names))
 
 
 def made(template: Any, name: str, given: Mapping[Slot, Any], plain: bool | None = None) -> Any:
@@ -203,7 +209,7 @@ def _add_code(digest: Any, code: CodeType) -> None:
             digest.update(repr(constant).encode())
 
 
-class FormulaKernel(kernel.Kernel):
+class FormulaKernel(Kernel):
     """A kernel of a template: what it cannot compile is told in terms of the formula."""
 
     def compile(self, sig: Any) -> Any:

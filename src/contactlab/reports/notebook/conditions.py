@@ -52,11 +52,17 @@ def _thinned(nodes: Ints, position: Floats, most: int) -> Ints:
     """At most so many of the nodes, evenly along the longer side of where they lie."""
     axis = int(np.argmax(np.ptp(position[nodes], axis=0)))
     ordered = nodes[np.argsort(position[nodes, axis], kind="stable")]
-    return ordered[np.unique(np.linspace(0, len(ordered) - 1, min(most, len(ordered))).round().astype(int))]
+    return np.asarray(ordered[np.unique(np.linspace(0, len(ordered) - 1, min(most, len(ordered))).round().astype(int))])
 
 
 def _draw_support(axes: Axes, support: Any, places: Floats, length: float) -> None:
-    style = {"linestyle": "", "markersize": 5.0, "markerfacecolor": "white", "markeredgecolor": MUTED, "zorder": 4}
+    style: dict[str, Any] = {
+        "linestyle": "",
+        "markersize": 5.0,
+        "markerfacecolor": "white",
+        "markeredgecolor": MUTED,
+        "zorder": 4,
+    }
     for value, marker in ((support.ux, 5), (support.uy, 6)):  # carets with their tips at the node
         if value is not None:
             axes.plot(*places.T, marker=marker, **style)

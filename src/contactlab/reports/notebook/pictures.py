@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.animation import FuncAnimation
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import Collection, LineCollection, PolyCollection
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
@@ -184,7 +184,7 @@ def _known(fields: Iterable[Floats]) -> Floats:
 
 def draw_field(axes: Axes, results: Results, moment: Moment, values: Mapping[str, Floats], limits: Limits) -> Any:
     """Draw the bodies; returns the artist of the first coloured one."""
-    found = []
+    found: list[Collection] = []
     for name, cells in results.cells.items():
         corners = moment.position[corners_of(cells)]
         if name not in values:
@@ -199,8 +199,8 @@ def draw_field(axes: Axes, results: Results, moment: Moment, values: Mapping[str
             smooth = np.nan_to_num(values[name])  # nodes of other bodies, which no triangle has
             found.append(axes.tripcolor(mesh, smooth, shading="gouraud", cmap=COLOURS, rasterized=True))
         axes.add_collection(LineCollection(list(outline(Shape(corners, np.zeros(0)))), colors=INK, linewidths=1.0))
-    for drawn in found:
-        drawn.set_clim(*limits)
+    for artist in found:
+        artist.set_clim(*limits)
     for lines in _rigid_lines(results, moment):
         axes.add_collection(LineCollection(lines, colors=MUTED, linewidths=2.0))
     return found[0]
