@@ -25,58 +25,10 @@ Keys = Callable[[Any, Model], list[str]]
 """The keys of a scene that call for an effect, empty where none does."""
 
 
-def _inertia(scene: Scene, model: Model) -> list[str]:
-    return ["integrator"] if model.integrator.inertia else []
-
-
-def _several_bodies(scene: Scene, model: Model) -> list[str]:
-    return [f"bodies.{name}" for name in scene.bodies] if len(scene.bodies) > 1 else []
-
-
 def _moving(scene: Scene, model: Model) -> list[str]:
     moving = {f"bodies.{name}.velocity": any(body.velocity) for name, body in scene.bodies.items()}
     moving |= {f"bodies.{name}.spin": bool(body.spin) for name, body in scene.bodies.items()}
     return [key for key, moves in moving.items() if moves]
-
-
-def _contact(scene: Scene, model: Model) -> list[str]:
-    return [f"contacts.{i}" for i in range(len(scene.contacts))]
-
-
-def _friction(scene: Scene, model: Model) -> list[str]:
-    return [f"contacts.{i}.friction" for i, contact in enumerate(scene.contacts) if contact.friction is not None]
-
-
-def _rigid(scene: Scene, model: Model) -> list[str]:
-    return [f"rigid.{name}" for name in scene.rigid]
-
-
-def _finite(scene: Scene, model: Model) -> list[str]:
-    return [f"bodies.{b.name}.material" for b in model.bodies if b.material.kinematics != "small"]
-
-
-def _history(scene: Scene, model: Model) -> list[str]:
-    return [f"bodies.{b.name}.material" for b in model.bodies if b.material.history_size]
-
-
-def _plasticity(scene: Scene, model: Model) -> list[str]:
-    return [f"bodies.{b.name}.material" for b in model.bodies if PLASTIC in b.material.history_names]
-
-
-def _quadratic(scene: Scene, model: Model) -> list[str]:
-    return [f"bodies.{b.name}.element" for b in model.bodies if b.element.degree > 1]
-
-
-def _hourglass(scene: Scene, model: Model) -> list[str]:
-    return [f"bodies.{f.body.name}.element" for f in model.forces if f.kernels.stabilise is not None]
-
-
-def _damping(scene: Scene, model: Model) -> list[str]:
-    return ["time.damping" if scene.time.damping else "time.end"] if model.damping else []
-
-
-def _loads(scene: Scene, model: Model) -> list[str]:
-    return [f"loads.{i}" for i in range(len(scene.loads))]
 
 
 def _recording(scene: Scene, model: Model) -> list[str]:
@@ -85,20 +37,29 @@ def _recording(scene: Scene, model: Model) -> list[str]:
     return [f"record.recorders.{i}" for i in range(len(scene.record.recorders))]
 
 
+def _where(part: str, has: Callable[[Any], object]) -> Keys:
+    """The keys of a part of those bodies that have something."""
+    return lambda scene, model: [f"bodies.{body.name}.{part}" for body in model.bodies if has(body)]
+
+
 ROWS: dict[str, Keys] = {
-    "inertia": _inertia,
-    "several bodies": _several_bodies,
+    "inertia": lambda scene, model: ["integrator"] if model.integrator.inertia else [],
+    "several bodies": lambda scene, model: [f"bodies.{name}" for name in scene.bodies if len(scene.bodies) > 1],
     "initial velocity": _moving,
-    "contact": _contact,
-    "friction": _friction,
-    "rigid surfaces": _rigid,
-    "finite strain": _finite,
-    "material history": _history,
-    "plasticity": _plasticity,
-    "quadratic shape functions": _quadratic,
-    "hourglass control": _hourglass,
-    "damping": _damping,
-    "loads": _loads,
+    "contact": lambda scene, model: [f"contacts.{i}" for i in range(len(scene.contacts))],
+    "friction": lambda scene, model: [
+        f"contacts.{i}.friction" for i, c in enumerate(scene.contacts) if c.friction is not None
+    ],
+    "rigid surfaces": lambda scene, model: [f"rigid.{name}" for name in scene.rigid],
+    "finite strain": _where("material", lambda body: body.material.kinematics != "small"),
+    "material history": _where("material", lambda body: body.material.history_size),
+    "plasticity": _where("material", lambda body: PLASTIC in body.material.history_names),
+    "quadratic shape functions": _where("element", lambda body: body.element.degree > 1),
+    "hourglass control": lambda scene, model: [
+        f"bodies.{f.body.name}.element" for f in model.forces if f.kernels.stabilise is not None
+    ],
+    "damping": lambda scene, model: [] if not model.damping else ["time.damping" if scene.time.damping else "time.end"],
+    "loads": lambda scene, model: [f"loads.{i}" for i in range(len(scene.loads))],
     "recording": _recording,
 }
 
