@@ -16,8 +16,6 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import pictures
-
 from contactlab.accuracy.evaluation import Evaluation, evaluate
 from contactlab.accuracy.files import COUNTS
 from contactlab.accuracy.point import Point
@@ -132,7 +130,6 @@ def main() -> None:
     with house_style():
         figure = cost_figure(evaluated.found, evaluated.lines)
         figure.savefig(DOCS / "pictures" / "accuracy.svg", metadata={"Date": None, "Creator": None})
-    pictures.keep(["pictures/accuracy.svg"])
 
 
 if __name__ == "__main__":

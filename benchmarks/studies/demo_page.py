@@ -13,7 +13,6 @@ import hashlib
 from pathlib import Path
 
 import kept_rows
-import pictures
 from kept_rows import Row
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
@@ -52,7 +51,6 @@ def keep(folder: Path) -> None:
         told.add_text(MARK, hash_of_rows())
         with Image.open(folder / name) as picture:
             picture.save(PICTURES / own, pnginfo=told, optimize=True)
-    pictures.keep([f"pictures/{own}" for own in DRAWN.values()])
 
 
 def hash_of_rows() -> str:

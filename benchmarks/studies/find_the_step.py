@@ -15,12 +15,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import pictures
 
 from contactlab.results.load import load_results
 from contactlab.results.results import Results
 
-PAGE = pictures.DOCS / "find-the-step.md"
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = DOCS / "find-the-step.md"
 BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
 IN_EVERY_STEP = 20  # steps in a row make a node that changes its segment in every step
 PANEL = "master segment"
@@ -84,9 +84,7 @@ def draw(folder: Path, run: Results) -> None:
     """Write all pictures: the end as the whole view, the others as its panel of segments alone."""
     for name, step in places(run).items():
         panel = [] if name == "chatter-end" else ["--panel", PANEL]
-        _command(
-            "view", str(folder), "--png", str(pictures.DOCS / "pictures" / f"{name}.png"), "--step", str(step), *panel
-        )
+        _command("view", str(folder), "--png", str(DOCS / "pictures" / f"{name}.png"), "--step", str(step), *panel)
 
 
 def _command(*words: str) -> None:
@@ -111,7 +109,6 @@ def main(given: list[str]) -> None:
         run = load_results(folder)
         draw(folder, run)
         write(run)
-        pictures.keep([f"pictures/{name}.png" for name in places(run)])
         print(table(run))
 
 

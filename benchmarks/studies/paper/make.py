@@ -18,9 +18,6 @@ from time import process_time
 from common import PICTURES, ROOT, Numbers
 from kept_runs import use
 
-sys.path.append(str(ROOT / "benchmarks" / "studies"))
-import pictures
-
 MODULES = ("test1", "test2", "test3")
 PAGE = ROOT / "benchmarks" / "studies" / "paper" / "page.md"
 NUMBERS = PICTURES / "numbers.json"
@@ -51,7 +48,6 @@ def draw(name: str, figure: Callable[[], Numbers]) -> None:
     numbers = json.loads(NUMBERS.read_text()) if NUMBERS.exists() else {}
     numbers[name] = made
     NUMBERS.write_text(json.dumps(numbers, indent=1, sort_keys=True) + "\n")
-    pictures.keep(pictures.of_figure(name))
 
 
 def keep(folder: Path) -> None:
