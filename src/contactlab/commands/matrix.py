@@ -11,11 +11,9 @@ from contactlab.cases.verdict import WORST
 from contactlab.commands.common import add_row, console, fitting, print_json, registry_with, table
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.verdicts.cell import CellResult
-from contactlab.verdicts.files import against, plain_cells, verdicts
-from contactlab.verdicts.folder import write_folder
+from contactlab.verdicts.files import MEANINGS, against, plain_cells, verdicts, write_folder
 from contactlab.verdicts.margins import Margin, margins_asked, run_margins
 from contactlab.verdicts.orders import orders
-from contactlab.verdicts.page import MEANINGS
 from contactlab.verdicts.plan import Request, plan
 from contactlab.verdicts.run import Matrix, run_matrix
 

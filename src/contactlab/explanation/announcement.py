@@ -6,7 +6,7 @@ from collections.abc import Callable
 from time import thread_time
 from typing import TYPE_CHECKING, TextIO
 
-from contactlab.explanation.expected import expected_length
+from contactlab.explanation.estimate import expected_length
 
 if TYPE_CHECKING:
     from contactlab.model.model import Model

@@ -5,13 +5,87 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from contactlab.explanation.expected import expected_length
 from contactlab.explanation.trial_run import CUT, TrialRun
 from contactlab.run.prepare import schedule_of
 
 if TYPE_CHECKING:
     from contactlab.model.model import Model
     from contactlab.scene.scene import Scene
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from contactlab.model.model import Model
+    from contactlab.run.schedule import Schedule
+    from contactlab.scene.scene import Scene
+
+
+PERIODS = (1.0, 2.0, 6.0)  # that an explicit run takes to settle after its ramp
+ALONE = (2.0, 5.0, 8.0)  # where no contact presses them: kinetic energy has to fall below a thousandth of little
+ITERATIONS = (1.0 / 3.0, 1.0, 3.0)  # times the usual number
+LINEAR, NONLINEAR = 1.0, 3.0  # usual iterations of a load step without contact
+CONTACT, FRICTION = 3.0, 3.0  # and further ones where a step goes to the end at once
+FOLLOWED = 1.0 / 3.0  # of those, where the way is followed in many steps
+
+
+class Length(NamedTuple):
+    """How long a run is: steps, and Newton iterations of all of them (0 in explicit runs)."""
+
+    steps: float
+    iterations: float
+
+
+class Expected(NamedTuple):
+    """Something at least, as expected, and at most."""
+
+    least: Length
+    usual: Length
+    most: Length
+
+
+def expected_length(scene: Scene, model: Model, schedule: Schedule) -> Expected:
+    """Lengths of a run of a scene."""
+    if not model.explicit:
+        return _implicit(scene, model, schedule)
+    timing = model.timing
+    if not timing.until_settled:
+        steps = schedule.estimated_steps()
+        return Expected(*(Length(steps, 0.0) for _ in PERIODS))
+    lengths = []
+    usual = PERIODS if model.contact is not None else ALONE
+    for periods in usual if timing.damping else (math.inf,) * len(usual):
+        time = timing.last + min(periods * timing.period, timing.hold)
+        lengths.append(Length(time / schedule.first, 0.0))
+    return Expected(*lengths)
+
+
+def _implicit(scene: Scene, model: Model, schedule: Schedule) -> Expected:
+    steps = schedule.estimated_steps()
+    linear = all(body.material.kinematics == "small" for body in model.bodies)
+    more = (CONTACT if model.contact is not None else 0.0) + (FRICTION if _rubs(scene) else 0.0)
+    usual = (LINEAR if linear else NONLINEAR) + more * (1.0 if schedule.skips else FOLLOWED)
+    least, expected, most = (max(1.0, usual * factor) * steps for factor in ITERATIONS)
+    if not _driven(scene, model):
+        least = expected = 0.0
+    return Expected(*(Length(steps, iterations) for iterations in (least, expected, most)))
+
+
+def _rubs(scene: Scene) -> bool:
+    return any(contact.friction for contact in scene.contacts)
+
+
+def _driven(scene: Scene, model: Model) -> bool:
+    """Whether anything takes the bodies out of their balance."""
+    return bool(scene.loads or scene.effects) or _moved(model)
+
+
+def _moved(model: Model) -> bool:
+    """Whether supports are."""
+    prescribed = model.prescribed
+    return bool(np.any(prescribed.values(0.0).copy() != prescribed.values(model.timing.last)))
+
 
 REPEATED = (0.85, 1.15)
 """Times the cost of a run that was made before: by so much two runs of a scene differ."""
@@ -68,8 +142,8 @@ def estimate(scene: Scene, model: Model, trial: TrialRun) -> Estimate:
         return Estimate(begin.cpu_s + rest[1], least, most, start, begin.memory_mib, steps, 0.0, done)
     if begin.done > 0.0:
         whole = 1.0 / begin.done
-        rest = cost * (whole - 1.0)
-        ends = [begin.cpu_s + rest, *(begin.cpu_s * REPEATED[end] + rest * LATER[end] for end in (0, 1))]
+        later = cost * (whole - 1.0)
+        ends = [begin.cpu_s + later, *(begin.cpu_s * REPEATED[end] + later * LATER[end] for end in (0, 1))]
         steps, iterations = begin.steps * whole, begin.iterations * whole
         return Estimate(ends[0], ends[1], ends[2], start, begin.memory_mib, steps, iterations, begin.done)
     each = begin.cpu_s / max(1.0, begin.iterations)

@@ -27,9 +27,9 @@ from contactlab.reports.page_table import runs_table
 from contactlab.reports.pressure_plot import is_map, pressure_figure
 from contactlab.reports.tex import table_tex
 from contactlab.reports.times_table import times_section
-from contactlab.studies.agreement import Agreement, agreements
 from contactlab.studies.reference import Reference
 from contactlab.studies.table import Table
+from contactlab.studies.table_files import Agreement, agreements
 
 
 def write_report(table: Table, folder: Path) -> None:

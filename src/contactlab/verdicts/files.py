@@ -7,13 +7,15 @@ import importlib.util
 import json
 import math
 from collections.abc import Iterator, Mapping
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 from contactlab.cases.verdict import WORST
 from contactlab.errors import RequestError
-from contactlab.jobs.archive import CHOICES
+from contactlab.jobs.archive import CHOICES, FILE, Archive
 from contactlab.outside_files import text_outside
+from contactlab.verdicts.orders import orders, write_orders
 from contactlab.verdicts.run import Matrix
 
 COLUMNS = (
@@ -108,3 +110,47 @@ def against(matrix: Matrix, before: Mapping[Key, str]) -> dict[str, list[tuple[K
             changes["better" if _rank(verdict) > _rank(old) else "worse"].append((key, old, verdict))
     changes["gone"] = [(key, verdict, "") for key, verdict in before.items() if key not in now]
     return changes
+
+
+COLOURS = {
+    "met": "#1a7f4b", "missed": "#c77700", "failed": "#b42318", "silent": "#7a0bc0", "not-judged": "#5b7083",
+    "ill-posed": "#2f6f9f", "not-applicable": "#c3c9d0",
+}  # fmt: skip
+
+MEANINGS = {
+    "silent": "finished, wrong, and nothing said so",
+    "failed": "did not finish",
+    "missed": "a number is outside of what the case allows, or a warning said so",
+    "not-judged": "was stopped: more steps and iterations than the case allows",
+    "ill-posed": "said that there is no answer, where there is none",
+    "met": "all numbers are within what the case allows",
+    "not-applicable": "was not made",
+}
+
+
+def write_page(matrix: Matrix, folder: Path) -> None:
+    """Write the page of a matrix as one self-contained HTML file."""
+    data = json.dumps(
+        {
+            "cells": plain_cells(matrix), "colours": COLOURS, "meanings": MEANINGS, "order": WORST,
+            "orders": orders(matrix),
+        },
+        allow_nan=False,
+    )  # fmt: skip
+    place = files("contactlab") / "data" / "report"
+    style = (place / "page.css").read_text(encoding="utf-8")
+    page = (place / "matrix.html").read_text(encoding="utf-8")
+    # "</" would end the script in which the data stand
+    text = page.replace("/* style */", style).replace("/* data */", data.replace("</", "<\\/"))
+    (folder / "matrix.html").write_text(text, encoding="utf-8")
+
+
+def write_folder(found: Matrix, folder: Path) -> None:
+    """Write tables, orders of convergence, page, and the scene of every run, where the page leads to."""
+    write(found, folder)
+    write_orders(found, folder)
+    (folder / "scenes").mkdir(exist_ok=True)
+    with Archive(folder / FILE, write=False) as archive:
+        for run in archive.runs():
+            (folder / "scenes" / f"{run['key']}.toml").write_text(run["scene"], encoding="utf-8")
+    write_page(found, folder)

@@ -20,8 +20,7 @@ from contactlab.cases.verdict import WORST
 from contactlab.cli import main
 from contactlab.jobs.archive import FILE, Archive
 from contactlab.parts.registry import default_registry
-from contactlab.verdicts.files import COLUMNS, against, verdicts
-from contactlab.verdicts.page import MEANINGS
+from contactlab.verdicts.files import COLUMNS, MEANINGS, against, verdicts
 from contactlab.verdicts.plan import Request, plan
 from contactlab.verdicts.run import Matrix
 

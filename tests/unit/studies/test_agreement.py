@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from contactlab.results.results import ContactCurve
-from contactlab.studies.agreement import agreements
 from contactlab.studies.table import Row
+from contactlab.studies.table_files import agreements
 
 X = np.linspace(-1.0, 1.0, 21)
 P = 1.0 - X**2
