@@ -95,7 +95,7 @@ class ImplicitContactSystem:
         for pair in self.potentials:
             pair.begin_step(position)
             # what the last step wrote for reports is no force of a condition
-            self.conditions.force[:, _own(pair)] = 0.0
+            self.conditions.force[:, pair.own] = 0.0
         self._release(time)
         for rows, memory in zip(self.stepped, self.memories, strict=False):
             half = 0.5 * (time - self.state.time)
@@ -120,7 +120,7 @@ class ImplicitContactSystem:
         """Those of the pairs that have one, and how free their multipliers were in the last accepted step."""
         for linear in self.linear:
             if isinstance(linear, PairLinearisation):
-                yield linear.pair.coupling, self.freedom[_own(linear.pair)]
+                yield linear.pair.coupling, self.freedom[linear.pair.own]
 
     def _freed(self, coupling: Coupling, freedom: Floats) -> Floats:
         """How free multipliers are after a step that frees them at `pace`: (k,), 0 where they are merged."""
@@ -167,7 +167,7 @@ class ImplicitContactSystem:
             else:
                 stepped.move(position)
             examine_pair(pair)
-            own = _own(pair)
+            own = pair.own
             flexibility = linear.flexibilities(self.flexibility)
             # without flexibility both sides are held: there is nothing that a force could do
             c.present[own] = flexibility > 0.0
@@ -194,7 +194,7 @@ class ImplicitContactSystem:
         for pair in self.potentials:
             pair.add_forces(normal, tangential)
         for stepped in self.stepped:
-            stepped.add_forces(self.conditions.force[:, _own(stepped.linear.pair)], normal, tangential)
+            stepped.add_forces(self.conditions.force[:, stepped.linear.pair.own], normal, tangential)
         if self.stepped:
             return
         for linear, memory in zip(self.linear, self.memories, strict=True):
@@ -206,7 +206,7 @@ class ImplicitContactSystem:
     def _add_consistent(self, linear: PairLinearisation, memory: Floats, normal: Floats, tangential: Floats) -> None:
         """Normal forces along the derivatives of the gaps; those of friction by weights."""
         force = self.conditions.force.copy()
-        own = force[0, _own(linear.pair)]
+        own = force[0, linear.pair.own]
         chosen = np.flatnonzero(own).astype(np.int32)
         if len(chosen):
             pushed = linear.gap_derivatives(chosen, memory).T @ own[chosen]
@@ -246,7 +246,7 @@ class ImplicitContactSystem:
         parts: list[PairDerivatives] = []
         for number, (linear, memory) in enumerate(zip(self.linear, self.memories, strict=True)):
             pair = linear.pair
-            own = _own(pair)
+            own = pair.own
             slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - pair.first_slot
             if self.stepped:
                 parts.append(self.stepped[number].linearise(slots, force[:, own]))
@@ -270,7 +270,7 @@ class ImplicitContactSystem:
             return found.normal, found.tangent
         normal, tangent = [], []
         for stepped in self.stepped:
-            own = _own(stepped.linear.pair)
+            own = stepped.linear.pair.own
             slots = chosen[(chosen >= own.start) & (chosen < own.stop)] - own.start
             along, across = stepped.directions(slots)
             normal.append(along)
@@ -302,11 +302,6 @@ class ImplicitContactSystem:
         )
 
 
-def _own(pair: ContactPair) -> slice:
-    """Slots of the model's multipliers that belong to a pair."""
-    return slice(pair.first_slot, pair.first_slot + pair.slots)
-
-
 def _stacked(parts: list[Any] | None) -> Any:
     return None if parts is None else vstack(parts, format="csr")
 
@@ -316,7 +311,7 @@ def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: b
     bound = np.zeros((3, k if friction else 0))
     for pair in pairs:
         if pair.sliding is not None:
-            bound[:, _own(pair)] = pair.sliding.bound[:, None]
+            bound[:, pair.own] = pair.sliding.bound[:, None]
     return Conditions(
         present=np.zeros(k, np.bool_),
         gap=np.zeros(k),

@@ -75,7 +75,7 @@ class Sliding:
 class ContactPair(ABC):
     """A slave and a master surface under one contact algorithm.
 
-    Multiplier k = slot * m + i of the pair lives at `first_slot + k` of the state's multipliers.
+    Multiplier k = slot * m + i of the pair lives at `first_slot + k` of the state's multipliers, all of them at `own`.
 
     method     the algorithm
     size       [mm] longest segment of both sides
@@ -119,6 +119,11 @@ class ContactPair(ABC):
     def rows_per_node(self) -> int:
         """Multipliers that a slave node can carry."""
         return self.slots // len(self.slave.nodes)
+
+    @property
+    def own(self) -> slice:
+        """Which of the model's multipliers are this pair's."""
+        return slice(self.first_slot, self.first_slot + self.slots)
 
     @property
     def everywhere(self) -> bool:
@@ -261,7 +266,7 @@ class ContactPair(ABC):
         gaps = self.gaps_at(position)
         self._take_start_gaps(gaps)
         forces = np.zeros((2, self.slots))
-        known = state["multipliers"][:, self.first_slot : self.first_slot + self.slots]
+        known = state["multipliers"][:, self.own]
         forces[: len(known) if self.friction is not None else 1] = known if self.friction is not None else known[0]
         return ContactSnapshot(
             at=SurfacePositions(position[self.slave.nodes], position[self.master.nodes]),

@@ -25,7 +25,7 @@ class PressureStore:
         """The energy [mJ] now."""
         total = 0.0
         for pair in self.pairs:
-            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            own = pair.own
             gaps = np.minimum(pair.gaps[:, 0], self.law.begins())
             total += float(pair.cover @ self.law.energy(gaps, self.stiffness[own], pair.full))
         return total

@@ -75,7 +75,7 @@ class WorkSplit:
         left, force = self.position[0], self._normal_force()
         moved, parts, frozen, turned = reached - left, np.zeros(len(CONTACT_WORK)), 0.0, 0.0
         for split, pair, known in zip(self.pairs, self.contact.pairs, self.memory, strict=True):
-            y = self.contact.multipliers[0, pair.first_slot : pair.first_slot + pair.slots]
+            y = self.contact.multipliers[0, pair.own]
             memory = self._remembered(pair, known[1])
             parts += split.parts(y, (left, known[0]), (reached, memory))
             if self.contact.consistent:

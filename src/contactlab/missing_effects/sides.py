@@ -53,7 +53,7 @@ class WrongSide:
         from contactlab.contact.near_list import segment_lengths  # of contacts alone
 
         pair, position = self.pair, self.model.position
-        forces = self.model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]
+        forces = self.model.state["multipliers"][0, pair.own]
         slots = np.flatnonzero(forces > 0.0)
         if not len(slots):
             return

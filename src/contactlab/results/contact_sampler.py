@@ -95,7 +95,7 @@ def _compiled(model: Model, pair: OperatorPair, columns: dict[str, np.ndarray]) 
     slid, compliance = np.zeros(pair.slots), np.zeros_like(model.reference)
     bound = _bound(model, pair, columns, slid, compliance)
     address, arrays, uncounted = bound.address, pair.arrays, _uncounted(pair)
-    own = slice(pair.first_slot, pair.first_slot + pair.slots)
+    own = pair.own
 
     def record(row: int) -> None:
         rows = contact.rows
@@ -144,7 +144,7 @@ def _bound(
 def _by_numpy(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int], None]:
     """For pairs whose conditions come finished: they are made in Python, too."""
     contact: Any = model.contact
-    own = slice(pair.first_slot, pair.first_slot + pair.slots)
+    own = pair.own
 
     def record(row: int) -> None:
         seen = pair.snapshot(model.state, model.position)

@@ -132,7 +132,7 @@ def _with_conditions(sampler: StepSampler, model: Model) -> Sample:
         at = model_scalars(row, bound.address, dt, *counts, of_elements, of_contact, works)
         before, now = sampler.states
         for pair in contact.pairs:
-            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            own = pair.own
             now[own], penetration = _conditions_of(contact.conditions, own)
             active, sticking = np.count_nonzero(now[own]), np.count_nonzero(now[own] == STICKING)
             sampler.rows[row, at : at + 4] = active, sticking, penetration, np.count_nonzero(now[own] != before[own])

@@ -161,7 +161,7 @@ def _derived(model: Model, name: str) -> dict[str, Any]:
     (pair,) = (pair for pair in model.contact.pairs if pair.name == name)
     if pair.by_energy:
         return {"stiffness": None, "complementarity": None}
-    own = slice(pair.first_slot, pair.first_slot + pair.slots)
+    own = pair.own
     stiffness = conditions.stiffness[own][conditions.present[own]]
     return {"stiffness": [float(stiffness.min()), float(stiffness.max())] if len(stiffness) else []}
 

@@ -73,7 +73,7 @@ class ContactGuard:
         found = []
         for pair in self.pairs:
             gaps = pair.snapshot(self.model.state, self.model.position).gaps
-            pressed = self.forces[pair.first_slot : pair.first_slot + pair.slots] > 0.0
+            pressed = self.forces[pair.own] > 0.0
             slot = int(np.argmax(np.where(pressed, np.abs(gaps), -gaps)))
             found.append((abs(float(gaps[slot])), pair, slot))
         if not found:
@@ -135,7 +135,7 @@ class ContactGuard:
     def _check_held(self, body: Body, pairs: tuple[ContactPair, ...]) -> None:
         """Stop where a body that contacts alone hold has left all of them: nothing says where it is."""
         for pair in pairs:
-            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            own = pair.own
             if (self.forces[own] > 0.0).any() or pair.gaps[:, 0].min() <= APART * pair.size:
                 return
         own = slice(body.first, body.first + body.count)

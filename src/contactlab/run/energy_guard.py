@@ -95,7 +95,7 @@ class EnergyGuard:
         if not self.facets:
             return
         forces = self.model.state["multipliers"][0]
-        rate = -sum(float(forces[p.first_slot : p.first_slot + p.slots] @ own.value) for p, own in self.facets)
+        rate = -sum(float(forces[p.own] @ own.value) for p, own in self.facets)
         counted = self.facets[0][1].ramp(self.model.state.time)
         self.pushed += 0.5 * (self.rate + rate) * (counted - self.counted)
         self.rate, self.counted = rate, counted

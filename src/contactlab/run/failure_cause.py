@@ -70,7 +70,7 @@ def _changes(model: Model, trace: Sequence[Iteration]) -> list[_Node]:
     count = np.count_nonzero(np.diff(states, axis=0), axis=0)
     found: list[tuple[int, int, _Node]] = []
     for pair in model.contact.pairs:
-        for slot in np.flatnonzero(count[pair.first_slot : pair.first_slot + pair.slots]):
+        for slot in np.flatnonzero(count[pair.own]):
             seen = frozenset(states[:, pair.first_slot + slot].tolist())
             node = _Node(pair, int(slot) % len(pair.slave.nodes), seen)
             found.append((-int(count[pair.first_slot + slot]), len(found), node))
@@ -83,7 +83,7 @@ def _closed(model: Model) -> list[_Node]:
     return [
         _Node(pair, int(slot) % len(pair.slave.nodes))
         for pair in (model.contact.pairs if model.contact is not None else ())
-        for slot in np.flatnonzero(force[pair.first_slot : pair.first_slot + pair.slots] > 0.0)
+        for slot in np.flatnonzero(force[pair.own] > 0.0)
     ]
 
 
@@ -178,7 +178,7 @@ def _tipping(model: Model, scene: Scene) -> str:
     if model.integrator.inertia or model.contact is None:
         return ""
     turning = {body.name for body in model.bodies if MOTIONS[2] in free_motions(body, model.prescribed)}
-    pressed = [pair for pair in model.contact.pairs if model.state["multipliers"][0, _slots(pair)].any()]
+    pressed = [pair for pair in model.contact.pairs if model.state["multipliers"][0, pair.own].any()]
     for pair in pressed:
         spec = scene.contacts[_number(pair)]
         for name in turning & {target.partition(".")[0] for side in spec.targets for target in side}:
@@ -193,10 +193,6 @@ def _tipping(model: Model, scene: Scene) -> str:
     return ""
 
 
-def _slots(pair: ContactPair) -> slice:
-    return slice(pair.first_slot, pair.first_slot + pair.slots)
-
-
 def _touches(scene: Scene, pair: ContactPair, body: str) -> bool:
     return any(target.partition(".")[0] == body for side in scene.contacts[_number(pair)].targets for target in side)
 
@@ -205,7 +201,7 @@ def _reserve(model: Model, pair: ContactPair) -> tuple[float, Floats]:
     """How far the pressure acts from the nearer end of where the sides meet, over its length, and where that end is."""
     from contactlab.kernels.contact.factored_rows import FAR
 
-    force = model.state["multipliers"][0, _slots(pair)]
+    force = model.state["multipliers"][0, pair.own]
     at = np.tile(model.position[pair.slave.nodes], (pair.rows_per_node, 1))
     meets = at[(pair.gaps[:, 0] < FAR) | (force > 0.0)]
     ends = meets[(meets @ (meets[-1] - meets[0])).argsort()[[0, -1]]]

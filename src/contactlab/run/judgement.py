@@ -42,14 +42,14 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
             model.warnings.add(breach(one, model))
     for pair in model.contact.pairs if model.contact is not None else ():
         report = sample.contacts[pair.name]
-        if not closed[pair.first_slot : pair.first_slot + pair.slots].any():
+        if not closed[pair.own].any():
             _never_closed(model, pair, report)
         elif report.largest > ROUND * largest_force:
             _judge_facets(model, pair, report.curve)
             _judge_peak(model, pair, report.curve)
             _judge_distance(model, pair, report.curve, sample.energies["stored"] + sample.energies["plastic"])
             _judge_friction(model, pair)
-            pressed = model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots] > 0.0
+            pressed = model.state["multipliers"][0, pair.own] > 0.0
             if np.count_nonzero(pressed) >= ENOUGH:  # of one or two conditions the force alone is known
                 _judge_pressure(pair.name, report.force_error(report.covered_integral), sample.step)
 
@@ -96,7 +96,7 @@ def _judge_friction(model: Model, pair: ContactPair) -> None:
     """Friction that is declared and that enforcement or algorithm do not deliver: no tangential force at all."""
     if pair.friction is None or not any(pair.friction.bound()[:2]):
         return
-    normal, tangential = model.state["multipliers"][:2, pair.first_slot : pair.first_slot + pair.slots]
+    normal, tangential = model.state["multipliers"][:2, pair.own]
     pressed = int(np.count_nonzero(normal > 0.0))
     if pressed >= ENOUGH and not np.any(tangential):
         parts = f"{type(pair.method).__name__} and {type(model.contact.enforcement).__name__}"  # type: ignore[union-attr]
@@ -117,7 +117,7 @@ def _judge_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
         return  # what facets are deep by is no gap
     if _few_between_open_ones(curve):
         return  # of a disc on a plane the mean pressure is right to 1 % with three nodes; see `_judge_peak`
-    force = model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]
+    force = model.state["multipliers"][0, pair.own]
     pressed = np.flatnonzero(force.reshape(pair.rows_per_node, -1).max(axis=0) > 0.0).astype(np.int32)
     if not len(pressed):
         return
@@ -185,7 +185,7 @@ def _judge_distance(model: Model, pair: ContactPair, curve: ContactCurve, stored
     """
     if model.integrator.inertia or pair.start_distance is not None or not _few_between_open_ones(curve):
         return
-    force = model.state["multipliers"][0, pair.first_slot : pair.first_slot + pair.slots]
+    force = model.state["multipliers"][0, pair.own]
     force = np.maximum(0.0, force.reshape(pair.rows_per_node, -1)).sum(axis=0)
     pressed = np.flatnonzero(force)
     apart = _signed_distances(model.position[pair.slave.nodes[pressed]], model.position, pair.master)

@@ -60,8 +60,7 @@ class ModelView:
         return self._fields["multipliers"][0, self._slots(contact)]
 
     def _slots(self, contact: int) -> slice:
-        pair = self._pairs[contact]
-        return slice(pair.first_slot, pair.first_slot + pair.slots)
+        return self._pairs[contact].own
 
     def slips(self, contact: int = 0) -> Floats:
         """Tangential motion in this step: what the rows predicted, and what the forces changed of it."""

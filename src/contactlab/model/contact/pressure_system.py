@@ -103,7 +103,7 @@ class PressureContactSystem(ConsistentContactSystem):
         """
         moved = 2.0 * AHEAD * step * float(np.abs(self.velocity).max(initial=0.0))
         for number, pair in enumerate(self.pairs):
-            own = slice(pair.first_slot, pair.first_slot + pair.slots)
+            own = pair.own
             gaps = np.minimum(np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0), self.law.begins()) - moved
             pressure, slope = np.zeros_like(gaps), np.zeros_like(gaps)
             size = np.where(pair.full > 0.0, pair.full, pair.size)
