@@ -11,6 +11,7 @@ from contactlab.accuracy.configuration import Configuration
 from contactlab.accuracy.judged import ForcesJudged
 from contactlab.accuracy.remaining import Truth
 from contactlab.accuracy.trials import EQUAL, Place, Trials
+from contactlab.parts.registry import split_spec
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,8 @@ def answer(trials: Trials) -> Chosen:
     elif finished:
         place = _least_error(trials, finished, truth)
     else:
-        first = Configuration(trials.registry.names("contact")[-1]), 1
+        own = split_spec("contact", trials.scene.contacts[0].algorithm, "")[0]
+        first = Configuration(own), 1
         place = max(trials.all, key=lambda p: trials.all[p].reached, default=first)
     configuration, level = place
     error, interval = math.nan, None

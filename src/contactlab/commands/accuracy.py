@@ -19,7 +19,7 @@ from contactlab.accuracy.study import CaseStudy
 from contactlab.commands.common import console, print_json, registry_with
 from contactlab.commands.many import folder_of, interrupted, many
 from contactlab.errors import RequestError
-from contactlab.studies.study import MOST_RUNS
+from contactlab.studies.study import check_repeat
 
 
 def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
@@ -58,8 +58,7 @@ def _asked(study: CaseStudy, options: argparse.Namespace) -> CaseStudy:
         study = study.quickened()
     if options.repeat is None:
         return study
-    if options.repeat > MOST_RUNS:
-        raise RequestError("no such number of runs", where="--repeat", got=options.repeat, allowed=f"1 to {MOST_RUNS}")
+    check_repeat(options.repeat, "--repeat")
     return replace(study, repeat=options.repeat, short=math.inf)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,27 +23,33 @@ def refuse(part: Any, method: str, what: str, place: str = "") -> None:
     raise WrongAnswer(f"{type(part).__name__}: {method} gave {what} that is not finite{place}, from finite numbers")
 
 
-def only_read(view: ContactView, part: Any, method: str, call: Callable[[], Any]) -> Any:
-    """The result of a call with this view. Raises WrongAnswer where it wrote to the view, `memory` aside.
+def copies(view: ContactView) -> dict[str, Floats]:
+    """All arrays of a view as they are now, but `memory`, which an algorithm may write."""
+    return {name: array.copy() for name, array in _arrays(view).items()}
+
+
+def refuse_written(view: ContactView, before: dict[str, Floats], part: Any, method: str) -> None:
+    """Raise WrongAnswer where an algorithm wrote to its view, whose `copies` were made before.
 
     The surfaces are the model's own: gaps and forces would then belong to other positions, and nothing would say so.
     """
+    for name, array in _arrays(view).items():
+        if not np.array_equal(array, before[name]):
+            raise WrongAnswer(
+                f"{type(part).__name__}: {method} wrote to {name} of its view, which it may only read\n"
+                f"  allowed  a copy to work on: view.{name}.copy()"
+            )
+
+
+def _arrays(view: ContactView) -> dict[str, Floats]:
     parts = {
         "slave": vars(view.slave),
         "master": vars(view.master),
         "at": view.at._asdict(),
         "near": view.near._asdict(),
     }
-    arrays = {f"{name}.{field}": array for name, held in parts.items() for field, array in held.items()}
-    before = {name: array.copy() for name, array in arrays.items() if isinstance(array, np.ndarray)}
-    found = call()
-    for name, array in before.items():
-        if not np.array_equal(array, arrays[name]):
-            raise WrongAnswer(
-                f"{type(part).__name__}: {method} wrote to {name} of its view, which it may only read\n"
-                f"  allowed  a copy to work on: view.{name}.copy()"
-            )
-    return found
+    held = {f"{name}.{field}": value for name, fields in parts.items() for field, value in fields.items()}
+    return {name: value for name, value in held.items() if isinstance(value, np.ndarray)}
 
 
 def examine_contact(contact: Any) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.api import ContactView, Floats, FrictionLaw, GapAlgorithm, GapConditions, Rows, Surface
 from contactlab.api.compiled.chains import tributary_lengths
-from contactlab.contact.examination import only_read
+from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.pair import ContactPair
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact import edges
@@ -83,10 +83,10 @@ class GapPair(ContactPair):
             self.find_near(self.at.slave, self.at.master)
         first = self.found is None
         view = self.seen(memory)
-        if first:
-            found = only_read(view, self.algorithm, "conditions", lambda: self.ask(view))
-        else:
-            found = self.ask(view)
+        before = copies(view) if first else {}
+        found = self.ask(view)
+        if before:
+            refuse_written(view, before, self.algorithm, "conditions")
         if first or _doubtful(found):
             refuse_wrong(found, self.slots, len(positions), self.friction is not None, type(self.algorithm).__name__)
         self.found = found

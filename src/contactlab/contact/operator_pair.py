@@ -10,7 +10,7 @@ from contactlab.api import ContactAlgorithm, FactoredRows, Floats, FrictionLaw, 
 from contactlab.api.arrays import Flags
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.coupling import Coupling
-from contactlab.contact.examination import only_read
+from contactlab.contact.examination import copies, refuse_written
 from contactlab.contact.near_list import SKIN, Near
 from contactlab.contact.operator_arrays import OperatorArrays
 from contactlab.contact.pair import ContactPair
@@ -112,11 +112,11 @@ class OperatorPair(ContactPair):
             self.find_near(self.at.slave, self.at.master)
         pieces = self.arrays.pieces
         view = self.seen(memory)
-        if self._unchecked:
-            count = only_read(view, self.algorithm, "pieces", lambda: self.algorithm.pieces(view, pieces))
-        else:
-            count = self.algorithm.pieces(view, pieces)
-        if self._unchecked or type(count) is not int or not 0 <= count <= len(pieces.slave):
+        before = copies(view) if self._unchecked else {}
+        count = self.algorithm.pieces(view, pieces)
+        if before:
+            refuse_written(view, before, self.algorithm, "pieces")
+        if before or type(count) is not int or not 0 <= count <= len(pieces.slave):
             self._check(count)
         self.count = count
         self._join()

@@ -122,12 +122,14 @@ def nearest_vertex(t, x, s, best, reach, p):
         ny = t.master_normal[before, 1] + t.master_normal[after, 1]
         between = x.at - node(view.at.master, v)
         distance = between.length()
+        if not (x.normal.x * nx + x.normal.y * ny < 0.0 and distance <= reach and distance < nearest):
+            continue
         if POINTS > 0:
-            beyond = foot(t, x, before, p)[1] >= 1.0 - EDGE and foot(t, x, after, p)[1] <= EDGE
-            if not beyond or abs(x.normal @ between) < FLANK * distance:
+            if abs(x.normal @ between) < FLANK * distance:
                 continue
-        if x.normal.x * nx + x.normal.y * ny < 0.0 and distance <= reach and distance < nearest:
-            found, nearest = v, distance
+            if not (foot(t, x, before, p)[1] >= 1.0 - EDGE and foot(t, x, after, p)[1] <= EDGE):
+                continue
+        found, nearest = v, distance
     return found, nearest
 
 

@@ -37,13 +37,14 @@ def check_file_size(path: Path) -> None:
 
 
 def check_number(got: str, cells: float, level: int) -> None:
-    """Raise ValueError where a mesh of so many cells at this level is more than this machine can hold.
+    """Raise ValueError where a mesh of so many cells at level 1 is more than this machine can hold at `level`.
 
     got  the key and its value, "cells: got [4, 2]"
     """
-    size, limit = NODE_BYTES * cells, machine_memory()
+    number = cells * float(level) ** 2
+    size, limit = NODE_BYTES * number, machine_memory()
     if size > limit:
         raise ValueError(
-            f"{got} at level {level}, {cells:.3g} cells: about {in_words(size)}, "
+            f"{got} at level {level}, {number:.3g} cells: about {in_words(size)}, "
             f"allowed: what fits into {in_words(limit)}"
         )

@@ -44,8 +44,9 @@ class Disc(MeshSource):
 
     def mesh(self, element: Element, level: int) -> Mesh:
         """Counts times `level`; nodes on the circle lie on it."""
-        around, out = self.cells[0] * level, self.cells[1] * level
+        around, out = self.cells
         check_number(f"cells: got {list(self.cells)}", around * (around + 4.0 * out), level)
+        around, out = around * level, out * level
         core = renamed(structured(element, (around, around), self._core), {})
         quarters = []
         for number, name in enumerate(QUARTERS):

@@ -23,9 +23,8 @@ MATRIX = 32.0  # B per entry of a cell's stiffness: itself, scaled, and as eigen
 TRIPLET = 56.0  # B per entry of the stiffness of all cells: with rows and columns, sorted and added up
 DENSER = 1.4  # times as much for matrices of elements of more nodes than corners: a node has more neighbours
 FACTORS = 250.0  # B per node and doubling of nodes: factors of its stiffness grow as n log n
-DENSE = (
-    8.0 * (2.0 * 500.0) ** 2
-)  # B of a dense matrix for the lowest frequency: of 500 nodes at most (`frequency.SMALL`)
+SMALL = 1000  # degrees of freedom of all bodies up to which these are dense: 20 ms for a solution
+DENSE = 8.0 * SMALL**2  # B of a dense matrix for the lowest frequency
 COPIES = 3.2  # of it at one time: itself, springs of joints, their factors; later its free part and its factors
 SOLUTION = 1500.0  # B per node: GMRES, Newton's iterations, right-hand sides
 MATRICES = 5200.0  # B per node of an implicit model: pattern, stiffness, saddle point system and its parts

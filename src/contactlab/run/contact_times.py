@@ -19,7 +19,7 @@ class ContactTimes:
     """Follows contact from the first force to the last one.
 
     numbers  begin of the present contact [s] (NaN: none), kinetic energy and work of contact [mJ] before it, whether
-             steps were cut in it, and the shortest impact so far [s]
+             steps were cut in it, the shortest impact so far [s], and whether steps were cut in any
     """
 
     def __init__(self, model: Model, wished: float) -> None:

@@ -179,22 +179,23 @@ def _tipping(model: Model, scene: Scene) -> str:
         return ""
     turning = {body.name for body in model.bodies if MOTIONS[2] in free_motions(body, model.prescribed)}
     pressed = [pair for pair in model.contact.pairs if model.state["multipliers"][0, pair.own].any()]
-    for pair in pressed:
-        spec = scene.contacts[_number(pair)]
-        for name in turning & {target.partition(".")[0] for side in spec.targets for target in side}:
-            others = [one for one in pressed if one is not pair and _touches(scene, one, name)]
-            share, end = _reserve(model, pair)
-            if not others and share < TIPPED:
-                return (
-                    f"{_place(model, scene, pair, end)}: body {name} tips: what presses it acts within {share:.1%} of "
-                    "the end of the contact, and nothing else holds it against turning: this is a limit load; try less "
-                    "load, a wider contact, or a support"
-                )
+    for name in turning:
+        touched = [pair for pair in pressed if name in _bodies(scene, pair)]
+        if len(touched) != 1:
+            continue
+        share, end = _reserve(model, touched[0])
+        if share < TIPPED:
+            return (
+                f"{_place(model, scene, touched[0], end)}: body {name} tips: what presses it acts within {share:.1%} "
+                "of the end of the contact, and nothing else holds it against turning: this is a limit load; try less "
+                "load, a wider contact, or a support"
+            )
     return ""
 
 
-def _touches(scene: Scene, pair: ContactPair, body: str) -> bool:
-    return any(target.partition(".")[0] == body for side in scene.contacts[_number(pair)].targets for target in side)
+def _bodies(scene: Scene, pair: ContactPair) -> set[str]:
+    """Names of the bodies on both sides of a contact."""
+    return {target.partition(".")[0] for side in scene.contacts[_number(pair)].targets for target in side}
 
 
 def _reserve(model: Model, pair: ContactPair) -> tuple[float, Floats]:

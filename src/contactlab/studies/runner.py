@@ -27,7 +27,7 @@ from contactlab.studies.gather import common_reference, gather, row_of
 from contactlab.studies.installed_measures import measure_columns
 from contactlab.studies.plan import Combination, Plan, Vary, make_plan
 from contactlab.studies.recordings import RUNS, record_comparison, side_by_side
-from contactlab.studies.study import FINEST, MOST_RUNS, Study
+from contactlab.studies.study import FINEST, Study, check_repeat
 from contactlab.studies.table import Row, Table
 from contactlab.studies.table_files import write_table
 
@@ -43,8 +43,7 @@ def planned(
     repeat: int | None = None, reference: str | None = None,
 ) -> Plan:  # fmt: skip
     """The combinations of a request, with what replaces the study's own. Raises RequestError."""
-    if repeat is not None and not 1 <= repeat <= MOST_RUNS:
-        raise RequestError("no such number of runs", where="repeat", got=repeat, allowed=f"1 to {MOST_RUNS}")
+    check_repeat(repeat, "repeat")
     if time_limit is not None and not 0.0 < time_limit < math.inf:
         raise RequestError("no time to run in", where="time_limit", got=time_limit, allowed="seconds, above 0")
     if effects and vary:

@@ -33,6 +33,12 @@ MOST_RUNS = 10_000
 """Runs of one combination: a median of more says no more, and a plan holds each of them."""
 
 
+def check_repeat(repeat: int | None, where: str) -> None:
+    """Raise RequestError for a number of runs that no study allows; None leaves it to the study."""
+    if repeat is not None and not 1 <= repeat <= MOST_RUNS:
+        raise RequestError("no such number of runs", where=where, got=repeat, allowed=f"1 to {MOST_RUNS}")
+
+
 @dataclass(frozen=True)
 class Study:
     """A study file.

@@ -25,7 +25,7 @@ from contactlab.scene.scene import Scene
 from contactlab.testing import contact as checks
 from contactlab.testing.contact_derivatives import against_differences, answers_of
 
-PACKAGE = Path(__file__).parents[3] / "outside" / "closest-point" / "src"
+PACKAGE = Path(__file__).parents[2] / "outside" / "closest-point" / "src"
 
 
 @pytest.fixture(scope="module")

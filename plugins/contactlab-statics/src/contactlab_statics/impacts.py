@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api import Floats, ImplicitEquations, State
+from contactlab.api import WORK, Floats, ImplicitEquations, State
 
 SHARE = 2e-3  # of the energy of motion: what surfaces that meet in one step stop at an impact
 SLIGHT = 1e-4  # of the largest energy of motion so far: an impact of less is none
@@ -26,7 +26,7 @@ GROW = 1.0 / 6.0  # tolerances: an error below lets the next step be twice as lo
 COURANT = 0.5  # cells that a wave passes in the shortest step
 SHORTEST = 1e-3  # of a step: what is left before surfaces meet is not worth a step of its own
 LARGEST, LIMIT, ENERGY = range(3)
-INTERNAL = 0  # of the works
+INTERNAL = WORK.index("internal")
 
 
 def impacts_of(equations: ImplicitEquations) -> bool:

@@ -52,7 +52,7 @@ class TimeStep:
         tolerance: float,
         iterations: int,
         dissipation: float,
-        cuts: bool = False,
+        cuts: bool,
     ) -> None:
         self.equations, self.state, self.share = equations, state, 0.5 + dissipation
         nodes = len(equations.reference)

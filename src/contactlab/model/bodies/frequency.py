@@ -13,9 +13,8 @@ import numpy as np
 from contactlab.api import Floats, Ints
 from contactlab.model.bodies.body import Body
 from contactlab.model.bodies.stiffness import cell_stiffness
+from contactlab.model.model_size import SMALL
 
-SMALL = 1000
-"""Degrees of freedom of all bodies up to which matrices are dense: 20 ms for a solution. `model_size` counts them."""
 ROUND = 1e-12  # of the mean stiffness over mass: rigid motions keep round-off of the moduli
 STIFF = 100.0  # of the largest nodal stiffness: springs of joints then give a hundredth of what a cell does
 

@@ -113,18 +113,18 @@ def check_overlap(
 
 def overlap_error(depth: float, at: Floats, inside: str, treated: bool, where: Where) -> SceneError:
     """Make the error for surfaces that overlap before the run."""
+    hint = "move a body with shift"
+    if not treated:
+        hint += (
+            ', or write start = { overlap = "ramp" } or { overlap = "adjust" }, or { gap = "zero" } where '
+            "curved sides fit and their facets alone overlap"
+        )
     return SceneError(
         "slave and master overlap before the run" + (", too deep for any treatment" if treated else ""),
         where=where,
         got=f"{depth:.4g} mm at ({at[0]:.6g}, {at[1]:.6g}), inside {inside}",
         allowed="surfaces that touch or have a gap" + ("" if treated else ", unless the contact says what to do"),
-        hint="move a body with shift"
-        + (
-            ""
-            if treated
-            else ', or write start = { overlap = "ramp" } or { overlap = "adjust" }, or { gap = "zero" } where '
-            "curved sides fit and their facets alone overlap"
-        ),
+        hint=hint,
     )
 
 
