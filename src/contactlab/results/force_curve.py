@@ -14,6 +14,7 @@ from contactlab.errors import RequestError, did_you_mean
 if TYPE_CHECKING:
     from contactlab.api.drawing.units import Units
 
+ROUND_OFF = 1e-9  # of the largest motion
 COMPONENTS = ("x", "y", "magnitude")
 IN_TIME, QUASI_STATIC, THE_END_ONLY = "in time", "quasi-static", "the end only"
 """What the history of a run shows, the entry `history.curve` of `summary.json`."""
@@ -92,10 +93,16 @@ def force_curve(history: Mapping[str, Floats], on: str, summary: Mapping[str, An
 
 
 def _motion(history: Mapping[str, Floats], supports: list[str]) -> tuple[str, str] | None:
-    """The support and direction of the largest motion; None if none moves."""
+    """The support and direction of the largest motion that meets a force; None if there is none beyond round-off.
+
+    Free directions have no force. The mean displacement of a support that turns about its centre is round-off.
+    """
     ranges = {(on, c): float(np.ptp(history[f"{on}.u{c}"])) for on in supports for c in "xy"}
-    found = max(ranges, key=lambda key: ranges[key], default=None)
-    return found if found is not None and ranges[found] > 0.0 else None
+    driven = {(on, c): size for (on, c), size in ranges.items() if np.any(history[f"{on}.f{c}"])}
+    found = max(driven, key=lambda key: driven[key], default=None)
+    motions = [float(np.ptp(values)) for name, values in history.items() if name.endswith((".ux", ".uy"))]
+    largest = max(motions, default=0.0)
+    return found if found is not None and driven[found] > ROUND_OFF * largest else None
 
 
 def _strongest(history: Mapping[str, Floats], names: list[str]) -> str:
