@@ -1,0 +1,21 @@
+// A roller between the races of a bearing. Lengths in mm. Mesh: gmsh -2 -format msh22 bearing.geo
+SetFactory("OpenCASCADE");
+Disk(1) = {0, 0, 0, 24}; Disk(2) = {0, 0, 0, 20}; Disk(3) = {0, 0, 0, 14}; Disk(4) = {0, 0, 0, 10};
+BooleanDifference(11) = { Surface{1}; Delete; }{ Surface{2}; Delete; };
+BooleanDifference(12) = { Surface{3}; Delete; }{ Surface{4}; Delete; };
+Rectangle(21) = {-6, 6, 0, 12, 20}; Rectangle(22) = {-6, 6, 0, 12, 20};
+BooleanIntersection(31) = { Surface{11}; Delete; }{ Surface{21}; Delete; };
+BooleanIntersection(32) = { Surface{12}; Delete; }{ Surface{22}; Delete; };
+Disk(33) = {0, 17, 0, 3};
+e = 0.05;
+Physical Surface("outer") = {31}; Physical Surface("inner") = {32}; Physical Surface("roller") = {33};
+Physical Curve("housing") = Curve In BoundingBox {-6 - e, 23.2, -1, 6 + e, 24 + e, 1};
+Physical Curve("outer_race") = Curve In BoundingBox {-6 - e, 19, -1, 6 + e, 20 + e, 1};
+Physical Curve("inner_race") = Curve In BoundingBox {-6 - e, 12.6, -1, 6 + e, 14 + e, 1};
+Physical Curve("shaft") = Curve In BoundingBox {-6 - e, 8 - e, -1, 6 + e, 10 + e, 1};
+Physical Curve("surface") = Boundary { Surface{33}; };
+Field[1] = Ball; Field[1].VIn = 0.03; Field[1].VOut = 1.2; Field[1].YCenter = 14; Field[1].Radius = 0.3; Field[1].Thickness = 2.5;
+Field[2] = Ball; Field[2].VIn = 0.04; Field[2].VOut = 1.2; Field[2].YCenter = 20; Field[2].Radius = 0.3; Field[2].Thickness = 2.5;
+Field[3] = Min; Field[3].FieldsList = {1, 2}; Background Field = 3;
+Mesh.MeshSizeExtendFromBoundary = 0; Mesh.MeshSizeFromPoints = 0;
+Mesh.RecombineAll = 1; Mesh.Algorithm = 8; Mesh.RecombinationAlgorithm = 3;
