@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from contactlab.results.load import load_results
-from contactlab.results.packed_file import pack
+from contactlab.results.packed_file import SMALL, pack
 from contactlab.results.precision import FULL, PLACES, SHOWN, placed, rounded
 from contactlab.results.result_file import FILE
 from contactlab.results.results import Results
@@ -83,6 +83,22 @@ def test_compressed_is_the_same_run(
         assert sorted(found) == sorted(names)
         assert new["VTKHDF/Steps"] == new["contactlab/shown/frames"]
         assert new["contactlab/steps"].compression == "gzip"
+        tables = [new[name] for name in names if isinstance(new[name], h5py.Dataset) and "checkpoint" not in name]
+        assert min(table.nbytes for table in tables if table.chunks) >= SMALL
+
+
+def test_vtk_reads_what_is_compressed(small_scene: MakeScene, tmp_path: Path) -> None:
+    hdf = pytest.importorskip("vtkmodules.vtkIOHDF", reason="VTK is not installed (extra: test)")
+    run = simulate(small_scene(SHORT), tmp_path / "run")
+    pack(tmp_path / "run" / FILE)
+    reader = hdf.vtkHDFReader()
+    reader.SetFileName(str(tmp_path / "run" / FILE))
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == len(run.frames)
+    reader.SetStep(len(run.frames) - 1)
+    reader.Update()
+    found = np.array(reader.GetOutputDataObject(0).GetPointData().GetArray("displacement"))
+    np.testing.assert_array_equal(found[:, :2], load_results(tmp_path / "run").frames[-1].displacement)
 
 
 def test_where_there_is_no_room_for_a_copy_the_file_stays(recorded: Results, tmp_path: Path, monkeypatch: Any) -> None:
