@@ -32,7 +32,8 @@ class Wrong(ExplicitIntegrator):
     order: ClassVar[int] = 2
 
     def step(self, motion: Motion, dt: float) -> None:
-        flaw, ahead = self.flaw, 0.5 * dt if self.flaw == "contact of another time" else dt
+        flaw = self.flaw
+        ahead = {"contact of another time": 0.5 * dt, "contact now": 0.0}.get(flaw, dt)
         if flaw == "contact before the kick":
             motion.contact(ahead)
         if flaw != "no kick":
@@ -41,7 +42,8 @@ class Wrong(ExplicitIntegrator):
             motion.contact(ahead)
         if flaw == "contact twice":
             motion.contact(ahead)
-        motion.drift(0.5 * dt if flaw == "half a step" else dt)
+        if flaw != "no drift":
+            motion.drift(0.5 * dt if flaw == "half a step" else dt)
         if flaw == "kicks twice":
             motion.kick(dt)
 

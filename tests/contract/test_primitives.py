@@ -79,6 +79,8 @@ def test_the_ledger_closes_where_contact_rubs_under_damping() -> None:
         ("kicks twice", "kicks again beside contact, needed: one kick a step with contact"),
         ("contact of another time", "drifts for 0.1 s, and asked for contact 0.05 s ahead, needed: the same time"),
         ("half a step", "its step of 0.1 s drifts for 0.05 s, needed: its length"),
+        ("contact now", "asks for contact 0 s ahead, needed: a positive time"),
+        ("no drift", "asks for contact and does not drift, needed: a drift after it"),
         ("no kick", "asks for contact forces without a kick"),
         ("no time", "its step kicks for 0 s, needed: a positive time"),
     ],

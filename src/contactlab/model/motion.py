@@ -28,7 +28,8 @@ class ExplicitMotion:
     should and every force works with the mean of the velocities before and after.
 
     mobility   (N, 2) [1/t] inverse masses, 0 where motion is prescribed
-    duration   of the kick that is not made yet [s]; 0 if there is none
+    start      time [s] at the start of the step
+    duration   of the kick that is not made yet [s]; 0 if there is none; `touched` of the last one with contact
     moved      time [s] that positions have moved in this step; `kicked` the sum of its kicks
     ahead      time [s] after which the contact forces of this kick hold the gaps; 0 without
     """
@@ -36,7 +37,10 @@ class ExplicitMotion:
     def __init__(self, integrator: ExplicitIntegrator, equations: ExplicitEquations, state: State) -> None:
         nodes, touching = len(equations.reference), equations.contact is not None
         self.scheme, self.name = integrator.step, type(integrator).__name__
-        self.equations, self.state = equations, state
+        self.equations, self.state, self.pairs = equations, state, equations.contact
+        self.loads, self.stresses, self.ramps = (
+            equations.external_force, equations.internal_force, equations.prescribed.values
+        )  # fmt: skip
         self.clock, self.work, self.reaction = state["clock"], state["work"], state["reaction"]
         inverse_mass = np.divide(1.0, equations.mass, out=np.zeros(nodes), where=equations.mass > 0.0)
         self.mobility: Floats = np.repeat(inverse_mass, 2).reshape(-1, 2)
@@ -45,8 +49,9 @@ class ExplicitMotion:
         self.compliance, self.predicted = (np.zeros((nodes if touching else 0, 2)) for _ in range(2))
         self.compliance_factor = 0.0
         self.following = 0.5 / equations.relaxation if equations.relaxation else 0.0
+        self.damping, self.loaded = 0.0, False
         self.force = state["contact_force"] if touching else np.zeros((0, 2))
-        self.time = self.last_dt = self.moved = self.kicked = self.duration = self.ahead = 0.0
+        self.start = self.last_dt = self.moved = self.kicked = self.touched = self.duration = self.ahead = 0.0
         self.plain = self.done = Step(self.work, self.reaction)
         self.bound: BoundArrays | None = None
 
@@ -54,15 +59,16 @@ class ExplicitMotion:
         """Make one step of length dt [s] by the integrator's primitives."""
         if self.bound is None:
             self._bind()
-        self.time, self.last_dt = float(self.clock[0]), float(self.clock[2])
-        self.moved = self.kicked = self.duration = self.ahead = 0.0
+        clock = self.clock
+        self.start, self.last_dt = float(clock[0]), float(clock[2])
+        self.moved = self.kicked = 0.0
         self.done = self.plain
         error = self.scheme(self, dt)
         if self.duration > 0.0:
-            self._make(0.0)
-        if self.done is not self.plain and self.kicked != self.touched:
+            self._move(0.0)
+        if self.kicked != self.touched and self.done is not self.plain:
             raise WrongAnswer(f"{self.name}: its step kicks again beside contact, needed: one kick a step with contact")
-        if abs(self.moved - dt) > ROUND_OFF * dt:
+        if self.moved != dt and abs(self.moved - dt) > ROUND_OFF * dt:
             raise WrongAnswer(f"{self.name}: its step of {dt:.6g} s drifts for {self.moved:.6g} s, needed: its length")
         return self.done if error is None else self.done._replace(error=error)
 
@@ -71,26 +77,30 @@ class ExplicitMotion:
         if not duration > 0.0:
             raise WrongAnswer(f"{self.name}: its step kicks for {duration:.6g} s, needed: a positive time")
         if self.duration > 0.0:
-            self._make(0.0)
-        equations = self.equations
-        self.loaded = equations.external_force(self.time + self.moved, self.external)
+            self._move(0.0)
+        self.loaded = self.loads(self.start + self.moved, self.external)
         # the slow velocity is that before the kick, and follows until the velocities' mean
-        self.damping = equations.damping / (1.0 + duration * self.following)
+        self.damping = self.equations.damping / (1.0 + duration * self.following)
         self.duration = duration
         self.kicked += duration
 
     def contact(self, ahead: float) -> None:
         """See `contactlab.api.Motion`."""
-        contact = self.equations.contact
-        if contact is None:
+        if self.pairs is None:
             return
-        if self.duration == 0.0 or self.ahead > 0.0:
+        duration, damping = self.duration, self.damping
+        if duration == 0.0 or self.ahead > 0.0:
             raise WrongAnswer(f"{self.name}: its step asks for contact forces without a kick, needed: one kick before")
-        self.ahead, self.touched = ahead, self.duration
-        self.equations.prescribed.values(self.time + self.moved + ahead)
-        self.predict(self.address, self.loaded, self.damping, ahead, self.duration)
-        self._set_compliance(ahead * self.duration / (1.0 + 0.5 * self.damping * self.duration))
-        solve = contact.solve(self.predicted, self.equations.position, self.compliance, self.force)
+        if not ahead > 0.0:
+            raise WrongAnswer(f"{self.name}: its step asks for contact {ahead:.6g} s ahead, needed: a positive time")
+        self.ahead, self.touched = ahead, duration
+        self.ramps(self.start + self.moved + ahead)
+        self.predict(self.address, self.loaded, damping, ahead, duration)
+        factor = ahead * duration / (1.0 + 0.5 * damping * duration)
+        if factor != self.compliance_factor:
+            self.compliance_factor = factor
+            np.multiply(self.mobility, factor, out=self.compliance)
+        solve = self.pairs.solve(self.predicted, self.equations.position, self.compliance, self.force)
         self.done = Step(self.work, self.reaction, sweeps=solve.sweeps, residual=solve.residual)
 
     def drift(self, duration: float) -> None:
@@ -98,47 +108,43 @@ class ExplicitMotion:
         if self.duration == 0.0 or not duration > 0.0:
             raise WrongAnswer(f"{self.name}: its step drifts for {duration:.6g} s without a kick, needed: one before")
         if self.ahead == 0.0:
-            self.equations.prescribed.values(self.time + self.moved + duration)
-        elif duration != self.ahead:
+            self.ramps(self.start + self.moved + duration)
+            self._move(duration)
+        elif duration == self.ahead:
+            self.correct(self.address, self.loaded, self.damping, duration, self.duration)
+            self.duration = self.ahead = 0.0
+            self._book_friction()
+        else:
             raise WrongAnswer(
                 f"{self.name}: its step drifts for {duration:.6g} s, and asked for contact {self.ahead:.6g} s ahead, "
                 "needed: the same time"
             )
-        self._make(duration)
         self.moved += duration
-        self.equations.internal_force(duration)
+        self.stresses(duration)
 
     def acceleration(self) -> Floats:
         """See `contactlab.api.Motion`."""
         loads = np.zeros_like(self.external)
-        self.equations.external_force(self.time + self.moved, loads)
+        self.loads(self.start + self.moved, loads)
         return np.asarray(self.mobility * (loads - self.state["internal_force"]))
 
-    def _make(self, drift: float) -> None:
-        """Make the kick that is due, move positions for the time `drift`, and book both."""
-        now = (self.address, self.loaded, self.damping, drift, self.duration)
+    def _move(self, drift: float) -> None:
+        """Make the kick that is due without contact, move positions for the time `drift`, and book both."""
         if self.ahead > 0.0:
-            self.correct(*now)
-            self._book_friction()
-        else:
-            self.move(*now, self.duration / self.kicked)
-        self.duration = self.ahead = 0.0
+            raise WrongAnswer(f"{self.name}: its step asks for contact and does not drift, needed: a drift after it")
+        self.move(self.address, self.loaded, self.damping, drift, self.duration, self.duration / self.kicked)
+        self.duration = 0.0
 
     def _book_friction(self) -> None:
         """Move the tangential share of the contact work to its own entries."""
-        contact: Any = self.equations.contact
-        rubbed, dissipated = contact.friction_work(self.mean, self.touched, self.compliance, self.force)
+        pairs: Any = self.pairs
+        rubbed, dissipated = pairs.friction_work(self.mean, self.touched, self.compliance, self.force)
         if rubbed == dissipated == 0.0:
             return
         work = self.work
         work[3] -= rubbed
         work[4] += rubbed
         work[6] += dissipated
-
-    def _set_compliance(self, factor: float) -> None:
-        if factor != self.compliance_factor:
-            self.compliance_factor = factor
-            np.multiply(self.mobility, factor, out=self.compliance)
 
     def _bind(self) -> None:
         kernels = late("contactlab.kernels.motion")
