@@ -102,9 +102,12 @@ def called_kernels(scene: Scene) -> list[tuple[str, str, float]]:
 
 
 def _text(types: Any) -> str:
-    """Types of arguments as numba reads them: "i8, f8[:,::1]"."""
+    """Types of arguments as numba reads them, "i8, f8[:,::1]", or names of tables."""
     words = []
     for each in types:
+        if table := getattr(each, "table", None):
+            words.append(table.__name__)
+            continue
         array = hasattr(each, "layout")
         letter = {"int64": "i8", "int32": "i4", "float64": "f8", "bool": "b1"}.get(str(each.dtype if array else each))
         if letter is None or (array and each.layout != "C"):

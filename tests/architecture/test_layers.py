@@ -108,6 +108,8 @@ def plugin_files() -> list[Path]:
 def test_a_plugin_imports_the_contract_alone(path: Path) -> None:
     of_core = {name for name in imports(path) if name.split(".")[0] == "contactlab"}
     assert not {name for name in of_core if not name.startswith("contactlab.api.")}
+    bound = tuple(f"contactlab.api.compiled.{name}" for name in ("bound_arrays", "contact_tables", "unpack"))
+    assert not {name for name in of_core if name.startswith(bound)}, "kernels of plugins take arrays, or `Rows`"
     other_plugins = {name for name in imports(path) if name.startswith("contactlab_")}
     assert all(name.split(".")[0] in path.parts for name in other_plugins)
 

@@ -153,7 +153,7 @@ def swept(
 ) -> tuple[Floats, Any]:
     """Forces on the nodes, and how the sweeps went; y is the warm start and becomes the multipliers."""
     force = np.zeros_like(compliance)
-    return force, solve(rows.count, rows.packed.address, compliance, y, force, tolerance, 500)
+    return force, solve(rows.count, rows, compliance, y, force, tolerance, 500)
 
 
 @pytest.mark.parametrize("seed", range(4))

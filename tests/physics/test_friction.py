@@ -70,7 +70,7 @@ def test_a_node_stops_when_friction_has_taken_its_momentum() -> None:
         trial = position + dt * velocity
         # a wall y >= 0 with normal (0, 1); slip along x
         rows = rows_from(normal, trial[1:], tangent=turned(normal), slip=trial[:1] - position[:1], coefficient=mu)
-        solve(rows.count, rows.packed.address, compliance, multipliers, force, 1e-14, 50)
+        solve(rows.count, rows, compliance, multipliers, force, 1e-14, 50)
         moved = trial + compliance[0] * force[0]
         velocity, slip, position = (moved - position) / dt, moved[0] - position[0], moved
         if stopped is None and abs(slip) < 1e-15:

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
-from contactlab.api.compiled.bound_arrays import BoundArrays
+from contactlab.api.compiled.bound_arrays import KernelArgument
 from contactlab.api.compiled.contact_tables import FactoredGradientsTable, FactoredTable, RowsTable
 
 
 @dataclass
-class Rows:
+class Rows(KernelArgument):
     """The gap conditions of all contacts of a model, `count` of them in use.
 
     start          (k + 1,) int32
@@ -32,6 +31,8 @@ class Rows:
     work           (4, k)      scratch for the enforcement
     """
 
+    table = RowsTable
+
     count: int
     start: Ints
     node: Ints
@@ -46,14 +47,9 @@ class Rows:
     bound: Floats
     work: Floats
 
-    @cached_property
-    def packed(self) -> BoundArrays:
-        """All arrays, for kernels that `unpack` a `RowsTable`; arrays are filled anew, never exchanged."""
-        return BoundArrays(RowsTable, *(getattr(self, name) for name in RowsTable._fields))
-
 
 @dataclass
-class FactoredRows:
+class FactoredRows(KernelArgument):
     """Frictionless gap conditions before their coupling is inverted, `count` of them in use.
 
     The condition i is normal . (own + [T^-T B])_i: B has few entries per condition, T couples neighbours. It is the
@@ -69,6 +65,8 @@ class FactoredRows:
     inverse  (k,) [1/mm] inverse pivots of T, eliminated in this order
     left     (k,) [mm]   gaps after the solve; written by the enforcement for recorders
     """
+
+    table = FactoredTable
 
     count: int
     start: Ints
@@ -94,14 +92,9 @@ class FactoredRows:
             gap, size, slot, above, below, inverse, left,
         )  # fmt: skip
 
-    @cached_property
-    def packed(self) -> BoundArrays:
-        """All arrays, for kernels that `unpack` a `FactoredTable`; arrays are filled anew, never exchanged."""
-        return BoundArrays(FactoredTable, *(getattr(self, name) for name in FactoredTable._fields))
-
 
 @dataclass
-class FactoredGradients:
+class FactoredGradients(KernelArgument):
     """Frictionless conditions whose rows are the derivatives of their gaps, before their coupling is inverted.
 
     The row of condition i is normal . (own + [T^-T B])_i + spin d(angle); products with it are in
@@ -119,6 +112,8 @@ class FactoredGradients:
     offset       (k,) [mm] gap at the start of the step plus the allowed motion
     used         (2,) int32
     """
+
+    table = FactoredGradientsTable
 
     factors: FactoredRows
     block: Floats
@@ -142,13 +137,6 @@ class FactoredGradients:
             FactoredRows.allocate(rows, entries), np.zeros((entries, 2, 2)), node, near, angle, np.zeros((entries, 2)),
             np.zeros((nodes, 2), np.int32), np.zeros((nodes, 2)), own_angle, spin, offset, np.zeros(2, np.int32),
         )  # fmt: skip
-
-    @cached_property
-    def packed(self) -> BoundArrays:
-        """All arrays, for kernels that `unpack` a `FactoredGradientsTable`."""
-        factors = FactoredTable(*(getattr(self.factors, name) for name in FactoredTable._fields))
-        others = (getattr(self, name) for name in FactoredGradientsTable._fields[1:])
-        return BoundArrays(FactoredGradientsTable, factors, *others)
 
 
 class Solve(NamedTuple):

@@ -42,11 +42,16 @@ def main() -> None:
 
 
 def _compile(module: str, name: str, types: str) -> None:
-    sigutils: Any = import_module("numba.core.sigutils")
+    types_of: Any = import_module("numba.core.sigutils").normalize_signature
+    unpack, tables = (import_module(f"contactlab.api.compiled.{each}") for each in ("unpack", "contact_tables"))
+    given: list[Any] = []
+    for word in types.split(", "):
+        table = getattr(tables, word, None)
+        given += types_of(f"({word},)")[0] if table is None else [unpack.Table(table)]
     kernel: Any = getattr(import_module(module), name)
     with kernel_locked(kernel, wait=False) as free:
         if free:
-            kernel.compile(sigutils.normalize_signature(f"({types},)")[0])
+            kernel.compile(tuple(given))
 
 
 if __name__ == "__main__":

@@ -13,9 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from contactlab.api.arrays import Flags, Floats
-from contactlab.api.compiled.contact_tables import FactoredTable
 from contactlab.api.compiled.kernel import kernel, section
-from contactlab.api.compiled.unpack import unpack
 from contactlab_dynamics.factored_product import Compliances, Scratch, Touched, band_of, product, spread
 from contactlab_dynamics.touched import number_nodes
 
@@ -87,13 +85,12 @@ def _number(count, rows, number, found):
 
 
 @kernel
-def solve_active(count, bound, compliance, multipliers, force, tolerance, limit):
+def solve_active(count, rows, compliance, multipliers, force, tolerance, limit):
     """Returns (passes, residual, largest correction); a residual above `tolerance` means that it gave up.
 
-    `bound` is the address of a `FactoredTable`, `count` rows of it are in use. If it gives up, `multipliers` and
-    `force` are as they were.
+    `rows` are `FactoredRows`, the first `count` of them in use. If it gives up, `multipliers` and `force` are as
+    they were.
     """
-    rows = unpack(bound, FactoredTable)
     number, found = np.full(force.shape[0], -1, np.int32), np.empty(rows.start[count] + count, np.int32)
     touched, nodes, columns, once = _number(count, rows, number, found)
     soft, nodal = np.empty((nodes, 2)), np.empty((nodes, 2))

@@ -3,7 +3,7 @@
 Row weights of a mortar reach along the whole contact, so that one sweep over the entries costs as much as a
 good part of forming A. With A at hand a sweep is one vectorised update of all gaps per changed row.
 Normal and tangential conditions of row k follow one another: 2 k and 2 k + 1 with friction, k without.
-`rows` is a `RowsTable` throughout.
+`rows` are `Rows` throughout.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ matrix B C B^T between them, and two more. Conditions that share a node of B are
 narrow band: once it is there, a product touches no node at all. Where a node counts in E and in B, twice in E, or
 joins conditions far apart, forces are spread over the nodes and their motions gathered instead.
 
-`rows` is a `FactoredTable` throughout, of which the first k rows are in use.
+`rows` are `FactoredRows` throughout, of which the first k are in use.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ class ForwardIncrement(ExplicitEnforcement):
     ) -> Solve | None:
         """Active sets by conjugate gradients; None where they go round in circles."""
         passes, residual, largest = late("contactlab_dynamics.active_set").solve_active(
-            rows.count, rows.packed.address, compliance, multipliers, force, self.tolerance, self.sweeps
+            rows.count, rows, compliance, multipliers, force, self.tolerance, self.sweeps
         )
         return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None
 
@@ -48,7 +48,7 @@ class ForwardIncrement(ExplicitEnforcement):
     ) -> Solve | None:
         """As `solve_factored`."""
         passes, residual, largest = late("contactlab_dynamics.gradient_set").solve_gradients(
-            rows.factors.count, rows.packed.address, compliance, multipliers, force, self.tolerance, self.sweeps
+            rows.factors.count, rows, compliance, multipliers, force, self.tolerance, self.sweeps
         )
         return Solve(passes, residual, 0, largest) if residual <= self.tolerance else None
 
@@ -58,5 +58,4 @@ class ForwardIncrement(ExplicitEnforcement):
 
         conditions = rows.count * (2 if len(rows.tangent_weight) else 1)
         solve = solve_dense if conditions <= DENSE_UP_TO else solve_sparse
-        address = rows.packed.address
-        return Solve(*solve(rows.count, address, compliance, multipliers, force, self.tolerance, self.sweeps))
+        return Solve(*solve(rows.count, rows, compliance, multipliers, force, self.tolerance, self.sweeps))

@@ -8,9 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.compiled.contact_tables import RowsTable
 from contactlab.api.compiled.kernel import kernel, section
-from contactlab.api.compiled.unpack import unpack
 from contactlab_dynamics.dense_sweep import dense_sweeps, row_compliances
 from contactlab_dynamics.sparse_sweep import row_diagonals, sparse_sweeps
 from contactlab_dynamics.touched import largest_correction, number_nodes
@@ -52,12 +50,11 @@ def _finish(count, rows, multipliers, force):
 
 
 @kernel
-def solve_dense(count, bound, compliance, multipliers, force, tolerance, limit):
+def solve_dense(count, rows, compliance, multipliers, force, tolerance, limit):
     """Sweep over all rows in alternating directions; returns (sweeps, residual, rigid rows, largest correction).
 
-    `bound` is the address of a `RowsTable`, `count` rows of it are in use.
+    `rows` are `Rows`, the first `count` of them in use.
     """
-    rows = unpack(bound, RowsTable)
     local = np.full(force.shape[0], -1, np.int32)
     touched = np.empty(force.shape[0], np.int32)
     nodes = number_nodes(rows.node[: rows.start[count]], local, touched, 0)
@@ -73,9 +70,8 @@ def solve_dense(count, bound, compliance, multipliers, force, tolerance, limit):
 
 
 @kernel
-def solve_sparse(count, bound, compliance, multipliers, force, tolerance, limit):
+def solve_sparse(count, rows, compliance, multipliers, force, tolerance, limit):
     """Solve as `solve_dense` does, without a dense matrix."""
-    rows = unpack(bound, RowsTable)
     row_diagonals(count, rows, compliance)
     rigid = _warm_start(count, rows, multipliers)
     sweeps, residual = 0, 0.0

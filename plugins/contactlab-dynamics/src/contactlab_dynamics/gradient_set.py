@@ -7,10 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from contactlab.api.compiled.contact_tables import FactoredGradientsTable
 from contactlab.api.compiled.gradient_products import conditions_moved, nodes_pushed
 from contactlab.api.compiled.kernel import kernel, section
-from contactlab.api.compiled.unpack import unpack
 from contactlab_dynamics.active_set import SETS, Search, begin_descent, choose, descend, drop_round_off, worst_residual
 
 BEYOND = 0.3  # of the tolerance: forces need not be better than the work that is left, 1e-10 segments of way
@@ -33,13 +31,12 @@ def _scales(rows, soft, scale):
 
 
 @kernel
-def solve_gradients(count, bound, compliance, multipliers, force, tolerance, limit):
+def solve_gradients(count, rows, compliance, multipliers, force, tolerance, limit):
     """Returns (passes, residual, largest correction); a residual above `tolerance` means that it gave up.
 
-    `bound` is the address of a `FactoredGradientsTable`, `count` rows of it are in use. If it gives up, `multipliers`
-    and `force` are as they were.
+    `rows` are `FactoredGradients`, the first `count` of them in use. If it gives up, `multipliers` and `force` are as
+    they were.
     """
-    rows = unpack(bound, FactoredGradientsTable)
     size = rows.used[0]
     soft, nodal, moment, carried = (
         np.empty((size, 2)),

@@ -1,7 +1,7 @@
 """Projected Gauss-Seidel on the entries of the rows.
 
 While sweeping, `correction` (N, 2) [mm] is compliance times force, so that a row's current gap costs one
-pass over its entries. `rows` is a `RowsTable` throughout.
+pass over its entries. `rows` are `Rows` throughout.
 """
 
 from __future__ import annotations

@@ -15,12 +15,14 @@ types below, or other tables. Inside a kernel the arrays of a table have the nam
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import cache
-from typing import Annotated, Any, Final, get_type_hints
+from functools import cache, cached_property
+from typing import Annotated, Any, ClassVar, Final, get_type_hints
 from weakref import ref
 
 import numpy as np
 from numpy.typing import NDArray
+
+from contactlab.api.compiled.late import late
 
 __all__ = [
     "ADDRESS_BITS",
@@ -35,6 +37,7 @@ __all__ = [
     "Floats5",
     "Ints1",
     "Ints2",
+    "KernelArgument",
     "Shorts2",
     "Singles2",
     "layout_of",
@@ -95,6 +98,7 @@ class BoundArrays:
 
     def __init__(self, layout: str | type, *arrays: Any) -> None:
         words: list[int] = []
+        self.layout = layout
         layout = layout if isinstance(layout, str) else layout_of(layout)
         self.arrays = tuple(_flat(arrays))
         for word, array in zip(layout.split(), self.arrays, strict=True):
@@ -128,6 +132,26 @@ def _flat(arrays: tuple[Any, ...]) -> Iterator[Any]:
             yield from _flat(array)
         else:
             yield array
+
+
+class KernelArgument:
+    """Base of objects of arrays that a kernel takes as one argument: inside it the arrays have the same names.
+
+    table  the arrays that the object has as attributes; they are filled anew, never exchanged
+    """
+
+    table: ClassVar[type]
+
+    @cached_property
+    def packed(self) -> BoundArrays:
+        """All arrays; those of an object within it as well."""
+        held = (getattr(self, name) for name in members(self.table))
+        return BoundArrays(self.table, *(one.packed.arrays if isinstance(one, KernelArgument) else one for one in held))
+
+    @cached_property
+    def _numba_type_(self) -> Any:
+        """Asked for by numba; arrays that do not fit are found here."""
+        return late("contactlab.api.compiled.unpack").Table(self.packed.layout)
 
 
 class BoundCache:

@@ -2,7 +2,7 @@
 
 G_i = normal . (own + [T^-T B])_i + spin d(angle), B in blocks of two by two. An angle is that of the averaged normal of
 a slave node; it turns by turn . (u_after - u_before), u the motions of the nodes on either side.
-`rows` is a `FactoredGradientsTable` throughout, of which the first k conditions are in use.
+`rows` are `FactoredGradients` throughout, of which the first k conditions are in use.
 """
 
 from __future__ import annotations

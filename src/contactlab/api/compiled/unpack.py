@@ -12,7 +12,7 @@ import numpy as np
 from llvmlite import ir
 from numba import from_dtype, types
 from numba.core.typing.templates import AttributeTemplate
-from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, models, register_model
+from numba.extending import NativeValue, infer_getattr, intrinsic, lower_getattr_generic, models, register_model, unbox
 
 from contactlab.api.compiled.bound_arrays import ADDRESS_BITS, DTYPES, layout_of, members
 
@@ -41,6 +41,17 @@ class Table(types.Type):
 class _TableModel(models.PrimitiveModel):
     def __init__(self, dmm: Any, fe_type: Any) -> None:
         super().__init__(dmm, fe_type, WORD.as_pointer())
+
+
+@unbox(Table)
+def _argument(kind: Any, given: Any, c: Any) -> Any:
+    """The table of a `KernelArgument`, which keeps its arrays while the kernel runs."""
+    bound = c.pyapi.object_getattr_string(given, "packed")
+    number = c.pyapi.object_getattr_string(bound, "address")
+    address = c.pyapi.long_as_longlong(number)
+    c.pyapi.decref(number)
+    c.pyapi.decref(bound)
+    return NativeValue(c.builder.gep(_place(c.builder, address), [WORD(1)]))
 
 
 @infer_getattr
@@ -74,8 +85,7 @@ def unpack(typingctx: Any, address: Any, layout: Any) -> Any:
         return None
 
     def codegen(context: Any, builder: Any, signature: Any, args: Any) -> Any:
-        where = builder.and_(args[0], WORD((1 << ADDRESS_BITS) - 1))
-        place = builder.inttoptr(where, WORD.as_pointer())
+        place = _place(builder, args[0])
         alive = builder.load(place)
         with builder.if_then(builder.icmp_unsigned("!=", alive, args[0]), likely=False):
             context.call_conv.return_user_exc(builder, ValueError, (STALE,))
@@ -89,6 +99,10 @@ def unpack(typingctx: Any, address: Any, layout: Any) -> Any:
         return context.make_tuple(builder, found, arrays)
 
     return found(types.int64, layout), codegen
+
+
+def _place(builder: Any, address: Any) -> Any:
+    return builder.inttoptr(builder.and_(address, WORD((1 << ADDRESS_BITS) - 1)), WORD.as_pointer())
 
 
 def _type_of(layout: Any) -> Any:

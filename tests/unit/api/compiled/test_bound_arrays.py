@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import weakref
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numba
 import numpy as np
@@ -18,6 +18,7 @@ from contactlab.api.compiled.bound_arrays import (
     Floats1,
     Floats2,
     Ints1,
+    KernelArgument,
     layout_of,
 )
 from contactlab.api.compiled.kernel import kernel
@@ -161,6 +162,40 @@ def _of_another(bound):
 def passed_on(bound):
     """Asks a kernel that asks a kernel."""
     return _of_another(bound)
+
+
+class Numbers(NamedTuple):
+    """Two arrays."""
+
+    first: Floats1
+    second: Floats1
+
+
+class Held(KernelArgument):
+    """An object of these arrays, with more besides."""
+
+    table = Numbers
+
+    def __init__(self, second: Any, first: Any) -> None:
+        self.second, self.first, self.name = second, first, "held"
+
+
+@kernel
+def difference(count, held, out):
+    """The first arrays less the second."""
+    for i in range(count):
+        out[i] = held.first[i] - held.second[i]
+
+
+def test_a_kernel_names_the_arrays_of_an_object_that_it_is_given() -> None:
+    out, held = np.zeros(3), Held(np.ones(3), np.arange(3.0))
+    difference(3, held, out)
+    np.testing.assert_array_equal(out, [-1.0, 0.0, 1.0])
+    held.first[:] = 5.0  # filled anew
+    difference(2, held, out)
+    np.testing.assert_array_equal(out, [4.0, 4.0, 1.0])
+    with pytest.raises(TypeError, match="needed: contiguous d1"):
+        difference(3, Held(np.ones(3), np.arange(3)), out)
 
 
 def test_an_address_that_outlives_its_object_is_an_error() -> None:
