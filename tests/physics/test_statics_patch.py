@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import contactlab
 from contactlab.api import Floats
 from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
@@ -205,3 +206,42 @@ def test_partial_cover(algorithm: str, swap: bool, element: str) -> None:
     assert results.status == "finished"
     assert errors(results, squeezed(results, DEPTH), DEPTH).max() < 1e-10
     assert stress_error(results, np.array([0.0, -PRESSURE, 0.0, 0.0])) < 1e-10
+
+
+def kinked(turn: float, left: int, right: int, far: float) -> Any:
+    """Cells between a roof that turns by `turn` degrees at x = 0 and the line y = `far`."""
+    x = np.concatenate([np.linspace(-1.0, 0.0, left + 1), np.linspace(0.0, 1.0, right + 1)[1:]])
+    roof = -np.tan(np.radians(0.5 * turn)) * np.abs(x)
+    share = np.linspace(0.0, 1.0, 4)[:, None]
+    y = (1.0 - share) * roof + share * far
+    number = np.arange(y.size).reshape(y.shape)
+    cells = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1).reshape(-1, 4)
+    joint = number < number[1, 0]
+    outer = ~joint | np.isclose(np.abs(x), 1.0)
+    sets = {"joint": joint.ravel(), "outer": outer.ravel()}
+    return contactlab.mesh(np.stack([np.broadcast_to(x, y.shape), y], axis=-1).reshape(-1, 2), cells, sets)
+
+
+@MORTAR
+@pytest.mark.parametrize("turn", [25.0, 53.0, -40.0])
+def test_a_kink_keeps_a_uniform_pressure(algorithm: str, turn: float) -> None:
+    """Two bodies of one material that meet in a kink, under 5 MPa from all sides: so is the pressure at every node.
+
+    Strains are 1e-5, and pressures follow the turned surface to that. With one normal for both flanks the pressure at
+    the kink is low by 1 - cos(turn / 2) at least.
+    """
+    scene = Scene.from_data({
+        "name": "kink", "integrator": {"use": "newton"}, "record": {"recorders": []},
+        "materials": {"m": {"use": "neo-hookean", "young": 5e5, "poisson": 0.25, "density": 1.0}},
+        "bodies": {
+            "up": {"element": "q1", "material": "m", "mesh": kinked(turn, 4, 5, 1.0)},
+            "low": {"element": "q1", "material": "m", "mesh": kinked(turn, 5, 3, -1.5)},
+        },
+        "contacts": [{"slave": "up.joint", "master": "low.joint", "algorithm": algorithm}],
+        "loads": [{"on": f"{body}.outer", "pressure": 5.0} for body in ("up", "low")],
+        "effects": [{"use": "spring", "on": "low.outer", "stiffness": [1.0, 1.0]}],
+    })  # fmt: skip
+    found = simulate(scene).contact["contacts.0"].last.nodal_pressure
+    assert found == pytest.approx(5.0, rel=1e-4)
+    whole = simulate(scene.with_({"contacts.0.corner": 170.0})).contact["contacts.0"].last.nodal_pressure
+    assert whole.min() < 5.0 * (1.0 - 0.5 * (1.0 - np.cos(np.radians(0.5 * turn))))

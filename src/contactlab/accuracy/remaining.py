@@ -122,7 +122,7 @@ def truth_of(ladders: Sequence[Ladder], judged: Judged, climbers: int) -> Truth 
     Its uncertainty is the largest of the errors that they have left, of their distances from the mean, and of what
     the best runs with other elements or slaves lie off beyond twice their own errors.
     """
-    pairs = ranked(ladders, judged)
+    pairs = sorted(ranked(ladders, judged), key=lambda pair: pair[0])
     if not pairs:
         return None
     best = beside(pairs, climbers)

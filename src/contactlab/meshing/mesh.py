@@ -12,9 +12,10 @@ from contactlab.api.arrays import Floats, Ints
 from contactlab.api.element import Element
 from contactlab.api.mesh import Mesh
 from contactlab.api.surface import Surface
+from contactlab.meshing.turns import facet_lengths, turns
 
-CORNER = 0.5
-"""Cosine of the turn (60 degrees) from which a contact surface has a corner."""
+SHARP = math.radians(60.0)  # turn of any node that is a corner
+KINK = 0.3  # rad: so much turns a corner that no curve passes; one normal for both flanks errs by 1 % of the pressure
 
 
 def moved(mesh: Mesh, rotate: float, shift: tuple[float, float]) -> Mesh:
@@ -123,19 +124,28 @@ def surface_from_edges(edges: Ints) -> Surface:
     )
 
 
-def split_at_corners(surface: Surface, positions: Floats) -> Surface:
-    """The surface cut where it turns by more than `CORNER`: the node there ends one chain and begins the next.
+def corners(surface: Surface, positions: Floats, least: float | None) -> Ints:
+    """Nodes of a surface that are corners: they turn by more than `least` degrees.
+
+    Without `least`: by more than `SHARP`, or by more than `KINK` where no curve passes.
+    """
+    angle = np.abs(turns(surface, positions))
+    if least is not None:
+        return np.flatnonzero(angle > math.radians(least))
+    alone = ~np.isfinite(facet_lengths(surface, positions))
+    return np.flatnonzero((angle > SHARP) | ((angle > KINK) & alone))
+
+
+def split_at_corners(surface: Surface, positions: Floats, least: float | None = None) -> Surface:
+    """The surface cut at its `corners`: the node there ends one chain and begins the next.
 
     positions  (N, 2) [mm] of all nodes. Such a node counts once for each flank, with the normal of that flank:
     an average of both belongs to neither.
     """
-    a, b = (positions[surface.nodes[surface.segments[:, i]]] for i in range(2))
-    along = (b - a) / np.hypot(*(b - a).T)[:, None]
-    into, out = surface.node_segments.T
-    inner = np.flatnonzero((into >= 0) & (out >= 0))
-    sharp = inner[np.einsum("ci,ci->c", along[into[inner]], along[out[inner]]) < CORNER]
+    sharp = corners(surface, positions, least)
     if not len(sharp):
         return surface
+    out = surface.node_segments[:, 1]
     copy = {int(node): len(surface.nodes) + i for i, node in enumerate(sharp)}
     segments, edges = surface.segments.copy(), surface.edges.copy()
     for node, second in copy.items():

@@ -145,6 +145,11 @@ class Contact:
         "enforcement", None, says="how gap conditions become forces; not written: the integrator's own"
     )
     start: Start = key(Start(), says="what is done about an overlap before the run")
+    corner: float | None = key(
+        None, unit="degrees", above=0.0, most=180.0,
+        says="turn of the slave from which a node is a corner, where each flank has its own normal and pressure; "
+        "not written: 60, and 17 where the sides are straight beside it",
+    )  # fmt: skip
 
     @property
     def targets(self) -> tuple[tuple[str, ...], tuple[str, ...]]:

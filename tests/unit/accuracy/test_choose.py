@@ -247,6 +247,20 @@ def test_a_run_that_disagrees_widens_the_uncertainty() -> None:
     assert apart.uncertainty > 0.08
 
 
+def test_a_cheap_coarse_run_is_no_reference() -> None:
+    """Errors that fall with the root of the cells, as those of a pressure without bound: fine runs count for it."""
+    x = np.linspace(-1.0, 1.0, 101)
+
+    def ladder(name: str, off: float, levels: tuple[int, ...], cost: float) -> Ladder:
+        values = {n: {0: Profile(x, (1.0 + off * n**-0.5) * EXACT(x))} for n in levels}
+        return Ladder(name, (name,), values, cost)
+
+    fine, cheap = ladder("fine", 0.1, (1, 2, 4, 8, 16), 5.0), [ladder(name, 0.08, (1, 2), 0.05) for name in "abc"]
+    truth = truth_of([fine, *cheap], PressuresJudged(Judge()), 3)
+    assert truth is not None
+    assert truth.level == 16
+
+
 def test_a_pressure_up_to_the_end_of_a_body_is_not_halved_there() -> None:
     # two runs whose last nodes lie 1e-7 apart, and their mirror images: the mean is as high at the ends as each of them
     x = np.linspace(-1.0, 1.0, 9)

@@ -136,7 +136,7 @@ def _plan(
         name,
         spec.name or name,
         algorithm,
-        split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions),
+        split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions, spec.corner),
         _surface(master, bodies, rigid, below(where, master_key)),
         friction,
         enforcement,

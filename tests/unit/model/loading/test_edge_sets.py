@@ -108,8 +108,19 @@ def test_a_closed_slave_with_corners_becomes_its_sides() -> None:
     assert sorted(cut.nodes.tolist()) == [0, 0, 1, 1, 2, 2, 3, 3]
 
 
-@pytest.mark.parametrize(("turn", "nodes"), [(59.0, 3), (61.0, 4)])
-def test_gentle_turns_stay_whole(turn: float, nodes: int) -> None:
+@pytest.mark.parametrize(
+    ("turn", "least", "nodes"), [(17.0, None, 3), (18.0, None, 4), (59.0, 60.0, 3), (61.0, 60.0, 4)]
+)
+def test_gentle_turns_stay_whole(turn: float, least: float | None, nodes: int) -> None:
     angle = np.radians(turn)
     x = np.array([[0.0, 0.0], [1.0, 0.0], [1.0 + np.cos(angle), np.sin(angle)]])
-    assert len(split_at_corners(surface_from_edges(around([[0, 1], [1, 2]])), x).nodes) == nodes
+    assert len(split_at_corners(surface_from_edges(around([[0, 1], [1, 2]])), x, least).nodes) == nodes
+
+
+@pytest.mark.parametrize(("facets", "nodes"), [(7, 7), (5, 10)])
+def test_facets_of_a_curve_are_no_corners(facets: int, nodes: int) -> None:
+    """A circle of 7 facets turns by 51 degrees at each node, one of 5 by 72, which are corners of any shape."""
+    angle = 2.0 * np.pi * np.arange(facets) / facets
+    ring = around([[i, (i + 1) % facets] for i in range(facets)])
+    x = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    assert len(split_at_corners(surface_from_edges(ring), x).nodes) == nodes
