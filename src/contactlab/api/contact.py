@@ -20,6 +20,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from contactlab.api.arrays import Flags, Floats, Ints
+from contactlab.api.compiled.bound_arrays import Floats2, Floats3, Ints2, KernelArgument
 from contactlab.api.derivatives import ConditionDerivatives, GapGradients, PieceDerivatives
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 
@@ -43,7 +44,7 @@ class ContactView(NamedTuple):
 
 
 @dataclass(eq=False)
-class Pieces:
+class Pieces(KernelArgument):
     """Room for the local operators of one contact pair, filled anew in every call.
 
     A piece couples at most `s` slave nodes, `k` multipliers and `r` master nodes. Multiplier
@@ -65,15 +66,15 @@ class Pieces:
     averaged    whether all normals are the averaged ones of the slave
     """
 
-    slave: Ints
-    multiplier: Ints
-    master: Ints
-    D: Floats
-    M: Floats
-    T: Floats
-    normal: Floats
-    ends: Floats
-    segment: Ints
+    slave: Ints2
+    multiplier: Ints2
+    master: Ints2
+    D: Floats3
+    M: Floats3
+    T: Floats3
+    normal: Floats2
+    ends: Floats2
+    segment: Ints2
     averaged: bool = False
 
     @classmethod

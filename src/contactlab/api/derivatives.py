@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from contactlab.api.arrays import Floats, Ints
+from contactlab.api.compiled.bound_arrays import Floats2, Floats3, Floats5, Ints1, Ints2, KernelArgument
 
 
 @dataclass
-class PieceDerivatives:
+class PieceDerivatives(KernelArgument):
     """Room for the derivatives of D, M, T and the normals with respect to positions of surface nodes.
 
     One entry for each piece and each coordinate that it depends on; entries that are all zero may be
@@ -26,16 +27,16 @@ class PieceDerivatives:
     dnormal       (normal_capacity, 2) [1/mm]
     """
 
-    slave: Ints
-    multiplier: Ints
-    master: Ints
-    moved: Ints
-    dD: Floats
-    dM: Floats
-    dT: Floats
-    normal_of: Ints
-    normal_moved: Ints
-    dnormal: Floats
+    slave: Ints2
+    multiplier: Ints2
+    master: Ints2
+    moved: Ints1
+    dD: Floats3
+    dM: Floats3
+    dT: Floats3
+    normal_of: Ints1
+    normal_moved: Ints1
+    dnormal: Floats2
     count: int = 0
     normal_count: int = 0
 
@@ -74,7 +75,7 @@ class ConditionDerivatives:
 
 
 @dataclass(eq=False)
-class GapGradients:
+class GapGradients(KernelArgument):
     """Room for the derivatives of the weighted separations D^T x - M^T y - T^T r of the pieces.
 
     Only the part from changing weights: the positions x, y and separations r that they multiply are held fixed.
@@ -87,12 +88,12 @@ class GapGradients:
     normal_of, normal_moved, dnormal  as in `PieceDerivatives`
     """
 
-    multiplier: Ints
-    node: Ints
-    value: Floats
-    normal_of: Ints
-    normal_moved: Ints
-    dnormal: Floats
+    multiplier: Ints2
+    node: Ints2
+    value: Floats5
+    normal_of: Ints1
+    normal_moved: Ints1
+    dnormal: Floats2
     count: int = 0
     normal_count: int = 0
 

@@ -8,9 +8,8 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from contactlab.api.arrays import Floats, Ints
-from contactlab.api.compiled.bound_arrays import KernelArgument
-from contactlab.api.compiled.contact_tables import FactoredGradientsTable, FactoredTable, RowsTable
+from contactlab.api.arrays import Floats
+from contactlab.api.compiled.bound_arrays import Floats1, Floats2, Floats3, Ints1, Ints2, KernelArgument
 
 
 @dataclass
@@ -31,21 +30,19 @@ class Rows(KernelArgument):
     work           (4, k)      scratch for the enforcement
     """
 
-    table = RowsTable
-
     count: int
-    start: Ints
-    node: Ints
-    normal_weight: Floats
-    tangent_weight: Floats
-    gap: Floats
-    slip: Floats
-    measure: Floats
-    size: Floats
-    slot: Ints
-    offset: Floats
-    bound: Floats
-    work: Floats
+    start: Ints1
+    node: Ints1
+    normal_weight: Floats2
+    tangent_weight: Floats2
+    gap: Floats1
+    slip: Floats1
+    measure: Floats1
+    size: Floats1
+    slot: Ints1
+    offset: Floats1
+    bound: Floats2
+    work: Floats2
 
 
 @dataclass
@@ -66,21 +63,19 @@ class FactoredRows(KernelArgument):
     left     (k,) [mm]   gaps after the solve; written by the enforcement for recorders
     """
 
-    table = FactoredTable
-
     count: int
-    start: Ints
-    node: Ints
-    weight: Floats
-    own: Ints
-    normal: Floats
-    gap: Floats
-    size: Floats
-    slot: Ints
-    above: Floats
-    below: Floats
-    inverse: Floats
-    left: Floats
+    start: Ints1
+    node: Ints1
+    weight: Floats1
+    own: Ints1
+    normal: Floats2
+    gap: Floats1
+    size: Floats1
+    slot: Ints1
+    above: Floats1
+    below: Floats1
+    inverse: Floats1
+    left: Floats1
 
     @classmethod
     def allocate(cls, rows: int, entries: int) -> FactoredRows:
@@ -113,20 +108,18 @@ class FactoredGradients(KernelArgument):
     used         (2,) int32
     """
 
-    table = FactoredGradientsTable
-
     factors: FactoredRows
-    block: Floats
-    nodes: Ints
-    angle_start: Ints
-    angle: Ints
-    lever: Floats
-    ends: Ints
-    turn: Floats
-    own_angle: Ints
-    spin: Floats
-    offset: Floats
-    used: Ints
+    block: Floats3
+    nodes: Ints1
+    angle_start: Ints1
+    angle: Ints1
+    lever: Floats2
+    ends: Ints2
+    turn: Floats2
+    own_angle: Ints1
+    spin: Floats1
+    offset: Floats1
+    used: Ints1
 
     @classmethod
     def allocate(cls, rows: int, entries: int, nodes: int) -> FactoredGradients:

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from contactlab.api.arrays import Floats, Ints
+from contactlab.api.compiled.bound_arrays import Ints2, KernelArgument
 
 
 @dataclass(frozen=True)
-class Surface:
+class Surface(KernelArgument):
     """The boundary nodes of one contact side, cut into straight segments.
 
     Quadratic edges count as two segments, so that geometry is always piecewise straight; their
@@ -23,10 +24,10 @@ class Surface:
     """
 
     nodes: Ints
-    segments: Ints
-    node_segments: Ints
-    edges: Ints
-    segment_edge: Ints
+    segments: Ints2
+    node_segments: Ints2
+    edges: Ints2
+    segment_edge: Ints2
 
 
 class Candidates(NamedTuple):

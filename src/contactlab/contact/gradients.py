@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from contactlab.api import Floats, GapGradients, Rows
 from contactlab.api.compiled.bound_arrays import BoundArrays
-from contactlab.api.compiled.contact_tables import GradientsTable
 from contactlab.contact.differences import DerivativesOfPieces
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.kernels.contact import gap_gradients as kernels
@@ -27,8 +26,7 @@ class PairGradients:
         return GapGradients.allocate(entries, width, nodes, NORMALS * self.pair.slots)
 
     def _bind(self, g: GapGradients) -> None:
-        self.bound_of = g
-        self.bound = BoundArrays(GradientsTable, g.multiplier, g.node, g.value, g.normal_of, g.normal_moved, g.dnormal)
+        self.bound_of, self.bound = g, BoundArrays(GapGradients, g)
 
     def append_rows(
         self, out: Rows, entries: int, margin: float, multipliers: Floats, current: Floats, memory: Floats

@@ -6,7 +6,6 @@ import numpy as np
 
 from contactlab.api import Candidates, Floats, Pieces, Surface
 from contactlab.api.compiled.bound_arrays import BoundArrays
-from contactlab.api.compiled.contact_tables import PiecesTable
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.coupling import Coupling
 from contactlab.contact.near_list import Near
@@ -52,7 +51,6 @@ class OperatorArrays:
         self._bind()
 
     def _bind(self) -> None:
-        p = self.pieces
         self.bound = BoundArrays(
             PairTable,
             PlacesTable(
@@ -60,7 +58,7 @@ class OperatorArrays:
                 *self.measured, self.near.slave, self.near.master,
             ),
             self.coupling.table,
-            PiecesTable(p.slave, p.multiplier, p.master, p.D, p.M, p.T, p.normal),
+            self.pieces,
             self.columns,
             GapsTable(self.separation, self.gaps),
             self._weights,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from contactlab.api import GapGradients, PieceDerivatives, Pieces
 from contactlab.api.compiled.bound_arrays import Flags1, Floats1, Floats2, Ints1
-from contactlab.api.compiled.contact_tables import GradientsTable
-from contactlab.formulas.segment_tables import Changes, Out, View
+from contactlab.formulas.segment_tables import View
 
 
 class Points(NamedTuple):
@@ -29,7 +29,7 @@ class Points(NamedTuple):
     """
 
     sides: View
-    out: Out
+    out: Pieces
     numbers: Floats2
     memory: Floats2
     slave_normal: Floats2
@@ -49,11 +49,11 @@ class DerivedPoints(NamedTuple):
     """The same and the derivatives."""
 
     points: Points
-    changes: Changes
+    changes: PieceDerivatives
 
 
 class TurnedPoints(NamedTuple):
     """The same and the gradients."""
 
     points: Points
-    gradients: GradientsTable
+    gradients: GapGradients

@@ -9,7 +9,6 @@ import numpy as np
 
 from contactlab.api import ContactView, Floats, GapGradients, PieceDerivatives, Pieces, PointContact
 from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache
-from contactlab.api.compiled.contact_tables import GradientsTable
 from contactlab.api.compiled.formulas import Slot
 from contactlab.formulas import point_derivatives as changes
 from contactlab.formulas import point_kernels as kernels
@@ -89,15 +88,11 @@ def _bound(out: Pieces, view: ContactView, part: PointContact) -> BoundArrays:
 
 
 def _bound_derivatives(out: PieceDerivatives, view: ContactView, pieces: Pieces, part: PointContact) -> BoundArrays:
-    return BoundArrays(
-        DerivedPoints, *_points(view, pieces, part), out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM,
-        out.dT, out.normal_of, out.normal_moved, out.dnormal,
-    )  # fmt: skip
+    return BoundArrays(DerivedPoints, *_points(view, pieces, part), out)
 
 
 def _bound_gradients(out: GapGradients, view: ContactView, pieces: Pieces, part: PointContact) -> BoundArrays:
-    gradients = GradientsTable(out.multiplier, out.node, out.value, out.normal_of, out.normal_moved, out.dnormal)
-    return BoundArrays(TurnedPoints, *_points(view, pieces, part), gradients)
+    return BoundArrays(TurnedPoints, *_points(view, pieces, part), out)
 
 
 def _points(view: ContactView, out: Pieces, part: PointContact) -> tuple[Any, ...]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from contactlab.api.compiled.bound_arrays import Floats2, Floats3, Ints1, Ints2
-from contactlab.api.compiled.contact_tables import GradientsTable, SurfaceTable
+from contactlab.api import GapGradients, PieceDerivatives, Pieces, Surface
+from contactlab.api.compiled.bound_arrays import Floats2, Ints1
 
 
 class At(NamedTuple):
@@ -25,54 +25,25 @@ class Near(NamedTuple):
 class View(NamedTuple):
     """A `ContactView`."""
 
-    slave: SurfaceTable
-    master: SurfaceTable
+    slave: Surface
+    master: Surface
     at: At
     near: Near
-
-
-class Out(NamedTuple):
-    """`Pieces`."""
-
-    slave: Ints2
-    multiplier: Ints2
-    master: Ints2
-    D: Floats3
-    M: Floats3
-    T: Floats3
-    normal: Floats2
-    ends: Floats2
-    segment: Ints2
 
 
 class Both(NamedTuple):
     """A view, its pieces, and the numbers (n, 1) among the fields of the algorithm."""
 
     sides: View
-    out: Out
+    out: Pieces
     numbers: Floats2
-
-
-class Changes(NamedTuple):
-    """`PieceDerivatives`."""
-
-    slave: Ints2
-    multiplier: Ints2
-    master: Ints2
-    moved: Ints1
-    dD: Floats3
-    dM: Floats3
-    dT: Floats3
-    normal_of: Ints1
-    normal_moved: Ints1
-    dnormal: Floats2
 
 
 class Derived(NamedTuple):
     """The same and the derivatives."""
 
     both: Both
-    changes: Changes
+    changes: PieceDerivatives
 
 
 class Separated(NamedTuple):
@@ -81,4 +52,4 @@ class Separated(NamedTuple):
     both: Both
     owner: Ints1
     separation: Floats2
-    gradients: GradientsTable
+    gradients: GapGradients

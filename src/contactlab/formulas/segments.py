@@ -18,7 +18,6 @@ from contactlab.api import (
     SegmentContact,
 )
 from contactlab.api.compiled.bound_arrays import BoundArrays, BoundCache
-from contactlab.api.compiled.contact_tables import GradientsTable, SurfaceTable
 from contactlab.api.compiled.formulas import Slot
 from contactlab.api.segments import Covered
 from contactlab.formulas import segment_derivatives as changes
@@ -115,24 +114,16 @@ def _bound(out: Pieces, view: ContactView, part: SegmentContact | None) -> Bound
 
 
 def _bound_derivatives(out: PieceDerivatives, view: ContactView, pieces: Pieces, part: SegmentContact) -> BoundArrays:
-    return BoundArrays(
-        Derived, *arrays_of(view, pieces, part), out.slave, out.multiplier, out.master, out.moved, out.dD, out.dM,
-        out.dT, out.normal_of, out.normal_moved, out.dnormal,
-    )  # fmt: skip
+    return BoundArrays(Derived, *arrays_of(view, pieces, part), out)
 
 
 def _bound_gradients(
     out: GapGradients, view: ContactView, pieces: Pieces, owner: Ints, separation: Floats, part: SegmentContact
 ) -> BoundArrays:
-    return BoundArrays(
-        Separated, *arrays_of(view, pieces, part), owner, separation,
-        GradientsTable(out.multiplier, out.node, out.value, out.normal_of, out.normal_moved, out.dnormal),
-    )  # fmt: skip
+    return BoundArrays(Separated, *arrays_of(view, pieces, part), owner, separation, out)
 
 
 def arrays_of(view: ContactView, out: Pieces, part: ContactAlgorithm | None) -> tuple[Any, ...]:
     """The arrays of a `Both`."""
-    surfaces = (SurfaceTable(s.segments, s.node_segments, s.edges, s.segment_edge) for s in (view.slave, view.master))
-    arrays = out.slave, out.multiplier, out.master, out.D, out.M, out.T, out.normal, out.ends, out.segment
     numbers = np.zeros((0, 1)) if part is None else values_of(part)
-    return (*surfaces, *view.at, view.near.start, view.near.master, *arrays, numbers)
+    return view.slave, view.master, *view.at, view.near.start, view.near.master, out, numbers

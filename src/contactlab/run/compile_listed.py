@@ -43,10 +43,10 @@ def main() -> None:
 
 def _compile(module: str, name: str, types: str) -> None:
     types_of: Any = import_module("numba.core.sigutils").normalize_signature
-    unpack, tables = (import_module(f"contactlab.api.compiled.{each}") for each in ("unpack", "contact_tables"))
+    contract, unpack = import_module("contactlab.api"), import_module("contactlab.api.compiled.unpack")
     given: list[Any] = []
     for word in types.split(", "):
-        table = getattr(tables, word, None)
+        table = getattr(contract, word, None)
         given += types_of(f"({word},)")[0] if table is None else [unpack.Table(table)]
     kernel: Any = getattr(import_module(module), name)
     with kernel_locked(kernel, wait=False) as free:

@@ -9,14 +9,16 @@ table is never given back, and the address contains a serial number which the ta
 So a stale address is found even where other arrays have been bound at the same place since.
 
 What is bound is described by a layout such as "d2 i1", or by a table: a named tuple whose annotations are the array
-types below, or other tables. Inside a kernel the arrays of a table have the names of its fields.
+types below, or other tables. Inside a kernel the arrays of a table have the names of its fields. A class of objects
+that kernels take, a `KernelArgument`, is a table as well, of those of its fields that are annotated so.
 """
 
 from __future__ import annotations
 
+from collections import namedtuple
 from collections.abc import Callable, Iterator
 from functools import cache, cached_property
-from typing import Annotated, Any, ClassVar, Final, get_type_hints
+from typing import Annotated, Any, Final, get_type_hints
 from weakref import ref
 
 import numpy as np
@@ -72,7 +74,8 @@ Bytes2 = Annotated[NDArray[np.uint8], "c2"]
 def members(table: type) -> dict[str, str | type]:
     """What each field of a table holds: the layout of an array, such as "d2", or another table."""
     hints = get_type_hints(table, include_extras=True)
-    return {name: getattr(hint, "__metadata__", (hint,))[0] for name, hint in hints.items()}
+    held = {name: getattr(hint, "__metadata__", (hint,))[0] for name, hint in hints.items()}
+    return {name: one for name, one in held.items() if isinstance(one, str) or issubclass(one, (tuple, KernelArgument))}
 
 
 @cache
@@ -84,7 +87,12 @@ def layout_of(table: type) -> str:
 def table_of(table: type, arrays: Iterator[Any]) -> Any:
     """The named tuple of arrays as a kernel unpacks it, for kernels that run as plain Python."""
     held = members(table).values()
-    return table(*(next(arrays) if isinstance(one, str) else table_of(one, arrays) for one in held))
+    return _tuple_of(table)(*(next(arrays) if isinstance(one, str) else table_of(one, arrays) for one in held))
+
+
+@cache
+def _tuple_of(table: type) -> Any:
+    return namedtuple(table.__name__, members(table))
 
 
 class BoundArrays:
@@ -130,23 +138,24 @@ def _flat(arrays: tuple[Any, ...]) -> Iterator[Any]:
     for array in arrays:
         if isinstance(array, tuple):
             yield from _flat(array)
+        elif isinstance(array, KernelArgument):
+            kind: type = type(array)
+            yield from _flat(tuple(getattr(array, name) for name in members(kind)))
         else:
             yield array
 
 
 class KernelArgument:
-    """Base of objects of arrays that a kernel takes as one argument: inside it the arrays have the same names.
+    """Base of objects that a kernel takes as one argument: inside it their arrays have the names of the fields.
 
-    table  the arrays that the object has as attributes; they are filled anew, never exchanged
+    A field is an array there if it is annotated as one of those above, and further arrays if it is such an object. An
+    object that a kernel was given once keeps its arrays: they are filled anew, never exchanged.
     """
-
-    table: ClassVar[type]
 
     @cached_property
     def packed(self) -> BoundArrays:
-        """All arrays; those of an object within it as well."""
-        held = (getattr(self, name) for name in members(self.table))
-        return BoundArrays(self.table, *(one.packed.arrays if isinstance(one, KernelArgument) else one for one in held))
+        """All arrays."""
+        return BoundArrays(type(self), self)
 
     @cached_property
     def _numba_type_(self) -> Any:

@@ -108,6 +108,8 @@ def _place(builder: Any, address: Any) -> Any:
 def _type_of(layout: Any) -> Any:
     if isinstance(layout, types.StringLiteral):
         return types.BaseTuple.from_types(tuple(_array(word) for word in layout.literal_value.split()))
+    if isinstance(layout, types.TypeRef):
+        return layout.instance_type
     return Table(layout.instance_class) if isinstance(layout, types.NamedTupleClass) else None
 
 

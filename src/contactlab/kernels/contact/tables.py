@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from contactlab.api import Pieces
 from contactlab.api.compiled.bound_arrays import Flags1, Floats1, Floats2, Ints1, Ints2
-from contactlab.api.compiled.contact_tables import PiecesTable
 
 
 class BandedRows(NamedTuple):
@@ -110,7 +110,7 @@ class PairTable(NamedTuple):
 
     places: PlacesTable
     coupling: CouplingTable
-    pieces: PiecesTable
+    pieces: Pieces
     columns: CouplingColumns
     gaps: GapsTable
     weights: WeightsTable

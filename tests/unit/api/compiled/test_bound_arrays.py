@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 import weakref
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numba
 import numpy as np
@@ -164,20 +165,14 @@ def passed_on(bound):
     return _of_another(bound)
 
 
-class Numbers(NamedTuple):
-    """Two arrays."""
-
-    first: Floats1
-    second: Floats1
-
-
+@dataclass
 class Held(KernelArgument):
-    """An object of these arrays, with more besides."""
+    """An object of two arrays, with more besides."""
 
-    table = Numbers
-
-    def __init__(self, second: Any, first: Any) -> None:
-        self.second, self.first, self.name = second, first, "held"
+    second: Floats1
+    name: str
+    first: Floats1
+    count: int = 0
 
 
 @kernel
@@ -188,14 +183,14 @@ def difference(count, held, out):
 
 
 def test_a_kernel_names_the_arrays_of_an_object_that_it_is_given() -> None:
-    out, held = np.zeros(3), Held(np.ones(3), np.arange(3.0))
+    out, held = np.zeros(3), Held(np.ones(3), "held", np.arange(3.0))
     difference(3, held, out)
     np.testing.assert_array_equal(out, [-1.0, 0.0, 1.0])
     held.first[:] = 5.0  # filled anew
     difference(2, held, out)
     np.testing.assert_array_equal(out, [4.0, 4.0, 1.0])
     with pytest.raises(TypeError, match="needed: contiguous d1"):
-        difference(3, Held(np.ones(3), np.arange(3)), out)
+        difference(3, Held(np.ones(3), "held", np.arange(3)), out)
 
 
 def test_an_address_that_outlives_its_object_is_an_error() -> None:

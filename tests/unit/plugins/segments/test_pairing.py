@@ -7,7 +7,6 @@ import pytest
 from contactlab_segments.node_on_segment import NodeOnSegment
 
 from contactlab.api import ContactView, Floats, Pieces
-from contactlab.api.compiled.contact_tables import SurfaceTable
 from contactlab.api.surface import SurfacePositions
 from contactlab.formulas.point_kernels import node_lengths
 from contactlab.kernels.contact.search import near_segments
@@ -149,8 +148,7 @@ def test_node_lengths_are_the_integrals_of_shape_functions(order: int) -> None:
     x, surface = at.nodes[at.slave.nodes], at.slave
     edge = x[surface.segments[:, 1]] - x[surface.segments[:, 0]]
     lengths, out = np.hypot(*edge.T), np.zeros(len(x))
-    table = SurfaceTable(surface.segments, surface.node_segments, surface.edges, surface.segment_edge)
-    node_lengths(x, table, lengths, out)
+    node_lengths(x, surface, lengths, out)
     expected = np.zeros(len(x))
     for s, length in enumerate(lengths):
         if order == 1:
