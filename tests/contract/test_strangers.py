@@ -74,7 +74,7 @@ def test_the_page_shows_the_dual_mortar_that_is_tested() -> None:
 @pytest.mark.full
 def test_strangers_join_every_command(tmp_path: Path) -> None:
     packages = packages_in(tmp_path)
-    assert len(packages) == 1 + len(KINDS) + 4
+    assert len(packages) == 1 + len(KINDS) + 5
     python = fresh_environment(tmp_path, packages)
     told, of_tests = told_by(python, tmp_path, [path for path in packages if (path / "tests").exists()])
     passed = int(re.findall(r"(\d+) passed", of_tests)[0])

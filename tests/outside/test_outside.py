@@ -16,6 +16,7 @@ import contactlab
 from contactlab.cli import main
 
 MU = 0.3
+COULOMB = {"use": "coulomb", "mu": MU}
 STEEL = {"use": "neo-hookean", "young": 1000.0, "poisson": 0.3, "density": 1e-6}
 
 
@@ -31,7 +32,7 @@ def test_run_names_the_parts_and_their_packages(tmp_path: Path, monkeypatch: pyt
     assert summary["balance"]["ledger_error"] < 1e-6
 
 
-def pressed(enforcement: Any, algorithm: str = "mortar-p1") -> Any:
+def pressed(enforcement: Any, algorithm: str = "mortar-p1", friction: Any = COULOMB) -> Any:
     """A plate pressed on a floor and drawn along."""
     results = contactlab.simulate(
         contactlab.Scene.from_data(
@@ -48,7 +49,7 @@ def pressed(enforcement: Any, algorithm: str = "mortar-p1") -> Any:
                 "contacts": [
                     {
                         "slave": "plate.bottom", "master": "floor", "algorithm": algorithm,
-                        "enforcement": enforcement, "friction": {"use": "coulomb", "mu": MU},
+                        "enforcement": enforcement, "friction": friction,
                     }
                 ],
                 "supports": [{"on": "plate.top", "ux": {"ramp": "linear", "to": 0.1}, "uy": -0.003}],
@@ -75,3 +76,17 @@ def test_multipliers_of_formulas_carry_the_same_force() -> None:
     shipped, own = (pressed("active-set", name)["reactions"]["plate.top"] for name in ("mortar-p1", "dual-mortar"))
     assert own[1] == pytest.approx(shipped[1], rel=1e-3)
     assert abs(own[0]) == pytest.approx(MU * abs(own[1]), rel=1e-6)
+
+
+def test_friction_of_rate_has_its_coefficient_and_is_in_the_summary() -> None:
+    """A plate drawn at 0.1 mm/s over a floor: rate and state at its own rate of reference, Stribeck's curve at any.
+
+    What is left of elastic loading is 1e-3 after four of the steps.
+    """
+    stribeck = {"use": "stribeck", "static": 0.5, "kinetic": 0.3, "speed": 0.1}
+    ageing = {"use": "rate-and-state", "mu": MU, "a": 0.02, "b": 0.03, "length": 0.1, "speed": 0.1}
+    for law, expected in ((stribeck, 0.3 + 0.2 * 2.718281828**-1), (ageing, MU)):
+        found = pressed("active-set", friction=law)
+        force = found["reactions"]["plate.top"]
+        assert abs(force[0]) / abs(force[1]) == pytest.approx(expected, rel=2e-3)
+        assert "rate-friction" in found["parts"]["contacts.0.friction"]

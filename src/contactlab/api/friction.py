@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, ClassVar, Literal, NamedTuple
+
+FrictionNeed = Literal["pressure", "slip_rate", "dt", "time", "position", "cell_size"]
+"""Names that a friction law may need, see `FrictionLaw`."""
 
 
 class FrictionBound(NamedTuple):
@@ -12,16 +16,51 @@ class FrictionBound(NamedTuple):
     coefficient [-]   Coulomb: mu; Tresca: 0
     adhesion    [MPa] Tresca's slip bound; Coulomb: 0
     cap         [-]   inf: the adhesion acts on the whole surface; finite: only where contact is closed
+
+    Numbers, or for laws with needs arrays (k,) of k multipliers.
     """
 
-    coefficient: float
-    adhesion: float
-    cap: float
+    coefficient: Any
+    adhesion: Any
+    cap: Any
 
 
 class FrictionLaw(ABC):
-    """A friction law, without geometry. Subclasses are frozen dataclasses; their fields are the TOML keys."""
+    """A friction law, without geometry. Subclasses are frozen dataclasses; their fields are the TOML keys.
+
+    A law whose bound is not constant declares what it depends on. Other laws are not affected.
+
+    needs   names of the keywords that `bound` and `evolve` are called with, for the k multipliers of a contact:
+
+            pressure   (k,) [MPa], of the last step
+            slip_rate  (k,) [mm/s], with sign, 0 where nothing presses: in `evolve` and in explicit runs of this step,
+                       in `bound` of implicit runs of the last step
+            dt         [s] length of this step
+            time       [s] at its end
+            position   (k, 2) [mm] of the slave nodes in the last step
+            cell_size  (k,) [mm] length of slave surface at each, at the start of the run
+    memory  names of numbers that it remembers for each multiplier: further keywords, arrays (k,)
+
+    Both integrators are of first order in the step with such a law. At the start of a run pressures and rates are zero.
+    A rejected step changes nothing: memory, pressures and rates are part of the state.
+    """
+
+    needs: ClassVar[tuple[FrictionNeed, ...]] = ()
+    memory: ClassVar[tuple[str, ...]] = ()
 
     @abstractmethod
-    def bound(self) -> FrictionBound:
-        """The law's bound on nodal forces."""
+    def bound(self, *nothing: Any, **needed: Any) -> FrictionBound:
+        """The law's bound on nodal forces: called once without needs, and with them several times in every step."""
+
+    def start(self) -> Mapping[str, float]:
+        """Memory at the start of a run, by name; 0 for names that are missing."""
+        return {}
+
+    def evolve(self, *nothing: Any, **needed: Any) -> Mapping[str, Any]:
+        """Memory after an accepted step, by name: arrays (k,). Needed by a law with memory."""
+        return {}
+
+    @property
+    def varies(self) -> bool:
+        """Whether the bound depends on the motion."""
+        return bool(self.needs or self.memory)

@@ -28,6 +28,7 @@ class State:
     history.BODY    history of each body whose law has any, all its blocks one after another
     memory.CONTACT  memory of a contact algorithm that declares any
     friction.CONTACT  (n, 2) friction of a potential at the end of the step, on the nodes of both sides [N]
+                    or bound, pressure, rate and memory (r, k) of a friction law with needs
 
     step_error      (2,)    error of the last step over its tolerance, and of the step before, with a `StepControl`
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State
+from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State, Step
 from contactlab.contact.pair import ContactPair
+from contactlab.contact.sliding import varying
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.rows import tangential_work
 from contactlab.kernels.contact.warm_start import extrapolate
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
 
 MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
 GROW = 1.5
+ROUNDS = 20  # solves of a step in which bounds follow slips, most
+FOLLOWED = 1e-6  # of the largest bound: what bounds may still change by
 
 
 class ContactSystem:
@@ -45,6 +49,7 @@ class ContactSystem:
         self.last, self.compliance = Solve(0, 0.0, 0, 0.0), np.zeros_like(state["displacement"])
         self.seconds = self.solution_s = 0.0
         self.split: WorkSplit | None = None
+        self.varying = varying(pairs, state)
 
     def calls_per_step(self) -> Counter[str]:
         """How often a step calls the algorithms, by what they are asked for."""
@@ -85,11 +90,59 @@ class ContactSystem:
         """Work and dissipation of the tangential forces; see `contactlab.api.ContactEquations`."""
         if not self.friction:
             return 0.0, 0.0
+        if self.varying:
+            slip, _ = slips(self.rows, self.multipliers.shape[1], compliance, force)
+            for pair, sliding in self.varying:
+                sliding.accept(pair, slip[pair.own], self.multipliers[0, pair.own])
         address = self.rows.packed.address
         work, dissipation = tangential_work(
             self.rows.count, address, self.multipliers, mean_velocity, dt, compliance, force
         )
         return work, dissipation
+
+    def following(self, advance: Callable[[float], Step]) -> Callable[[float], Step]:
+        """The function that makes steps, which lets bounds that vary know of each before it is made."""
+
+        def step(dt: float) -> Step:
+            for pair, sliding in self.varying:
+                sliding.begin_step(pair, self.state.time + dt, dt)
+            return advance(dt)
+
+        return step if self.varying else advance
+
+    def _enforce(self, compliance: Floats, force: Floats) -> Solve:
+        """Forces of the rows; bounds that vary are those of the slip that they leave."""
+        done = self._enforce_once(compliance, force)
+        if self.varying:
+            return self._follow(done, lambda: self._enforce_once(compliance, force), compliance, force)
+        return done
+
+    def _enforce_once(self, compliance: Floats, force: Floats) -> Solve:
+        began = perf_counter()
+        done = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
+        self.solution_s += perf_counter() - began
+        if type(done) is not Solve:
+            raise WrongAnswer(f"{type(self.enforcement).__name__}: solve gave {type(done).__name__}, needed: Solve")
+        return done
+
+    def _follow(self, done: Solve, again: Callable[[], Solve], compliance: Floats, force: Floats) -> Solve:
+        """Solve again until the bounds of laws that vary belong to the slip of this step."""
+        slot, bound = self.rows.slot[: self.rows.count], self.rows.bound
+        own = [np.flatnonzero((slot >= pair.own.start) & (slot < pair.own.stop)) for pair, _ in self.varying]
+        change = 0.0
+        for number in range(ROUNDS):
+            slip, give = slips(self.rows, self.multipliers.shape[1], compliance, force)
+            share = 1.0 if number < ROUNDS // 2 else 0.5  # bounds that alternate meet in the middle
+            change = max(
+                sliding.follow(pair, slip[pair.own], give[pair.own], self.multipliers[:, pair.own], share)
+                for pair, sliding in self.varying
+            )
+            if change <= FOLLOWED:
+                return done
+            for (pair, sliding), rows in zip(self.varying, own, strict=True):
+                bound[:, rows] = sliding.of(slot[rows] - pair.first_slot)
+            done = again()
+        return done._replace(residual=max(done.residual, change))
 
     def _solve_rows(self, current: Floats, compliance: Floats, force: Floats) -> None:
         # extrapolating the normal forces of the last two steps saves a quarter of the sweeps
@@ -105,13 +158,7 @@ class ContactSystem:
         margin, warm = self.margin, self.multipliers.copy()
         while True:
             self._assemble(margin, current)
-            began = perf_counter()
-            self.last = self.enforcement.solve(self.rows, compliance, self.multipliers, force)
-            self.solution_s += perf_counter() - began
-            if type(self.last) is not Solve:
-                raise WrongAnswer(
-                    f"{type(self.enforcement).__name__}: solve gave {type(self.last).__name__}, needed: Solve"
-                )
+            self.last = self._enforce(compliance, force)
             # a left-out row could have closed only if nodes were moved by a good part of the margin
             if 4.0 * self.last.largest_correction <= margin or margin == np.inf:
                 return
@@ -145,6 +192,20 @@ class ContactSystem:
         rows = self.rows
         entries = int(GROW * len(rows.node)) + sum(len(p.slave.nodes) + len(p.master.nodes) for p in self.pairs)
         self.rows = allocate_rows(len(rows.gap), entries // max(1, len(rows.gap)) + 1, self.friction)
+
+
+def slips(rows: Rows, slots: int, compliance: Floats, force: Floats) -> tuple[Floats, Floats]:
+    """Slip (slots,) [mm] of all multipliers, and what a force of 1 N along it adds to it (slots,) [mm/N].
+
+    Slip is what the rows predicted, and what the forces of the step changed of it.
+    """
+    k = rows.count
+    slot, end = rows.slot[:k], rows.start[k]
+    of = np.repeat(slot, np.diff(rows.start[: k + 1]))
+    node, weight = rows.node[:end], rows.tangent_weight[:end]
+    moved = weight * compliance[node]
+    slip = np.bincount(slot, rows.slip[:k], slots) + np.bincount(of, (moved * force[node]).sum(axis=1), slots)
+    return np.asarray(slip, np.float64), np.bincount(of, (moved * weight).sum(axis=1), slots).astype(np.float64)
 
 
 _EMPTY: Floats = np.zeros((0, 2))

@@ -47,7 +47,10 @@ class PairGradients:
         if count < 0:
             return -1
         if len(out.slip):
-            out.bound[:, first:count] = 0.0 if pair.sliding is None else pair.sliding.bound[:, None]
+            if pair.sliding is None:
+                out.bound[:, first:count] = 0.0
+            else:
+                pair.write_bounds(out, first, count)
         out.count = count
         return int(end)
 

@@ -20,6 +20,7 @@ from contactlab.contact.held_together import held_together
 from contactlab.contact.linearisation import PairDerivatives, PairLinearisation
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.passage import first_passage
+from contactlab.contact.sliding import varying
 from contactlab.contact.step_rows import StepRows
 
 if TYPE_CHECKING:
@@ -70,6 +71,7 @@ class ImplicitContactSystem:
         self.factored = None  # conditions that are never written as `FactoredRows`
         self.seconds = 0.0
         self.store: PressureStore | None = None  # of a normal law
+        self.varying = varying(pairs, state)
 
     @property
     def stored_since_start(self) -> float:
@@ -96,6 +98,8 @@ class ImplicitContactSystem:
             pair.begin_step(position)
             # what the last step wrote for reports is no force of a condition
             self.conditions.force[:, pair.own] = 0.0
+        for pair, sliding in self.varying:
+            sliding.begin_step(pair, time, time - self.state.time)
         self._release(time)
         for rows, memory in zip(self.stepped, self.memories, strict=False):
             half = 0.5 * (time - self.state.time)
@@ -133,6 +137,8 @@ class ImplicitContactSystem:
             pair.evaluated = True
         for pair in self.potentials:
             pair.accept(self.multipliers)
+        for pair, sliding in self.varying:
+            sliding.accept(pair, self.conditions.slip[pair.own], self.conditions.force[0, pair.own])
         for coupling, freedom in self._couplings():
             freedom[:] = self._freed(coupling, freedom)
         for stepped in self.stepped:
@@ -180,7 +186,7 @@ class ImplicitContactSystem:
                 slip = linear.slip if stepped is None else stepped.slips()
                 c.slip[own] = slip if len(slip) else 0.0
             if pair.sliding is not None:
-                c.bound[:, own] = pair.sliding.bound[:, None]
+                c.bound[:, own] = pair.sliding.of(_ALL)
                 c.bound[:, own][:, held_together(pair, self.flexibility, self.start)] = 0.0
         for pair in self.potentials:
             pair.evaluate(position)
@@ -302,6 +308,9 @@ class ImplicitContactSystem:
         )
 
 
+_ALL = slice(None)
+
+
 def _stacked(parts: list[Any] | None) -> Any:
     return None if parts is None else vstack(parts, format="csr")
 
@@ -311,7 +320,7 @@ def _conditions(pairs: tuple[ContactPair, ...], multipliers: Floats, friction: b
     bound = np.zeros((3, k if friction else 0))
     for pair in pairs:
         if pair.sliding is not None:
-            bound[:, pair.own] = pair.sliding.bound[:, None]
+            bound[:, pair.own] = pair.sliding.of(_ALL)
     return Conditions(
         present=np.zeros(k, np.bool_),
         gap=np.zeros(k),

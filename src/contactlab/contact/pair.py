@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from time import perf_counter
@@ -15,7 +14,6 @@ from contactlab.api import (
     ContactView,
     FactoredRows,
     Floats,
-    FrictionBound,
     FrictionLaw,
     Ints,
     Rows,
@@ -24,9 +22,12 @@ from contactlab.api import (
 )
 from contactlab.api.surface import SurfacePositions
 from contactlab.contact.near_list import REACH, Near, longest_segment
+from contactlab.contact.sliding import sliding_of
 from contactlab.contact.start_gaps import StartGaps
 from contactlab.kernels.contact import edges, rows
 from contactlab.kernels.contact.factored_rows import FAR
+
+_ALL = slice(None)
 
 
 @dataclass(frozen=True)
@@ -47,29 +48,6 @@ class ContactSnapshot:
     cover: Floats
     forces: Floats
     tractions: Floats
-
-
-class Sliding:
-    """What friction adds to a pair of k multipliers: the bound of the law, and the start of the step.
-
-    bound       (3,) coefficient [-], adhesion [MPa], cap [-]
-    everywhere  the bound holds in the air, too: every multiplier in reach needs a row
-    before      (k, 2) normals at the start of the step
-    began       positions of both surfaces there [mm]
-    """
-
-    def __init__(self, law: FrictionBound, multipliers: int, at: SurfacePositions) -> None:
-        self.bound = np.array(law)
-        self.everywhere = law.adhesion > 0.0 and not math.isfinite(law.cap)
-        self.before = np.zeros((multipliers, 2))
-        self.began = SurfacePositions(at.slave.copy(), at.master.copy())
-        self._views: tuple[ContactView, ContactView] | None = None
-
-    def view(self, now: ContactView) -> ContactView:
-        """What the algorithm saw at the start of the step, where it sees `now`."""
-        if self._views is None or self._views[0] is not now:
-            self._views = now, now._replace(at=self.began)
-        return self._views[1]
 
 
 class ContactPair(ABC):
@@ -110,7 +88,7 @@ class ContactPair(ABC):
         self.near: Near | None = None
         self.gaps = np.full((self.slots, 2), FAR)
         self.start_gaps: StartGaps | None = None
-        self.sliding = Sliding(friction.bound(), self.slots, self.at) if friction is not None else None
+        self.sliding = sliding_of(friction, self.slots, self.at)
         self.evaluated = False
         self._view: ContactView | None = None
         self.search_s = 0.0
@@ -235,10 +213,16 @@ class ContactPair(ABC):
         positions at the start of the step, used with friction.
         """
 
+    def write_bounds(self, out: Rows, first: int, last: int) -> None:
+        """Friction bounds of the rows first ... last - 1."""
+        assert self.sliding is not None
+        slots = out.slot[first:last] - self.first_slot if self.sliding.varies else _ALL
+        out.bound[:, first:last] = self.sliding.of(slots)
+
     def _append_slips(self, out: Rows, first: int, last: int, current: Floats) -> None:
         """Friction bounds and slips of the rows first ... last - 1, which have their tangent weights."""
         if self.sliding is not None:
-            out.bound[:, first:last] = self.sliding.bound[:, None]
+            self.write_bounds(out, first, last)
             measured = self.gaps, self.normals, self.sliding.before
             rows.write_slips(first, last, self.first_slot, measured, current, out.packed.address)
         elif len(out.slip):

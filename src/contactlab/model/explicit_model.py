@@ -52,6 +52,8 @@ class ExplicitModel(Model):
     def bound_integrator(self, seen: Any = None) -> BoundIntegrator:
         """What makes the steps of a run; `seen` is what the integrator sees in place of this model."""
         advance = self.integrator.bind(self if seen is None else seen, self.state)
+        if self.contact is not None:
+            advance = self.contact.following(advance)
         return BoundIntegrator(type(self.integrator).__name__, advance, self.state)
 
     def lagging_work(self) -> float:

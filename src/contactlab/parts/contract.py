@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 from collections.abc import Iterator
 from difflib import get_close_matches
+from typing import get_args
 from weakref import WeakKeyDictionary
 
 from contactlab.api.case import Case
@@ -13,7 +14,7 @@ from contactlab.api.contact import ContactAlgorithm, ContactMethod, GapAlgorithm
 from contactlab.api.effect import Effect
 from contactlab.api.element import Element
 from contactlab.api.enforcement import Enforcement, ExplicitEnforcement, ImplicitEnforcement
-from contactlab.api.friction import FrictionLaw
+from contactlab.api.friction import FrictionLaw, FrictionNeed
 from contactlab.api.function import Function
 from contactlab.api.integrator import ExplicitIntegrator, ImplicitIntegrator, Integrator
 from contactlab.api.material import Material
@@ -71,7 +72,8 @@ def _faults(kind: str, target: object) -> list[str]:
     if target in (*bases, ContactMethod, Enforcement, Integrator):
         return ["it is the abstract class of the contract itself"]
     return [
-        *_missing_methods(target), *_missing_attributes(target), *wrong_values(target), *_other_arguments(target),
+        *_missing_methods(target), *_missing_attributes(target),
+        *(wrong_values(target) or _memory_without_use(target) or _other_arguments(target)),
         *_misspelt(target), *_not_a_record(target),
     ]  # fmt: skip
 
@@ -111,15 +113,26 @@ def _other_arguments(target: type) -> list[str]:
             own = inspect.getattr_static(target, name)
             if not inspect.isfunction(method) or name.startswith("_") or own is method or not inspect.isfunction(own):
                 continue
-            promised = inspect.signature(method)
-            given = {p.name: p for p in promised.parameters.values()}
+            given = {p.name: p for p in inspect.signature(method).parameters.values()}
             named = {n: None for n, p in given.items() if p.kind is p.KEYWORD_ONLY}
+            if any(p.kind is p.VAR_KEYWORD for p in given.values()):  # what the part declares, by name
+                named = dict.fromkeys((*target.needs, *target.memory))  # type: ignore[attr-defined]
+                given = {"self": given["self"]} | dict.fromkeys(named, given["self"])
             try:
                 inspect.signature(own).bind(*(None for n in given if n not in named), **named)
             except TypeError:
-                taken, asked = (f"({', '.join(inspect.signature(f).parameters)})" for f in (own, method))
-                found.append(f"its {name} takes {taken}; it is called with {asked}")
+                taken = ", ".join(inspect.signature(own).parameters)
+                found.append(f"its {name} takes ({taken}); it is called with ({', '.join(given)})")
     return found
+
+
+def _memory_without_use(target: type) -> list[str]:
+    """Memory of a friction law that nothing changes, or that has the name of something else."""
+    if not issubclass(target, FrictionLaw) or not target.memory:
+        return []
+    found = [] if target.evolve is not FrictionLaw.evolve else ["it has memory and no evolve, which would change it"]
+    taken = [name for name in target.memory if name in get_args(FrictionNeed) or target.memory.count(name) > 1]
+    return found + ([f"its memory is {target.memory}; allowed: names that differ, and none of needs"] if taken else [])
 
 
 def _misspelt(target: type) -> list[str]:

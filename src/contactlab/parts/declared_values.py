@@ -80,6 +80,12 @@ def _wanted_in_table(entry: Any, value: Any) -> str:
 
 
 def _wanted_in_tuple(entry: Any, value: Any) -> str:
+    if get_origin(entry) is Literal:
+        choices = ", ".join(show(choice) for choice in get_args(entry))
+        if not isinstance(value, tuple) or not all(isinstance(one, str) for one in value):
+            return f"a tuple of texts among {choices}"
+        nearest = [did_you_mean(one, get_args(entry)) for one in value if one not in get_args(entry)]
+        return "; ".join([f"texts among {choices}", *filter(None, nearest[:1])]) if nearest else ""
     if entry is str:
         fits = isinstance(value, tuple) and all(isinstance(text, str) for text in value)
         return "" if fits else "a tuple of texts"

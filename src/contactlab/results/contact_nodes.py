@@ -74,11 +74,12 @@ def friction_bound(pair: ContactPair, seen: ContactSnapshot) -> Floats:
     normal_force = seen.forces[0]
     if pair.friction is None:
         return np.zeros_like(normal_force)
-    law = pair.friction.bound()
-    adhesion = law.adhesion * seen.cover
-    if np.isfinite(law.cap):
-        adhesion = np.minimum(adhesion, law.cap * normal_force)
-    return np.asarray(law.coefficient * normal_force + adhesion)
+    assert pair.sliding is not None
+    coefficient, share, cap = pair.sliding.of(slice(None))
+    adhesion = share * seen.cover
+    if np.isfinite(cap).all():
+        adhesion = np.minimum(adhesion, cap * normal_force)
+    return np.asarray(coefficient * normal_force + adhesion)
 
 
 def states_of(pair: ContactPair, seen: ContactSnapshot, bound: Floats) -> Ints:

@@ -13,6 +13,7 @@ from contactlab.api.compiled.bound_arrays import BoundArrays
 from contactlab.api.contact_steps import contact_record
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
+from contactlab.contact.sliding import VaryingSliding
 from contactlab.kernels.contact.factored_rows import FAR
 from contactlab.kernels.contact.record import RecordColumns, RecordScratch, RecordTable, record_pair
 from contactlab.model.model import Model
@@ -122,11 +123,12 @@ def _bound(
     model: Model, pair: OperatorPair, columns: dict[str, np.ndarray], slid: Floats, compliance: Floats
 ) -> BoundArrays:
     contact: Any = model.contact
-    k, m, law, start = pair.slots, len(pair.slave.nodes), np.zeros(5), pair.start_gaps
-    if pair.friction is not None:
-        coefficient, adhesion, cap = pair.friction.bound()
-        finite = math.isfinite(cap)
-        law[:] = coefficient, adhesion, cap if finite else 0.0, 1.0, float(finite)
+    k, m, start = pair.slots, len(pair.slave.nodes), pair.start_gaps
+    law = np.zeros((3, 0))
+    if pair.sliding is not None:
+        law = (
+            pair.sliding.kept if isinstance(pair.sliding, VaryingSliding) else pair.sliding.of(slice(None)).repeat(k, 1)
+        )
     distance = np.zeros(k)
     if start is not None:
         distance[:] = start.value

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, cast
 
-import numpy as np
-
 from contactlab.api import Floats
 from contactlab.model.model import Model
 
@@ -21,12 +19,7 @@ def slips_of(model: Model) -> Floats:
     rows = getattr(model.contact, "rows", None)
     if rows is None or not len(rows.slip):
         raise LookupError("slips are known to explicit runs with friction alone")
+    from contactlab.contact.explicit_system import slips
+
     contact = cast("ContactSystem", model.contact)
-    out = np.zeros(model.state["multipliers"].shape[1])
-    compliance, force = contact.compliance, model.state["contact_force"]
-    for k in range(rows.count):
-        entries = slice(rows.start[k], rows.start[k + 1])
-        node = rows.node[entries]
-        pushed = (rows.tangent_weight[entries] * compliance[node] * force[node]).sum()
-        out[rows.slot[k]] += rows.slip[k] + float(pushed)
-    return out
+    return slips(rows, model.state["multipliers"].shape[1], contact.compliance, model.state["contact_force"])[0]

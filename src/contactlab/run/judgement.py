@@ -94,7 +94,7 @@ def _judge_pressure(name: str, share: float, step: int) -> None:
 
 def _judge_friction(model: Model, pair: ContactPair) -> None:
     """Friction that is declared and that enforcement or algorithm do not deliver: no tangential force at all."""
-    if pair.friction is None or not any(pair.friction.bound()[:2]):
+    if pair.sliding is None or not pair.sliding.of(slice(None))[:2].any():
         return
     normal, tangential = model.state["multipliers"][:2, pair.own]
     pressed = int(np.count_nonzero(normal > 0.0))

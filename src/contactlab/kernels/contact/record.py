@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from contactlab.api.compiled.bound_arrays import Bytes2, Floats1, Floats2, Ints1, Ints2, Shorts2, Singles2
 from contactlab.api.compiled.contact_tables import RowsTable
 from contactlab.api.compiled.kernel import kernel, section
@@ -44,7 +46,7 @@ class RecordTable(NamedTuple):
 
     position, force, multipliers  of the model; `force` are the contact forces
     compliance       (N, 2) displacement per contact force in the last step [mm/N]; 0 where motion is prescribed
-    law              (5,) coefficient, adhesion, cap of the friction law; whether there is one, and a finite cap
+    law              (3 or more, k) coefficient, adhesion, cap of the friction law; (3, 0) without one
     slots            (1,) where the pair's multipliers begin
     next_master      (l, 2) segments that end and begin at each master node
     inner, following, preceding  nodes without a multiplier and those on either side
@@ -55,7 +57,7 @@ class RecordTable(NamedTuple):
     force: Floats2
     multipliers: Floats2
     compliance: Floats2
-    law: Floats1
+    law: Floats2
     slots: Ints1
     next_master: Ints2
     inner: Ints1
@@ -75,7 +77,7 @@ def record_pair(row, bound_pair, bound, bound_rows, count, uncounted):
     uncounted  share of `distance` that does not count [-]
     """
     pair, r = unpack(bound_pair, PairTable), unpack(bound, RecordTable)
-    c, friction = pair.coupling, r.law[3] > 0.0
+    c, friction = pair.coupling, r.law.shape[1] > 0
     take(r.position, pair.places.slave, r.scratch.slave)
     take(r.position, pair.places.master, r.scratch.master)
     separations(
@@ -142,10 +144,10 @@ def _node(row, i, nodes, cover, r, friction):
             tangential = r.multipliers[1, first + k]
             shear += r.scratch.traction[1, k]
             slip += r.scratch.slid[k] if r.scratch.apart[k, 0] < FAR else 0.0
-            adhesion = r.law[1] * cover[k]
-            if r.law[4] > 0.0:
-                adhesion = min(adhesion, r.law[2] * normal)
-            limit = r.law[0] * normal + adhesion
+            adhesion = r.law[1, k] * cover[k]
+            if r.law[2, k] < np.inf:
+                adhesion = min(adhesion, r.law[2, k] * normal)
+            limit = r.law[0, k] * normal + adhesion
         if normal > 0.0 or tangential != 0.0:
             state = max(state, 1 if friction and abs(tangential) < limit * STICKS else 2)
     r.out.gap[row, i] = gap if gap < FAR else float("nan")

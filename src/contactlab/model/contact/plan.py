@@ -26,6 +26,7 @@ from contactlab.api.arrays import Flags
 from contactlab.contact.contact_pairs import contact_pair
 from contactlab.contact.explicit_system import ContactSystem
 from contactlab.contact.pair import ContactPair, initial_gaps
+from contactlab.contact.sliding import rows_of
 from contactlab.contact.start_gaps import ZeroStart
 from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
@@ -186,6 +187,8 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
             shapes[f"memory.{plan.name}"] = (plan.algorithm.memory_size, len(plan.slave.nodes))
         if by_energy(plan) and plan.friction is not None:
             shapes[f"friction.{plan.name}"] = (len(plan.slave.nodes) + len(plan.master.nodes), 2)
+        elif plan.friction is not None and plan.friction.varies:
+            shapes[f"friction.{plan.name}"] = (rows_of(plan.friction), plan.slots)
     return shapes
 
 

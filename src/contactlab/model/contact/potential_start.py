@@ -36,6 +36,12 @@ def refuse_potential(
             allowed="with an implicit integrator: newton or implicit-dynamics",
             hint="take a mortar here, or change integrator.use",
         )  # fmt: skip
+    if friction is not None and potential.rubs and friction.varies:
+        raise PartError(
+            "this friction law changes during a run, and friction of a potential needs constants",
+            where=below(where, "friction"), got=spec.friction, allowed="a law without needs and memory, as coulomb",
+            hint="take a mortar for this law",
+        )  # fmt: skip
     if friction is not None and potential.rubs and friction.bound().adhesion and not potential.adheres:
         raise PartError(
             "this contact algorithm knows friction by a coefficient alone", where=below(where, "friction"),

@@ -80,8 +80,17 @@ class PressureContactSystem(ConsistentContactSystem):
         if tangential:
             start_slips(count, address, current, predicted)
             sweeps, residual = rub(count, address, compliance, self.multipliers, force, TOLERANCE, SWEEPS)
+        done = Solve(sweeps, residual, 0, float(np.abs(compliance * force).max(initial=0.0)))
+        if self.varying and count:
+            done = self._follow(done, lambda: self._rub_again(done, compliance, force), compliance, force)
         self.solution_s += perf_counter() - asked
-        return Solve(sweeps, residual, 0, float(np.abs(compliance * force).max(initial=0.0)))
+        return done
+
+    def _rub_again(self, done: Solve, compliance: Floats, force: Floats) -> Solve:
+        sweeps, residual = rub(
+            self.rows.count, self.rows.packed.address, compliance, self.multipliers, force, TOLERANCE, SWEEPS
+        )
+        return done._replace(sweeps=done.sweeps + sweeps, residual=residual)
 
     def _advance(self, rows: Rows, first: int, current: Floats, predicted: Floats, strict: bool) -> None:
         """Gaps are those of the start of the step."""

@@ -1,0 +1,202 @@
+"""What friction adds to a contact pair: the bound of its law, constant or by multiplier, and the start of the step."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from contactlab.api import ContactView, Floats, FrictionLaw, Ints, State
+from contactlab.api.surface import SurfacePositions
+from contactlab.errors import WrongAnswer
+
+if TYPE_CHECKING:
+    from contactlab.contact.pair import ContactPair
+
+KEPT = ("coefficient", "adhesion", "cap", "pressure", "slip_rate")
+"""First rows of the state of a law that varies."""
+TRIES = 60
+"""Most tries to find a rate of slip."""
+EXACT = 1e-9
+"""Error of a slip that was found, over the slip without friction."""
+
+
+class Sliding:
+    """The bound of a law of k multipliers, and the start of the step.
+
+    bound       (3,) coefficient [-], adhesion [MPa], cap [-] of a law that is constant
+    everywhere  the bound holds in the air, too: every multiplier in reach needs a row
+    before      (k, 2) normals at the start of the step
+    began       positions of both surfaces there [mm]
+    """
+
+    def __init__(self, law: FrictionLaw, multipliers: int, at: SurfacePositions) -> None:
+        self.law, self.varies = law, law.varies
+        self.bound = np.zeros(3) if law.varies else np.array(law.bound())
+        self.everywhere = self.bound[1] > 0.0 and not math.isfinite(self.bound[2])
+        self.before = np.zeros((multipliers, 2))
+        self.began = SurfacePositions(at.slave.copy(), at.master.copy())
+        self._views: tuple[ContactView, ContactView] | None = None
+
+    def of(self, slots: Ints | slice) -> Floats:
+        """The bound (3, n) or (3, 1) of some multipliers in the step at hand."""
+        return self.bound[:, None]
+
+    def view(self, now: ContactView) -> ContactView:
+        """What the algorithm saw at the start of the step, where it sees `now`."""
+        if self._views is None or self._views[0] is not now:
+            self._views = now, now._replace(at=self.began)
+        return self._views[1]
+
+
+class VaryingSliding(Sliding):
+    """The bound of a law that follows what happens: `kept` (r, k) is a part of the state.
+
+    Its rows are those of `KEPT`, two of the positions where the law needs them, and those of its memory.
+    """
+
+    def __init__(self, law: FrictionLaw, multipliers: int, at: SurfacePositions) -> None:
+        super().__init__(law, multipliers, at)
+        self.kept = np.zeros((rows_of(law), multipliers))
+        self.memory = slice(len(self.kept) - len(law.memory), None)
+        self.size: Floats = np.zeros(multipliers)
+        self.time = self.dt = 0.0
+
+    def of(self, slots: Ints | slice) -> Floats:
+        """The bound (3, n) of some multipliers in the step at hand."""
+        return np.asarray(self.kept[:3, slots])
+
+    def bind(self, state: State, pair: ContactPair) -> None:
+        """Keep what it remembers in the state from here on."""
+        self.kept = state[f"friction.{pair.name}"]
+        for name, value in self.law.start().items():
+            self._remember(name, "start", value)
+        segments, size = pair.slave.segments, np.zeros(len(pair.slave.nodes))
+        length = np.linalg.norm(np.diff(pair.at.slave[segments], axis=1)[:, 0], axis=1)
+        np.add.at(size, segments, 0.5 * length[:, None])
+        self.size = np.tile(size, pair.method.rows_per_node)
+        self._take_positions(pair)
+
+    def begin_step(self, pair: ContactPair, time: float, dt: float) -> None:
+        """The bound at the start of a step of `dt` [s] that ends at `time`; asked again, it is the same."""
+        if dt > 0.0:
+            self.time, self.dt = time, dt
+            self.kept[:3] = self._bounds(self.kept[4])
+
+    def follow(self, pair: ContactPair, slip: Floats, give: Floats, force: Floats, share: float) -> float:
+        """Move the bounds by a share to those of the slip that they leave; by how much of the largest they change.
+
+        slip (k,) [mm] of the step under `force` (2, k) [N]; `give` (k,) [mm/N] is what a tangential force changes it by
+        """
+        free = np.where(force[0] > 0.0, slip - give * force[1], 0.0)
+        now = self._limits(self.kept[:3], pair, force[0])
+        rate = self._rates(
+            np.abs(free), give, lambda v: self._limits(self._bounds(np.copysign(v, free)), pair, force[0])
+        )
+        bounds = self._bounds(np.copysign(rate, free))
+        change = np.abs(self._limits(bounds, pair, force[0]) - now)[force[0] > 0.0]
+        self.kept[:2] += share * (bounds[:2] - self.kept[:2])
+        self.kept[2] = bounds[2]
+        return float(change.max(initial=0.0)) / max(float(now.max(initial=0.0)), 1e-300)
+
+    def _rates(self, free: Floats, give: Floats, limits: Callable[[Floats], Floats]) -> Floats:
+        """Rates v >= 0 (k,) at which v dt + give * limit(v) is the slip `free` (k,) [mm] that there is without force.
+
+        Zero where the limit at rest holds it. Regula falsi with Illinois' weights, and bisection where it is slow.
+        """
+        low, high = np.zeros_like(free), free / self.dt
+        below, above = give * limits(low) - free, give * limits(high)
+        slides = below < 0.0
+        rate, weights, side = np.where(slides, high, 0.0), np.stack([below, above]), np.zeros_like(free)
+        for number in range(TRIES):
+            span = weights[1] - weights[0]
+            share = np.divide(-weights[0], span, out=np.full_like(span, 0.5), where=span > 0.0)
+            rate = np.where(slides, low + (0.5 if number % 4 == 3 else share) * (high - low), 0.0)
+            left = np.where(slides, rate * self.dt + give * limits(rate) - free, 0.0)
+            if (np.abs(left) <= EXACT * free).all():
+                break
+            under = left < 0.0
+            low, high = np.where(under, rate, low), np.where(under, high, rate)
+            # an end that stays twice counts half, so that it is left behind
+            lasting = np.where(side == np.where(under, 1.0, -1.0), 0.5, 1.0)
+            weights = np.where(under, [left, lasting * weights[1]], [lasting * weights[0], left])
+            side = np.where(under, 1.0, -1.0)
+        return rate
+
+    def accept(self, pair: ContactPair, slip: Floats, force: Floats) -> None:
+        """The step that was begun is accepted: slips (k,) [mm] and normal forces (k,) [N] in it."""
+        cover = pair.cover
+        pressed = (force > 0.0) & (cover > 0.0)
+        self.kept[3] = np.divide(force, cover, out=np.zeros_like(force), where=pressed)
+        self.kept[4] = np.where(pressed, slip / self.dt, 0.0)
+        self._take_positions(pair)
+        if self.law.memory:
+            for name, values in self.law.evolve(**self._needed(self.kept[4])).items():
+                self._remember(name, "evolve", values)
+
+    def _take_positions(self, pair: ContactPair) -> None:
+        if "position" in self.law.needs:
+            self.kept[len(KEPT) : len(KEPT) + 2] = np.tile(pair.at.slave.T, pair.method.rows_per_node)
+
+    def _bounds(self, slip_rate: Floats) -> Floats:
+        """Coefficient, adhesion and cap (3, k) at these rates of slip."""
+        found = self.law.bound(**self._needed(slip_rate))
+        if not isinstance(found, tuple) or len(found) != 3:
+            raise WrongAnswer(f"{type(self.law).__name__}: bound gave {type(found).__name__}, needed: FrictionBound")
+        out = np.empty((3, self.kept.shape[1]))
+        for row, (name, values) in enumerate(zip(KEPT, found, strict=False)):
+            out[row] = self._checked(f"bound gave {name}", values, least=0.0)
+        return out
+
+    def _limits(self, bounds: Floats, pair: ContactPair, force: Floats) -> Floats:
+        """Largest tangential forces (k,) [N] under normal ones."""
+        normal = np.maximum(force, 0.0)
+        adhesion = bounds[1] * pair.cover
+        # an infinite cap of what has no normal force is no number
+        capped = np.multiply(bounds[2], normal, out=np.full_like(normal, np.inf), where=np.isfinite(bounds[2]))
+        return np.asarray(bounds[0] * normal + np.minimum(adhesion, capped))
+
+    def _needed(self, slip_rate: Floats) -> dict[str, Any]:
+        given: dict[str, Any] = {
+            "pressure": self.kept[3].copy(), "slip_rate": slip_rate.copy(), "dt": self.dt, "time": self.time,
+            "position": self.kept[len(KEPT) : len(KEPT) + 2].T.copy(), "cell_size": self.size.copy(),
+        }  # fmt: skip
+        needed = {name: given[name] for name in self.law.needs}
+        return needed | dict(zip(self.law.memory, self.kept[self.memory].copy(), strict=True))
+
+    def _remember(self, name: str, method: str, values: Any) -> None:
+        if name not in self.law.memory:
+            raise WrongAnswer(
+                f"{type(self.law).__name__}: {method} gave {name}, needed: what its memory names, {self.law.memory}"
+            )
+        self.kept[self.memory][self.law.memory.index(name)] = self._checked(f"{method} gave {name}", values)
+
+    def _checked(self, what: str, values: Any, least: float = -math.inf) -> Floats:
+        found, k = np.asarray(values, np.float64), self.kept.shape[1]
+        if found.shape not in ((), (k,)):
+            raise WrongAnswer(f"{type(self.law).__name__}: {what} of shape {found.shape}, needed: a number or ({k},)")
+        if not (found >= least).all():  # not a number is not at least anything
+            raise WrongAnswer(f"{type(self.law).__name__}: {what} {float(found.min()):g}, needed: numbers >= {least:g}")
+        return found
+
+
+def rows_of(law: FrictionLaw) -> int:
+    """Rows of the state of a law that varies."""
+    return len(KEPT) + 2 * ("position" in law.needs) + len(law.memory)
+
+
+def sliding_of(law: FrictionLaw | None, multipliers: int, at: SurfacePositions) -> Sliding | None:
+    """What a law adds to a pair; None without one."""
+    if law is None:
+        return None
+    return (VaryingSliding if law.varies else Sliding)(law, multipliers, at)
+
+
+def varying(pairs: Sequence[ContactPair], state: State) -> list[tuple[ContactPair, VaryingSliding]]:
+    """The pairs whose laws vary, bound to the state."""
+    found = [(pair, pair.sliding) for pair in pairs if isinstance(pair.sliding, VaryingSliding)]
+    for pair, sliding in found:
+        sliding.bind(state, pair)
+    return found

@@ -1,0 +1,178 @@
+"""Friction laws that follow the rate of slip and remember, against closed forms; restart and rejected steps.
+
+The laws are those of tests/outside/rate-friction.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+import contactlab
+from contactlab.api import StepStatus
+from contactlab.model.build import build
+from contactlab.model.memory import model_memory, restore_model
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
+
+LAWS = Path(__file__).parents[1] / "outside" / "rate-friction" / "src" / "rate_friction" / "laws.py"
+REGISTRY = Registry(files=[LAWS])
+ALGORITHMS = pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p1"])
+STRIBECK = {"use": "stribeck", "static": 0.5, "kinetic": 0.3, "speed": 20.0}
+DIETERICH = {"use": "rate-and-state", "mu": 0.4, "a": 0.02, "b": 0.03, "length": 1.0, "speed": 1.0}
+
+
+def drawn(friction: dict[str, Any], rates: tuple[float, float], end: float, steps: int, algorithm: str) -> Any:
+    """Coefficients over time of a block that is pressed and drawn over a floor at one rate, and then at another."""
+    first, second = rates
+    points = [[0.0, 0.0], [0.5 * end, 0.5 * end * first], [end, 0.5 * end * (first + second)]]
+    scene = Scene.from_data(
+        {
+            "time": {"end": end},
+            "integrator": {"use": "newton", "steps": steps},
+            "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.0, "density": 1e-9}},
+            "bodies": {
+                "b": {
+                    "element": "q1", "material": "m",
+                    "mesh": {"use": "rectangle", "x": [0.0, 1.0], "y": [0.0, 0.5], "cells": [2, 1]},
+                }
+            },
+            "rigid": {"floor": {"line": [[50.0, 0.0], [-50.0, 0.0]]}},
+            "contacts": [{"slave": "b.bottom", "master": "floor", "algorithm": algorithm, "friction": friction}],
+            "supports": [{"on": "b.top", "ux": {"ramp": "table", "to": 1.0, "points": points}}],
+            "loads": [{"on": "b.top", "ty": {"ramp": "constant", "to": -2.0}}],
+            "record": {"frames": steps},
+        },
+        registry=REGISTRY,
+    )  # fmt: skip
+    results = contactlab.simulate(scene)
+    assert results.status == "finished", results.reason
+    history = {name: values[1:] for name, values in results.history.items()}  # without the start
+    return history["time"] / end, -history["contacts.0.fx"] / history["contacts.0.fy"]
+
+
+@ALGORITHMS
+def test_a_steady_slip_has_the_coefficient_of_its_rate(algorithm: str) -> None:
+    """Stribeck's curve at two rates; 1e-4 is what elastic loading leaves of the rate after some steps."""
+    time, found = drawn(STRIBECK, (10.0, 100.0), 0.02, 40, algorithm)
+    for place, rate in ((0.5, 10.0), (1.0, 100.0)):
+        assert np.interp(place, time, found) == pytest.approx(0.3 + 0.2 * np.exp(-rate / 20.0), abs=1e-4)
+
+
+def test_a_step_of_the_rate_has_a_direct_effect_and_an_evolution() -> None:
+    """mu + a ln(v/v0) at once, from where b ln(theta v0/L) leads to a new steady slip within some lengths L.
+
+    The bound of a step follows from the end of the one before: the error halves with the steps.
+    """
+    errors = []
+    for steps in (25, 50):
+        time, found = drawn(DIETERICH, (1.0, 5.0), 2.0, steps, "mortar-p1")
+        assert np.interp(0.45, time, found) == pytest.approx(0.4, abs=1e-4)  # exp(-0.9) of what the start left
+        after = np.flatnonzero(time > 0.5 * (1.0 + 1e-9))[1:]  # the first step follows the rate of the one before
+        slid = 5.0 * (2.0 * time[after] - 1.0)
+        age = 0.2 + 0.8 * np.exp(-slid)
+        errors.append(np.abs(found[after] - 0.4 - 0.02 * np.log(5.0) - 0.03 * np.log(age)).max())
+        assert found.max() > 0.4 + 0.5 * 0.02 * np.log(5.0)
+        assert found[-1] == pytest.approx(0.4 - 0.01 * np.log(5.0), abs=1e-3)
+    assert errors[1] < 0.6 * errors[0]
+    assert errors[1] < 3e-3
+
+
+def sliding(integrator: dict[str, Any], friction: dict[str, Any], speed: float, algorithm: str) -> Scene:
+    """A block, one cell high and under a given squeeze, that slides freely over a floor from a start at this speed."""
+    return Scene.from_data(
+        {
+            "time": {"end": 1e-3},
+            "integrator": integrator,
+            "materials": {"m": {"use": "linear-elastic", "young": 100.0, "poisson": 0.0, "density": 1e-6}},
+            "bodies": {
+                "b": {
+                    "element": "q1", "material": "m", "velocity": [speed, 0.0],
+                    "mesh": {"use": "rectangle", "x": [0.0, 1.0], "y": [0.0, 1.0], "cells": [2, 1]},
+                }
+            },
+            "rigid": {"floor": {"line": [[50.0, 0.0], [-50.0, 0.0]]}},
+            "contacts": [{"slave": "b.bottom", "master": "floor", "algorithm": algorithm, "friction": friction}],
+            "supports": [{"on": "b.top", "uy": {"ramp": "constant", "to": -0.01}}],
+        },
+        registry=REGISTRY,
+    )  # fmt: skip
+
+
+@ALGORITHMS
+def test_viscous_friction_slows_a_block_in_explicit_steps(algorithm: str) -> None:
+    """Bounds are those of the slip of their step: the error is of first order, as velocities are half a step behind."""
+    errors = [error_of_a_slide({"use": "central-difference"}, steps, algorithm) for steps in (60, 120)]
+    assert errors[1] < 0.6 * errors[0]
+    assert errors[1] < 0.01
+
+
+def test_viscous_friction_slows_a_block_in_implicit_steps() -> None:
+    """Bounds are those of the step before: 1.5 steps late, 0.75 % of the friction that follows the rate, and as much
+    for the first step, which has none of it."""
+    assert error_of_a_slide({"use": "implicit-dynamics", "impacts": False}, 60, "mortar-p1") < 0.015
+
+
+def error_of_a_slide(integrator: dict[str, Any], steps: int, algorithm: str) -> float:
+    """Error of the momentum that is left, relative.
+
+    mu = m + c v is linear: two masses M/2, a spring G A/h between them, friction N (m + c v) on the lower one.
+    """
+    at_rest, viscous, speed, end = 0.3, 5e-4, 1000.0, 6e-4
+    law = STRIBECK | {"static": at_rest, "kinetic": at_rest, "viscous": viscous}
+    half, spring, load = 0.5e-6, 50.0, 1.0
+    # lower and upper displacement, their velocities, and 1
+    rates = np.zeros((5, 5))
+    rates[0, 2] = rates[1, 3] = 1.0
+    rates[2] = [-spring / half, spring / half, -load * viscous / half, 0.0, -load * at_rest / half]
+    rates[3] = [spring / half, -spring / half, 0.0, 0.0, 0.0]
+    expected = (expm(end * rates) @ [0.0, 0.0, speed, speed, 1.0])[2:4].sum() * half
+    model = build(sliding(integrator, law, speed, algorithm), REGISTRY)
+    advance = model.bound_integrator().step
+    for _ in range(steps):
+        assert advance(end / steps).status is StepStatus.accepted
+    own = slice(model.bodies[0].first, model.bodies[0].first + model.bodies[0].count)
+    return float(abs(model.mass[own] @ model.state["velocity"][own, 0] / expected - 1.0))
+
+
+@pytest.mark.parametrize("use", ["central-difference", "implicit-dynamics", "newton"])
+def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str) -> None:
+    """Taken up by new parts half-way, and with steps that are rejected or taken back: the same bits."""
+    law = DIETERICH | {"speed": 1000.0, "length": 0.1}
+    integrator = {"use": use} | ({"impacts": False} if use == "implicit-dynamics" else {})
+    scene = sliding(integrator, law, 1000.0, "mortar-p1").with_({"materials.m.use": "neo-hookean"})
+    if use == "newton":
+        drawn_along = {"supports.0.ux": {"ramp": "linear", "to": 1.0}, "bodies.b.velocity": [0.0, 0.0]}
+        scene = scene.with_(drawn_along)
+    dt, steps = 1e-5, 8
+    model = build(scene, REGISTRY)
+    bound, states = model.bound_integrator(), []
+    for number in range(steps):
+        if number == steps // 2:
+            saved = {name: np.copy(values) for name, values in model_memory(model).items()}
+        assert bound.step(dt).status is StepStatus.accepted
+        states.append(model.state.snapshot())
+    theta = model.state["friction.contacts.0"][-1]
+    assert np.all(theta[model.state["multipliers"][0] > 0.0] != 1e-4)
+
+    other = build(scene, REGISTRY)
+    restore_model(other, saved)
+    again = other.bound_integrator()
+    for number in range(steps // 2, steps):
+        before = {name: np.copy(values) for name, values in model_memory(other).items()}
+        if use == "central-difference":
+            again.step(0.5 * dt)
+            restore_model(other, before)
+        else:
+            iteration = again.advance.__self__.iteration  # type: ignore[attr-defined]
+            most, iteration.most = iteration.most, 1
+            if again.step(1.7 * dt).status is StepStatus.accepted:  # an easy one: taken back by hand
+                restore_model(other, before)
+            iteration.most = most
+            np.testing.assert_array_equal(other.state.buffer, states[number - 1])
+        assert again.step(dt).status is StepStatus.accepted
+        np.testing.assert_array_equal(other.state.buffer, states[number])
