@@ -69,7 +69,7 @@ def answer(trials: Trials) -> Chosen:
     if met:
         place = _cheapest(trials, met)
     elif finished:
-        place = _least_error(trials, finished, truth)
+        place = _best_known(trials, finished, truth)
     else:
         own = split_spec("contact", trials.scene.contacts[0].algorithm, "")[0]
         first = Configuration(own), 1
@@ -99,14 +99,28 @@ def _cheapest(trials: Trials, met: Sequence[Place]) -> Place:
     return min(met, key=trials.cost)
 
 
-def _least_error(trials: Trials, finished: Sequence[Place], truth: Truth | None) -> Place:
-    """The smallest error within the budget; without errors the finest mesh."""
+def _best_known(trials: Trials, finished: Sequence[Place], truth: Truth | None) -> Place:
+    """The smallest error within the budget; the cheapest by forces where errors cannot be told apart; else the finest.
+
+    What the reference does not know of itself tells nothing between two runs. Those whose forces are as exact as
+    pressures should be are then alike, and the cheapest of them is as good as the dearest.
+    """
     fitting = [place for place in finished if trials.cost(place) <= trials.wish.budget] or list(finished)
-    if truth is not None:
-        known = {place: trials.errors(place[0]).get(place[1], math.inf) for place in fitting}
-        if min(known.values()) < math.inf:
-            return min(fitting, key=lambda place: (known[place], trials.cost(place)))
-    return max(fitting, key=lambda p: (p[1], not p[0].exchanged, -trials.cost(p)))
+    known = {place: trials.errors(place[0]).get(place[1], math.inf) for place in fitting if truth is not None}
+    least = min(known.values(), default=math.inf)
+    if truth is None or least == math.inf:
+        return max(fitting, key=lambda p: (p[1], not p[0].exchanged, -trials.cost(p)))
+    if truth.uncertainty < trials.wish.error:
+        return min(fitting, key=lambda place: (known[place], trials.cost(place)))
+    alike = [place for place in fitting if known[place] <= least + truth.uncertainty]
+    exact = [place for place in alike if _off_by_force(trials, place) <= trials.wish.error]
+    return min(exact, key=trials.cost) if exact else min(alike, key=lambda place: _off_by_force(trials, place))
+
+
+def _off_by_force(trials: Trials, place: Place) -> float:
+    """Relative difference of forces from those of the finest run, the dearest of them."""
+    finest = max((p for p in trials.all if trials.all[p].finished), key=lambda p: (p[1], trials.cost(p)))
+    return ForcesJudged.apart(trials.all[place].forces, trials.all[finest].forces)
 
 
 def _why_ok(trials: Trials, met: Sequence[Place]) -> str:
@@ -131,9 +145,10 @@ def _why_not(trials: Trials, place: Place, met: Sequence[Place], truth: Truth | 
         text = f"no trial keeps the pressure error below {asked} with all that is uncertain: "
         text += f"{100.0 * truth.uncertainty:.2g} % of the reference"
         text += f", {100.0 * trials.doubt:.2g} % of time and load steps" if trials.doubt > 0.0 else ""
-        finest = max((p for p in trials.all if trials.all[p].finished), key=lambda p: (p[1], trials.cost(p)))
-        forces = ForcesJudged.apart(trial.forces, trials.all[finest].forces)
-        text += f"; its forces differ by {100.0 * forces:.2g} % from those of the finest run"
+        forces = f"its forces differ by {100.0 * _off_by_force(trials, place):.2g} % from those of the finest run"
+        if truth.uncertainty >= trials.wish.error:
+            text += f"; pressures do not tell runs apart: the cheapest whose forces are right to {asked} is taken"
+        text += f"; {forces}"
     used = "stopped early" if trials.stopped else f"{trials.spent:.3g} of {trials.wish.search:g} CPU s used"
     return f"the best I can say: {text} ({used})"
 

@@ -132,6 +132,19 @@ def test_without_pressures_forces_are_compared_and_nothing_is_promised() -> None
     assert found.error < 0.02
 
 
+def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
+    """Pressures that fall with the fifth root of the cells stay unknown to more than is asked, and forces are exact."""
+
+    def singular(run: Run) -> Record:
+        return record(lambda x: (1.0 + 0.5 * run.scene.level**-0.2) * EXACT(x), 0.3 * run.scene.level**2, force=1.0)
+
+    found = chosen(singular, 0.02)
+    assert found.verdict == "cannot"
+    assert found.uncertainty > 0.02
+    assert found.level == 1
+    assert "forces" in found.why
+
+
 def test_runs_that_all_fail_leave_an_answer_with_the_reason() -> None:
     def failing(run: Run) -> Record:
         part = 0.7 if _name(run.scene).startswith("mortar-p1") else 0.2
