@@ -185,7 +185,7 @@ ENFORCEMENT = (
         ("anchors of the tangential force", "conditions.anchor[0], out)", "conditions.anchor[-1], out)")),
     *_of("enforcement", "forward-increment",
         ("stops after two sweeps", "self.tolerance, self.sweeps))", "self.tolerance, 2))"),
-        ("half the compliance", "rows.count, address, compliance, multipliers", "rows.count, address, 0.5 * compliance, multipliers"),
+        ("half the compliance", "rows.count, rows, compliance, multipliers", "rows.count, rows, 0.5 * compliance, multipliers"),
         ("forces of the last solve are kept", "solve = solve_dense if", "force[:] = 0.0\n        return Solve(0, 0.0, 0, 0.0) if rows.count else Solve(0, 0.0, 0, 0.0)\n        solve = solve_dense if")),
 )  # fmt: skip
 

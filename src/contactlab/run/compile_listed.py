@@ -41,17 +41,22 @@ def main() -> None:
                 _compile(module, name, types)
 
 
-def _compile(module: str, name: str, types: str) -> None:
+def signature(types: str) -> tuple[Any, ...]:
+    """Types in numba's words, or a table's name, as numba wants them: "i8, FactoredTable, f8[::1]"."""
     types_of: Any = import_module("numba.core.sigutils").normalize_signature
     contract, unpack = import_module("contactlab.api"), import_module("contactlab.api.compiled.unpack")
     given: list[Any] = []
     for word in types.split(", "):
         table = getattr(contract, word, None)
         given += types_of(f"({word},)")[0] if table is None else [unpack.Table(table)]
+    return tuple(given)
+
+
+def _compile(module: str, name: str, types: str) -> None:
     kernel: Any = getattr(import_module(module), name)
     with kernel_locked(kernel, wait=False) as free:
         if free:
-            kernel.compile(tuple(given))
+            kernel.compile(signature(types))
 
 
 if __name__ == "__main__":

@@ -10,11 +10,11 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
-from numba.core.sigutils import normalize_signature
 
 from contactlab.api.compiled.locks import free_place, kernel_locked, lock_file
 from contactlab.jobs.perform import warm_up
 from contactlab.run import ahead
+from contactlab.run.compile_listed import signature
 from contactlab.run.known_kernels import kernels_of, surely_called
 from contactlab.scene.scene import bundled_scenes, load_scene
 
@@ -35,6 +35,7 @@ PROGRAM = """
 import json, sys
 import numpy as np
 from contactlab.run import ahead
+from contactlab.run.compile_listed import signature
 from contactlab.run.known_kernels import KnownKernel
 from importlib import import_module
 
@@ -74,7 +75,7 @@ def test_types_are_those_of_calls(changes: dict[str, str], monkeypatch: pytest.M
     assert len(known) >= 5
     for module, name, types, seconds in known:
         assert seconds > 0.0
-        assert normalize_signature(f"({types},)")[0] in getattr(import_module(module), name).signatures, name
+        assert signature(types) in getattr(import_module(module), name).signatures, name
     started: list[object] = []
     monkeypatch.setattr(ahead, "_start", lambda *arguments: started.append(arguments))
     ahead._compile.cache_clear()
