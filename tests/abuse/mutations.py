@@ -198,7 +198,7 @@ INTEGRATOR = (
         ("work of contact not booked", "work[CONTACT] += np.vdot(normal, moved) + lost", "work[CONTACT] += 0.0", "time_step"),
         ("work of loads with half its size", "work[EXTERNAL] += 0.5 * np.vdot(self.start.load + self.load, moved)", "work[EXTERNAL] += 0.25 * np.vdot(self.start.load + self.load, moved)", "time_step"),
         ("reaction of the wrong sign", "reaction[held] = mass * (after - before) / self.dt + passed", "reaction[held] = -(mass * (after - before) / self.dt + passed)", "time_step"),
-        ("contact leaves velocities", "pressed, stuck, lost = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)", "pressed, stuck, lost = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v.copy())", "time_step"),
+        ("contact leaves velocities", "found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)", "found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v.copy())", "time_step"),
         ("a step that fails leaves the state", "            take_back(equations, state, start)\n", "", "time_step")),
     *_of("integrator", "newton",
         ("work of contact lost", "work[CONTACT] += _work(pressed, normal, moved)", "pass", "ledger"),

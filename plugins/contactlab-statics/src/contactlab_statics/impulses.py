@@ -3,53 +3,68 @@
 A gap that is held at zero at the end of a step says nothing about velocities there: the midpoint rule would let
 them swing about the right ones for ever. Impulses z with
 
-    v = v* + M^-1 G^T z,   G v = 0
+    v = v* + M^-1 (G^T z + T^T C z),   G v = 0
 
 over all closed conditions G (and the tangential ones of those that stick) are the projection of v* in the metric of
-kinetic energy, which can only fall: 1/2 z . G (v* + v) = -1/2 z . G M^-1 G^T z.
+kinetic energy, which can only fall without friction: 1/2 z . G (v* + v) = -1/2 z . G M^-1 G^T z. Surfaces that slip
+(tangential rows T) have friction C z beside a normal impulse, C = -mu times the sense of the slip: in the step in which
+surfaces meet the midpoint rule needs twice the force that stops them; z takes half of it back, and friction with it.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import diags_array, vstack
+from scipy.sparse import csr_array, diags_array, vstack
 
 from contactlab.api import Floats, ImplicitContact, Response
 
 STICK = 1
 
 
-def solve_impulses(
-    contact: ImplicitContact, response: Response, mobility: Floats, velocity: Floats
-) -> tuple[Floats, Floats, float]:
-    """Change `velocity` (N, 2) in place by the least impulses after which closed contacts do not close further.
+class Impulses(NamedTuple):
+    """Impulses (N, 2) [N s] on the nodes, normal ones and those of friction, and the works [mJ] that they do.
 
-    Returns normal impulses and those of sticking (N, 2) [N s] on the nodes, and the work that all of them do on the
-    nodes and on what moves others by prescription: the energy lost, <= 0. `mobility` (N, 2) is the inverse mass.
+    What moves others by prescription counts as well. `lost` is the work of normal impulses and of those that stick,
+    `rubbed` that of friction on surfaces that slip.
+    """
+
+    normal: Floats
+    tangential: Floats
+    lost: float
+    rubbed: float
+
+
+def solve_impulses(contact: ImplicitContact, response: Response, mobility: Floats, velocity: Floats) -> Impulses:
+    """Change `velocity` (N, 2) in place by the impulses after which closed contacts do not close further.
+
+    `mobility` (N, 2) is the inverse mass.
     """
     force = contact.conditions.force
     closed = contact.conditions.present & (force[0] > 0.0)
-    stick = closed & (response.status == STICK) if len(force) > 1 else np.zeros_like(closed)
-    none = np.zeros_like(velocity)
     if not closed.any():
-        return none, none, 0.0
-    rows, count = _directions(contact, np.flatnonzero(closed), np.flatnonzero(stick))
-    flexible = rows @ diags_array(mobility.reshape(-1)) @ rows.T
-    speed = rows @ velocity.reshape(-1)
+        none = np.zeros_like(velocity)
+        return Impulses(none, none, 0.0, 0.0)
+    normal, tangent = contact.directions(np.flatnonzero(closed).astype(np.int32))
+    stick, ratio = np.zeros(0, np.int64), np.zeros(0)
+    if len(force) > 1:
+        stick = np.flatnonzero(response.status[closed] == STICK)
+        ratio = np.where(response.status[closed] == STICK, 0.0, np.sign(force[1, closed]))
+        ratio *= contact.conditions.bound[0, closed]
+    held = vstack([normal, tangent[stick]], format="csr") if len(stick) else normal
+    rubbing = diags_array(ratio) @ tangent if ratio.any() else csr_array(normal.shape)
+    acting = vstack([normal + rubbing, tangent[stick]], format="csr") if len(stick) else normal + rubbing
+    speed, sliding = held @ velocity.reshape(-1), rubbing @ velocity.reshape(-1)
+    flexible = held @ diags_array(mobility.reshape(-1)) @ acting.T
     # conditions that hold the same motion twice share their impulse
     impulse = -np.linalg.lstsq(flexible.toarray(), speed, rcond=1e-12)[0]
-    normal = np.asarray(rows[:count].T @ impulse[:count]).reshape(velocity.shape)
-    tangential = np.asarray(rows[count:].T @ impulse[count:]).reshape(velocity.shape)
-    velocity += mobility * (normal + tangential)
-    return normal, tangential, 0.5 * float(impulse @ (speed + rows @ velocity.reshape(-1)))
-
-
-def _directions(contact: ImplicitContact, closed: Any, stick: Any) -> tuple[Any, int]:
-    """Rows of G (c, 2N): normal ones, then `count` onwards those of sticking."""
-    normal, tangent = contact.directions(closed.astype(np.int32))
-    rows = [normal]
-    if len(stick):
-        rows.append(tangent[np.searchsorted(closed, stick)])
-    return vstack(rows, format="csr"), len(closed)
+    count = normal.shape[0]
+    pressed, stuck = impulse[:count], impulse[count:]
+    along = np.asarray(normal.T @ pressed).reshape(velocity.shape)
+    across = rubbing.T @ pressed + (tangent[stick].T @ stuck if len(stick) else 0.0)
+    across = np.asarray(across).reshape(velocity.shape)
+    velocity += mobility * (along + across)
+    lost = 0.5 * float(impulse @ (speed + held @ velocity.reshape(-1)))
+    rubbed = 0.5 * float(pressed @ (sliding + rubbing @ velocity.reshape(-1)))
+    return Impulses(along, across, lost, rubbed)

@@ -211,16 +211,17 @@ class TimeStep:
         state, contact, work = self.state, self.equations.contact, self.state["work"]
         normal, tangential = self.contact_forces.normal, self.contact_forces.tangential
         assert contact is not None
-        pressed, stuck, lost = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)
+        found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)
+        impulses = found.normal + found.tangential
         force = state["contact_force"]
-        force[:] = normal + (pressed + stuck) / self.dt
-        work[CONTACT] += np.vdot(normal, moved) + lost
+        force[:] = normal + impulses / self.dt
+        work[CONTACT] += np.vdot(normal, moved) + found.lost
         if len(tangential):
             force += tangential
-            work[FRICTION] += np.vdot(tangential, moved)
+            work[FRICTION] += np.vdot(tangential, moved) + found.rubbed
             work[SLIP] += contact.dissipation()
         # what the impulses push on prescribed nodes, their supports hold
         held = self.held
-        impulse = (pressed + stuck).reshape(-1)[held]
+        impulse = impulses.reshape(-1)[held]
         state["reaction"].reshape(-1)[held] -= impulse / self.dt
         work[EXTERNAL] -= float(impulse @ self.v.reshape(-1)[held])
