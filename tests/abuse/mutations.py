@@ -195,7 +195,7 @@ INTEGRATOR = (
         ("internal forces of the end alone", "self.equations.internal_force(self.share * dt, self.share)", "self.equations.internal_force(dt)", "time_step"),
         ("loads of the end alone", "out += 0.5 * (self.start.load + self.load)", "out += self.load", "time_step"),
         ("damping forgotten", "        if self.damping:\n", "        if False:\n", "time_step"),
-        ("work of contact not booked", "work[CONTACT] += np.vdot(normal, moved) + lost", "work[CONTACT] += 0.0", "time_step"),
+        ("work of contact not booked", "work[CONTACT] += np.vdot(normal, moved) + found.lost", "work[CONTACT] += 0.0", "time_step"),
         ("work of loads with half its size", "work[EXTERNAL] += 0.5 * np.vdot(self.start.load + self.load, moved)", "work[EXTERNAL] += 0.25 * np.vdot(self.start.load + self.load, moved)", "time_step"),
         ("reaction of the wrong sign", "reaction[held] = mass * (after - before) / self.dt + passed", "reaction[held] = -(mass * (after - before) / self.dt + passed)", "time_step"),
         ("contact leaves velocities", "found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)", "found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v.copy())", "time_step"),

@@ -95,6 +95,8 @@ def test_enough_steps_in_a_contact_are_not_told() -> None:
 def test_friction_of_an_oblique_impact_is_mu_times_the_normal_impulse(algorithm: str) -> None:
     """A block thrown on a rigid floor slides all the time: whatever it vibrates, it loses mu times what it turns round.
 
+    The forces that are reported have these impulses.
+
     Momentum is kept to round-off and the floor is flat. What is left is that forces act along normals of a side that
     bends: 1e-6 here. Before impulses had their friction, the ratio was 0.105.
     """
@@ -108,7 +110,7 @@ def test_friction_of_an_oblique_impact_is_mu_times_the_normal_impulse(algorithm:
         "rigid": {"floor": {"line": [[9.0, 0.0], [-9.0, 0.0]]}},
         "contacts": [{"slave": "b.bottom", "master": "floor", "algorithm": algorithm,
                       "friction": {"use": "coulomb", "mu": 0.1}}],
-        "record": {"recorders": []},
+        "record": {"recorders": [], "frames": 1000},
     })  # fmt: skip
     results = simulate(scene)
     nodes = results.nodes[:25]
@@ -116,6 +118,9 @@ def test_friction_of_an_oblique_impact_is_mu_times_the_normal_impulse(algorithm:
     gained = share @ results.velocity[:25] - [500.0, -500.0]
     assert gained[1] > 500.0  # it goes up again
     assert -gained[0] == pytest.approx(0.1 * gained[1], rel=1e-5)
+    time, pushed = results.history["time"], results.history["contacts.0.fy"]
+    assert len(time) == results.summary["steps"] + 1
+    assert (pushed[1:] * np.diff(time)).sum() == pytest.approx(1e-6 * gained[1], rel=1e-5)
     ledger = {name: results.history[f"energy.{name}"][-1] for name in ("friction", "error")}
     assert ledger["friction"] < 0.0
     assert abs(ledger["error"]) < 1e-8  # as iterations end

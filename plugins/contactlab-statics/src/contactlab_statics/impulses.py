@@ -24,14 +24,14 @@ STICK = 1
 
 
 class Impulses(NamedTuple):
-    """Impulses (N, 2) [N s] on the nodes, normal ones and those of friction, and the works [mJ] that they do.
+    """Impulses [N s] on the nodes (N, 2) and in each condition (r, k), and the works [mJ] that they do.
 
     What moves others by prescription counts as well. `lost` is the work of normal impulses and of those that stick,
     `rubbed` that of friction on surfaces that slip.
     """
 
-    normal: Floats
-    tangential: Floats
+    nodal: Floats
+    each: Floats
     lost: float
     rubbed: float
 
@@ -44,8 +44,7 @@ def solve_impulses(contact: ImplicitContact, response: Response, mobility: Float
     force = contact.conditions.force
     closed = contact.conditions.present & (force[0] > 0.0)
     if not closed.any():
-        none = np.zeros_like(velocity)
-        return Impulses(none, none, 0.0, 0.0)
+        return Impulses(np.zeros_like(velocity), np.zeros_like(force), 0.0, 0.0)
     normal, tangent = contact.directions(np.flatnonzero(closed).astype(np.int32))
     stick, ratio = np.zeros(0, np.int64), np.zeros(0)
     if len(force) > 1:
@@ -59,12 +58,13 @@ def solve_impulses(contact: ImplicitContact, response: Response, mobility: Float
     flexible = held @ diags_array(mobility.reshape(-1)) @ acting.T
     # conditions that hold the same motion twice share their impulse
     impulse = -np.linalg.lstsq(flexible.toarray(), speed, rcond=1e-12)[0]
-    count = normal.shape[0]
-    pressed, stuck = impulse[:count], impulse[count:]
-    along = np.asarray(normal.T @ pressed).reshape(velocity.shape)
-    across = rubbing.T @ pressed + (tangent[stick].T @ stuck if len(stick) else 0.0)
-    across = np.asarray(across).reshape(velocity.shape)
-    velocity += mobility * (along + across)
+    each, count = np.zeros_like(force), normal.shape[0]
+    each[0, closed] = impulse[:count]
+    if len(force) > 1:
+        each[1, closed] = ratio * impulse[:count]
+        each[1, np.flatnonzero(closed)[stick]] = impulse[count:]
+    nodal = np.asarray(acting.T @ impulse).reshape(velocity.shape)
+    velocity += mobility * nodal
     lost = 0.5 * float(impulse @ (speed + held @ velocity.reshape(-1)))
-    rubbed = 0.5 * float(pressed @ (sliding + rubbing @ velocity.reshape(-1)))
-    return Impulses(along, across, lost, rubbed)
+    rubbed = 0.5 * float(impulse[:count] @ (sliding + rubbing @ velocity.reshape(-1)))
+    return Impulses(nodal, each, lost, rubbed)

@@ -212,16 +212,16 @@ class TimeStep:
         normal, tangential = self.contact_forces.normal, self.contact_forces.tangential
         assert contact is not None
         found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)
-        impulses = found.normal + found.tangential
         force = state["contact_force"]
-        force[:] = normal + impulses / self.dt
+        force[:] = normal + found.nodal / self.dt
         work[CONTACT] += np.vdot(normal, moved) + found.lost
         if len(tangential):
             force += tangential
             work[FRICTION] += np.vdot(tangential, moved) + found.rubbed
             work[SLIP] += contact.dissipation()
+        contact.conditions.force += found.each / self.dt
         # what the impulses push on prescribed nodes, their supports hold
         held = self.held
-        impulse = impulses.reshape(-1)[held]
+        impulse = found.nodal.reshape(-1)[held]
         state["reaction"].reshape(-1)[held] -= impulse / self.dt
         work[EXTERNAL] -= float(impulse @ self.v.reshape(-1)[held])
