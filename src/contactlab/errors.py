@@ -131,11 +131,12 @@ MISSPELT = 0.88
 
 
 def nearest(name: str, choices: Iterable[str]) -> str | None:
-    """The choice most like `name`, None if nothing is close."""
+    """The choice most like `name`, None if nothing is close; misspelt ones first, then whole words it begins with."""
     from difflib import get_close_matches
 
-    by_fold = {choice.casefold(): choice for choice in choices}
-    close = get_close_matches(name.casefold(), by_fold, n=1, cutoff=0.5)
+    wanted, by_fold = name.casefold(), {choice.casefold(): choice for choice in choices}
+    begins = sorted((choice for choice in by_fold if wanted.startswith(f"{choice}-")), key=len)
+    close = get_close_matches(wanted, by_fold, 1, MISSPELT) or begins[-1:] or get_close_matches(wanted, by_fold, 1, 0.5)
     return by_fold[close[0]] if close else None
 
 

@@ -139,8 +139,7 @@ class Trials:
         reason = record.reason.strip().splitlines()[0] if record.reason.strip() else ""
         trial = self.all.setdefault(place, Trial(record.status, reason))
         if not record.finished:
-            reached = record.summary.get("reached") or 0.0
-            trial.reached = float(reached) if isinstance(reached, int | float) else 0.0
+            trial.reached = float(record.summary.get("reached", {}).get("share", 0.0))
             self.said(f"{name}: {record.status}{f': {reason}' if reason else ''}")
             return
         trial.costs.append(cost_of(record))

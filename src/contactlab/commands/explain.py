@@ -55,13 +55,13 @@ def explain(options: argparse.Namespace) -> int:
 def price_lines(price: Estimate, costs: Sequence[EffectPrice]) -> Iterator[tuple[str, str]]:
     """What the whole run will cost, what its effects do in it, and what others would."""
     if price.reason:
-        yield "price", f"its trial ended {price.reason}"
+        yield "cost estimate", f"its trial ended {price.reason}"
         return
     of = f"{number(round(price.steps))} steps"
     if price.iterations:
         of += f", {number(round(price.iterations))} iterations"
     interval = f"{seconds(price.least_s)} to {seconds(price.most_s)}"
-    yield "price", f"{seconds(price.cpu_s)} s ({interval}) of CPU time, {of}, start {seconds(price.start_s)} s"
+    yield "cost estimate", f"{seconds(price.cpu_s)} s ({interval}) of CPU time, {of}, start {seconds(price.start_s)} s"
     for label, declared in (("of that", True), ("would cost", False)):
         told = [effect_cost(cost, price.cpu_s) for cost in costs if cost.declared is declared and not cost.refused]
         if told:
@@ -89,7 +89,7 @@ def seconds(value: float) -> str:
 
 
 def overview(explanation: Explanation, spare: Sequence[str], command: str, price: Mapping[str, str]) -> Any:
-    """What the scene pays for, what can be taken out and what it needs, on one screen.
+    """Table of effects, what can be left out, cost and packages, on one screen.
 
     command  scene and settings as typed
     price    lines on what it will cost, by their labels
@@ -137,8 +137,8 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
     arrays = f"{number(e.scene.array_bytes / 2**20)} MiB in {len(e.arrays)} arrays"
     whole = f"{number(round(e.price.memory_mib))} MiB, of which " if e.price and e.price.memory_mib > 0.0 else ""
     yield "memory", whole + arrays
-    yield "pays for", ", ".join(f"{f.effect} ({together(f.by)})" for f in e.effects if f.called_for)
-    yield "can be taken out", ", ".join(spare) or "nothing: each effect is needed by another"
+    yield "effects", ", ".join(f"{f.effect} ({together(f.by)})" for f in e.effects if f.called_for)
+    yield "can be left out", ", ".join(spare) or "nothing: each effect is needed by another"
     yield "not declared", ", ".join(f.effect for f in e.effects if not f.called_for)
     yield "needs", "; ".join(_packages(e))
     outside = [module for module in e.modules if not module.package.startswith("contactlab")]

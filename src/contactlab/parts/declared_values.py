@@ -56,7 +56,7 @@ def _wanted(name: str, hint: Any, value: Any) -> str:
         least = LEAST.get(name, 0)
         return "" if _whole(value) and value >= least else f"a whole number of at least {least}"
     if hint is str:
-        return "" if isinstance(value, str) else "a text"
+        return "" if isinstance(value, str) else "a string"
     if origin is type:
         (base,) = get_args(hint)
         fits = isinstance(value, type) and issubclass(value, base)
@@ -74,9 +74,9 @@ def _wanted(name: str, hint: Any, value: Any) -> str:
 def _wanted_in_table(entry: Any, value: Any) -> str:
     named = isinstance(value, Mapping) and all(isinstance(key, str) for key in value)
     if entry is str:
-        return "" if named and all(isinstance(text, str) for text in value.values()) else "a table of texts by text"
+        return "" if named and all(isinstance(text, str) for text in value.values()) else "a table of strings by string"
     fits = named and all(isinstance(values, tuple) for values in value.values())
-    return "" if fits else "a table of tuples by text"
+    return "" if fits else "a table of tuples by string"
 
 
 def _wanted_in_tuple(entry: Any, value: Any) -> str:

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from contactlab.reports.numbers import percent, significant
 from contactlab.studies.cost_breakdown import CostBreakdown, EffectCost
-from contactlab.studies.table import COMPLETE, Table
+from contactlab.studies.table import Table
 
 HEADS = (
     "effect", "in the scene", "CPU per step, µs", "share of a step, %", "CPU in the run, s", "arrays, MiB",
@@ -73,7 +73,7 @@ def render_breakdown(breakdown: CostBreakdown, title: str) -> RenderableType:
         drawn.add_column(head, justify="left" if number in (0, 1, len(HEADS) - 1) else "right")
     for cost in by_cost(breakdown):
         drawn.add_row(*(Text(cell) for cell in cells(cost, breakdown)))
-    ended = [] if breakdown.status in COMPLETE else [f"the scene itself: {breakdown.status}: {breakdown.reason}"]
+    ended = [] if breakdown.status == "finished" else [f"the scene itself: {breakdown.status}: {breakdown.reason}"]
     notes = [Text(text, style="yellow") for text in (*ended, *reasons(breakdown.effects))]
     return Group(drawn, Text(sentence(breakdown)), Text(EXPLANATION, style="dim"), *notes)
 

@@ -14,13 +14,18 @@ from contactlab.studies.table import Row, Table
 
 @dataclass(frozen=True)
 class Finding:
-    """One algorithm over the runs of the study; ranges are (smallest, largest), nan where unknown."""
+    """One algorithm over the runs of the study; ranges are (smallest, largest), nan where unknown.
+
+    peak_force, peak_pressure  [N/mm], [MPa] of the runs that carried the whole load
+    """
 
     algorithm: str
     finished: int
     runs: int
     pressure_error: tuple[float, float]
     swap_asymmetry: tuple[float, float]
+    peak_force: tuple[float, float]
+    peak_pressure: tuple[float, float]
     cpu_s: tuple[float, float]
 
 
@@ -48,6 +53,8 @@ def _finding(name: str, rows: Sequence[Row]) -> Finding:
         runs=len(rows),
         pressure_error=_range(row["pressure_error"] for row in rows),
         swap_asymmetry=_range(row["swap_asymmetry"] for row in rows),
+        peak_force=_range(row["peak_force"] for row in rows if row.complete),
+        peak_pressure=_range(row["peak_pressure"] for row in rows if row.complete),
         cpu_s=_range(row["cpu_s"] for row in rows),
     )
 
@@ -63,7 +70,7 @@ def span(values: tuple[float, float], unit: str) -> str:
     if math.isnan(values[0]):
         return MISSING
     low, high = (write(value, 2) for value in values)
-    return f"{low} {unit}" if low == high else f"{low} to {high} {unit}"
+    return (f"{low} {unit}" if low == high else f"{low} to {high} {unit}").rstrip()
 
 
 def sentence(table: Table) -> str:

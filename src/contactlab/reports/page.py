@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from html import escape
 from pathlib import Path
 
 from matplotlib.figure import Figure
 
 from contactlab.api.drawing.colours import Style, styles
+from contactlab.api.drawing.units import Units
 from contactlab.reports.body_plot import body_figure, shown_row
 from contactlab.reports.cost_plot import cost_figure
 from contactlab.reports.figures import save
@@ -109,18 +111,24 @@ def _head(table: Table) -> str:
 
 
 def _cards(table: Table, chosen: dict[str, Style]) -> str:
-    cards = (_card(finding, chosen[finding.algorithm]) for finding in findings(table))
+    units = Units.of_label(table.scene.get("units"))
+    cards = (_card(finding, chosen[finding.algorithm], units) for finding in findings(table))
     return f'<div class="cards">\n{"".join(cards)}</div>'
 
 
-def _card(finding: Finding, style: Style) -> str:
+def _card(finding: Finding, style: Style, units: Units) -> str:
+    """Peaks, cost, and errors where there is something to measure them by."""
     state = "finished" if finding.finished == finding.runs else "failed"
+    facts = [
+        ("pressure error", finding.pressure_error, "%"), ("swap asymmetry S", finding.swap_asymmetry, "%"),
+        ("peak force", finding.peak_force, units.line_force), ("peak pressure", finding.peak_pressure, units.pressure),
+        ("CPU time", finding.cpu_s, "s"),
+    ]  # fmt: skip
+    shown = [fact for fact in facts if not math.isnan(fact[1][0])]
     return (
         f'<div class="card" style="--colour: {style.colour}"><h3>{escape(finding.algorithm)}</h3><dl>'
-        f"<dt>pressure error</dt><dd>{span(finding.pressure_error, '%')}</dd>"
-        f"<dt>swap asymmetry S</dt><dd>{span(finding.swap_asymmetry, '%')}</dd>"
-        f"<dt>CPU time</dt><dd>{span(finding.cpu_s, 's')}</dd>"
-        f'<dt>finished</dt><dd class="{state}">{finding.finished} of {finding.runs}</dd></dl></div>\n'
+        + "".join(f"<dt>{name}</dt><dd>{span(values, unit)}</dd>" for name, values, unit in shown)
+        + f'<dt>finished</dt><dd class="{state}">{finding.finished} of {finding.runs}</dd></dl></div>\n'
     )
 
 

@@ -37,7 +37,7 @@ def accepts(hint: Any, limits: Mapping[str, Any]) -> str:
         return "a table {" + ", ".join(keys_of(hint)) + "}"
     if origin in MAPPINGS or hint in MAPPINGS:
         return f"tables by name, each {accepts(inner[1], limits)}" if inner else "a table"
-    words = {int: "a whole number", float: "a number", str: "a text", bool: "true or false", Path: "a path"}
+    words = {int: "a whole number", float: "a number", str: "a string", bool: "true or false", Path: "a path"}
     return words.get(hint, getattr(hint, "__name__", str(hint))) + (_bounds(limits) if hint in (int, float) else "")
 
 

@@ -126,7 +126,9 @@ class Start:
             raise ValueError(f'duration: got {self.duration}, allowed: only beside overlap = "ramp"')
         if self.gap == "zero":
             if self.overlap != "refuse":
-                raise ValueError(f'gap: got "zero" beside overlap = "{self.overlap}", allowed: one of them')
+                raise ValueError(
+                    f'gap: got "zero" beside overlap = "{self.overlap}", allowed: a length, or "zero" without overlap'
+                )
         elif self.gap > 0.0 and self.overlap != "adjust":
             raise ValueError(f'gap: got {self.gap}, allowed: only beside overlap = "adjust"')
 

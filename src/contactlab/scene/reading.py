@@ -151,6 +151,8 @@ class _Reader:
 
     def _sequence(self, hint: Any, value: Any, where: Where, limits: Mapping[str, Any]) -> Any:
         inner = get_args(hint) or (Any, ...)
+        if isinstance(value, str) and inner == (str, ...):
+            value = [value]
         if not isinstance(value, list | tuple):
             raise SceneError("a list is needed here", where=where, got=value, allowed=in_words(hint, limits))
         if get_origin(hint) is list or (len(inner) == 2 and inner[1] is Ellipsis):

@@ -19,7 +19,7 @@ from contactlab.studies.plan import Combination, Plan, compared_scene, find_scen
 from contactlab.studies.profile import FoldedSurfaceError, Profile, distance, norm
 from contactlab.studies.removable import Variant, variants
 from contactlab.studies.study import Study
-from contactlab.studies.table import COMPLETE
+from contactlab.studies.table import applied_share, carried_load
 
 BASE = "as declared"
 INSTANTS = 201  # of the loading, at which histories are compared
@@ -139,7 +139,7 @@ def _cost(variant: Variant, plan: BreakdownPlan, base: Record, other: Record, jo
     if _implicit(rich) != _implicit(poor):
         step = math.nan  # a load step is no time step
     named = (variant.effect, variant.declared)
-    if not (base.status in COMPLETE and other.status in COMPLETE):
+    if not all(carried_load(run.status, applied_share(run.summary)) for run in (base, other)):
         return EffectCost(*named, step, status=other.status, reason=other.reason)
     changes = _reaction(rich, poor, plan.scene if variant.declared else job.scene), _pressure(rich, poor)
     return EffectCost(*named, step, run, memory, *changes, _energy(rich, poor), other.status, other.reason)

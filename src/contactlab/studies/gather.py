@@ -18,7 +18,7 @@ from contactlab.studies.measures import mutual_difference, relative_difference
 from contactlab.studies.plan import Combination, Plan
 from contactlab.studies.reference import Reference
 from contactlab.studies.shape import shapes_of
-from contactlab.studies.table import COMPLETE, Row
+from contactlab.studies.table import Row, applied_share, carried_load
 
 
 def gather(plan: Plan, records: Mapping[str, Record], named: Source | None) -> list[Row]:
@@ -36,8 +36,10 @@ def row_of(plan: Plan, job: Combination, record: Record, named: Source | None) -
     data = job.scene.data
     reference, why = fitting_reference(data, named, job.scene.registry)
     curve = record.curve(name) if record.curves.get(name := f"contacts.{plan.contact}") else None
-    final = curve if record.status in COMPLETE else None
-    measures, notes = measure_run(data, record.summary, plan.contact, final, reference)
+    share = applied_share(record.summary)
+    loaded = carried_load(record.status, share)
+    final = curve if loaded else None
+    measures, notes = measure_run(data, record.summary, plan.contact, final, reference if loaded else None)
     if curve is not None and final is None:
         notes.append(
             f"{job.algorithm}, slave {job.slave}, level {job.scene.level}: stopped before the load was complete; "
@@ -66,6 +68,7 @@ def row_of(plan: Plan, job: Combination, record: Record, named: Source | None) -
         refines=job.refines,
         history=record.history,
         path=str(record.summary.get("history", {}).get("curve", "")),
+        share=share,
     )
 
 

@@ -84,6 +84,7 @@ def _row(data: Mapping[str, Any], contact: str, folder: Path) -> Row:
         refines=data["refines"],
         history=_history(folder),
         path=kept["path"],
+        share=kept.get("share", 1.0),
     )
 
 

@@ -96,9 +96,12 @@ def reaction_against_pressure(
     """|R + P| / |R| with the integral P (2,) of the contact tractions on the slave and the support force R
     on the slave's body; with -P and the master's body where the slave's has no support.
 
-    nan where both bodies are free or take part in other contacts as well.
+    nan if both bodies are free or have other contacts as well, and for a body that touches itself: its contact
+    force is internal.
     """
     slave, master = sides(scene["contacts"][contact]) if scene.get("contacts") else ("", "")
+    if body_of(slave) == body_of(master):
+        return math.nan
     for surface, force in ((slave, integral), (master, -integral)):
         body = body_of(surface)
         held = [value for on, value in reactions.items() if body_of(on) == body]

@@ -28,8 +28,18 @@ if TYPE_CHECKING:
     from contactlab.studies.study import Study
 
 
-COMPLETE = ("finished", "not-converged")
-"""Statuses of runs that carried the load to its end, settled or not."""
+NEARLY = 1.0 - 1e-9
+"""Share of the load that is all of it, but for round-off."""
+
+
+def applied_share(summary: Mapping[str, Any]) -> float:
+    """Share of the load (statics) or of the declared time that a run came to, 0 to 1; 1 if its summary has none."""
+    return float(summary.get("reached", {}).get("share", 1.0))
+
+
+def carried_load(status: str, share: float) -> bool:
+    """True for a run that applied its whole load, settled or not."""
+    return status == "finished" or (status == "not-converged" and share >= NEARLY)
 
 
 @dataclass(frozen=True, repr=False)
@@ -55,6 +65,7 @@ class Row:
     refines    True for a run that is only there for the error at another level
     history    columns of its `history.csv` by name
     path       what its stored states are: "in time", "quasi-static", or "the end only" (`contactlab.results.summary`)
+    share      share of the load or of the declared time that it came to
     """
 
     name: str
@@ -76,6 +87,7 @@ class Row:
     refines: bool = False
     history: Mapping[str, Floats] = field(default_factory=dict)
     path: str = ""
+    share: float = 1.0
 
     @property
     def finished(self) -> bool:
@@ -85,7 +97,7 @@ class Row:
     @property
     def complete(self) -> bool:
         """True when the whole load was applied, settled or not: only then are pressures compared."""
-        return self.status in COMPLETE
+        return carried_load(self.status, self.share)
 
     @cached_property
     def profile(self) -> Profile | None:

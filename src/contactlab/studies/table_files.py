@@ -95,8 +95,8 @@ def _write_json(table: Table, path: Path) -> None:
 def _row(row: Row) -> dict[str, Any]:
     warnings = [_plain(warning.as_data()) for warning in row.warnings]
     kept = {
-        "path": row.path, "choices": dict(row.choices), "notes": list(row.notes), "varied": list(row.varied),
-        "measures": list(row.measures), "system": list(row.system),
+        "path": row.path, "share": row.share, "choices": dict(row.choices), "notes": list(row.notes),
+        "varied": list(row.varied), "measures": list(row.measures), "system": list(row.system),
     }  # fmt: skip
     return {
         **_plain(row.record()), "warnings": warnings, "parts": _plain(row.parts), "refines": row.refines, "kept": kept,

@@ -148,7 +148,7 @@ def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
 def test_runs_that_all_fail_leave_an_answer_with_the_reason() -> None:
     def failing(run: Run) -> Record:
         part = 0.7 if _name(run.scene).startswith("mortar-p1") else 0.2
-        return Record("diverged", "it blew up", {"reached": part, "process_s": 0.1})
+        return Record("diverged", "it blew up", {"reached": {"share": part}, "process_s": 0.1})
 
     found = chosen(failing, 0.02)
     assert found.verdict == "cannot"

@@ -74,7 +74,7 @@ def test_modules_of_outside_packages_are_listed_with_their_plugin(strip: None, m
     assert "9 s" in out.file.getvalue()  # type: ignore[attr-defined]
     shown = out.file.getvalue()  # type: ignore[attr-defined]
     assert len(shown.splitlines()) <= 30  # a screen
-    for word in ("pays for", "can be taken out", "needs", "contactlab-dynamics", "contact (contacts.0", "MiB", "--all"):
+    for word in ("effects", "can be left out", "needs", "contactlab-dynamics", "contact (contacts.0", "MiB", "--all"):
         assert word in " ".join(shown.split())
 
 

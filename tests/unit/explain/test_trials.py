@@ -72,7 +72,7 @@ def test_of_load_steps_the_share_of_the_loading_counts() -> None:
 def test_a_trial_that_failed_is_no_cost(scene: Scene) -> None:
     found = foreseen(scene, "diverged", "it flew", 3, 0, 0.1, 0.0, 0.1, 90.0)
     assert found.reason == "diverged: it flew"
-    assert dict(price_lines(found, []))["price"] == "its trial ended diverged: it flew"
+    assert dict(price_lines(found, []))["cost estimate"] == "its trial ended diverged: it flew"
 
 
 def test_a_trial_is_made_once_and_foresees_the_run(

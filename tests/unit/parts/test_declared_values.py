@@ -27,7 +27,7 @@ WRONG = [
     ("element", Q1, "locks", "no", "True or False"),
     ("element", Q1, "edges", [[0, 1]], "a tuple of tuples of whole numbers"),
     ("element", Q1, "nodes", [[-1.0, -1.0]], "a NumPy array of finite float64"),
-    ("element", Q1, "without", ("finite strain",), "a table of texts by text"),
+    ("element", Q1, "without", ("finite strain",), "a table of strings by string"),
     ("material", Hypoelastic, "kinematics", "finit", '"small", "finite", "rate"; did you mean "finite"?'),
     ("material", Hypoelastic, "history_size", -1, "a whole number of at least 0"),
     ("material", Hypoelastic, "history_names", "abcd", "a tuple of texts"),

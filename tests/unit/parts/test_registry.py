@@ -370,7 +370,7 @@ class TestMake:
             ({"use": "test-coulomb", "mu": float("nan")}, ["contacts.0.friction.mu", "nan", "not finite"]),
             ({"use": "test-coulomb", "mu": float("inf")}, ["contacts.0.friction.mu", "inf", "not finite"]),
             ({"use": "test-coulomb", "mu": 10**400}, ["contacts.0.friction.mu", "not finite"]),
-            ({"use": "test-coulomb", "mu": 0.2, "name": 3}, ["contacts.0.friction.name", "3", "a text"]),
+            ({"use": "test-coulomb", "mu": 0.2, "name": 3}, ["contacts.0.friction.name", "3", "a string"]),
             ({"mu": 0.2}, ['"use" is missing', "mu = 0.2"]),
             ({"use": 3}, ["contacts.0.friction.use", "3"]),
             (3, ["contacts.0.friction", "3", "use = NAME"]),

@@ -50,7 +50,7 @@ WRONG = {
     "square beyond numbers": edit("young = 7000.0", "young = 1e308", "key materials.soft.young", "1e+308", "1e+150"),
     "bool for a number": edit("young = 70000.0", "young = true", "key materials.steel.young", "true", "a number"),
     "table for a number": edit("[record]", "[level]", "key level", "frames = 50", "whole number"),
-    "number for a text": edit('slave = "disc.arc"', "slave = 3", "key contacts.0.slave", "3", "a text"),
+    "number for a text": edit('slave = "disc.arc"', "slave = 3", "key contacts.0.slave", "3", "a string"),
     "nan": edit("young = 70000.0", "young = nan", "key materials.steel.young", "nan", "not finite"),
     "infinity": edit("to = -0.1581", "to = inf", "key supports.1.uy.to", "inf", "not finite"),
     "negative modulus": edit("young = 70000.0", "young = -1.0", "key materials.steel.young", "-1.0", "> 0"),

@@ -36,6 +36,14 @@ def test_pairs_share_everything_but_the_algorithm(curve_of: Callable[..., Contac
     assert (second.slave, second.reaction) == ("b", pytest.approx(2 * 0.02 / 1.98))
 
 
+def test_a_run_that_stopped_under_half_of_the_load_is_not_compared(curve_of: Callable[..., ContactCurve]) -> None:
+    """Statics have no other state than that at which they stopped; runs in time may be loaded and not settled."""
+    whole = Row("", "one", "a", 1, {}, "finished", "", curve=curve_of(X, P))
+    for share, compared in ((0.5, 0), (1.0, 1)):
+        other = Row("", "two", "a", 1, {}, "not-converged", "", curve=curve_of(X, P), share=share)
+        assert len(agreements([whole, other])) == compared
+
+
 def test_one_algorithm_has_nothing_to_agree_with(curve_of: Callable[..., ContactCurve]) -> None:
     rows = [Row("", "one", "a", level, {"level": level}, "finished", "", curve=curve_of(X, P)) for level in (1, 2)]
     assert agreements(rows) == []

@@ -52,6 +52,11 @@ def test_a_body_with_two_contacts_has_no_balance_with_one_of_them() -> None:
     assert math.isnan(reaction_against_pressure(two, FORCES, 0, np.array([0.0, 100.0])))
 
 
+def test_a_body_that_touches_itself_has_no_balance_with_that_contact() -> None:
+    own = {**SCENE, "contacts": [{"slave": "upper.bottom", "master": "upper.top"}]}
+    assert math.isnan(reaction_against_pressure(own, FORCES, 0, np.array([0.0, 100.0])))
+
+
 def test_all_measures_of_a_run(curve_of: Callable[..., ContactCurve]) -> None:
     x = np.linspace(-1.0, 1.0, 41)
     exact = Profile(x, 1.0 - x**2)

@@ -16,14 +16,14 @@ from contactlab.api import Effect, EffectView, Floats, Profile
 class Spring(Effect):
     """Nodal forces -k u that together have the stiffness k, spread evenly over the nodes.
 
-    on         "body" or "body.edge_set"
+    on         "body" or "body.edge_set", or a list of them
     stiffness  along x and y, of all nodes together [N/mm]
     profile    what the share of each node is multiplied by; not written: they are even
     """
 
     conservative: ClassVar[bool] = True
 
-    on: str
+    on: tuple[str, ...]
     stiffness: tuple[float, float]
     profile: Profile | None = None
 
@@ -33,7 +33,7 @@ class Spring(Effect):
 
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """Attach the springs, which are without force at the undeformed positions."""
-        nodes, displacement = view.nodes(self.on), view.displacement
+        nodes, displacement = np.unique(np.concatenate([view.nodes(name) for name in self.on])), view.displacement
         each = np.tile(np.asarray(self.stiffness) / len(nodes), (len(nodes), 1))
         if self.profile is not None:
             each *= view.factors(self.profile, nodes)[:, None]

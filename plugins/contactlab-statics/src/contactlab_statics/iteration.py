@@ -102,10 +102,8 @@ class NewtonIteration:
             if limited is not None and sum(one.length < 1.0 for one in outcome.trace) >= limited:
                 outcome.reason = f"{limited} corrections had to be shortened: {note}"
                 return outcome
-        outcome.reason = (
-            f"{len(outcome.trace)} iterations left residuals of {residual.force:.1e} (forces) "
-            f"and {residual.contact:.1e} (contact)"
-        )
+        ones = "1 iteration" if len(outcome.trace) == 1 else f"{len(outcome.trace)} iterations"
+        outcome.reason = f"{ones} left residuals of {residual.force:.1e} (forces) and {residual.contact:.1e} (contact)"
         return outcome
 
     def _at_rest(self, target: Floats, outcome: Outcome) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from contactlab.model.bodies.body import Body
 if TYPE_CHECKING:
     from contactlab.errors import Where
 
-SLACK = 1e-6  # of an edge: a bound this near to a node goes through the node
+SLACK = 1e-3  # of an edge: a bound this near to a node goes through the node
 
 
 def edge_set(bodies: tuple[Body, ...], name: str, where: Where) -> tuple[Body, Ints]:
@@ -83,11 +84,12 @@ def _part(nodes: Floats, edges: Ints, part: Any, where: Where) -> Ints:
         for bound in span:
             cut = np.flatnonzero(inside & (low < bound - slack) & (high > bound + slack))
             if len(cut):
+                near = " and ".join(_to_place(end[cut[0]], slack[cut[0]]) for end in (low, high))
                 raise SceneError(
                     f"{name} = {bound:g} cuts an edge in two",
                     where=below(where, name),
                     got=list(span),
-                    allowed=f"bounds that go through nodes; the nearest are at {low[cut[0]]:.6g}, {high[cut[0]]:.6g}",
+                    allowed=f"bounds within 1/1000 of an edge of nodes; the nearest are at {near}",
                     hint="change the cells of the mesh, or give it spans, so that a node lies there",
                 )
         inside &= (low >= span[0] - slack) & (high <= span[1] + slack)
@@ -99,6 +101,11 @@ def _part(nodes: Floats, edges: Ints, part: Any, where: Where) -> Ints:
             allowed=f"parts of {part.of}, which spans {_extent(nodes[edges[:, :2]])}",
         )
     return np.ascontiguousarray(edges[inside])
+
+
+def _to_place(value: float, slack: float) -> str:
+    """A coordinate with the digits that tell it to a tenth of the slack."""
+    return np.format_float_positional(value, max(0, math.ceil(1.0 - math.log10(slack))), trim="-")
 
 
 def _extent(ends: Floats) -> str:

@@ -27,7 +27,7 @@ def test_a_part_of_an_edge_set_is_usable_everywhere(make) -> None:
 @pytest.mark.parametrize(
     ("part", "words"),
     [
-        ({"of": "top", "x": [0.0, 0.7]}, ("cuts an edge", "0.5, 1", "bodies.upper.sets.some.x")),
+        ({"of": "top", "x": [0.0, 0.7]}, ("cuts an edge", "0.5 and 1", "bodies.upper.sets.some.x")),
         ({"of": "top", "y": [5.0, 6.0]}, ("no edge lies", "y = 1 to 1")),
         ({"of": "tpo"}, ("no such edge set", '"top"')),
         ({"of": "top", "x": [1.0, 0.0]}, ("not allowed", "increasing")),
@@ -38,6 +38,17 @@ def test_parts_that_are_none_say_why(make, part: dict, words: tuple[str, ...]) -
         make({"bodies.upper.sets": {"some": part}})
     for word in words:
         assert word in str(caught.value)
+
+
+def test_bounds_near_a_node_go_through_it_and_nodes_are_told_to_be_typed(make) -> None:
+    """Nodes of a mesh file have coordinates of many digits: those of the message must be accepted."""
+    wide = {"bodies.upper.mesh.x": [1000.1234567, 1002.1234567], "contacts": [], "supports": []}
+    changes = {**wide, "bodies.upper.sets": {"some": {"of": "top", "x": [1000.0, 1000.7]}}}
+    with pytest.raises(SceneError, match="within 1/1000 of an edge") as caught:
+        make(changes)
+    near = float(str(caught.value).split("nearest are at ")[1].split(" and ")[0])
+    found = make({**changes, "bodies.upper.sets": {"some": {"of": "top", "x": [1000.0, near]}}})
+    assert len(found.bodies[0].mesh.edges["some"]) == 1
 
 
 def test_a_part_cannot_take_the_name_of_an_edge_set(make) -> None:
