@@ -54,6 +54,12 @@ def described_fields(cls: type[Any]) -> list[FieldDescription]:
     ]
 
 
+def units_of(cls: type[Any]) -> dict[str, str]:
+    """The unit of each field as its docstring has it in brackets, as `mm/s` or `-`; fields without one are left out."""
+    found = {name: _UNIT.search(meaning) for name, meaning in _meanings(cls)}
+    return {name: unit[1] for name, unit in found.items() if unit is not None}
+
+
 def default_of(field: dataclasses.Field[Any]) -> str:
     """The default of a key as TOML has it, "required" or "not written"."""
     if is_required(field):
