@@ -2,10 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import NamedTuple
+
 import numpy as np
 
-from contactlab.api import Floats, Surface
+from contactlab.api import Floats, Ints, Surface
 from contactlab.model.bodies.body import Body
+
+
+class EdgesBehind(NamedTuple):
+    """Edges of a surface that are sides of cells of one body, f of them.
+
+    body  number of the body
+    edge  (f,) row of `Surface.edges`
+    cell  (f,) cell of the body
+    side  (f,) row of `Element.edges`
+    """
+
+    body: int
+    edge: Ints
+    cell: Ints
+    side: Ints
+
+
+def edges_behind(surface: Surface, bodies: tuple[Body, ...]) -> Iterator[EdgesBehind]:
+    """Find the cell behind each edge of a surface; edges of rigid surfaces have none."""
+    ends = np.sort(surface.nodes[surface.edges[:, :2]], axis=1).astype(np.int64)
+    for number, body in enumerate(bodies):
+        near = np.flatnonzero((ends[:, 0] >= body.first) & (ends[:, 0] < body.first + body.count))
+        if not len(near):
+            continue
+        sides = np.array([edge[:2] for edge in body.element.edges])
+        own = np.sort(body.cells[:, sides], axis=2).astype(np.int64)
+        size = body.first + body.count
+        keys = (own[..., 0] * size + own[..., 1]).ravel()
+        wanted = ends[near, 0] * size + ends[near, 1]
+        order = np.argsort(keys)
+        place = np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)
+        found = order[place]
+        hit = keys[found] == wanted
+        cell, side = np.divmod(found[hit], len(sides))
+        yield EdgesBehind(number, near[hit].astype(np.int32), cell.astype(np.int32), side.astype(np.int32))
 
 
 def stiffness_behind(surface: Surface, bodies: tuple[Body, ...], positions: Floats) -> Floats:
@@ -13,27 +51,15 @@ def stiffness_behind(surface: Surface, bodies: tuple[Body, ...], positions: Floa
 
     The depth of a cell is its area over the length of its edge; inf for nodes of rigid surfaces.
     """
-    behind: dict[tuple[int, int], float] = {}
-    own = set(surface.nodes.tolist())
-    for body in bodies:
-        corners = body.cells[:, :4]
-        if own.isdisjoint(range(body.first, body.first + body.count)):
-            continue
-        x, y = positions[corners, 0], positions[corners, 1]
-        area = 0.5 * np.abs((x * np.roll(y, -1, 1) - y * np.roll(x, -1, 1)).sum(axis=1))
-        for k in range(4):
-            start, end = corners[:, k], corners[:, (k + 1) % 4]
-            length = np.hypot(*(positions[end] - positions[start]).T)
-            for a, b, one in zip(start.tolist(), end.tolist(), (length / area).tolist(), strict=True):
-                if a in own and b in own:
-                    behind[min(a, b), max(a, b)] = body.dilatational_modulus * one
     total, count = np.zeros(len(surface.nodes)), np.zeros(len(surface.nodes))
-    for edge in surface.edges:
-        a, b = sorted(surface.nodes[edge[:2]].tolist())
-        found = behind.get((a, b))
-        if found is not None:
-            total[edge] += found
-            count[edge] += 1.0
+    for behind in edges_behind(surface, bodies):
+        body, edges = bodies[behind.body], surface.edges[behind.edge]
+        x, y = positions[body.cells[behind.cell, :4]].transpose(2, 0, 1)
+        area = 0.5 * np.abs((x * np.roll(y, -1, 1) - y * np.roll(x, -1, 1)).sum(axis=1))
+        start, end = positions[surface.nodes[edges[:, :2]]].transpose(1, 0, 2)
+        stiffness = body.dilatational_modulus * np.hypot(*(end - start).T) / area
+        np.add.at(total, edges, stiffness[:, None])
+        np.add.at(count, edges, 1.0)
     return np.asarray(np.divide(total, count, out=np.full(len(total), np.inf), where=count > 0.0))
 
 
