@@ -6,33 +6,73 @@ from typing import ClassVar
 
 import numpy as np
 
-from contactlab.api import Conditions, Floats, ImplicitEnforcement, Response
-from contactlab.contact.pressure_store import PressureStore
+from contactlab.api import Conditions, Floats, ImplicitEnforcement, NormalLaw, Response
+from contactlab.api.arrays import Flags
 
 OPEN, STICK, SLIP = 0, 1, 2
+DOUBLED = 30  # times that a depth is, until the law gives a force there
 
 
 class PressureResponse(ImplicitEnforcement):
-    """Residuals y_n - length * pressure(gap), and |y_t| <= bound."""
+    """Residuals y_n - length * pressure(gap), and |y_t| <= bound.
+
+    stiffness  (k,) [MPa/mm] of the cells behind each slot
+    found      (2, k) pressure and its derivative by the gap
+    """
 
     exact: ClassVar[bool] = False
 
-    def __init__(self, store: PressureStore) -> None:
-        self.law, self.stiffness = store.law, store.stiffness
-        self.pressure, self.slope = np.zeros_like(store.stiffness), np.zeros_like(store.stiffness)
+    def __init__(self, law: NormalLaw, stiffness: Floats) -> None:
+        self.law, self.stiffness = law, stiffness
+        self.found = np.zeros((2, len(stiffness)))
+        self.first = law.begins()
 
     def respond(self, conditions: Conditions, out: Response) -> None:
         """See `contactlab.api.ImplicitEnforcement`."""
         c = conditions
-        acts = c.present & (c.gap < self.law.begins())
-        self.law.pressure(np.where(acts, c.gap, self.law.begins()), self.stiffness, c.size, self.pressure, self.slope)
-        wish = np.where(acts, c.measure * self.pressure, 0.0)
-        out.residual[0] = c.force[0] - wish
+        acts = self.press(c)
+        out.residual[0] = c.force[0] - np.where(acts, c.measure * self.found[0], 0.0)
         out.by_force[0] = 1.0
-        out.by_gap[0] = np.where(acts, -c.measure * self.slope, 0.0)
+        out.by_gap[0] = np.where(acts, -c.measure * self.found[1], 0.0)
         out.status[:] = np.where(acts, SLIP, OPEN)
         if len(out.residual) > 1:
             _rub(c, out)
+
+    def press(self, c: Conditions) -> Flags:
+        """Fill `found`; which conditions (k,) are closed.
+
+        A surface that a correction has opened by less than its force bends nodes stays closed, on the tangent of the
+        law at that force, as with exact multipliers: stiff laws would open and close by what a linearisation errs.
+        """
+        self.answer(np.where(c.present, c.gap, self.first), c.size, self.found)
+        closed: Flags = c.present & (self.found[0] > 0.0)
+        stays = c.present & ~closed & (c.force[0] > 0.0)
+        stays[stays] = c.force[0, stays] > c.stiffness[stays] * (c.gap[stays] - self.first)
+        if stays.any():
+            closed |= self._hold(c, stays)
+        return closed
+
+    def answer(self, gap: Floats, size: Floats, out: Floats) -> None:
+        """Fill `out` (2, k) as `found` is for gaps and sizes (k,) [mm]."""
+        self.law.pressure(np.minimum(gap, self.first), self.stiffness, size, out[0], out[1])
+
+    def _hold(self, c: Conditions, stays: Flags) -> Flags:
+        """Fill `found` of conditions that stay closed with tangents at their force; those for which there is one."""
+        wish = np.divide(c.force[0], c.measure, out=np.zeros_like(c.measure), where=stays & (c.measure > 0.0))
+        depth, there = np.divide(wish, self.stiffness), np.zeros_like(self.found)
+        short = stays
+        for _ in range(DOUBLED):
+            gap = np.where(stays, np.minimum(c.gap, self.first) - depth, self.first)
+            self.answer(gap, c.size, there)
+            short = stays & (there[0] < wish)
+            if not short.any():
+                break
+            depth[short] *= 2.0
+        held = stays & ~short & (there[1] < 0.0)
+        # a law that is not convex presses by no tangent where there is no pressure
+        there[0] = np.minimum(there[0] + there[1] * (c.gap - gap), 0.0)
+        self.found[:, held] = there[:, held]
+        return held
 
 
 def _rub(c: Conditions, out: Response) -> None:

@@ -276,7 +276,7 @@ def _pressure_system(
     from contactlab.contact.pressure_response import PressureResponse
 
     linearised: Any = pairs
-    system = ImplicitContactSystem(linearised, PressureResponse(store), state, time, follows_gaps=False)
+    system = ImplicitContactSystem(linearised, PressureResponse(law, store.stiffness), state, time, follows_gaps=False)
     system.store = store
     return system
 
