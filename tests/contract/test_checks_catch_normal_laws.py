@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from contactlab.api import Floats, NormalLaw
+from contactlab.api import Floats, NormalLaw, formula
 from contactlab.testing import normal_law
 from contactlab.testing.assertions import NotApplicable
+
+NONE: Floats = np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -47,6 +49,48 @@ class Square(NormalLaw):
         return share * super().energy(gap, stiffness, size)
 
 
+@dataclass(frozen=True)
+class Lean(NormalLaw):
+    """Half the stress behind and a spring, with one flaw or none."""
+
+    needs = ("traction",)
+
+    share: float = 0.5
+    flaw: str = ""
+
+    def pressure(
+        self,
+        gap: Floats,
+        stiffness: Floats,
+        size: Floats,
+        pressure: Floats,
+        slope: Floats,
+        traction: Floats = NONE,
+        by_traction: Floats = NONE,
+    ) -> None:
+        felt = np.abs(traction) if self.flaw == "tension presses" else traction
+        felt = -traction if self.flaw == "of the other sign" else felt
+        wish = -self.share * felt - stiffness * gap
+        pressure[:] = wish if self.flaw == "glues" else np.maximum(wish, 0.0)
+        slope[:] = np.where(pressure > 0.0, -stiffness, 0.0)
+        if self.flaw == "gaps only where it is compressed":
+            pressure[:] = np.where(traction < 0.0, np.maximum(-self.share * traction, 0.0), pressure)
+            slope[traction < 0.0] = 0.0
+        by_traction[:] = np.where(pressure > 0.0, -self.share, 0.0)
+        if self.flaw == "half the derivative":
+            by_traction *= 0.5
+        if self.flaw == "derivative not filled":
+            by_traction[:] = np.nan
+        if self.flaw == "no derivative":
+            by_traction[:] = 0.0
+        if self.flaw == "derivative of the other sign":
+            by_traction *= -1.0
+        if self.flaw == "derivative everywhere":
+            by_traction[:] = -self.share
+        if self.flaw == "writes tractions":
+            traction[:] = np.minimum(traction, 0.0)
+
+
 def caught(law: NormalLaw) -> set[str]:
     found = set()
     for check in normal_law.CHECKS:
@@ -62,6 +106,7 @@ def caught(law: NormalLaw) -> set[str]:
 def test_right_laws_pass() -> None:
     assert not caught(Square())
     assert not caught(Square(open_at=1.0))
+    assert not caught(Lean())
 
 
 @pytest.mark.parametrize(
@@ -81,3 +126,33 @@ def test_right_laws_pass() -> None:
 )
 def test_defects_are_caught(flaw: str, check: str) -> None:
     assert check in caught(Square(flaw=flaw))
+
+
+@pytest.mark.parametrize(
+    ("flaw", "check"),
+    [
+        ("tension presses", "tractions_press_as_they_should"),
+        ("of the other sign", "tractions_press_as_they_should"),
+        ("glues", "tractions_press_as_they_should"),
+        ("gaps only where it is compressed", "tractions_press_as_they_should"),
+        ("half the derivative", "tractions_press_as_they_should"),
+        ("derivative not filled", "tractions_press_as_they_should"),
+        ("no derivative", "tractions_press_as_they_should"),
+        ("derivative of the other sign", "tractions_press_as_they_should"),
+        ("derivative everywhere", "tractions_press_as_they_should"),
+        ("writes tractions", "gaps_are_only_read"),
+    ],
+)
+def test_defects_of_laws_of_the_stress_are_caught(flaw: str, check: str) -> None:
+    assert check in caught(Lean(flaw=flaw))
+
+
+def test_needs_that_are_not_there_are_named() -> None:
+    with pytest.raises(TypeError, match=r"needs: got temperature, allowed: traction"):
+        type("Warm", (NormalLaw,), {"needs": ("temperature",)})
+    with pytest.raises(TypeError, match=r"got the argument traction, allowed: gap"):
+        type("Deaf", (NormalLaw,), {"pressure": formula(_of_traction)})
+
+
+def _of_traction(gap: float, traction: float) -> float:
+    return max(0.0, -traction - gap)

@@ -47,6 +47,7 @@ OWN = {
     "explain": ["explain", *PRESSED, "--set", "contacts.0.enforcement=soft", "--all"],
     "check plain-leapfrog": ["check", "plain-leapfrog", "--json", "--card", "card"],
     "check soft": ["check", "soft", "--json"],
+    "check half-traction": ["check", "half-traction", "--json"],
     # its block on an incline alone takes twelve seconds: plain NumPy, a millisecond a step
     "check dual-mortar": ["check", "dual-mortar", "--json", *(word for name in SOME for word in ("--only", name))],
     "check closest-point": ["check", "closest-point", "--json", *(word for name in SOME for word in ("--only", name))],
@@ -90,6 +91,7 @@ def test_strangers_join_every_command(tmp_path: Path) -> None:
     explained(told["contactlab explain"], told["explain"])
     carded(proved(told, "integrator", "plain-leapfrog"), tmp_path / "card")
     proved(told, "enforcement", "soft")
+    proved(told, "enforcement", "half-traction")
     for name in ("closest-point", "dual-mortar"):
         outcomes = {check["name"]: check["outcome"] for check in proved(told, "contact", name)["checks"]}
         assert {outcomes[one] for one in SOME} == {"passed"}

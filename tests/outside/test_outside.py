@@ -71,6 +71,41 @@ def test_the_enforcement_tends_to_exact_multipliers() -> None:
     assert 0.0 < errors[1] < 0.15 * errors[0] < 0.01
 
 
+def test_a_law_sees_the_stress_behind_the_slave() -> None:
+    """On a floor, frictionless: sigma = -p; the gap is -p/2k, k = factor M/depth of the cells, to strains of 1e-5.
+
+    Plane strain of a plate that is free along: it takes E/(1 - nu^2) of the strain that is left.
+    """
+    factor, depth, height, push = 10.0, 0.15, 0.3, 3e-6
+    scene = contactlab.Scene.from_data(
+        {
+            "integrator": "newton",
+            "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.3, "density": 1e-6}},
+            "bodies": {
+                "plate": {
+                    "element": "q1", "material": "m",
+                    "mesh": {"use": "rectangle", "x": [0.0, 2.0], "y": [0.0, height], "cells": [4, 2]},
+                }
+            },
+            "rigid": {"floor": {"line": [[3.0, 0.0], [-1.0, 0.0]]}},
+            "contacts": [
+                {
+                    "slave": "plate.bottom", "master": "floor", "algorithm": "mortar-p1",
+                    "enforcement": {"use": "half-traction", "factor": factor},
+                }
+            ],
+            "supports": [{"on": "plate.top", "uy": -push}, {"on": "plate.left", "ux": 0.0}],
+        }
+    )  # fmt: skip
+    results = contactlab.simulate(scene)
+    assert results.status == "finished", results.reason
+    plain, dilatational = 1000.0 / (1.0 - 0.3**2), 1000.0 * 0.7 / (1.3 * 0.4)
+    pressure = push / (height / plain + depth / (2.0 * factor * dilatational))
+    assert results.summary["reactions"]["plate.top"][1] == pytest.approx(-2.0 * pressure, rel=1e-4)
+    gap = results.contact["contacts.0"].last.gap
+    assert list(gap) == pytest.approx([-pressure * depth / (2.0 * factor * dilatational)] * len(gap), rel=1e-4)
+
+
 def test_multipliers_of_formulas_carry_the_same_force() -> None:
     """A plate pressed on a floor by a dual mortar: the pressure differs on the last segments alone."""
     shipped, own = (pressed("active-set", name)["reactions"]["plate.top"] for name in ("mortar-p1", "dual-mortar"))

@@ -13,6 +13,7 @@ from contactlab.api.enforcement import Enforcement
 from contactlab.api.formulas import formulas_of, install
 
 _ARGUMENTS = ("gap", "stiffness", "size", "p")
+_NEEDS = ("traction",)
 _PANELS = 32  # of the integral of a pressure: 4 Gauss points in each follow an exponential to round-off
 
 
@@ -27,13 +28,23 @@ class NormalLaw(Enforcement):
     A formula `pressure` takes what it needs of `gap` [mm], `stiffness` [MPa/mm] of the cells behind both surfaces (the
     dilatational modulus over the depth of a cell, both sides in series), `size` [mm] of the slave's segments there, and
     `p`, the numbers among the fields; it returns the pressure [MPa]. A law without a formula gives the array method.
+
+    needs  what else pressures follow from, by name; nobody else pays for it. "traction": the formula may take
+           `traction` [MPa], the normal stress of the cells behind the slave at its nodes, positive in tension, and
+           `stiffness` is that of these cells alone; the array method has two more arguments, `traction` (k,) and
+           `by_traction` (k,), the derivative by it, at most 0, to be filled. Such a law is for statics, and its slave
+           belongs to a body whose element is its tables (q1, q2)
     """
 
     exact: ClassVar[bool] = False
+    needs: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls, **named: Any) -> None:
         super().__init_subclass__(**named)
-        install(cls, NormalLaw, ("pressure",), _ARGUMENTS, "contactlab.formulas.normal_laws")
+        unknown = [name for name in cls.needs if name not in _NEEDS]
+        if unknown:
+            raise TypeError(f"{cls.__name__}.needs: got {', '.join(unknown)}, allowed: {', '.join(_NEEDS)}")
+        install(cls, NormalLaw, ("pressure",), (*_ARGUMENTS, *cls.needs), "contactlab.formulas.normal_laws")
 
     @abstractmethod
     def pressure(self, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats) -> None:

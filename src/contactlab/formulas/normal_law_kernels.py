@@ -18,3 +18,13 @@ def pressure(gap, stiffness, size, pressure, slope, values):
         found = FORMULA(seed(gap[i], 0, 4), stiffness[i], size[i], p)
         pressure[i] = value(found)
         slope[i] = derivatives(found, 4)[0]
+
+
+@kernel
+def pressure_by_traction(gap, stiffness, size, pressure, slope, traction, by_traction, values):
+    """Pressure and its derivatives by the gap and by the traction."""
+    p = column(values, 0, PARAMETERS)
+    for i in range(gap.size):
+        found = FORMULA(seed(gap[i], 0, 4), seed(traction[i], 1, 4), stiffness[i], size[i], p)
+        pressure[i] = value(found)
+        slope[i], by_traction[i] = derivatives(found, 4)[0], derivatives(found, 4)[1]

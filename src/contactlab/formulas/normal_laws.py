@@ -12,18 +12,20 @@ from contactlab.formulas import normal_law_kernels as loops
 from contactlab.formulas.parameters import parameters_of, values_of
 
 
-def pressure(law: NormalLaw, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats) -> None:
+def pressure(law: NormalLaw, *arrays: Floats) -> None:
     """`NormalLaw.pressure`."""
-    _kernel(type(law))(gap, stiffness, size, pressure, slope, values_of(law))
+    _kernel(type(law))(*arrays, values_of(law))
 
 
 @cache
 def _kernel(kind: type[NormalLaw]) -> Any:
     found = formulas_of(kind)
     formula = found["pressure"]
-    source = f"def law(gap, stiffness, size, p):\n    return 0.0 * gap + formula({', '.join(formula.arguments)})"
+    given = ", ".join(("gap", *kind.needs, "stiffness", "size", "p"))
+    source = f"def law({given}):\n    return 0.0 * gap + formula({', '.join(formula.arguments)})"
     names: dict[str, Any] = {"formula": formula.function, "__name__": formula.function.__module__}
     names |= {name: found[name] for name in formula.arguments if name in found}
     exec(source, names)
-    given = {loops.FORMULA: names["law"], loops.PARAMETERS: parameters_of(kind)}
-    return made(loops.pressure, f"{kind.__module__}.{kind.__qualname__}", given)
+    put = {loops.FORMULA: names["law"], loops.PARAMETERS: parameters_of(kind)}
+    loop = loops.pressure_by_traction if kind.needs else loops.pressure
+    return made(loop, f"{kind.__module__}.{kind.__qualname__}", put)

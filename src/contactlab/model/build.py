@@ -66,7 +66,7 @@ def _built(scene: Scene, registry: Registry) -> Model:
     forces = _bind_all(scene.threads, bodies, reference, position, increment, state, model_class.explicit)
     _initial_velocity(scene, bodies, reference, mass, state, told)
     driven = any(supports.moving) or bool(scene.loads or scene.effects)
-    contact = _contact(plans, bodies, reference, prescribed.dof, state, mass, timing.ramp, driven)
+    contact = _contact(plans, bodies, reference, prescribed.dof, state, mass, timing.ramp, driven, forces, position)
     _split_work(scene, integrator, contact, state, reference)
     effects = _effects(scene, registry, bodies, rigid, reference, state, told)
     loads = _loads(scene, bodies, reference, position, timing.ramps, told)

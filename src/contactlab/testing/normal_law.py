@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 
@@ -32,9 +33,10 @@ def _gaps(law: NormalLaw) -> Floats:
     return law.begins() + DEPTHS * _length(law) * np.linspace(-1.0, 1.0, COUNT)
 
 
-def _pressures(law: NormalLaw, gap: Floats, stiffness: float = 1e4, size: float = 0.5) -> tuple[Floats, Floats]:
+def _pressures(law: Any, gap: Floats, stiffness: float = 1e4, size: float = 0.5) -> tuple[Floats, Floats]:
     pressure, slope = np.full_like(gap, np.nan), np.full_like(gap, np.nan)
-    law.pressure(gap.copy(), np.full_like(gap, stiffness), np.full_like(gap, size), pressure, slope)
+    needed = (np.zeros_like(gap), np.zeros_like(gap)) if law.needs else ()
+    law.pressure(gap.copy(), np.full_like(gap, stiffness), np.full_like(gap, size), pressure, slope, *needed)
     return pressure, slope
 
 
@@ -93,6 +95,8 @@ def its_numbers_matter(enforcement: Enforcement) -> None:
 def energy_is_the_integral(enforcement: Enforcement) -> None:
     """Minus the derivative of the energy is the pressure."""
     law = _law(enforcement)
+    if law.needs:
+        raise NotApplicable("the pressure follows more than the gap: no energy is stored by it")
     length = _length(law)
     gap = law.begins() - length * np.linspace(0.1, DEPTHS, 20)
     stiffness, size = np.full_like(gap, 1e4), np.full_like(gap, 0.5)
@@ -105,10 +109,41 @@ def energy_is_the_integral(enforcement: Enforcement) -> None:
 
 def gaps_are_only_read(enforcement: Enforcement) -> None:
     """Gaps, stiffness and sizes stay as they are."""
-    law = _law(enforcement)
+    law: Any = _law(enforcement)
     gap, stiffness, size = _gaps(law), np.full(COUNT, 1e4), np.full(COUNT, 0.5)
-    with untouched(gap=gap, stiffness=stiffness, size=size):
-        law.pressure(gap, stiffness, size, np.zeros(COUNT), np.zeros(COUNT))
+    traction = _tractions()
+    needed = (traction, np.zeros(COUNT)) if law.needs else ()
+    with untouched(gap=gap, stiffness=stiffness, size=size, traction=traction):
+        law.pressure(gap, stiffness, size, np.zeros(COUNT), np.zeros(COUNT), *needed)
+
+
+def _tractions() -> Floats:
+    """Normal stresses [MPa] of both signs, as large as a stiffness of 1e4 MPa/mm makes of an overlap."""
+    return 1e4 * OVERLAP * np.linspace(-2.0, 2.0, COUNT)
+
+
+def tractions_press_as_they_should(enforcement: Enforcement) -> None:
+    """Tension takes pressure away or does nothing, its derivative is that of the pressure, and gaps count beside it."""
+    law: Any = _law(enforcement)
+    if "traction" not in law.needs:
+        raise NotApplicable("the law follows no traction")
+    traction, step = _tractions(), 1e-6 * 1e4 * OVERLAP
+    size, stiffness = np.full(COUNT, 0.5), np.full(COUNT, 1e4)
+    for gap in (-OVERLAP, 0.0, OVERLAP):
+        found = []
+        for moved in (0.0, step, -step):
+            pressure, slope, by_traction = (np.full(COUNT, np.nan) for _ in range(3))
+            law.pressure(np.full(COUNT, gap), stiffness, size, pressure, slope, traction + moved, by_traction)
+            found.append((pressure, slope, by_traction))
+        (pressure, slope, by_traction), (more, *_), (less, *_) = found
+        require(bool(np.isfinite(by_traction).all()), f"by_traction is not filled, or not finite, at a gap of {gap} mm")
+        require(pressure.min() >= 0.0, f"it pulls with {-pressure.min():.3g} MPa under tension")
+        require(by_traction.max() <= 0.0, f"by_traction is {by_traction.max():.3g}, allowed: at most 0")
+        error = np.abs(by_traction - (more - less) / (2.0 * step))
+        wrong = int(np.count_nonzero(error > 1e-6 * max(1.0, float(np.abs(by_traction).max()))))
+        require(wrong <= int(KINKS * COUNT), f"by_traction differs from differences at {wrong} of {COUNT} tractions")
+        deaf = int(np.count_nonzero((by_traction < 0.0) & ~(slope < 0.0)))
+        require(not deaf, f"at {deaf} tractions the pressure follows the traction and not the gap")
 
 
 def stiffness_behind_scales(enforcement: Enforcement) -> None:
@@ -129,5 +164,6 @@ CHECKS: tuple[Check, ...] = (
     its_numbers_matter,
     energy_is_the_integral,
     gaps_are_only_read,
+    tractions_press_as_they_should,
     stiffness_behind_scales,
 )

@@ -42,4 +42,11 @@ def contactlab_parts() -> list[Part]:
             "contactlab_friction.pressure:TabularPressure",
             "pressure by a table of gaps",
         ),
+        Part(
+            "enforcement",
+            "nitsche",
+            "contactlab_friction.nitsche:Nitsche",
+            "pressure by the stress of the slave's cells, in statics",
+            "Chouly, Hild & Renard 2015",
+        ),
     ]

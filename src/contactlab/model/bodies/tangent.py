@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 from contactlab.api import Floats, Ints
 from contactlab.kernels import tangent as kernels
 from contactlab.kernels.cells import table_kernels
-from contactlab.model.bodies.body import Block, BodyForces
+from contactlab.model.bodies.body import Block, Body, BodyForces
 from contactlab.model.bodies.element_differences import StiffnessByDifferences
 
 KIND = {"small": kernels.SMALL, "finite": kernels.FINITE, "rate": kernels.RATE}
@@ -20,7 +20,7 @@ class Tangent:
     def __init__(self, nodes: int, forces: tuple[BodyForces, ...]) -> None:
         self.pattern = Pattern(nodes, [block.connectivity for body in forces for block in body.blocks])
         self.bodies = tuple(
-            BodyTangent(body) if follows_tables(body) else StiffnessByDifferences(body) for body in forces
+            BodyTangent(body) if follows_tables(body.body) else StiffnessByDifferences(body) for body in forces
         )
 
     def assemble(self, dt: float) -> csc_array:
@@ -102,13 +102,13 @@ class BodyTangent:
         )  # fmt: skip
 
 
-def follows_tables(forces: BodyForces) -> bool:
+def follows_tables(body: Body) -> bool:
     """Whether an element's own kernels do what its tables say, tried on one distorted cell.
 
     They may be the same element written faster, or another one: F-bar, hourglass control.
     """
-    element = forces.body.element
-    own = element.block_kernels(forces.body.material.kinematics)
+    element = body.element
+    own = element.block_kernels(body.material.kinematics)
     if own is None:
         return True
     if own.stabilise is not None:

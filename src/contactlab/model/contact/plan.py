@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from contactlab.contact.sliding import rows_of
 from contactlab.contact.start_gaps import ZeroStart
 from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
-from contactlab.model.bodies.body import Body, positions_of
+from contactlab.model.bodies.body import Body, BodyForces, positions_of
 from contactlab.model.contact.checks import JoinedStretches, check_facing, refuse_held_slave
 from contactlab.model.contact.initial_gap import facet_overlap, ramped_overlap, refuse_overlap
 from contactlab.model.loading.edge_sets import edge_set
@@ -119,6 +119,10 @@ def _plan(
             got=enforcement_spec,
             allowed=f'"{integrator.default_enforcement}" (what is used when nothing is written)',
         )
+    if isinstance(enforcement, NormalLaw) and enforcement.needs:
+        from contactlab.model.contact.traction_behind import refuse_integrator
+
+        refuse_integrator(integrator, enforcement_spec, where)
     algorithm = registry.make("contact", spec.algorithm, below(where, "algorithm"))
     friction = registry.make("friction", spec.friction, below(where, "friction")) if spec.friction else None
     explicit = issubclass(integrator.needs, ExplicitEnforcement)
@@ -201,10 +205,13 @@ def build_contact(
     mass: Floats,
     ramp_time: float,
     driven: bool,
+    forces: tuple[BodyForces, ...],
+    position: Floats,
 ) -> Any:
     """The contact system that the enforcement works with, None where the scene declares no contact.
 
-    driven  whether supports, loads or effects put energy in
+    driven    whether supports, loads or effects put energy in
+    forces    the work of the bodies, and position (N, 2) [mm] where they are, both of the run
     """
     if not plans:
         return None
@@ -238,7 +245,9 @@ def build_contact(
         pairs.append(pair)
         first += plan.slots
     if isinstance(enforcement, NormalLaw):
-        return _pressure_system(plans, tuple(pairs), enforcement, bodies, reference, mass, state, time)
+        return _pressure_system(
+            plans, tuple(pairs), enforcement, bodies, forces, reference, position, mass, state, time
+        )
     if explicit:
         return _explicit_system(tuple(pairs), enforcement, state)
     from contactlab.contact.implicit_system import ImplicitContactSystem
@@ -253,7 +262,9 @@ def _pressure_system(
     pairs: tuple[ContactPair, ...],
     law: NormalLaw,
     bodies: tuple[Body, ...],
+    forces: tuple[BodyForces, ...],
     reference: Floats,
+    position: Floats,
     mass: Floats,
     state: State,
     time: Floats,
@@ -262,6 +273,8 @@ def _pressure_system(
     from contactlab.contact.pressure_store import PressureStore
     from contactlab.model.contact.cells_behind import in_series, length_over_mass, stiffness_behind
 
+    if law.needs:
+        return _traction_system(plans, pairs, law, bodies, forces, reference, position, state, time)
     stiffness = []
     for pair in pairs:
         slave, master = (stiffness_behind(side, bodies, reference) for side in (pair.slave, pair.master))
@@ -276,9 +289,34 @@ def _pressure_system(
     from contactlab.contact.pressure_response import PressureResponse
 
     linearised: Any = pairs
-    system = ImplicitContactSystem(linearised, PressureResponse(law, store.stiffness), state, time, follows_gaps=False)
+    response = PressureResponse(law, store.stiffness)
+    system = ImplicitContactSystem(linearised, response, state, time, follows_gaps=False)
     system.store = store
     return system
+
+
+def _traction_system(
+    plans: tuple[ContactPlan, ...],
+    pairs: tuple[ContactPair, ...],
+    law: NormalLaw,
+    bodies: tuple[Body, ...],
+    forces: tuple[BodyForces, ...],
+    reference: Floats,
+    position: Floats,
+    state: State,
+    time: Floats,
+) -> Any:
+    """The contact system of a normal law that follows the stress of the slave's cells."""
+    from contactlab.contact.traction_system import TractionContactSystem, TractionResponse
+    from contactlab.model.contact.cells_behind import stiffness_behind
+    from contactlab.model.contact.traction_behind import TractionBehind, refuse_slave
+
+    for plan in plans:
+        refuse_slave(plan, bodies)
+    stiffness = [np.tile(stiffness_behind(p.slave, bodies, reference), p.rows_per_node) for p in pairs]
+    behind = TractionBehind(pairs, forces, position, sum(len(one) for one in stiffness))
+    response, linearised = TractionResponse(law, np.concatenate(stiffness), behind), cast("Any", pairs)
+    return TractionContactSystem(linearised, response, state, time, follows_gaps=False)
 
 
 def _explicit_system(pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> ContactSystem:

@@ -35,7 +35,9 @@ def modes_of(subject: Subject) -> tuple[Mode, ...]:
     cls = subject.part_class
     if subject.kind == "integrator":
         return ("explicit",) if issubclass(cls, ExplicitIntegrator) else ("statics",)
-    if subject.kind == "enforcement" and not issubclass(cls, NormalLaw):
+    if subject.kind == "enforcement" and issubclass(cls, NormalLaw):
+        return ("statics",) if cls.needs else ("explicit", "statics")
+    if subject.kind == "enforcement":
         return ("explicit",) if issubclass(cls, ExplicitEnforcement) else ("statics",)
     if subject.kind == "contact" and issubclass(cls, Potential):
         return ("statics",)
