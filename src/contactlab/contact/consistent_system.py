@@ -17,7 +17,6 @@ from contactlab.contact.pair import ContactPair
 from contactlab.contact.start_gaps import FacetOverlap
 from contactlab.kernels.contact.factored_rows import allow_constant_motion, largest_sideways
 from contactlab.kernels.contact.gap_gradients import allow_motion
-from contactlab.kernels.contact.warm_start import extrapolate
 
 ROUND = 1e-9  # of a segment: what lies that far across a normal turns it by round-off
 
@@ -50,17 +49,12 @@ class ConsistentContactSystem(ContactSystem):
         del calls["contact normals"]
         return Counter({call: min(count, len(self.pairs)) for call, count in calls.items()})
 
-    def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        """Rows at `current`, gaps at its end, forces from the enforcement; see `contactlab.api.ContactEquations`."""
-        began, self.compliance = perf_counter(), compliance
-        extrapolate(self.multipliers[0], self.before)
+    def _update(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> None:
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             pair.update(current, memory)
-            pair.evaluated = True
-        where = predicted, current, compliance, force
-        self.last = self._solve_told(*where) or self._solve_constant(*where) or self._solve_full(*where)
-        self.seconds += perf_counter() - began
-        return self.last
+
+    def _solve_factored(self, *where: Floats) -> Solve | None:
+        return self._solve_told(*where) or self._solve_constant(*where)
 
     def _solve_told(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
         """By rows before their coupling is inverted; None where that cannot be."""
@@ -77,7 +71,7 @@ class ConsistentContactSystem(ContactSystem):
             self.factored.count = 0  # these rows are not those that recorders are to see
         return done
 
-    def _solve_constant(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
+    def _solve_constant(self, *where: Floats) -> Solve | None:
         """By columns, where closest points are joined: their rows are derivatives as they are; None elsewhere."""
         if self.constant is None:
             return None
@@ -86,44 +80,28 @@ class ConsistentContactSystem(ContactSystem):
         if any(largest_sideways(pair.arrays.address) > ROUND for pair in pairs):
             return None
         self.factored = self.constant
-        rows = self.constant = self._assemble_factored()
-        velocity, dt = self.velocity, self.state.last_dt
-        allow_constant_motion(rows.count, rows.packed.address, current, predicted, velocity, dt, self.offset)
-        self._push_facets(rows, self.offset)
-        asked = perf_counter()
-        done = self.enforcement.solve_factored(rows, compliance, self.multipliers, force)
-        self.solution_s += perf_counter() - asked
-        if done is None:
-            rows.count = 0
-        else:
+        done, rows = super()._solve_factored(*where), self.factored
+        self.constant = rows
+        if done is not None:
             rows.left[: rows.count] += self.offset[: rows.count]
         return done
 
-    def _solve_full(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        margin, warm = self.margin, self.multipliers.copy()
-        while True:
-            self._assemble_from(margin, current, predicted)
-            done = self._enforce(compliance, force)
-            # a left-out row could have closed only if nodes were moved by a good part of the margin
-            if 4.0 * done.largest_correction <= margin or margin == np.inf:
-                return done
-            margin = np.inf
-            self.multipliers[:] = warm
+    def _assemble_factored(self, current: Floats, predicted: Floats) -> FactoredRows:
+        rows, velocity, dt = super()._assemble_factored(current, predicted), self.velocity, self.state.last_dt
+        allow_constant_motion(rows.count, rows.packed.address, current, predicted, velocity, dt, self.offset)
+        self._push_facets(rows, self.offset)
+        return rows
 
-    def _assemble_from(self, margin: float, current: Floats, predicted: Floats) -> None:
-        while True:
-            rows = self.rows
-            rows.count = entries = 0
-            for gradients, memory, strict in zip(self.gradients, self.memories, self.strict, strict=True):
-                first = rows.count
-                entries = gradients.append_rows(rows, entries, margin, self.multipliers, current, memory)
-                if entries < 0:
-                    break
-                self._advance(rows, first, current, predicted, strict)
-            if entries >= 0:
-                self._push_facets(rows, self.offset)
-                return
-            self._grow()
+    def _assemble(self, margin: float, current: Floats, predicted: Floats) -> None:
+        super()._assemble(margin, current, predicted)
+        self._push_facets(self.rows, self.offset)
+
+    def _append(self, number: int, entries: int, margin: float, current: Floats, predicted: Floats) -> int:
+        rows, first, gradients = self.rows, self.rows.count, self.gradients[number]
+        entries = gradients.append_rows(rows, entries, margin, self.multipliers, current, self.memories[number])
+        if entries >= 0:
+            self._advance(rows, first, current, predicted, self.strict[number])
+        return entries
 
     def _push_facets(self, rows: Rows | FactoredRows, offset: Floats) -> None:
         """Let weak overlaps of the start be pushed out by what comes to count of them: rows hold u + d, two steps."""

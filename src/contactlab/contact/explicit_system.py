@@ -56,18 +56,22 @@ class ContactSystem:
         return sum((Counter(pair.calls_per_step()) for pair in self.pairs), Counter())
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        """Rows at `predicted`, forces from the enforcement; see `contactlab.api.ContactEquations`."""
+        """Update the pairs, make rows and find forces; see `contactlab.api.ContactEquations`."""
         began, self.compliance = perf_counter(), compliance
+        self._update(predicted, current, compliance, force)
+        for pair in self.pairs:
+            pair.evaluated = True
+        self.last = self._solve(predicted, current, compliance, force)
+        self.seconds += perf_counter() - began
+        return self.last
+
+    def _update(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> None:
         # normals and weights belong to where the nodes will be: predicted, pushed by the last forces.
         # `predicted` alone is off by dt^2 f/m, some per cent of a segment in pressed zones.
         for pair, memory in zip(self.pairs, self.memories, strict=True):
             pair.update_pushed(predicted, compliance, force, memory)
             if pair.friction is not None:
                 pair.compute_start_normals(current, memory)
-            pair.evaluated = True
-        self._solve_rows(current, compliance, force)
-        self.seconds += perf_counter() - began
-        return self.last
 
     def rates(self, others: Any, step: float) -> Any:
         """What explicit steps have to follow beside the bodies: the `others` alone, as exact multipliers set no limit.
@@ -144,28 +148,35 @@ class ContactSystem:
             done = again()
         return done._replace(residual=max(done.residual, change))
 
-    def _solve_rows(self, current: Floats, compliance: Floats, force: Floats) -> None:
+    def _solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         # extrapolating the normal forces of the last two steps saves a quarter of the sweeps
         extrapolate(self.multipliers[0], self.before)
-        if self.factored is not None:
-            rows, began = self._assemble_factored(), perf_counter()
-            done = self.enforcement.solve_factored(rows, compliance, self.multipliers, force)
-            self.solution_s += perf_counter() - began
-            if done is not None:
-                self.last = done
-                return
-            self.factored.count = 0
+        where = predicted, current, compliance, force
+        return self._solve_factored(*where) or self._solve_full(*where)
+
+    def _solve_factored(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve | None:
+        """By rows before their coupling is inverted; None where that cannot be."""
+        if self.factored is None:
+            return None
+        rows, began = self._assemble_factored(current, predicted), perf_counter()
+        done = self.enforcement.solve_factored(rows, compliance, self.multipliers, force)
+        self.solution_s += perf_counter() - began
+        if done is None:
+            rows.count = 0  # these rows are not those that recorders are to see
+        return done
+
+    def _solve_full(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         margin, warm = self.margin, self.multipliers.copy()
         while True:
-            self._assemble(margin, current)
-            self.last = self._enforce(compliance, force)
+            self._assemble(margin, current, predicted)
+            done = self._enforce(compliance, force)
             # a left-out row could have closed only if nodes were moved by a good part of the margin
-            if 4.0 * self.last.largest_correction <= margin or margin == np.inf:
-                return
+            if 4.0 * done.largest_correction <= margin or margin == np.inf:
+                return done
             margin = np.inf
             self.multipliers[:] = warm
 
-    def _assemble_factored(self) -> FactoredRows:
+    def _assemble_factored(self, current: Floats, predicted: Floats) -> FactoredRows:
         assert self.factored is not None
         self.rows.count = 0
         while True:
@@ -177,16 +188,20 @@ class ContactSystem:
                 return self.factored
             self.factored = FactoredRows.allocate(len(self.factored.gap), int(GROW * len(self.factored.node)) + 64)
 
-    def _assemble(self, margin: float, current: Floats) -> None:
+    def _assemble(self, margin: float, current: Floats, predicted: Floats) -> None:
         while True:
             self.rows.count = entries = 0
-            for pair in self.pairs:
-                entries = pair.append_rows(self.rows, entries, margin, self.multipliers, current)
+            for number in range(len(self.pairs)):
+                entries = self._append(number, entries, margin, current, predicted)
                 if entries < 0:
                     break
             if entries >= 0:
                 return
             self._grow()
+
+    def _append(self, number: int, entries: int, margin: float, current: Floats, predicted: Floats) -> int:
+        """Append the rows of a pair; returns the next free entry, or -1 without room for them."""
+        return self.pairs[number].append_rows(self.rows, entries, margin, self.multipliers, current)
 
     def _grow(self) -> None:
         rows = self.rows

@@ -54,18 +54,8 @@ class PressureContactSystem(ConsistentContactSystem):
         self.allowed = state["contact_slope"]
         self.pressure, self.slope = np.zeros_like(self.stiffness), np.zeros_like(self.stiffness)
 
-    def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        """Forces of the gaps at `current`; see `contactlab.api.ContactEquations`."""
-        began, self.compliance = perf_counter(), compliance
-        for pair, memory in zip(self.pairs, self.memories, strict=True):
-            pair.update(current, memory)
-            pair.evaluated = True
-        self.last = self._solve_full(predicted, current, compliance, force)
-        self.seconds += perf_counter() - began
-        return self.last
-
-    def _solve_full(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
-        self._assemble_from(self.law.begins(), current, predicted)
+    def _solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
+        self._assemble(self.law.begins(), current, predicted)
         rows, asked = self.rows, perf_counter()
         count, slot, tangential = rows.count, rows.slot[: rows.count], len(rows.slip) > 0
         pressure, slope = self.pressure[:count], self.slope[:count]
