@@ -70,10 +70,19 @@ def as_html(value: Any) -> str:
     html = value._repr_html_() if hasattr(value, "_repr_html_") else None
     if html:
         return str(html)
-    if hasattr(value, "_repr_png_"):
-        data = base64.b64encode(value._repr_png_()).decode()
+    if hasattr(value, "_repr_png_") or hasattr(value, "savefig"):
+        data = base64.b64encode(_png(value)).decode()
         return f'<img style="max-width:100%" alt="figure" src="data:image/png;base64,{data}">'
     return f"<pre>{escape(repr(value))}</pre>"
+
+
+def _png(figure: Any) -> bytes:
+    """A figure of contactlab, or of Matplotlib alone."""
+    if hasattr(figure, "_repr_png_"):
+        return bytes(figure._repr_png_())
+    file = io.BytesIO()
+    figure.savefig(file, format="png", bbox_inches="tight")
+    return file.getvalue()
 
 
 def page_of(path: Path) -> str:

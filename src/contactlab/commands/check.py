@@ -19,6 +19,7 @@ from contactlab.testing.run import Outcome, checks_for
 from contactlab.testing.scenarios.cases import PACKAGE
 from contactlab.testing.subject import Subject
 
+LABELS = {"expected": "expected to fail"}  # a failure that the part declares, such as that of the patch test
 WITHOUT_CASES = f"no cases are installed, so that runs with known answers are left out: pip install {PACKAGE}"
 
 
@@ -96,7 +97,7 @@ def show(report: PartReport) -> None:
     shown = table("check", "outcome", "why", title=f"{report.kind} {report.name}, from {report.origin}")
     shown.columns[1].no_wrap = True
     for outcome in report.outcomes:
-        add_row(shown, outcome.check.replace("_", " "), outcome.status, _why(outcome))
+        add_row(shown, outcome.check.replace("_", " "), LABELS.get(outcome.status, outcome.status), _why(outcome))
     out.print(shown)
     if report.costs:
         own = report.costs[0]
@@ -119,7 +120,8 @@ def _print_end(reports: Sequence[PartReport], cases: bool, card: str | None) -> 
         out.print(WITHOUT_CASES, markup=False, highlight=False)
     for report in reports:
         counts = ", ".join(
-            f"{report.count(status)} {status}" for status in ("passed", "failed", "expected", "not applicable")
+            f"{report.count(status)} {LABELS.get(status, status)}"
+            for status in ("passed", "failed", "expected", "not applicable")
         )
         out.print(f"{report.kind} {report.name}: {counts}; {report.cpu_s:.1f} CPU s", markup=False, highlight=False)
     if card:

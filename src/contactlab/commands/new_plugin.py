@@ -45,6 +45,8 @@ def new_plugin(options: argparse.Namespace) -> int:
     print(f"next: pip install -e '{folder}[test]' && pytest {folder}")
     print(f"then change {folder}/src/{_module(options.name)}/{options.kind}.py; its tests say when it is right")
     print(f"then: contactlab check {folder.name} --kind {options.kind}")
+    if len(ways := [*WAYS.get(options.kind, ())]) > 1 and not options.start:
+        print(f"it is written as {ways[0]}; other ways: --from {' or '.join(ways[1:])}")
     return 0
 
 

@@ -28,8 +28,11 @@ def announcement(run: Run) -> str:
     scene, timing, steps = run.schedule.scene, run.model.timing, run.schedule.estimated_steps()
     because = f" ({timing.because})" if timing.because else ""
     settles = ", then until it settles" if timing.end is None else ""
-    kind = ("step" if run.model.integrator.inertia else "load increment") + ("s" if steps > 1 else "")
-    line = f"simulates {timing.last:.4g} s{because}{settles}: about {_thousands(steps)} {kind}"
+    many = f"{_thousands(steps)} {{}}{'s' * (steps > 1)}"
+    if run.model.integrator.inertia:
+        line = f"simulates {timing.last:.4g} s{because}{settles}: about {many.format('step')}"
+    else:
+        line = f"applies the load in about {many.format('increment')}"
     if not run.model.state.step:
         line += f", {_duration(cost_of(run, scene, steps))} of CPU time"
     if timing.end is None and timing.because and timing.last > LONG * timing.ramp:

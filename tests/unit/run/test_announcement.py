@@ -43,7 +43,7 @@ def test_end_steps_cost_and_the_key_that_makes_a_run_long_are_named() -> None:
 @pytest.mark.parametrize(
     ("integrator", "more", "expected"),
     [
-        ("newton", {}, "simulates 1 s: about 1 load increment, less than 1 s of CPU time"),
+        ("newton", {}, "applies the load in about 1 increment, less than 1 s of CPU time"),
         ("central-difference", {"end": 1e-5}, "simulates 1e-05 s (time.end): about"),
     ],
 )
