@@ -62,6 +62,8 @@ CASES = {
     },
     "foreign": {"contacts.0.algorithm": "mortar-p1"},
     "vertices": {"contacts.0.algorithm": "mortar-p0"},
+    "smooth-p0": {"contacts.0.algorithm": "mortar-p0", "contacts.0.smooth": True},
+    "smooth-dual": {"contacts.0.algorithm": "mortar-dual", "contacts.0.smooth": True},
 }
 # shaken so much that the slave has vertices, whose normals are the master's; these come by differences
 ROUGH = {"vertices": 3.0}

@@ -10,7 +10,7 @@ g = nu . r. Their derivatives need those of D, M, T and nu alone, which are loca
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array
@@ -21,6 +21,9 @@ from contactlab.contact.differences import DerivativesOfPieces
 from contactlab.contact.operator_pair import OperatorPair
 from contactlab.kernels.contact import banded_rows, derivatives, rows
 from contactlab.kernels.contact.tables import BandedRows
+
+if TYPE_CHECKING:
+    from contactlab.contact.smooth_surfaces import SmoothSurfaces
 
 CUT = 1e-13  # a weight below it moves a gap by less than round-off: linear problems end after one iteration
 
@@ -77,6 +80,8 @@ class PairLinearisation:
         dnormal = self._turned_normals(pieces, pieces.dnormal[: pieces.normal_count])
         dweight = self._gap_derivatives(pieces, wanted, pair.at.slave, pair.at.master, pair.separation)
         gap = self._along(chosen, normal, inverse, weights, dweight) + self._rows(chosen, pair.separation) @ dnormal
+        if pair.smooth is not None:
+            gap = gap + self._by_curves(pair.smooth, chosen, inverse, pieces, wanted, dnormal, memory)
         force = self._force_derivative(pieces, wanted, traction, weights, y_n, y_t)
         if y_t is None:
             return PairDerivatives(self._rows(chosen, normal) @ weights, None, gap, None, force)
@@ -101,7 +106,10 @@ class PairLinearisation:
         dweight = self._gap_derivatives(pieces, wanted, pair.at.slave, pair.at.master, pair.separation)
         weights = self._weights(np.flatnonzero(wanted).astype(np.int32))
         gap = self._along(chosen, pair.pieces.normal, inverse, weights, dweight)
-        return gap + self._rows(chosen, pair.separation) @ dnormal
+        gap = gap + self._rows(chosen, pair.separation) @ dnormal
+        if pair.smooth is not None:
+            gap = gap + self._by_curves(pair.smooth, chosen, inverse, pieces, wanted, dnormal, memory)
+        return gap
 
     def tangents(self, chosen: Ints) -> Any:
         """Directions (c, 2N) of the friction of the chosen multipliers."""
@@ -185,6 +193,18 @@ class PairLinearisation:
             pieces.count, _arrays(pieces), pair.coupling.owner, wanted, at, separation, nodes, out
         )
         return self._matrix(*_first(out, count), 2 * pair.slots)
+
+    def _by_curves(
+        self, smooth: SmoothSurfaces, chosen: Ints, inverse: Any, pieces: PieceDerivatives, wanted: Floats,
+        dnormal: Any, memory: Floats,
+    ) -> Any:  # fmt: skip
+        """What smooth surfaces add to the derivatives of gaps: nu . c, c = T^-T C, changes with nu, T and C."""
+        pair = self.pair
+        shift = smooth.shifts(pair.at)
+        nowhere = (np.zeros_like(at) for at in pair.at)
+        change = self._gap_derivatives(pieces, wanted, *nowhere, shift)
+        change = change + self._matrix(*smooth.derivatives(memory), 2 * pair.slots)
+        return self._spread(chosen, pair.pieces.normal, inverse) @ change + self._rows(chosen, shift) @ dnormal
 
     def _force_derivative(
         self, pieces: PieceDerivatives, wanted: Floats, traction: Floats, weights: Any, y_n: Floats, y_t: Floats | None

@@ -120,6 +120,9 @@ class OperatorPair(ContactPair):
             self._check(count)
         self.count = count
         self._join()
+        if self.smooth is not None:
+            self.smooth.update(memory)
+            self.smooth.add(self.arrays.measured, self.gaps)
         self._take_start_gaps(self.gaps)
 
     def _check(self, count: Any) -> None:
@@ -149,6 +152,8 @@ class OperatorPair(ContactPair):
         """Separations and gaps of all kept multipliers at `positions`, with the rows of the last `update`."""
         kernels.place(self.arrays.address, positions, positions, positions, kernels.MEASURED)
         kernels.compute_gaps(self.arrays.address)
+        if self.smooth is not None:
+            self.smooth.add(self.arrays.measured, self.gaps)
         self._take_start_gaps(self.gaps)
 
     def gaps_at(self, positions: Floats) -> Floats:
@@ -156,6 +161,8 @@ class OperatorPair(ContactPair):
         at = SurfacePositions(positions[self.slave.nodes], positions[self.master.nodes])
         separation, gaps = np.zeros((self.slots, 2)), np.zeros((self.slots, 2))
         self.separations(at, self.normals, separation, gaps)
+        if self.smooth is not None:
+            self.smooth.add(at, gaps)
         return gaps
 
     def separations(self, at: SurfacePositions, normals: Floats, separation: Floats, gaps: Floats) -> None:

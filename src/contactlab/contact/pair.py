@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from time import perf_counter
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from contactlab.contact.sliding import sliding_of
 from contactlab.contact.start_gaps import StartGaps
 from contactlab.kernels.contact import edges, rows
 from contactlab.kernels.contact.factored_rows import FAR
+
+if TYPE_CHECKING:
+    from contactlab.contact.smooth_surfaces import SmoothSurfaces
 
 _ALL = slice(None)
 
@@ -60,6 +63,7 @@ class ContactPair(ABC):
     at         positions of the nodes of both sides, where conditions are made
     gaps       (k, 2) [mm] normal gaps and tangential separations, where they were last measured
     start_gaps what of the gaps at the start does not count; None where they count in full
+    smooth     curves that gaps are measured between; None where they are measured between segments
     sliding    what friction needs; None without
     evaluated  whether the conditions are those of the last accepted step
     search_s   wall time [s] spent on near lists
@@ -88,6 +92,7 @@ class ContactPair(ABC):
         self.near: Near | None = None
         self.gaps = np.full((self.slots, 2), FAR)
         self.start_gaps: StartGaps | None = None
+        self.smooth: SmoothSurfaces | None = None
         self.sliding = sliding_of(friction, self.slots, self.at)
         self.evaluated = False
         self._view: ContactView | None = None

@@ -120,6 +120,11 @@ def split_work(contact: Any, integrator: Integrator, state: State, reference: Fl
             got=f"true, with {type(integrator).__name__}",
             allowed='false, or an explicit integrator like "central-difference"',
         )
+    if any(pair.smooth is not None for pair in contact.pairs):
+        raise SceneError(
+            "the work of contact forces is split by derivatives of gaps between segments",
+            where=where, got="true, with smooth = true of a contact", allowed="false, or smooth = false",
+        )  # fmt: skip
     contact.split = WorkSplit(contact, state, reference)
 
 

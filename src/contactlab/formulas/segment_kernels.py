@@ -27,6 +27,7 @@ PARAMETERS, FIELDS = slots("PARAMETERS", "FIELDS")
 POINTS, WEIGHTS, QUADRATIC_POINTS, QUADRATIC_WEIGHTS = slots(
     "POINTS", "WEIGHTS", "QUADRATIC_POINTS", "QUADRATIC_WEIGHTS"
 )
+CUBIC_POINTS, CUBIC_WEIGHTS = slots("CUBIC_POINTS", "CUBIC_WEIGHTS")  # for those of smooth surfaces
 SMALLEST = 1e-12  # overlaps shorter than this fraction of a slave segment carry nothing but round-off
 FLANK, FACING = 0.2, 0.3
 """Cosines by which normals are opposed: flanks of a corner, below the first, are no partners; from the second on

@@ -30,7 +30,7 @@ from contactlab.formulas.segment_tables import Both, Derived, Separated
 DEPTH = 2.0
 """Longest segment lengths of the slave: deeper overlaps are the far side of a thin body, not contact."""
 
-_PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS = (BoundCache() for _ in range(4))
+_PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS, _MOMENTS = (BoundCache() for _ in range(5))
 
 
 class _Kernels(ClassKernels):
@@ -48,6 +48,13 @@ class _Kernels(ClassKernels):
     def gradients(self) -> Any:
         return self.made(changes.separation_gradients)
 
+    @cached_property
+    def smooth(self) -> tuple[Any, Any]:
+        """Moments of smooth surfaces and their derivatives."""
+        from contactlab.formulas import segment_smooth
+
+        return self.made(segment_smooth.moments), self.made(segment_smooth.moment_derivatives)
+
     @property
     def formula_slots(self) -> dict[Slot, Any]:
         kind, breaks = self.kind, tuple(map(float, self.kind.breaks))
@@ -59,8 +66,11 @@ class _Kernels(ClassKernels):
             kernels.COVERED: "covered" in self.formulas["basis"].arguments,
             kernels.PARTS: len(breaks) + 1, kernels.BREAKS: breaks or (0.5,),
         }  # fmt: skip
-        names = (kernels.POINTS, kernels.WEIGHTS), (kernels.QUADRATIC_POINTS, kernels.QUADRATIC_WEIGHTS)
-        for (points, weights), trace in zip(names, (1, 2), strict=True):
+        names = (
+            (kernels.POINTS, kernels.WEIGHTS), (kernels.QUADRATIC_POINTS, kernels.QUADRATIC_WEIGHTS),
+            (kernels.CUBIC_POINTS, kernels.CUBIC_WEIGHTS),
+        )  # fmt: skip
+        for (points, weights), trace in zip(names, (1, 2, 3), strict=True):
             found[points], found[weights] = gauss_rule((kind.basis_degree + trace) // 2 + 1)
         return found
 
@@ -97,6 +107,22 @@ def gradients(
     arrays = made_of.given_arrays(bound, Separated)
     out.count, out.normal_count = count, made_of.gradients(arrays, count, _vertices(part))
     return True
+
+
+def moments(part: SegmentContact, view: ContactView, pieces: Pieces, count: int, out: Floats) -> None:
+    """Moments (p, 4, 2) of smooth surfaces, see `contactlab.kernels.contact.smooth`."""
+    made_of = _of_class(type(part))
+    made_of.smooth[0](made_of.given_arrays(_MOMENTS.of(pieces, _bound, view, part), Both), count, out)
+
+
+def moment_derivatives(
+    part: SegmentContact, view: ContactView, pieces: Pieces, count: int, owner: Ints, bends: tuple[Floats, ...],
+    nodes: Ints, out: tuple[Ints, Ints, Floats],
+) -> int:  # fmt: skip
+    """Entries (row, column, value) of what separations change with the moments; returns their number."""
+    made_of = _of_class(type(part))
+    arrays = made_of.given_arrays(_MOMENTS.of(pieces, _bound, view, part), Both)
+    return int(made_of.smooth[1](arrays, count, owner, bends, nodes, out))
 
 
 def averaged_normals(view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:

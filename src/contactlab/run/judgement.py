@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from contactlab.api import ContactCurve, Floats, Ints, RunWarning, Surface
+from contactlab.api import ContactCurve, Floats, Ints, RunWarning, SegmentContact, Surface
 from contactlab.api.arrays import Flags
 from contactlab.errors import SimulationFailure
 from contactlab.results.facets import cusps, facet_depths
@@ -113,7 +113,7 @@ def _judge_friction(model: Model, pair: ContactPair) -> None:
 
 def _judge_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
     """How deep the facets of a curved pair are where it presses, against how far its surfaces came together there."""
-    if pair.start_distance is not None:
+    if pair.start_distance is not None or pair.smooth is not None:
         return  # what facets are deep by is no gap
     if _few_between_open_ones(curve):
         return  # of a disc on a plane the mean pressure is right to 1 % with three nodes; see `_judge_peak`
@@ -135,14 +135,16 @@ def _judge_facets(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
     if depth <= FACETS * approach or depth <= 1e-9 * pair.size:
         return
     finer = _finer(depth / max(FACETS * approach, 1e-300))
+    curves = isinstance(pair.method, SegmentContact) and pair.slave.edges.shape[1] == pair.master.edges.shape[1] == 2
+    smooth = "smooth = true of the contact, or " if curves else ""
     low = f", the mean pressure of a fit is about {0.45 * depth / approach:.0%} too low" if depth <= approach else ""
     model.warnings.add(
         RunWarning(
-            "coarse-facets", depth, FACETS * approach, "level",
+            "coarse-facets", depth, FACETS * approach, f"{pair.name}.smooth" if curves else "level",
             f"{pair.name}: the facets of its curved surfaces are {depth:.3g} deep where they press, from "
             f"{_place(model, model.position[slave[0]])} on, and the surfaces came together by {approach:.3g} (limit "
-            f"{FACETS:.0%} of that): the pressure swings from node to node{low}; take cells that are {finer} times "
-            "finer along both surfaces (level; from a mesh file, second-order cells or a finer mesh)",
+            f"{FACETS:.0%} of that): the pressure swings from node to node{low}; take {smooth}cells that are {finer} "
+            "times finer along both surfaces (level; from a mesh file, second-order cells or a finer mesh)",
         )
     )  # fmt: skip
 

@@ -142,6 +142,7 @@ class Contact:
     master: Targets = key(says='"body.edge_set" or rigid surface on the other side, or a list that makes one chain')
     algorithm: PartSpec = part("contact", says="how the gap is measured")
     swap: bool = key(False, says="exchange slave and master")
+    smooth: bool = key(False, says="measure gaps between curves through the nodes of both sides, not between segments")
     friction: PartSpec | None = part("friction", None, says="friction law; not written: no tangential work at all")
     enforcement: PartSpec | None = part(
         "enforcement", None, says="how gap conditions become forces; not written: the integrator's own"

@@ -49,6 +49,7 @@ class ContactPlan:
     sides  slave and master as they act, in words
     start  what is done about an overlap before the run, as in the scene
     explicit  whether it is for an explicit integrator
+    smooth  whether gaps are those between curves through the nodes
     opened [mm] by how much surfaces that touched were opened, for a potential that needs room
     """
 
@@ -63,6 +64,7 @@ class ContactPlan:
     start: Any
     where: Where
     explicit: bool
+    smooth: bool
 
     opened: float = 0.0
 
@@ -74,7 +76,12 @@ class ContactPlan:
     def pair(self, positions: Floats, first_slot: int, immobile: Flags, modulus: Floats | None = None) -> ContactPair:
         """The pair at work. `immobile` (N,) marks nodes that cannot move; `modulus` (N,) [MPa] is for potentials."""
         sides, fixed = (self.slave, self.master), immobile[self.slave.nodes]
-        return contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, modulus)
+        pair = contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, modulus)
+        if self.smooth:
+            from contactlab.model.contact.smooth import make_smooth
+
+            make_smooth(pair, positions)
+        return pair
 
 
 def by_energy(plan: ContactPlan) -> bool:
@@ -137,18 +144,26 @@ def _plan(
         from contactlab.model.contact.potential_start import refuse_potential
 
         refuse_potential(algorithm, spec, integrator, friction, where)
+    sides = (
+        split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions, spec.corner),
+        _surface(master, bodies, rigid, below(where, master_key)),
+    )
+    if spec.smooth:
+        from contactlab.model.contact.smooth import refuse_smooth
+
+        refuse_smooth(algorithm, spec, sides, enforcement, where)
     return ContactPlan(
         name,
         spec.name or name,
         algorithm,
-        split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions, spec.corner),
-        _surface(master, bodies, rigid, below(where, master_key)),
+        *sides,
         friction,
         enforcement,
         spec.sides,
         spec.start,
         where,
         explicit,
+        spec.smooth,
     )
 
 
@@ -249,11 +264,11 @@ def build_contact(
             plans, tuple(pairs), enforcement, bodies, forces, reference, position, mass, state, time
         )
     if explicit:
-        return _explicit_system(tuple(pairs), enforcement, state)
+        return _explicit_system(tuple(pairs), enforcement, state, any(plan.smooth for plan in plans))
     from contactlab.contact.implicit_system import ImplicitContactSystem
 
     linearised: Any = tuple(pairs)  # the build refuses algorithms and enforcements that do not iterate with others
-    consistent = follows_gaps(enforcement, motion="velocity" in state)
+    consistent = follows_gaps(enforcement, motion="velocity" in state, smooth=any(plan.smooth for plan in plans))
     return ImplicitContactSystem(linearised, enforcement, state, time, consistent)
 
 
@@ -319,21 +334,23 @@ def _traction_system(
     return TractionContactSystem(linearised, response, state, time, follows_gaps=False)
 
 
-def _explicit_system(pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> ContactSystem:
-    if not follows_gaps(enforcement, motion=True):
+def _explicit_system(
+    pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State, smooth: bool
+) -> ContactSystem:
+    if not follows_gaps(enforcement, motion=True, smooth=smooth):
         return ContactSystem(pairs, enforcement, state)
     from contactlab.contact.consistent_system import ConsistentContactSystem
 
     return ConsistentContactSystem(pairs, enforcement, state)
 
 
-def follows_gaps(enforcement: Enforcement, *, motion: bool) -> bool:
+def follows_gaps(enforcement: Enforcement, *, motion: bool, smooth: bool) -> bool:
     """Whether contact forces act along the derivatives of the gaps: what the key `forces` means in a run.
 
     "conjugate" and "published" are older names. "auto" is "consistent" in steps in time, which these forces let keep
-    energy.
+    energy, unless gaps are those of `smooth` surfaces.
     """
-    return enforcement.forces in ("consistent", "conjugate") or (enforcement.forces == "auto" and motion)
+    return enforcement.forces in ("consistent", "conjugate") or (enforcement.forces == "auto" and motion and not smooth)
 
 
 def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:

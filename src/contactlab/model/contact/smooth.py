@@ -1,0 +1,51 @@
+"""Contacts that measure gaps between smooth surfaces: which can, and the curves of those that do."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from contactlab.api import ContactMethod, Enforcement, Floats, NormalLaw, SegmentContact, Surface
+from contactlab.contact.operator_pair import OperatorPair
+from contactlab.contact.pair import ContactPair
+from contactlab.contact.smooth_surfaces import SmoothSurfaces
+from contactlab.errors import PartError, SceneError, below
+
+if TYPE_CHECKING:
+    from contactlab.errors import Where
+
+
+def refuse_smooth(
+    algorithm: ContactMethod, spec: Any, sides: tuple[Surface, Surface], enforcement: Enforcement, where: Where
+) -> None:
+    """Raise PartError or SceneError for a contact whose gaps cannot be those between curves."""
+    if not isinstance(algorithm, SegmentContact):
+        raise PartError(
+            "smooth surfaces are for algorithms that integrate over segments",
+            where=below(where, "smooth"), got=f"true, with {spec.algorithm}",
+            allowed="true with mortar-p0, mortar-p1, mortar-dual, or false",
+        )  # fmt: skip
+    if any(side.edges.shape[1] == 3 for side in sides):
+        raise SceneError(
+            "smooth surfaces are for edges of two nodes: those of second-order elements are curved already",
+            where=below(where, "smooth"), got="true", allowed="false, or elements of first order on both sides",
+        )  # fmt: skip
+    if isinstance(enforcement, NormalLaw):
+        raise SceneError(
+            "gaps between smooth surfaces are held by multipliers: a pressure law stores energy of gaps along which "
+            "its forces would not act",
+            where=below(where, "smooth"), got=f"true, with {spec.enforcement}",
+            allowed="true with the integrator's own enforcement, or false",
+        )  # fmt: skip
+    if enforcement.forces in ("consistent", "conjugate"):
+        raise SceneError(
+            "forces between smooth surfaces act as those between segments do, not along derivatives of their gaps, "
+            "which would load nodes at ends of surfaces and of unlike length wrongly",
+            where=below(where, "smooth"), got=f'true, with forces = "{enforcement.forces}"',
+            allowed='true with forces = "auto" or "frozen", or false',
+        )  # fmt: skip
+
+
+def make_smooth(pair: ContactPair, reference: Floats) -> None:
+    """Let a pair measure gaps between the curves through its nodes."""
+    assert isinstance(pair, OperatorPair)
+    pair.smooth = SmoothSurfaces(pair, reference)
