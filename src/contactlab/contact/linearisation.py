@@ -201,8 +201,8 @@ class PairLinearisation:
         """What smooth surfaces add to the derivatives of gaps: nu . c, c = T^-T C, changes with nu, T and C."""
         pair = self.pair
         shift = smooth.shifts(pair.at)
-        nowhere = (np.zeros_like(at) for at in pair.at)
-        change = self._gap_derivatives(pieces, wanted, *nowhere, shift)
+        slave, master = (np.zeros_like(at) for at in pair.at)
+        change = self._gap_derivatives(pieces, wanted, slave, master, shift)
         change = change + self._matrix(*smooth.derivatives(memory), 2 * pair.slots)
         return self._spread(chosen, pair.pieces.normal, inverse) @ change + self._rows(chosen, shift) @ dnormal
 

@@ -72,7 +72,8 @@ class WrongSide:
         pair = self.pair
         turns = _turns(slave, pair.slave)[nodes], _turns(master, pair.master)[pair.master.segments[found]].max(axis=1)
         rough = [float(forces @ turn) for turn in turns]
-        if max(rough) <= ROUGHER * min(rough):
+        # curves of smooth surfaces turn alike on both sides, however coarse their segments are
+        if max(rough) <= ROUGHER * min(rough) or pair.smooth is not None:
             self.worst[1] += forces.sum()
             return
         inward = -_nodal_normals(slave, pair.slave)[nodes], _segment_normals(master, pair.master)[found]
