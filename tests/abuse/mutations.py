@@ -224,7 +224,7 @@ EFFECT = (
         ("grows with every call", "force += weight if", "self.__dict__['n'] = self.__dict__.get('n', 0) + 1\n            force += self.__dict__['n'] * weight if"),
         ("writes to the masses", "        weight = np.zeros((len(view.mass), 2))\n", "        weight = np.zeros((len(view.mass), 2))\n        view.mass[:] += 1e-9\n")),
     *_of("effect", "spring",
-        ("positions of the start for ever", "nodes, displacement = view.nodes(self.on), view.displacement", "nodes, displacement = view.nodes(self.on), view.displacement.copy()"),
+        ("positions of the start for ever", "for name in self.on])), view.displacement", "for name in self.on])), view.displacement.copy()"),
         ("pushes away", "force[nodes] -= each", "force[nodes] += each"),
         ("ignores the stiffness", "np.asarray(self.stiffness)", "np.array([100.0, 200.0])"),
         ("writes displacements", "            force[nodes] -= each * displacement[nodes]", "            displacement[nodes] *= 0.999\n            force[nodes] -= each * displacement[nodes]")),
