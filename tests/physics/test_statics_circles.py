@@ -43,6 +43,9 @@ class Columns:
 
     by_energy = False
 
+    def settled(self) -> bool:
+        return True
+
     @property
     def position(self) -> Floats:
         return self.reference + self.displacement

@@ -33,16 +33,16 @@ class FrictionLaw(ABC):
     needs   names of the keywords that `bound` and `evolve` are called with, for the k multipliers of a contact:
 
             pressure   (k,) [MPa], of the last step
-            slip_rate  (k,) [mm/s], with sign, 0 where nothing presses: in `evolve` and in explicit runs of this step,
-                       in `bound` of implicit runs of the last step
+            slip_rate  (k,) [mm/s] of this step, with sign; 0 where nothing presses
             dt         [s] length of this step
             time       [s] at its end
             position   (k, 2) [mm] of the slave nodes in the last step
             cell_size  (k,) [mm] length of slave surface at each, at the start of the run
     memory  names of numbers that it remembers for each multiplier: further keywords, arrays (k,)
 
-    Both integrators are of first order in the step with such a law. At the start of a run pressures and rates are zero.
-    A rejected step changes nothing: memory, pressures and rates are part of the state.
+    Bounds follow the rate of slip that they lead to. Steps are of first order with a law that has needs. At the start
+    of a run pressures and rates are zero. A rejected step changes nothing: memory, pressures and rates are part of the
+    state.
     """
 
     needs: ClassVar[tuple[FrictionNeed, ...]] = ()

@@ -224,14 +224,15 @@ class ImplicitContact(Protocol):
     def by_energy(self) -> bool:
         """Whether some forces come from potentials (`contactlab.api.Potential`).
 
-        Then every correction is limited by `free_share` (with any depth), a converged iteration asks `settled`,
+        Then every correction is limited by `free_share` (with any depth),
         `forces` and the `force` of `linearise` include theirs, and no condition need be chosen.
         """
 
     def settled(self) -> bool:
-        """Whether friction of potentials belongs to the normal forces of the last `evaluate`.
+        """Whether friction belongs to the last `evaluate`; every iteration that has converged asks this.
 
-        If not, it does from now on: forces have changed, and the iteration continues.
+        Friction of potentials follows normal forces, and bounds of laws with needs follow slips. If they did not, they
+        do from now on: forces or bounds have changed, and the iteration continues.
         """
 
     def dissipation(self) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State, Step
 from contactlab.contact.pair import ContactPair
-from contactlab.contact.sliding import varying
+from contactlab.contact.sliding import FOLLOWED, varying
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.rows import tangential_work
 from contactlab.kernels.contact.warm_start import extrapolate
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 MARGIN = 0.1  # segment lengths: conditions farther open than this cannot close within a step
 GROW = 1.5
 ROUNDS = 20  # solves of a step in which bounds follow slips, most
-FOLLOWED = 1e-6  # of the largest bound: what bounds may still change by
 
 
 class ContactSystem:
@@ -134,11 +133,10 @@ class ContactSystem:
         slot, bound = self.rows.slot[: self.rows.count], self.rows.bound
         own = [np.flatnonzero((slot >= pair.own.start) & (slot < pair.own.stop)) for pair, _ in self.varying]
         change = 0.0
-        for number in range(ROUNDS):
+        for _ in range(ROUNDS):
             slip, give = slips(self.rows, self.multipliers.shape[1], compliance, force)
-            share = 1.0 if number < ROUNDS // 2 else 0.5  # bounds that alternate meet in the middle
             change = max(
-                sliding.follow(pair, slip[pair.own], give[pair.own], self.multipliers[:, pair.own], share)
+                sliding.follow(pair, slip[pair.own], give[pair.own], self.multipliers[:, pair.own])
                 for pair, sliding in self.varying
             )
             if change <= FOLLOWED:

@@ -186,12 +186,17 @@ class ImplicitContactSystem:
                 slip = linear.slip if stepped is None else stepped.slips()
                 c.slip[own] = slip if len(slip) else 0.0
             if pair.sliding is not None:
-                c.bound[:, own] = pair.sliding.of(_ALL)
-                c.bound[:, own][:, held_together(pair, self.flexibility, self.start)] = 0.0
+                self._write_bounds(pair)
         for pair in self.potentials:
             pair.evaluate(position)
         c.force[:, ~c.present] = 0.0
         self.seconds += perf_counter() - began
+
+    def _write_bounds(self, pair: ContactPair) -> None:
+        assert pair.sliding is not None
+        bound = self.conditions.bound[:, pair.own]
+        bound[:] = pair.sliding.of(_ALL)
+        bound[:, held_together(pair, self.flexibility, self.start)] = 0.0
 
     def forces(self, normal: Floats, tangential: Floats) -> None:
         """Nodal forces of the trial multipliers; see `contactlab.api.ImplicitContact`."""
@@ -232,8 +237,20 @@ class ImplicitContactSystem:
         return min(1.0 if passage is None else passage.share, *allowed, 1.0)
 
     def settled(self) -> bool:
-        """Whether the forces of potentials are those of the end of the step; see `contactlab.api.ImplicitContact`."""
-        return sum(pair.take_over() for pair in self.potentials) == 0
+        """Whether friction belongs to the end of the step; see `contactlab.api.ImplicitContact`."""
+        taken = sum(pair.take_over() for pair in self.potentials)
+        return self._bounds_follow() and taken == 0
+
+    def _bounds_follow(self) -> bool:
+        """Whether bounds that vary belong to the slips of this step; if not, they do from now on."""
+        c, follow = self.conditions, True
+        for pair, sliding in self.varying:
+            slip, force = c.slip[pair.own], c.force[:, pair.own]
+            give = sliding.measured_give(slip, force[1], 1.0 / c.stiffness[pair.own])
+            if sliding.follow(pair, slip, give, force) > SETTLED:
+                self._write_bounds(pair)
+                follow = False
+        return follow
 
     def dissipation(self) -> float:
         """Energy [mJ] that friction takes in the step; see `contactlab.api.ImplicitContact`."""
@@ -309,6 +326,7 @@ class ImplicitContactSystem:
 
 
 _ALL = slice(None)
+SETTLED = 1e-5  # of the largest bound: what bounds that follow slips may still change by
 
 
 def _stacked(parts: list[Any] | None) -> Any:

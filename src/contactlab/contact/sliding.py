@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
 KEPT = ("coefficient", "adhesion", "cap", "pressure", "slip_rate")
 """First rows of the state of a law that varies."""
+FOLLOWED = 1e-6
+"""What bounds may still change by when they follow slips, over the largest."""
+DEPTH = 4
+"""Rounds that bounds which follow slips are extrapolated from."""
 TRIES = 60
 """Most tries to find a rate of slip."""
 EXACT = 1e-9
@@ -63,6 +67,9 @@ class VaryingSliding(Sliding):
         self.memory = slice(len(self.kept) - len(law.memory), None)
         self.size: Floats = np.zeros(multipliers)
         self.time = self.dt = 0.0
+        self.seen: tuple[Floats, Floats] | None = None
+        self.past: list[tuple[Floats, Floats]] = []  # bounds that rounds found, less those that they were given
+        self.softness = 1.0
 
     def of(self, slots: Ints | slice) -> Floats:
         """The bound (3, n) of some multipliers in the step at hand."""
@@ -81,12 +88,14 @@ class VaryingSliding(Sliding):
 
     def begin_step(self, pair: ContactPair, time: float, dt: float) -> None:
         """The bound at the start of a step of `dt` [s] that ends at `time`; asked again, it is the same."""
+        self.seen, self.softness = None, 1.0
+        self.past.clear()
         if dt > 0.0:
             self.time, self.dt = time, dt
             self.kept[:3] = self._bounds(self.kept[4])
 
-    def follow(self, pair: ContactPair, slip: Floats, give: Floats, force: Floats, share: float) -> float:
-        """Move the bounds by a share to those of the slip that they leave; by how much of the largest they change.
+    def follow(self, pair: ContactPair, slip: Floats, give: Floats, force: Floats) -> float:
+        """Move the bounds to those of the slip that they leave; by how much of the largest they change.
 
         slip (k,) [mm] of the step under `force` (2, k) [N]; `give` (k,) [mm/N] is what a tangential force changes it by
         """
@@ -97,9 +106,32 @@ class VaryingSliding(Sliding):
         )
         bounds = self._bounds(np.copysign(rate, free))
         change = np.abs(self._limits(bounds, pair, force[0]) - now)[force[0] > 0.0]
-        self.kept[:2] += share * (bounds[:2] - self.kept[:2])
+        self.kept[:2] = np.maximum(self._ahead(self.kept[:2].ravel(), bounds[:2].ravel()), 0.0).reshape(2, -1)
         self.kept[2] = bounds[2]
         return float(change.max(initial=0.0)) / max(float(now.max(initial=0.0)), 1e-300)
+
+    def measured_give(self, slip: Floats, force: Floats, flexibility: Floats) -> Floats:
+        """What tangential forces change slips by (k,) [mm/N]: `flexibility` (k,) of nodes times what bodies add to it.
+
+        The factor is the largest that changes of slips (k,) [mm] and forces (k,) [N] showed in this step: bounds that
+        follow by too small a one overshoot, by too large a one they only take more rounds.
+        """
+        if self.seen is not None:
+            moved, more = slip - self.seen[0], force - self.seen[1]
+            alone = float(flexibility @ more**2)
+            if alone > 0.0:
+                self.softness = max(self.softness, float(moved @ more) / alone)
+        self.seen = slip.copy(), force.copy()
+        return self.softness * flexibility
+
+    def _ahead(self, given: Floats, found: Floats) -> Floats:
+        """Where rounds lead that found other bounds than they were given: Anderson's extrapolation of the last ones."""
+        self.past = [*self.past[-DEPTH:], (found, found - given)]
+        if len(self.past) < 3:
+            return found
+        places, left = (np.diff(np.array(values), axis=0).T for values in zip(*self.past, strict=True))
+        weights = np.linalg.lstsq(left, self.past[-1][1], rcond=1e-10)[0]
+        return np.asarray(found - places @ weights)
 
     def _rates(self, free: Floats, give: Floats, limits: Callable[[Floats], Floats]) -> Floats:
         """Rates v >= 0 (k,) at which v dt + give * limit(v) is the slip `free` (k,) [mm] that there is without force.

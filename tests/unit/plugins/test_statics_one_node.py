@@ -40,6 +40,9 @@ class Obstacle:
 
     by_energy = False
 
+    def settled(self) -> bool:
+        return True
+
     def evaluate(self, position: Floats) -> None:
         self.conditions.gap[0], self.conditions.slip[0] = -position[0, 1], position[0, 0]
 

@@ -17,7 +17,7 @@ from contactlab_statics.scales import AWAY, Scales
 from contactlab_statics.trial import Balance, Trial
 
 AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may need
-TAKEOVERS = 40  # times that friction of potentials may take newer normal forces in a step
+TAKEOVERS = 40  # times that friction may take newer normal forces or slips in a step
 FALLING, FALL = 6, 0.9  # residuals in a row, each below that of the one before: then more iterations are made
 MORE = 4  # times the wished iterations, at most
 TOUCHING = 1e-9  # segment lengths
@@ -51,7 +51,7 @@ class NewtonIteration:
         self.scales = Scales(equations.reference, self.trial.held)
         self.search = LineSearch(self.trial, self.scales)
         self.system = SaddleSystem(equations.reference, self.trial.held)
-        self.takeovers = 0  # times that friction of potentials took newer normal forces in this step
+        self.takeovers = 0  # times that friction took newer normal forces or slips in this step
         self.soft = False  # whether the last correction needed soft springs
 
     def run(self, dt: float, target: Floats, limited: int | None = None) -> Outcome:
@@ -122,18 +122,18 @@ class NewtonIteration:
         return fell and len(trace) < MORE * self.most
 
     def _unsettled(self, outcome: Outcome) -> bool:
-        """Whether friction of potentials has taken newer normal forces; the reason is given after too many times."""
+        """Whether friction has taken newer normal forces or slips; the reason is given after too many times."""
         contact = self.trial.contact
-        if contact is None or not contact.by_energy or contact.settled():
+        if contact is None or contact.settled():
             return False
         self.takeovers += 1
         if self.takeovers > TAKEOVERS:
             outcome.reason = (
-                f"friction forces did not settle after {TAKEOVERS} times that they took newer normal forces"
+                f"friction did not settle after {TAKEOVERS} times that it took newer normal forces or rates of slip"
             )
         self.trial.update_forces()
         if outcome.trace:
-            outcome.trace[-1] = outcome.trace[-1]._replace(note="friction takes the new normal forces")
+            outcome.trace[-1] = outcome.trace[-1]._replace(note="friction takes the new forces and slips")
         return True
 
     def _augment(self, outcome: Outcome) -> bool:
