@@ -1,8 +1,7 @@
-"""Every check of enforcements and friction laws catches a planted defect, and right ones in NumPy pass all of them."""
+"""Every check of enforcements catches a planted defect, and right ones in NumPy pass all of them."""
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar
@@ -10,9 +9,9 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 
-from contactlab.api import Enforcement, ExplicitEnforcement, Floats, FrictionBound, FrictionLaw, Rows, Solve
+from contactlab.api import Enforcement, ExplicitEnforcement, Floats, Rows, Solve
 from contactlab.parts.registry import Registry
-from contactlab.testing import NotApplicable, enforcement, enforcement_implicit, friction, normal_law, scales
+from contactlab.testing import NotApplicable, enforcement, enforcement_implicit, normal_law, scales
 from contactlab.testing.assertions import Check
 
 SPRINGS = Registry(files=[Path(__file__).with_name("implicit_springs.py")])
@@ -126,60 +125,3 @@ def test_wrong_enforcements_are_caught(caught: Any, check: Check, part: Enforcem
 
 def test_every_check_has_a_wrong_part() -> None:
     assert {check for check, _ in WRONG} == set(CHECKS)
-
-
-# --- friction -----------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Law(FrictionLaw):
-    """A law with any numbers."""
-
-    numbers: tuple[float, float, float] = (0.2, 0.0, 0.0)
-
-    def bound(self) -> FrictionBound:
-        return FrictionBound(*self.numbers)
-
-
-@dataclass(frozen=True)
-class Deaf(FrictionLaw):
-    """Does not hear what the scene says."""
-
-    mu: float
-
-    def bound(self) -> FrictionBound:
-        return FrictionBound(0.2, 0.0, 0.0)
-
-
-class Moody(Law):
-    """Another bound in every call."""
-
-    calls: ClassVar[Any] = itertools.count()
-
-    def bound(self) -> FrictionBound:
-        return FrictionBound(0.2 + 0.001 * next(self.calls), 0.0, 0.0)
-
-
-@pytest.mark.parametrize("check", friction.CHECKS)
-@pytest.mark.parametrize("numbers", [(0.2, 0.0, 0.0), (0.0, 200.0, np.inf), (0.1, 50.0, 5.0)])
-def test_right_friction_passes(check: Check, numbers: tuple[float, float, float]) -> None:
-    check(Law(numbers))
-
-
-WRONG_FRICTION: list[tuple[Check, FrictionLaw]] = [
-    (friction.numbers_in_range, Law((np.nan, 0.0, 0.0))),
-    (friction.numbers_in_range, Law((0.2, np.inf, np.inf))),
-    (friction.bound_grows_with_pressure, Law((-0.1, 1000.0, np.inf))),
-    (friction.rubs_at_all, Law((0.0, 200.0, 0.0))),
-    (friction.same_bound_twice, Moody()),
-    (friction.numbers_count, Deaf(0.2)),
-]
-
-
-@pytest.mark.parametrize(("check", "part"), WRONG_FRICTION)
-def test_wrong_friction_is_caught(caught: Any, check: Check, part: FrictionLaw) -> None:
-    caught(check, part)
-
-
-def test_every_check_has_a_wrong_friction_law() -> None:
-    assert {check for check, _ in WRONG_FRICTION} == set(friction.CHECKS)

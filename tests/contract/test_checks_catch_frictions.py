@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -321,3 +322,61 @@ def test_a_bound_that_knows_a_direction_is_told() -> None:
 def test_declarations_that_miss_the_contract_are_refused(attributes: dict[str, Any], says: str) -> None:
     wrong = type("Wrong", (Worn,), {"__module__": __name__, **attributes})
     assert says in "\n".join(faults("friction", wrong))
+
+
+# --- laws of three constants -----------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Constant(FrictionLaw):
+    """A law with any numbers."""
+
+    numbers: tuple[float, float, float] = (0.2, 0.0, 0.0)
+
+    def bound(self) -> FrictionBound:
+        return FrictionBound(*self.numbers)
+
+
+@dataclass(frozen=True)
+class Deaf(FrictionLaw):
+    """Does not hear what the scene says."""
+
+    mu: float
+
+    def bound(self) -> FrictionBound:
+        return FrictionBound(0.2, 0.0, 0.0)
+
+
+class Moody(Constant):
+    """Another bound in every call."""
+
+    calls: ClassVar[Any] = itertools.count()
+
+    def bound(self) -> FrictionBound:
+        return FrictionBound(0.2 + 0.001 * next(self.calls), 0.0, 0.0)
+
+
+@pytest.mark.parametrize("check", friction.CHECKS)
+@pytest.mark.parametrize("numbers", [(0.2, 0.0, 0.0), (0.0, 200.0, np.inf), (0.1, 50.0, 5.0)])
+def test_right_friction_passes(check: Check, numbers: tuple[float, float, float]) -> None:
+    check(Constant(numbers))
+
+
+WRONG_FRICTION: list[tuple[Check, FrictionLaw]] = [
+    (friction.numbers_in_range, Constant((np.nan, 0.0, 0.0))),
+    (friction.numbers_in_range, Constant((0.2, np.inf, np.inf))),
+    (friction.bound_grows_with_pressure, Constant((-0.1, 1000.0, np.inf))),
+    (friction.rubs_at_all, Constant((0.0, 200.0, 0.0))),
+    (friction.same_bound_twice, Moody()),
+    (friction.numbers_count, Deaf(0.2)),
+]
+
+
+@pytest.mark.parametrize(("check", "part"), WRONG_FRICTION)
+def test_wrong_friction_is_caught(caught: Any, check: Check, part: FrictionLaw) -> None:
+    caught(check, part)
+
+
+def test_every_check_has_a_wrong_friction_law() -> None:
+    """But the one that only tells."""
+    assert {check for check, _ in [*WRONG_FRICTION, *CAUGHT]} == set(friction.CHECKS) - {friction.slip_both_ways}

@@ -33,6 +33,7 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install
         (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: {version}\n")
         (info / "entry_points.txt").write_text(f"[contactlab]\n{distribution} = {module}\n")
         (site / f"{module}.py").write_text(source)
+        monkeypatch.delitem(sys.modules, module, raising=False)  # another test may have had one of this name
         modules.append(module)
 
     yield make
