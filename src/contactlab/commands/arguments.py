@@ -217,6 +217,12 @@ def _describe_new_plugin(command: argparse.ArgumentParser) -> None:
     command.add_argument("--with-ci", action="store_true", help="add a workflow that runs the checks at every push")
 
 
+def _describe_cite(command: argparse.ArgumentParser) -> None:
+    command.add_argument("path", metavar="RUN", help="folder of a run or a comparison")
+    _add_files(command)
+    _add_json(command)
+
+
 def _describe_runs(command: argparse.ArgumentParser) -> None:
     command.add_argument("folders", nargs="*", metavar="DIR", help="folders to look through (default: runs)")
     command.add_argument(
@@ -328,6 +334,7 @@ GROUPS: dict[str, Commands] = {
             "contactlab.commands.scenes:new_scene",
         ),
         "runs": (_describe_runs, "list result folders, or remove some", "contactlab.commands.runs:runs"),
+        "cite": (_describe_cite, "print what to cite for a run", "contactlab.commands.cite:cite"),
     },
     "for authors of plugins": {
         "new-plugin": (

@@ -15,7 +15,7 @@ from contactlab.parts.loading import Broken, Origin, Plugin
 KEBAB = re.compile(r"[a-z][a-z0-9]*(-[a-z0-9]+)*")
 CORE_COMMANDS = (
     "run", "compare", "matrix", "archive", "view", "explain", "scenes", "new-scene", "new-plugin", "parts", "check",
-    "doctor", "completion", "choose", "error-budget", "runs", "plot",
+    "doctor", "completion", "choose", "error-budget", "runs", "plot", "cite",
 )  # fmt: skip
 """Commands of the core, whose names no plugin can take."""
 _FUNCTION = re.compile(r"[\w.-]+:\w+")

@@ -72,7 +72,8 @@ def _lines(results: Results, scene: Mapping[str, Any]) -> Iterator[tuple[str, st
     yield from _named("peak force", _force(results, scene, units))
     yield "steps", _steps(results.summary)
     if took := results.summary.get("stabilisation"):
-        yield "stabilised", f"{took['steps']:.0f} steps; stabilisation took {took['share']:.2%} of the work"
+        steps = "1 step" if took["steps"] == 1 else f"{took['steps']:.0f} steps"
+        yield "stabilised", f"{steps}; stabilisation took {took['share']:.2%} of the work"
     codes = list(dict.fromkeys(warning.code for warning in results.warnings))
     yield "warnings", f"{len(codes)}: {', '.join(codes)}" if codes else "none"
 

@@ -27,6 +27,7 @@ TRIED: dict[str, tuple[int, list[str]]] = {
     "view": (2, ["compared"]),
     "plot": (0, ["compared", "force"]),
     "runs": (0, []),
+    "cite": (2, ["nowhere"]),
     "explain": (0, ["two-bars"]),
     "scenes": (0, []),
     "new-scene": (0, ["mine", "--from", "two-bars"]),
