@@ -91,6 +91,41 @@ class Lean(NormalLaw):
             traction[:] = np.minimum(traction, 0.0)
 
 
+@dataclass(frozen=True)
+class Variant(Lean):
+    """All of the stress behind and a spring, and an adjoint in all variants but 0, with one flaw or none."""
+
+    share: float = 1.0
+    variant: int = 0
+
+    def adjoint(
+        self,
+        pressure: Floats,
+        stiffness: Floats,
+        size: Floats,
+        adjoint: Floats,
+        by_pressure: Floats,
+        traction: Floats,
+        by_traction: Floats,
+    ) -> None:
+        stiff = 1e4 if self.flaw == "does not follow the cells" else stiffness
+        factor = self.variant / stiff
+        adjoint[:] = factor * (pressure + traction)
+        by_pressure[:], by_traction[:] = factor, factor
+        if self.flaw == "stress without pressure":
+            adjoint[:], by_pressure[:] = factor * traction, 0.0
+        if self.flaw == "pressure of the other sign":
+            adjoint[:], by_pressure[:] = factor * (traction - pressure), -factor
+        if self.flaw == "half the derivative by the pressure":
+            by_pressure *= 0.5
+        if self.flaw == "no derivative by the traction":
+            by_traction[:] = 0.0
+        if self.flaw == "second derivative not filled":
+            by_traction[:] = np.nan
+        if self.flaw == "writes pressures":
+            pressure[:] = 0.0
+
+
 def caught(law: NormalLaw) -> set[str]:
     found = set()
     for check in normal_law.CHECKS:
@@ -107,6 +142,7 @@ def test_right_laws_pass() -> None:
     assert not caught(Square())
     assert not caught(Square(open_at=1.0))
     assert not caught(Lean())
+    assert not caught(Variant())
 
 
 @pytest.mark.parametrize(
@@ -145,6 +181,29 @@ def test_defects_are_caught(flaw: str, check: str) -> None:
 )
 def test_defects_of_laws_of_the_stress_are_caught(flaw: str, check: str) -> None:
     assert check in caught(Lean(flaw=flaw))
+
+
+@pytest.mark.parametrize(
+    "law",
+    [
+        Variant(flaw="stress without pressure"),
+        Variant(flaw="pressure of the other sign"),
+        Variant(flaw="half the derivative by the pressure"),
+        Variant(flaw="no derivative by the traction"),
+        Variant(flaw="second derivative not filled"),
+        Variant(flaw="does not follow the cells"),
+        Variant(flaw="writes pressures"),
+        Variant(share=0.5),
+    ],
+    ids=lambda law: law.flaw or "half the stress",
+)
+def test_defects_of_adjoints_are_caught_whatever_the_default_variant(law: Variant) -> None:
+    assert caught(law) == {"adjoint_is_right_in_every_variant"}
+
+
+def test_an_adjoint_needs_tractions() -> None:
+    with pytest.raises(TypeError, match=r"Blind.adjoint works on tractions, allowed: with needs"):
+        type("Blind", (Square,), {"adjoint": Variant.adjoint})
 
 
 def test_needs_that_are_not_there_are_named() -> None:

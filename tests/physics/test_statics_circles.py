@@ -42,6 +42,7 @@ class Columns:
         self.patterns: list[bytes] = []
 
     by_energy = False
+    acts = True
 
     def settled(self) -> bool:
         return True

@@ -79,20 +79,20 @@ def formulas_of(kind: type) -> dict[str, Formula]:
     return found
 
 
-def install(kind: type, root: type, names: Iterable[str], allowed: Iterable[str], methods: str) -> None:
-    """Put array methods in place of the formulas among `names` in the body of a part, and note all formulas.
+def install(kind: type, root: type, allowed: Mapping[str, Iterable[str]], methods: str) -> None:
+    """Put array methods in place of the formulas `allowed` in the body of a part, and note all formulas.
 
     Formulas of other names are for these: an argument that has such a name is that formula. A method `NAME_by_hand` of
     the part is the array method of the formula NAME, because it is faster; derivatives still come from the formula.
 
-    allowed  names that the arguments may have besides
+    allowed  names of formulas, each with the names that its arguments may have besides
     methods  module that has a function of each name, called with the part and the arguments of the method
     root     the abstract class: what follows from a formula is not put over what an author gives
     """
     own = {name for name, value in vars(kind).items() if isinstance(value, Formula)}
-    helps = (own | set(formulas_of(kind))) - set(names)
-    declare(kind, dict.fromkeys(names, (*allowed, *helps)))
-    for name in own & set(names):
+    helps = (own | set(formulas_of(kind))) - allowed.keys()
+    declare(kind, {name: (*arguments, *helps) for name, arguments in allowed.items()})
+    for name in own & allowed.keys():
         by_hand = getattr(kind, f"{name}_by_hand", None)
         setattr(kind, name, by_hand or array_method(getattr(root, name), methods, name))
 

@@ -225,8 +225,12 @@ class ImplicitContact(Protocol):
         """Whether some forces come from potentials (`contactlab.api.Potential`).
 
         Then every correction is limited by `free_share` (with any depth),
-        `forces` and the `force` of `linearise` include theirs, and no condition need be chosen.
+        and `forces` and the `force` of `linearise` include theirs.
         """
+
+    @property
+    def acts(self) -> bool:
+        """Whether nodal forces change with positions at fixed multipliers: then `linearise` is asked in any case."""
 
     def settled(self) -> bool:
         """Whether friction belongs to the last `evaluate`; every iteration that has converged asks this.

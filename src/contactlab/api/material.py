@@ -56,7 +56,7 @@ class Material(ABC):
 
     def __init_subclass__(cls, **named: Any) -> None:
         super().__init_subclass__(**named)
-        install(cls, Material, _FORMULAS, _ARGUMENTS, "contactlab.formulas.laws")
+        install(cls, Material, dict.fromkeys(_FORMULAS, _ARGUMENTS), "contactlab.formulas.laws")
         stress = formulas_of(cls).get("stress")
         if stress is None:
             return

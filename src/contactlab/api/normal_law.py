@@ -12,7 +12,7 @@ from contactlab.api.arrays import Floats
 from contactlab.api.enforcement import Enforcement
 from contactlab.api.formulas import formulas_of, install
 
-_ARGUMENTS = ("gap", "stiffness", "size", "p")
+_BEHIND = ("stiffness", "size", "p")
 _NEEDS = ("traction",)
 _PANELS = 32  # of the integral of a pressure: 4 Gauss points in each follow an exponential to round-off
 
@@ -32,8 +32,8 @@ class NormalLaw(Enforcement):
     needs  what else pressures follow from, by name; nobody else pays for it. "traction": the formula may take
            `traction` [MPa], the normal stress of the cells behind the slave at its nodes, positive in tension, and
            `stiffness` is that of these cells alone; the array method has two more arguments, `traction` (k,) and
-           `by_traction` (k,), the derivative by it, at most 0, to be filled. Such a law is for statics, and its slave
-           belongs to a body whose element is its tables (q1, q2)
+           `by_traction` (k,), the derivative by it, at most 0, to be filled. Such a law may give `adjoint`. It is for
+           statics, and its slave belongs to a body whose element is its tables (q1, q2)
     """
 
     exact: ClassVar[bool] = False
@@ -44,7 +44,12 @@ class NormalLaw(Enforcement):
         unknown = [name for name in cls.needs if name not in _NEEDS]
         if unknown:
             raise TypeError(f"{cls.__name__}.needs: got {', '.join(unknown)}, allowed: {', '.join(_NEEDS)}")
-        install(cls, NormalLaw, ("pressure",), (*_ARGUMENTS, *cls.needs), "contactlab.formulas.normal_laws")
+        allowed = {
+            name: (first, *_BEHIND, *cls.needs) for name, first in (("pressure", "gap"), ("adjoint", "pressure"))
+        }
+        install(cls, NormalLaw, allowed, "contactlab.formulas.normal_laws")
+        if "traction" not in cls.needs and cls.adjoint is not NormalLaw.adjoint:
+            raise TypeError(f'{cls.__name__}.adjoint works on tractions, allowed: with needs = ("traction",)')
 
     @abstractmethod
     def pressure(self, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats) -> None:
@@ -52,6 +57,24 @@ class NormalLaw(Enforcement):
 
         gap (k,) [mm], stiffness (k,) [MPa/mm] of the cells behind, size (k,) [mm] of the slave's segments. Each entry
         depends on its own gap alone, and a larger gap has no larger pressure.
+        """
+
+    def adjoint(
+        self,
+        pressure: Floats,
+        stiffness: Floats,
+        size: Floats,
+        adjoint: Floats,
+        by_pressure: Floats,
+        traction: Floats,
+        by_traction: Floats,
+    ) -> None:
+        """Fill `adjoint` (k,) [mm], the displacements that the derivatives of tractions work on, and their derivatives.
+
+        The forces of a condition include, on all nodes u of the cells behind it, length * adjoint * d(traction)/du: the
+        terms that make Nitsche's method adjoint consistent or skew-symmetric. They vanish in the exact solution, where
+        the pressure is minus the traction. A formula takes `pressure` and `traction` [MPa], `stiffness`, `size` and
+        `p`. The default leaves zeros, and such a law has none of these forces.
         """
 
     def begins(self) -> float:

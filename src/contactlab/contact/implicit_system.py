@@ -230,6 +230,11 @@ class ImplicitContactSystem:
         """Whether some forces come from potentials; see `contactlab.api.ImplicitContact`."""
         return bool(self.potentials)
 
+    @property
+    def acts(self) -> bool:
+        """Whether there are nodal forces without any choice of conditions; see `contactlab.api.ImplicitContact`."""
+        return self.by_energy or bool(self.conditions.force.any())
+
     def free_share(self, position: Floats, motion: Floats, depth: float) -> float:
         """How much of a motion no surface passes through; see `contactlab.api.ImplicitContact`."""
         passage = first_passage(self.ruled, position, position + motion, depth)

@@ -27,20 +27,21 @@ class Tractions(Protocol):
 class TractionResponse(PressureResponse):
     """Residuals y_n - length * pressure(gap, traction).
 
-    found  (3, k) pressure and its derivatives by the gap and by the traction
-    share  (k,) [mm/MPa] of these derivatives the second over the first: as much does a traction count as a gap does in
-           the row of a condition
+    found    (3, k) pressure and its derivatives by the gap and by the traction
+    share    (k,) [mm/MPa] of these derivatives the second over the first: as much does a traction count as a gap does
+             in the row of a condition
+    adjoint  (3, k) [mm] what derivatives of tractions work on, and its derivatives by pressure and traction
     """
 
     def __init__(self, law: NormalLaw, stiffness: Floats, tractions: Tractions) -> None:
         super().__init__(law, stiffness)
         self.tractions, self.traction = tractions, np.zeros_like(stiffness)
-        self.found, self.share = np.zeros((3, len(stiffness))), np.zeros_like(stiffness)
+        self.found, self.adjoint = np.zeros((2, 3, len(stiffness)))
+        self.share = np.zeros_like(stiffness)
         self.first = 0.0  # tractions decide where pressures begin; surfaces meet there
 
     def press(self, c: Conditions) -> Flags:
         """Fill `found` and `share`; which conditions (k,) are closed."""
-        self.traction[:] = self.tractions.values()
         closed, (_, slope, by_traction) = super().press(c), self.found
         if np.any(closed & (slope == 0.0) & (by_traction != 0.0)):
             raise WrongAnswer(
@@ -55,14 +56,57 @@ class TractionResponse(PressureResponse):
         law: Any = self.law
         law.pressure(gap, self.stiffness, size, out[0], out[1], self.traction, out[2])
 
+    def oppose(self, c: Conditions, length: Floats) -> None:
+        """Fill `adjoint` for the trial multipliers, spread over `length` (k,) [mm]."""
+        pressure = np.divide(c.force[0], length, out=np.zeros_like(length), where=length > 0.0)
+        value, by_pressure, by_traction = self.adjoint
+        self.law.adjoint(pressure, self.stiffness, c.size, value, by_pressure, self.traction, by_traction)
+
 
 class TractionContactSystem(ImplicitContactSystem):
-    """Conditions whose gaps count together with tractions."""
+    """Conditions whose gaps count together with tractions, and forces along the derivatives of tractions.
+
+    The forces are D^T (length * adjoint(y_n / length, traction)) with the derivatives D of the tractions. Second
+    derivatives of tractions are left out of their linearisation: they count as much as pressures differ from tractions.
+    """
 
     enforcement: TractionResponse
 
+    def evaluate(self, position: Floats) -> None:
+        """Fill `conditions`, tractions and what their derivatives work on."""
+        super().evaluate(position)
+        own, c = self.enforcement, self.conditions
+        own.traction[:], self._derivative = own.tractions.values(), None
+        self.length = np.where(c.present, c.measure, 0.0)
+        own.oppose(c, self.length)
+
+    @property
+    def acts(self) -> bool:
+        """As of every contact, and while tractions alone make forces."""
+        return super().acts or bool(self.enforcement.adjoint.any())
+
+    def forces(self, normal: Floats, tangential: Floats) -> None:
+        """Fill forces of the conditions, and add those along the derivatives of tractions to the normal ones."""
+        super().forces(normal, tangential)
+        own = self.enforcement
+        own.oppose(self.conditions, self.length)
+        if own.adjoint.any():
+            normal += (self.derivative.T @ (self.length * own.adjoint[0])).reshape(-1, 2)
+
+    @property
+    def derivative(self) -> Any:
+        """Derivatives (k, 2N) [MPa/mm] of tractions at the last `evaluate`, sparse."""
+        if self._derivative is None:
+            self._derivative = self.enforcement.tractions.derivative()
+        return self._derivative
+
     def linearise(self, chosen: Ints) -> ContactDerivatives:
-        """Derivatives of the chosen slots; those of gaps with what tractions add to them."""
+        """Derivatives of the chosen slots; those of gaps and of forces with what tractions add to them."""
         found, own = super().linearise(chosen), self.enforcement
-        added = diags_array(own.share[chosen]) @ own.tractions.derivative()[chosen]
-        return found._replace(gap=(found.gap + added).tocsr())
+        behind, (_, by_pressure, by_traction) = self.derivative, own.adjoint
+        found = found._replace(gap=(found.gap + diags_array(own.share[chosen]) @ behind[chosen]).tocsr())
+        if not own.adjoint.any():
+            return found
+        along = diags_array(by_pressure[chosen]) @ behind[chosen]
+        force = behind.T @ diags_array(self.length * by_traction) @ behind
+        return found._replace(normal=(found.normal + along).tocsr(), force=(found.force + force).tocsr())

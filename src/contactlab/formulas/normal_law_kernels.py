@@ -1,4 +1,4 @@
-"""The loop over conditions in which the pressure of a normal law is put."""
+"""Loops over conditions in which the formulas of a normal law are put."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ def pressure(gap, stiffness, size, pressure, slope, values):
 
 
 @kernel
-def pressure_by_traction(gap, stiffness, size, pressure, slope, traction, by_traction, values):
-    """Pressure and its derivatives by the gap and by the traction."""
+def with_traction(first, stiffness, size, result, by_first, traction, by_traction, values):
+    """A formula of two numbers, as gap or pressure and the traction, and its derivatives by both."""
     p = column(values, 0, PARAMETERS)
-    for i in range(gap.size):
-        found = FORMULA(seed(gap[i], 0, 4), seed(traction[i], 1, 4), stiffness[i], size[i], p)
-        pressure[i] = value(found)
-        slope[i], by_traction[i] = derivatives(found, 4)[0], derivatives(found, 4)[1]
+    for i in range(first.size):
+        found = FORMULA(seed(first[i], 0, 4), seed(traction[i], 1, 4), stiffness[i], size[i], p)
+        result[i] = value(found)
+        by_first[i], by_traction[i] = derivatives(found, 4)[0], derivatives(found, 4)[1]

@@ -1,9 +1,10 @@
 """Whether the equilibrium that statics found is one that bodies would stay in.
 
 An equilibrium is stable if its tangent has positive eigenvalues on the motions that supports and closed contacts leave.
-With a row for each closed condition the matrix [[K, -C^T], [-H, 0]] has then as many negative pivots as conditions, and
-each further one is a motion by which the bodies leave the equilibrium (Wriggers 2008, chapter 7). Past the load of a
-column's buckling the straight column is such a state, and Newton's method finds it as willingly as any other.
+With a row for each closed condition the matrix [[K, -C^T], [-H, -B]], B the softness of pressure laws and 0 otherwise,
+has then as many negative pivots as conditions, and each further one is a motion by which the bodies leave the
+equilibrium (Wriggers 2008, chapter 7). Past the load of a column's buckling the straight column is such a state, and
+Newton's method finds it as willingly as any other.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from scipy.sparse import block_array, csc_array, csr_array, diags_array, vstack
 from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
-from contactlab.api import Ints, RunWarning
+from contactlab.api import Floats, Ints, Response, RunWarning
 
 if TYPE_CHECKING:
     from contactlab.model.implicit_model import ImplicitModel
@@ -88,9 +89,22 @@ def _tangent(model: ImplicitModel, normals_turn: bool) -> tuple[Any, int]:
         for parts in ((change.normal, change.tangent), (change.gap, change.slip))
     )
     moving = abs(gaps).sum(axis=1) > 0.0  # what supports hold alone is no condition
+    softness = np.zeros(len(moving))
+    softness[: len(pressed)] = _softness(model)[pressed]
     directions, gaps = -directions[moving], -gaps[moving]
-    whole = block_array([[matrix, directions.T], [gaps, None]], format="csc")
+    whole = block_array([[matrix, directions.T], [gaps, diags_array(-softness[moving])]], format="csc")
     return _scaled(whole), int(np.count_nonzero(moving))
+
+
+def _softness(model: ImplicitModel) -> Floats:
+    """Change of the gap (k,) [mm/N] by which a force of each condition grows; 0 of exact multipliers."""
+    assert model.contact is not None
+    conditions, enforcement = model.contact.conditions, model.contact.enforcement
+    response = Response.allocate(*conditions.force.shape)
+    enforcement.respond(conditions, response)
+    by_force, by_gap = response.by_force[0], response.by_gap[0]
+    softens = (by_gap != 0.0) & (not enforcement.augments)
+    return np.asarray(np.divide(by_force, by_gap, out=np.zeros_like(by_gap), where=softens))
 
 
 def _scaled(matrix: Any) -> Any:

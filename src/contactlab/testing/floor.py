@@ -46,6 +46,7 @@ class ImplicitFloor:
     """The same floor for implicit steps. Implements `contactlab.api.ImplicitContact`."""
 
     by_energy = False
+    acts = True
 
     def __init__(self, level: Floats, friction: float, state: State, enforcement: ImplicitEnforcement) -> None:
         n, slots = len(level), len(level) if friction else 0

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -146,10 +148,74 @@ def tractions_press_as_they_should(enforcement: Enforcement) -> None:
         require(not deaf, f"at {deaf} tractions the pressure follows the traction and not the gap")
 
 
+def adjoint_is_right_in_every_variant(enforcement: Enforcement) -> None:
+    """Where the pressure of a gap of 0 acts the adjoint is 0, and its derivatives are those of differences.
+
+    Integers among the fields choose variants: each is checked with one more and one less as well.
+    """
+    given: Any = _law(enforcement)
+    if "traction" not in given.needs or type(given).adjoint is NormalLaw.adjoint:
+        raise NotApplicable("the law has no adjoint")
+    stiffness, size = np.full(COUNT, 1e4), np.full(COUNT, 0.5)
+    traction, step = _tractions(), 1e-6 * 1e4 * OVERLAP
+    for law in (given, *_variants(given)):
+        pressure, slope, by_traction = np.zeros((3, COUNT))
+        law.pressure(np.zeros(COUNT), stiffness, size, pressure, slope, traction, by_traction)
+        left = np.abs(_adjoint(law, pressure, traction, stiffness, size)[0][traction < 0.0]).max()
+        require(
+            left <= 1e-9 * OVERLAP,
+            f"under the pressure of a gap of 0 the adjoint is {left:.3g} mm, needed: 0 ({law}); the exact solution has "
+            "no gap there",
+        )
+        pressure = np.abs(traction[::-1] + 0.3 * traction.max())
+        value = _adjoint(law, pressure, traction, stiffness, size)
+        for row, push, name in ((1, (step, 0.0), "by_pressure"), (2, (0.0, step), "by_traction")):
+            more, less = (
+                _adjoint(law, pressure + side * push[0], traction + side * push[1], stiffness, size)[0]
+                for side in (1.0, -1.0)
+            )
+            error = np.abs(value[row] - (more - less) / (2.0 * step))
+            wrong = int(np.count_nonzero(error > 1e-6 / 1e4 + 1e-6 * np.abs(value[row])))
+            require(
+                wrong <= int(KINKS * COUNT), f"{name} of the adjoint differs from differences at {wrong} of {COUNT}"
+            )
+        if _tuned(law):
+            continue
+        agree(
+            _adjoint(law, 2.0 * pressure, 2.0 * traction, 2.0 * stiffness, size)[0], value[0],
+            1e-9 * float(np.abs(value[0]).max()), "the adjoint of twice the pressure in front of cells twice as stiff",
+        )  # fmt: skip
+
+
+def _tuned(law: NormalLaw) -> bool:
+    """Whether a scene must give numbers of the law."""
+    return any(field.default is dataclasses.MISSING for field in dataclasses.fields(law))  # type: ignore[arg-type]
+
+
+def _adjoint(law: Any, pressure: Floats, traction: Floats, stiffness: Floats, size: Floats) -> Floats:
+    """The adjoint and its derivatives by pressure and traction, (3, k)."""
+    out = np.full((3, len(pressure)), np.nan)
+    with untouched(pressure=pressure, traction=traction, stiffness=stiffness, size=size):
+        law.adjoint(pressure, stiffness, size, out[0], out[1], traction, out[2])
+    require(bool(np.isfinite(out).all()), f"the adjoint or a derivative of it is not filled, or not finite ({law})")
+    return out
+
+
+def _variants(law: NormalLaw) -> Iterator[NormalLaw]:
+    """The law with each integer field one more and one less, where it accepts that."""
+    for field in dataclasses.fields(law):  # type: ignore[arg-type]
+        value = getattr(law, field.name)
+        if type(value) is not int:
+            continue
+        for other in (value + 1, value - 1):
+            with contextlib.suppress(ValueError):
+                yield dataclasses.replace(law, **{field.name: other})  # type: ignore[type-var]
+
+
 def stiffness_behind_scales(enforcement: Enforcement) -> None:
     """A law without required numbers follows the stiffness of the cells behind: it is not tuned to a scene."""
     law = _law(enforcement)
-    if any(field.default is dataclasses.MISSING for field in dataclasses.fields(type(law))):  # type: ignore[arg-type]
+    if _tuned(law):
         raise NotApplicable("the law has numbers that a scene must give")
     gap = _gaps(law)
     one, two = (_pressures(law, gap, stiffness)[0] for stiffness in (1e4, 2e4))
@@ -165,5 +231,6 @@ CHECKS: tuple[Check, ...] = (
     energy_is_the_integral,
     gaps_are_only_read,
     tractions_press_as_they_should,
+    adjoint_is_right_in_every_variant,
     stiffness_behind_scales,
 )

@@ -113,7 +113,7 @@ class SaddleSystem:
         border: list[Entries] = []
         lower: list[Floats] = []
         plan = eliminate(response)
-        if contact is not None and (len(plan.chosen) or contact.by_energy or contact.conditions.force.any()):
+        if contact is not None and (len(plan.chosen) or contact.acts):
             derivatives = contact.linearise(plan.chosen.astype(np.int32))
             self._fill_rigid_rows(plan, derivatives, response)
             border = self._border(plan, derivatives)
