@@ -121,6 +121,41 @@ def test_springs_of_an_edge_share_their_stiffness() -> None:
         assert bottom.mean() == pytest.approx(-1e-2, rel=1e-6)
 
 
+@pytest.mark.parametrize("element", ["q1", "q2"])
+@pytest.mark.parametrize("on", ["beam.bottom", "beam"])
+def test_a_stiff_beam_on_even_springs_sinks_and_turns_as_they_say(element: str, on: str) -> None:
+    """Sunk by P/k, turned by P e/(k L^2/12) under a load P at e from the middle, whatever the cells.
+
+    Its cells are eight times as long on the right as on the left: springs that nodes share by number would stand on the
+    left. Springs stand at nodes, whose moment of inertia exceeds that of the edge by up to (h/L)^2, and along x
+    within the height H of a body, too.
+    """
+    length, height, stiffness, force, off = 2.0, 0.1, 10.0, 0.01, 0.5
+    mesh = {"use": "rectangle", "x": [0.0, 1.0, length], "y": [0.0, height], "cells": [[32, 4], 2]}
+    made = model(
+        [{"use": "spring", "on": on, "stiffness": [1.0, stiffness]}],
+        {"beam": {"element": element, "material": "m", "mesh": mesh}},
+        integrator="newton", time={},
+        materials={"m": {"use": "linear-elastic", "young": 1e9, "poisson": 0.0, "density": DENSITY}},
+        # force / L (1 + 12 e (x - L/2)/L^2): its resultant is `force`, at `off` from the middle
+        loads=[{"on": "beam.top", "ty": -force / length, "profile": {"by": "x", "function": {
+            "use": "polynomial", "coefficients": [1.0 - 6.0 * off / length, 12.0 * off / length**2]}}}],
+    )  # fmt: skip
+    made.bound_integrator().step(1.0)
+    ends = [int(np.hypot(*(made.reference - [x, 0.0]).T).argmin()) for x in (0.0, length)]
+    sunk = made.state["displacement"][ends, 1]
+    turned = force * off / (stiffness * length**2 / 12.0) * length / 2.0
+    assert sunk.mean() == pytest.approx(-force / stiffness, rel=1e-5)  # k L^3/EI = 1e-3: it bends by less
+    assert sunk[0] - sunk[1] == pytest.approx(2.0 * turned, rel=(0.25 / length) ** 2 + (height / length) ** 2)
+
+
+def test_springs_of_bodies_and_of_edge_sets_are_declared_apart() -> None:
+    with pytest.raises(ContactlabError, match="bodies and edge sets in one list"):
+        model([{"use": "spring", "on": ["square", "square.top"], "stiffness": [1.0, 1.0]}])
+    with pytest.raises(ContactlabError, match="no such body"):
+        model([{"use": "spring", "on": ["square", "disc"], "stiffness": [1.0, 1.0]}])
+
+
 # --- damping ------------------------------------------------------------------------------------------
 
 

@@ -73,3 +73,33 @@ def test_a_slow_run_with_friction_is_not_stopped() -> None:
     force = static.summary["reactions"]["block.bottom"][1]
     # friction follows another path where the load comes in other steps: 1 % of it
     assert explicit.summary["reactions"]["block.bottom"][1] == pytest.approx(force, rel=2e-3)
+
+
+def plates(apart: float, start: dict[str, Any]) -> float:
+    """Force [N] of two plates of one width and unlike cells that are pressed together by 0.02, with `apart` between."""
+    data = {
+        "integrator": "newton",
+        "materials": {"m": {"use": "linear-elastic", "young": 1000.0, "poisson": 0.0, "density": 1e-9}},
+        "bodies": {
+            name: {"element": "q1", "material": "m", "shift": [0.0, shift],
+                   "mesh": {"use": "rectangle", "x": [0.0, 2.0], "y": y, "cells": cells}}
+            for name, shift, y, cells in (("low", 0.0, [-1.0, 0.0], [7, 3]), ("up", apart, [0.0, 1.0], [5, 4]))
+        },
+        "contacts": [{"slave": "up.bottom", "master": "low.top", "algorithm": "node-on-segment", **start}],
+        "supports": [{"on": "low.bottom", "ux": 0.0, "uy": 0.0},
+                     {"on": "up.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -0.02}}],
+        "record": {"frames": 1, "recorders": []},
+    }  # fmt: skip
+    results = contactlab.simulate(Scene.from_data(data))
+    assert results.status == "finished", results.reason
+    return results.summary["reactions"]["low.bottom"][1]
+
+
+@pytest.mark.parametrize("apart", [0.01, -0.01])
+def test_a_gap_of_zero_holds_for_whatever_holds_a_node_at_a_flush_end(apart: float) -> None:
+    """A distance that never counts changes nothing, to first order in distance over length of the plates (1 %).
+
+    A node at a flush end is held by a segment of the master, or by the master's corner on its own segment, as one plate
+    ends before the other: the distance of the start must not count under the one and be missed under the other.
+    """
+    assert plates(apart, {"start": {"gap": "zero"}}) == pytest.approx(plates(0.0, {}), rel=5e-3)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import ClassVar, NamedTuple
 
 from contactlab.api.arrays import Floats, Ints
@@ -23,6 +23,8 @@ class EffectView(NamedTuple):
     velocity      (N, 2) [mm/s], half a step back in explicit runs; zero without inertia
     bodies        names of all bodies
     nodes         nodes (k,) of "body" or "body.edge_set"; a wrong name ends in an error at the effect's key `on`
+    shares        nodes (k,) of bodies by name, or of edge sets, and the share (k,) of their area, or of their length,
+                  that each stands for; shares add up to 1
     factors       of a profile: (k,) [-] at nodes (k,), where they lie before the run
     """
 
@@ -32,6 +34,7 @@ class EffectView(NamedTuple):
     velocity: Floats
     bodies: tuple[str, ...]
     nodes: Callable[[str], Ints]
+    shares: Callable[[Sequence[str]], tuple[Ints, Floats]]
     factors: Callable[[Profile, Ints], Floats] = _uniform
 
 

@@ -271,3 +271,13 @@ def initial_gaps(pair: ContactPair, positions: Floats) -> Floats:
     """Gaps (k,) [mm] as the algorithm measures them at `positions`; `FAR` where it sets no condition."""
     pair.update(positions, np.zeros((pair.method.memory_size, len(pair.slave.nodes))))
     return np.asarray(pair.gaps[:, 0].copy())
+
+
+def start_distances(pair: ContactPair, positions: Floats) -> Floats:
+    """`initial_gaps`, and for a multiplier without a condition the distance that another one of its node has.
+
+    A node at the end of a chain is held by one of its multipliers or by the other, as one side ends before the other.
+    """
+    by_node = initial_gaps(pair, positions).reshape(pair.rows_per_node, -1)
+    nearest = by_node[np.abs(by_node).argmin(axis=0), np.arange(by_node.shape[1])]
+    return np.where(by_node < FAR, by_node, nearest).ravel()

@@ -207,14 +207,21 @@ def _judge_distance(model: Model, pair: ContactPair, curve: ContactCurve, stored
 
 
 def _signed_distances(points: Floats, position: Floats, surface: Surface) -> Floats:
-    """Distances (n,) of some points to the nearest segment of a surface, negative inside."""
+    """Distances (n,) of some points to the nearest segment of a surface, negative inside.
+
+    Beyond the end of a chain they are those along the normal of its last segment: no surface is there to stand off.
+    """
     begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
     along, apart = end - begin, points[:, None] - begin
-    at = np.clip((apart * along).sum(axis=2) / (along**2).sum(axis=1), 0.0, 1.0)
-    apart = apart - at[..., None] * along
+    at = (apart * along).sum(axis=2) / (along**2).sum(axis=1)
+    last = surface.node_segments[surface.segments, [0, 1]] < 0  # chain ends at the start, at the end of a segment
+    beyond = ((at < 0.0) & last[:, 0]) | ((at > 1.0) & last[:, 1])
+    apart = apart - np.clip(at, 0.0, 1.0)[..., None] * along
     nearest = (apart**2).sum(axis=2).argmin(axis=1)
-    off, edge = apart[np.arange(len(points)), nearest], along[nearest]
-    return np.asarray(np.hypot(*off.T) * np.sign(off[:, 0] * edge[:, 1] - off[:, 1] * edge[:, 0]))
+    every = np.arange(len(points))
+    off, edge = apart[every, nearest], along[nearest]
+    height = (off[:, 0] * edge[:, 1] - off[:, 1] * edge[:, 0]) / np.hypot(*edge.T)
+    return np.asarray(np.where(beyond[every, nearest], height, np.copysign(np.hypot(*off.T), height)))
 
 
 def _few_between_open_ones(curve: ContactCurve) -> bool:

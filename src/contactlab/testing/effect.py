@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,7 +38,7 @@ class Scenery:
             varying = of_nodes(profile, default_registry(), "profile")
             return varying.values(varying.at(reference[nodes]))
 
-        return cls(EffectView(reference, mass, *state, ("upper", "lower"), _nodes, factors))
+        return cls(EffectView(reference, mass, *state, ("upper", "lower"), _nodes, _shares, factors))
 
     def forces(self, effect: Effect, times: tuple[float, ...] = TIMES) -> list[Floats]:
         """Nodal forces at the times, one after another, from one binding."""
@@ -55,6 +56,11 @@ def _nodes(name: str) -> Ints:
     if body not in ("upper", "lower") or side not in sides:
         raise ValueError(f"on: got {name!r}, allowed: upper, lower, and .top or .bottom of them")
     return np.array([i + 6 * (body == "lower") for i in sides[side]], np.int32)
+
+
+def _shares(names: Sequence[str]) -> tuple[Ints, Floats]:
+    nodes: Ints = np.unique(np.concatenate([_nodes(name) for name in names]))
+    return nodes, np.full(len(nodes), 1.0 / len(nodes))
 
 
 def gives_forces(effect: Effect) -> None:

@@ -258,6 +258,30 @@ def test_nodes_that_press_before_they_touch_are_told_with_the_force_that_they_ad
     assert values[32] < 0.5 * values[16]
 
 
+def test_nodes_beyond_the_end_of_the_other_side_do_not_stand_off_from_it() -> None:
+    """A wide plate is slave on a narrow column: its node beside the column presses its part of a segment, no gap kept.
+
+    The column is compressed evenly: E u/h times its width, to the order of its strain of 1 %.
+    """
+    data = {
+        "integrator": "newton",
+        "materials": {"m": {**ELASTIC, "poisson": 0.0}, "hard": {**ELASTIC, "poisson": 0.0, "young": 1e10}},
+        "bodies": {
+            "column": {"element": "q1", "material": "m",
+                       "mesh": {"use": "rectangle", "x": [0.0, 1.0], "y": [0.0, 1.0], "cells": [4, 4]}},
+            "plate": {"element": "q1", "material": "hard",
+                      "mesh": {"use": "rectangle", "x": [-1.0, 2.0], "y": [1.0, 1.5], "cells": [7, 2]}},
+        },
+        "contacts": [{"slave": "plate.bottom", "master": "column.top", "algorithm": "mortar-p1"}],
+        "supports": [{"on": "column.bottom", "uy": 0.0}, {"on": "column.left", "ux": 0.0},
+                     {"on": "plate.top", "ux": 0.0, "uy": {"ramp": "linear", "to": -0.01}}],
+        "record": {"frames": 1, "recorders": []},
+    }  # fmt: skip
+    results = simulate(Scene.from_data(data))
+    assert results.summary["reactions"]["column.bottom"][1] == pytest.approx(0.01 * ELASTIC["young"], rel=1e-2)
+    assert "kept-gap" not in {warning.code for warning in results.warnings}
+
+
 def test_forces_that_are_round_off_are_not_judged() -> None:
     """A pressure that alternates is warned of, but not if the run had forces that are 1e17 times as large."""
     fine = {"bodies.upper.mesh.cells": [8, 2], "bodies.lower.mesh.cells": [8, 2]}

@@ -14,10 +14,10 @@ from contactlab.api import Effect, EffectView, Floats, Profile
 
 @dataclass(frozen=True)
 class Spring(Effect):
-    """Nodal forces -k u that together have the stiffness k, spread evenly over the nodes.
+    """Springs -k u that together have the stiffness k, spread evenly over the area of bodies or the length of edges.
 
-    on         "body" or "body.edge_set", or a list of them
-    stiffness  along x and y, of all nodes together [N/mm]
+    on         bodies or edge sets, one "body" or "body.edge_set" or a list
+    stiffness  along x and y, of all springs together [N/mm]
     profile    what the share of each node is multiplied by; not written: they are even
     """
 
@@ -33,8 +33,8 @@ class Spring(Effect):
 
     def bind(self, view: EffectView) -> Callable[[float, Floats], None]:
         """Attach the springs, which are without force at the undeformed positions."""
-        nodes, displacement = np.unique(np.concatenate([view.nodes(name) for name in self.on])), view.displacement
-        each = np.tile(np.asarray(self.stiffness) / len(nodes), (len(nodes), 1))
+        (nodes, shares), displacement = view.shares(self.on), view.displacement
+        each = np.outer(shares, self.stiffness)
         if self.profile is not None:
             each *= view.factors(self.profile, nodes)[:, None]
 

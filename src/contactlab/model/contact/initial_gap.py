@@ -9,7 +9,7 @@ import numpy as np
 
 from contactlab.api import Floats
 from contactlab.api.arrays import Flags
-from contactlab.contact.pair import ContactPair, initial_gaps
+from contactlab.contact.pair import ContactPair, initial_gaps, start_distances
 from contactlab.contact.start_gaps import FacetOverlap, RampedOverlap
 from contactlab.errors import SceneError, below
 from contactlab.kernels.contact.factored_rows import FAR
@@ -120,12 +120,12 @@ def refuse_overlap(plan: Any, pair: Any, bodies: tuple[Body, ...], positions: Fl
 
 def ramped_overlap(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> RampedOverlap:
     """How overlaps at `positions` come to count over `duration` [s]; the first of `time` is that of the gaps [s]."""
-    return RampedOverlap(initial_gaps(pair, positions), time, smooth(duration))
+    return RampedOverlap(start_distances(pair, positions), time, smooth(duration))
 
 
 def facet_overlap(pair: ContactPair, time: Floats, duration: float, positions: Floats) -> FacetOverlap | None:
     """Weak overlaps at `positions` where no node overlaps, which come to count over `duration` [s]; None without."""
-    gaps = initial_gaps(pair, positions)
+    gaps = start_distances(pair, positions)
     return FacetOverlap(gaps, time, smooth(duration)) if gaps.min() < -ROUND * pair.size else None
 
 

@@ -25,7 +25,7 @@ from contactlab.api import (
 from contactlab.api.arrays import Flags
 from contactlab.contact.contact_pairs import contact_pair
 from contactlab.contact.explicit_system import ContactSystem
-from contactlab.contact.pair import ContactPair, initial_gaps
+from contactlab.contact.pair import ContactPair, start_distances
 from contactlab.contact.sliding import rows_of
 from contactlab.contact.start_gaps import ZeroStart
 from contactlab.errors import PartError, SceneError, below
@@ -252,7 +252,7 @@ def build_contact(
         if plan.start.overlap == "ramp":
             pair.start_gaps = ramped_overlap(pair, time, plan.start.duration or ramp_time, reference)
         elif plan.start.gap == "zero":
-            pair.start_gaps = ZeroStart(initial_gaps(pair, reference))
+            pair.start_gaps = ZeroStart(start_distances(pair, reference))
         refuse_overlap(plan, pair, bodies, reference)
         if pair.start_gaps is None and "velocity" in state and not pair.by_energy:
             # statics go to the end, where the overlap counts; what moves freely keeps its energy, and the overlap

@@ -14,6 +14,7 @@ from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import nodes_of
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.model.loading.node_profiles import tell_unresolved
+from contactlab.model.loading.node_shares import shares_of
 from contactlab.scene.reading import refused_later
 
 if TYPE_CHECKING:
@@ -45,8 +46,9 @@ def build_effects(
     for number, effect in enumerate(made):
         where = scene.where(f"effects.{number}")
         nodes = partial(nodes_of, bodies, where=below(where, "on"))
+        shares = partial(shares_of, bodies, reference, where=below(where, "on"))
         factors = partial(_factors, bodies, reference, registry, below(where, "profile"), told)
-        view = EffectView(reference, mass, displacement, velocity, names, nodes, factors)
+        view = EffectView(reference, mass, displacement, velocity, names, nodes, shares, factors)
         try:
             loads.append(effect.bind(view))
         except ValueError as problem:
