@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from contactlab.api import Floats, NormalLaw, formula
+from contactlab.parts.contract import faults
 from contactlab.testing import normal_law
 from contactlab.testing.assertions import NotApplicable
-
-NONE: Floats = np.zeros(0)
 
 
 @dataclass(frozen=True)
@@ -21,6 +20,7 @@ class Square(NormalLaw):
     length_scale = "open_at"
 
     open_at: float = 0.01
+    factor: float = 1.0
     flaw: str = ""
 
     def begins(self) -> float:
@@ -28,6 +28,7 @@ class Square(NormalLaw):
 
     def pressure(self, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats) -> None:
         k = 1e4 if self.flaw == "does not follow the cells" else stiffness
+        k = self._stiffer() * k
         close = self.open_at - gap if self.flaw == "grips" else np.maximum(self.open_at - gap, 0.0)
         pressure[:] = k * close**2 / self.open_at
         slope[:] = -2.0 * k * close / self.open_at
@@ -44,9 +45,32 @@ class Square(NormalLaw):
         if self.flaw == "writes gaps":
             gap[:] = np.minimum(gap, self.open_at)
 
+    def _stiffer(self) -> float:
+        return self.factor
+
     def energy(self, gap: Floats, stiffness: Floats, size: Floats) -> Floats:
         share = 0.5 if self.flaw == "half the energy" else 1.0
         return share * super().energy(gap, stiffness, size)
+
+
+@dataclass(frozen=True)
+class Capped(Square):
+    """A largest pressure, which is reached far from where it begins."""
+
+    most: float = 1e5
+
+    def pressure(self, gap: Floats, stiffness: Floats, size: Floats, pressure: Floats, slope: Floats) -> None:
+        super().pressure(gap, stiffness, size, pressure, slope)
+        slope[pressure > self.most] = 0.0
+        np.minimum(pressure, self.most, out=pressure)
+
+
+@dataclass(frozen=True)
+class Deaf(Square):
+    """`factor` does nothing."""
+
+    def _stiffer(self) -> float:
+        return 1.0
 
 
 @dataclass(frozen=True)
@@ -65,8 +89,8 @@ class Lean(NormalLaw):
         size: Floats,
         pressure: Floats,
         slope: Floats,
-        traction: Floats = NONE,
-        by_traction: Floats = NONE,
+        traction: Floats,
+        by_traction: Floats,
     ) -> None:
         felt = np.abs(traction) if self.flaw == "tension presses" else traction
         felt = -traction if self.flaw == "of the other sign" else felt
@@ -141,6 +165,7 @@ def caught(law: NormalLaw) -> set[str]:
 def test_right_laws_pass() -> None:
     assert not caught(Square())
     assert not caught(Square(open_at=1.0))
+    assert not caught(Capped())
     assert not caught(Lean())
     assert not caught(Variant())
 
@@ -204,6 +229,18 @@ def test_defects_of_adjoints_are_caught_whatever_the_default_variant(law: Varian
 def test_an_adjoint_needs_tractions() -> None:
     with pytest.raises(TypeError, match=r"Blind.adjoint works on tractions, allowed: with needs"):
         type("Blind", (Square,), {"adjoint": Variant.adjoint})
+
+
+def test_a_number_with_a_default_that_does_nothing_is_caught_in_the_law_by_default() -> None:
+    assert caught(Deaf()) == {"its_numbers_matter"}
+    assert not caught(Deaf(factor=2.0))
+
+
+def test_arguments_are_those_of_the_needs() -> None:
+    """An array method takes what the law declares, and no less."""
+    assert not faults("enforcement", Lean)
+    blind = type("Blind", (Lean,), {"pressure": Square.pressure, "__module__": __name__})
+    assert "is called with (self, gap, stiffness, size, pressure, slope, traction" in faults("enforcement", blind)[0]
 
 
 def test_needs_that_are_not_there_are_named() -> None:

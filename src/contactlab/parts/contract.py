@@ -111,9 +111,13 @@ def _other_arguments(target: type) -> list[str]:
     for base in (base for base in target.__mro__ if base.__module__.startswith("contactlab.api.")):
         for name, method in vars(base).items():
             own = inspect.getattr_static(target, name)
-            if not inspect.isfunction(method) or name.startswith("_") or own is method or not inspect.isfunction(own):
+            if not inspect.isfunction(method) or name.startswith("_") or not inspect.isfunction(own):
+                continue
+            if inspect.unwrap(own) is method:  # the contract's own, or made of a formula
                 continue
             given = {p.name: p for p in inspect.signature(method).parameters.values()}
+            if name == "pressure" and issubclass(target, NormalLaw):
+                given |= {more: given["self"] for need in target.needs for more in (need, f"by_{need}")}
             named = {n: None for n, p in given.items() if p.kind is p.KEYWORD_ONLY}
             if any(p.kind is p.VAR_KEYWORD for p in given.values()):  # what the part declares, by name
                 named = dict.fromkeys((*target.needs, *target.memory))  # type: ignore[attr-defined]

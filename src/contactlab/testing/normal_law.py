@@ -11,12 +11,13 @@ import numpy as np
 
 from contactlab.api import Enforcement, Floats, NormalLaw
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
-from contactlab.testing.other_values import others
+from contactlab.testing.other_values import changed, others
 from contactlab.testing.scales import scale_of
 
 COUNT = 201
 DEPTHS = 3.0  # lengths of the law that are looked at on both sides of where it begins
 APART = 1e-5  # of that length: central differences err by its square, and by round-off over it
+FAR = 100.0  # times these gaps is as deep as a limit of the pressure may lie
 KINKS = 0.05  # share of gaps beside which a law may have a kink: differences across it are wrong
 OVERLAP = 0.01  # mm, of a law without a length of its own
 
@@ -86,12 +87,33 @@ def conditions_do_not_know_each_other(enforcement: Enforcement) -> None:
 
 
 def its_numbers_matter(enforcement: Enforcement) -> None:
-    """Every number without a default changes the pressure."""
+    """Every number changes a pressure: one without a default near where it begins, any other as far as 100 times that.
+
+    Numbers with a default are looked at in the law as it is by default: one that is given may replace another.
+    """
     law = _law(enforcement)
     gap = _gaps(law)
     before = _pressures(law, gap)[0]
     for name, other in others(law):
         require(np.any(_pressures(other, gap)[0] != before), f"the field {name} changes no pressure")
+    if _tuned(law) or law != type(law)():
+        return
+    begins = law.begins()
+    far = np.concatenate([gap, begins + FAR * (gap - begins), np.zeros(COUNT)])
+    before = _under_stress(law, far)
+    for name, other in changed(law):
+        require(np.any(_under_stress(other, far) != before), f"the field {name} changes no pressure, whatever it is")
+
+
+def _under_stress(law: Any, gap: Floats) -> Floats:
+    """Pressures (k,), and adjoints if the law has tractions of both signs."""
+    stiffness, size = np.full_like(gap, 1e4), np.full_like(gap, 0.5)
+    if not law.needs:
+        return _pressures(law, gap)[0]
+    traction, out = np.resize(_tractions(), len(gap)), np.zeros((6, len(gap)))
+    law.pressure(gap.copy(), stiffness, size, out[0], out[1], traction, out[2])
+    law.adjoint(out[0].copy(), stiffness, size, out[3], out[4], traction, out[5])
+    return out[[0, 3]]
 
 
 def energy_is_the_integral(enforcement: Enforcement) -> None:

@@ -23,8 +23,13 @@ def others(part: Any) -> Iterator[tuple[str, Any]]:
 
 def any_others(part: Any) -> Iterator[tuple[str, Any]]:
     """The part with each number changed in turn, one with a default as well, and the name of the field."""
-    yield from ((field.name, other) for field, other in _changed(part))
+    yield from changed(part)
     yield from switched_on(part)
+
+
+def changed(part: Any) -> Iterator[tuple[str, Any]]:
+    """The part with each number but 0 changed in turn, one with a default as well, and the name of the field."""
+    yield from ((field.name, other) for field, other in _changed(part))
 
 
 def _changed(part: Any) -> Iterator[tuple[Any, Any]]:
