@@ -27,6 +27,7 @@ class PotentialView(NamedTuple):
     length         (n,) [mm] half the undeformed length of the segments at each node
     modulus        (n,) [MPa] stiffness of the material behind each node, density times squared speed of its
                    dilatational waves; inf on rigid surfaces
+    stiffness      (n,) [MPa/mm] that modulus over the depth of the cells behind the node; inf on rigid surfaces
     start          (n, 2) [mm] positions at the start of the step
     lagged         (n, 2) [mm] positions that normal forces of friction belong to: those at the start of the step, then
                    those of the last iteration that converged
@@ -39,6 +40,7 @@ class PotentialView(NamedTuple):
     reference: Floats
     length: Floats
     modulus: Floats
+    stiffness: Floats
     start: Floats
     lagged: Floats
     friction: FrictionBound | None

@@ -26,17 +26,17 @@ def contact_pair(
     first_slot: int,
     friction: FrictionLaw | None,
     fixed: Flags,
-    modulus: Floats | None = None,
+    behind: tuple[Floats, Floats] | None = None,
 ) -> ContactPair:
     """A pair of slave and master at work; `fixed` (m,) marks slave nodes that cannot move.
 
-    `modulus` (N,) [MPa] of the material behind each node is what potentials see.
+    Potentials see what is `behind` each node (N,): a modulus [MPa], and that over the depth of its cells [MPa/mm].
     """
     if isinstance(algorithm, Potential):
         from contactlab.contact.potential_pair import PotentialPair
 
-        behind = np.ones(len(reference)) if modulus is None else modulus
-        return PotentialPair(name, algorithm, sides, reference, first_slot, friction, behind)
+        ones = np.ones(len(reference))
+        return PotentialPair(name, algorithm, sides, reference, first_slot, friction, behind or (ones, ones))
     if isinstance(algorithm, GapAlgorithm):
         return GapPair(name, algorithm, *sides, reference, first_slot, friction)
     assert isinstance(algorithm, ContactAlgorithm)

@@ -61,9 +61,9 @@ class PotentialPair(GapPair):
         reference: Floats,
         first_slot: int,
         friction: FrictionLaw | None,
-        modulus: Floats,
+        behind: tuple[Floats, Floats],
     ) -> None:
-        """`modulus` (N,) [MPa] of the material behind each node."""
+        """`behind` each node (N,): the modulus [MPa] of the material, and that over the depth of its cells [MPa/mm]."""
         super().__init__(name, ClosestPoints(), *sides, reference, first_slot, friction)
         self.method, self.potential = potential, potential
         self.nodes = np.concatenate([self.slave.nodes, self.master.nodes])
@@ -73,7 +73,8 @@ class PotentialPair(GapPair):
         length = np.zeros(len(at))
         np.add.at(length, edges, 0.5 * np.hypot(*(at[edges[:, 1]] - at[edges[:, 0]]).T)[:, None])
         bound = friction.bound() if friction is not None else None
-        self.view = PotentialView(*sides, edges, at, length, modulus[self.nodes], at.copy(), at.copy(), bound)
+        modulus, stiffness = (values[self.nodes] for values in behind)
+        self.view = PotentialView(*sides, edges, at, length, modulus, stiffness, at.copy(), at.copy(), bound)
         self.position, self.at_nodes, self.pushed = reference, at.copy(), np.zeros_like(at)
         self.rubbed: Floats | None = None
         self.kept = np.zeros_like(at)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contactlab.api import Potential
 from contactlab.parts.loading import CORE
 from contactlab.parts.registry import Registry, known_packages
 from contactlab.testing.assertions import NotApplicable
@@ -14,8 +15,9 @@ def partners(registry: Registry, kind: str) -> list[str]:
 
 
 def usual_algorithm(registry: Registry) -> str:
-    """A shipped contact algorithm that passes the patch test."""
+    """A shipped contact algorithm that passes the patch test and sets conditions, so that all integrators take it."""
     for name in partners(registry, "contact"):
-        if registry.part_class("contact", name).passes_patch_test:
+        cls = registry.part_class("contact", name)
+        if cls.passes_patch_test and not issubclass(cls, Potential):
             return name
     raise NotApplicable("no contact algorithm that passes the patch test is installed")

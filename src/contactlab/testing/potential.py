@@ -7,12 +7,13 @@ import numpy as np
 from contactlab.api import Floats, FrictionBound, Potential, PotentialView
 from contactlab.contact.potential_pair import differences
 from contactlab.testing.assertions import Check, NotApplicable, agree, require, untouched
-from contactlab.testing.surfaces import flat, pair_of, rotation
+from contactlab.testing.surfaces import chains, consistent_loads, flat, pair_of, rotation, stations
 
 INSIDE = 0.05  # of a segment that surfaces overlap if the potential lets them
 STEP = 1e-6  # of a segment: differences of energies and gradients
 DIFFERENCES = 1e-4  # of the largest entry: differences across kinks of closest points, and round-off
 ROUND_OFF = 1e-9  # of the largest force
+EVEN = 1e-11  # of the largest force: round-off of sums over segments
 
 
 def _pressed(potential: Potential, lift: float | None = None) -> tuple[PotentialView, Floats]:
@@ -80,6 +81,49 @@ def rigid_motions_keep_the_energy(potential: Potential) -> None:
     agree(potential.gradient(view, moved), potential.gradient(view, at) @ turn, 1e-7 * largest, "forces, turned")
 
 
+def patch_test(potential: Potential) -> None:
+    """A uniform overlap of sides of one length presses both evenly whatever the meshes, if the part declares so."""
+    if not potential.passes_patch_test:
+        raise NotApplicable("the part declares that it fails the patch test")
+    for order, edges in ((1, (6, 5)), (1, (3, 8)), (2, (3, 4))):
+        x = [stations(0.0, 2.0, count, order, seed) for seed, count in enumerate(edges)]
+        at = chains(*(np.stack([side, np.zeros_like(side)], axis=1) for side in x), order)
+        at = at.lifted((0.0, -INSIDE * at.spacing))
+        pair = pair_of(potential, at)[0]
+        m, force = len(at.slave.nodes), np.zeros_like(at.nodes)
+        force[pair.nodes] = -potential.gradient(pair.view, pair.view.reference)
+        loads = consistent_loads(at, at.slave, 0.0, 2.0) - consistent_loads(at, at.master, 0.0, 2.0)
+        even = np.stack([np.zeros(len(loads)), loads * 0.5 * force[at.slave.nodes, 1].sum()], axis=1)
+        what = (
+            f"forces of a uniform overlap, {edges[0]} {'straight' if order == 1 else 'quadratic'} edges on {edges[1]}"
+        )
+        agree(force, even, EVEN * np.abs(even).max(), what)
+        normal, length = np.tile([0.0, -1.0], (m, 1)), pair.full[:m]
+        found = potential.pressures(pair.view, pair.view.reference, normal, length)
+        if found is not None:
+            mean = float(found.pressure.mean())
+            agree(found.pressure, np.full(m, mean), EVEN * abs(mean), f"pressures of a uniform overlap, order {order}")
+
+
+def pressures_sum_to_the_forces(potential: Potential) -> None:
+    """Pressures and shears times lengths sum to the normal and tangential force on the slave."""
+    view, at = _pressed(potential)
+    at = np.where(np.arange(2) == 1, np.round(at, 2), at)  # straight sides: one normal
+    m, normal = len(view.slave.nodes), np.tile([0.0, -1.0], (len(view.slave.nodes), 1))
+    view = view._replace(friction=FrictionBound(0.3, 0.0, np.inf) if potential.rubs else None)
+    view.start[:] = view.lagged[:] = at
+    length, slid = np.linspace(0.5, 1.5, m), at.copy()
+    slid[:m, 0] += 0.1 * float(view.length.min())
+    found = potential.pressures(view, slid, normal, length)
+    if found is None:
+        raise NotApplicable("the core divides forces by lengths")
+    force, close = -potential.gradient(view, slid)[:m], ROUND_OFF * m * _scale(potential, view, slid)
+    agree(float(found.pressure @ length), float(force[:, 1].sum()), close, "sum of the pressures")
+    if potential.rubs:
+        rub = -potential.friction_gradient(view, slid)[:m]
+        agree(float(found.shear @ length), float(rub[:, 0].sum()), close, "sum of the shears")
+
+
 def no_force_when_apart(potential: Potential) -> None:
     """Surfaces that are two segments apart have no force."""
     view, at = _pressed(potential, lift=2.0 * flat().spacing)
@@ -117,6 +161,25 @@ def friction_opposes_slip(potential: Potential) -> None:
     require(np.abs(force[: len(view.slave.nodes), 0]).sum() <= 0.31 * pressed, "friction is above its bound")
 
 
+def friction_hessian_is_the_derivative(potential: Potential) -> None:
+    """The Hessian of friction is the derivative of its gradient, whether points stick or slide."""
+    view, at = _pressed(potential)
+    if not potential.rubs:
+        raise NotApplicable("it has no friction")
+    view = view._replace(friction=FrictionBound(0.3, 0.0, np.inf))
+    if potential.friction_hessian(view, at) is None:
+        raise NotApplicable("the core takes differences of its gradient")
+    small = 1e-4 * (potential.clearance(view) or float(view.length.min()))
+    stiffest = float(np.abs(potential.friction_hessian(view, at).toarray()).max())
+    for slip in (0.0, small, 100.0 * small):
+        moved = at.copy()
+        moved[: len(view.slave.nodes), 0] += slip
+        dense = potential.friction_hessian(view, moved).toarray()
+        agree(dense, dense.T, ROUND_OFF * stiffest, "Hessian of friction against its transpose")
+        found = differences(potential.friction_gradient, view, moved, 1e-3 * small)
+        agree(dense, found, 1e-2 * stiffest, f"derivative of friction after a slip of {slip:.3g} mm")
+
+
 def arrays_are_only_read(potential: Potential) -> None:
     """Positions and view stay as they are, and the same question has the same answer to the last bit."""
     view, at = _pressed(potential)
@@ -132,9 +195,12 @@ CHECKS: tuple[Check, ...] = (
     gradient_is_the_derivative,
     hessian_is_the_derivative,
     forces_balance,
+    patch_test,
+    pressures_sum_to_the_forces,
     rigid_motions_keep_the_energy,
     no_force_when_apart,
     steps_end_before_surfaces_meet,
     friction_opposes_slip,
+    friction_hessian_is_the_derivative,
     arrays_are_only_read,
 )

@@ -1,1 +1,1 @@
-"""Contact at points of the slave, nodes or Gauss points, for contactlab."""
+"""Contact at points of the slave, nodes or Gauss points, and contact without a slave, for contactlab."""

@@ -1,4 +1,4 @@
-"""Contact at points of the slave on offer."""
+"""Contact at points of the slave, and without a slave, on offer."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from contactlab.api.plugin import Part, hookimpl
 
 @hookimpl
 def contactlab_parts() -> list[Part]:
-    """Offer one-pass contact of nodes and of Gauss points with segments."""
+    """Offer one-pass contact of nodes and of Gauss points with segments, and contact without a slave."""
     return [
         Part(
             "contact",
@@ -22,5 +22,12 @@ def contactlab_parts() -> list[Part]:
             "contactlab_segments.gauss_point:GaussPoint",
             "Gauss points of the slave against master segments, one pass",
             "Fischer & Wriggers 2005",
+        ),
+        Part(
+            "contact",
+            "midplane",
+            "contactlab_segments.midplane:Midplane",
+            "overlaps of both sides on their common line, a penalty without slave and master; implicit runs",
+            "McDevitt & Laursen 2000; Sauer & De Lorenzis 2013",
         ),
     ]

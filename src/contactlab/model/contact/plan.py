@@ -73,10 +73,10 @@ class ContactPlan:
         """Number of multipliers that the contact can have."""
         return self.algorithm.rows_per_node * len(self.slave.nodes)
 
-    def pair(self, positions: Floats, first_slot: int, immobile: Flags, modulus: Floats | None = None) -> ContactPair:
-        """The pair at work. `immobile` (N,) marks nodes that cannot move; `modulus` (N,) [MPa] is for potentials."""
+    def pair(self, positions: Floats, first_slot: int, immobile: Flags, behind: Any = None) -> ContactPair:
+        """The pair at work. `immobile` (N,) marks nodes that cannot move; `behind` is for potentials."""
         sides, fixed = (self.slave, self.master), immobile[self.slave.nodes]
-        pair = contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, modulus)
+        pair = contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, behind)
         if self.smooth:
             from contactlab.model.contact.smooth import make_smooth
 
@@ -235,18 +235,16 @@ def build_contact(
     held[fixed_dof] = True
     immobile = np.asarray(held.reshape(-1, 2).all(axis=1))
     enforcement: Any = plans[0].enforcement
-    modulus = None
     if any(map(by_energy, plans)):
-        from contactlab.model.contact.potential_start import begin_open, stiffness_behind
-
-        modulus = stiffness_behind(bodies, len(reference))
+        from contactlab.model.contact.potential_start import begin_open, what_lies_behind
     explicit = plans[0].explicit
     # steps that iterate look for a state at their end, explicit ones go on from where they are
     time = state["clock"] if explicit else np.zeros(1)
     pairs, first = [], 0
     for plan in plans:
         refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
-        pair = plan.pair(reference, first, immobile, modulus)
+        behind = what_lies_behind(plan, bodies, reference) if by_energy(plan) else None
+        pair = plan.pair(reference, first, immobile, behind)
         if by_energy(plan):
             begin_open(plan, pair, reference)
         if plan.start.overlap == "ramp":

@@ -13,6 +13,7 @@ from contactlab.contact.closest import closest_points, first_crossing
 from contactlab.errors import PartError, SceneError, below
 from contactlab.kernels.contact.search import near_segments
 from contactlab.model.bodies.body import Body, positions_of
+from contactlab.model.contact.cells_behind import stiffness_behind
 from contactlab.model.contact.initial_gap import moved_body, refuse_overlap
 
 if TYPE_CHECKING:
@@ -60,12 +61,17 @@ def refuse_potential(
             )  # fmt: skip
 
 
-def stiffness_behind(bodies: tuple[Body, ...], nodes: int) -> Floats:
-    """Dilatational modulus (N,) [MPa] of the material of each node's body; inf on rigid surfaces."""
-    out = np.full(nodes, np.inf)
+def what_lies_behind(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats) -> tuple[Floats, Floats]:
+    """Dilatational modulus (N,) [MPa] of the material of each node's body, and that over the depth of its cells.
+
+    Both are inf on rigid surfaces; the second, [MPa/mm], is that of the contact's own nodes.
+    """
+    modulus, stiffness = np.full((2, len(positions)), np.inf)
     for body in bodies:
-        out[body.first : body.first + body.count] = body.dilatational_modulus
-    return out
+        modulus[body.first : body.first + body.count] = body.dilatational_modulus
+    for side in (plan.slave, plan.master):
+        stiffness[side.nodes] = stiffness_behind(side, bodies, positions)
+    return modulus, stiffness
 
 
 def opened(
@@ -73,21 +79,21 @@ def opened(
 ) -> tuple[tuple[ContactPlan, ...], tuple[Body, ...]]:
     """The contacts and bodies with slave nodes moved where a potential needs more room than the scene leaves it."""
     positions, found = positions_of(bodies, rigid), []
-    modulus = stiffness_behind(bodies, len(positions))
     for plan in plans:
-        amount = _open(plan, bodies, positions, modulus) if isinstance(plan.algorithm, Potential) else 0.0
+        amount = _open(plan, bodies, positions) if isinstance(plan.algorithm, Potential) else 0.0
         found.append(replace(plan, opened=amount) if amount > 0.0 else plan)
     if not any(plan.opened for plan in found):
         return plans, bodies
     return tuple(found), tuple(moved_body(body, positions, plans[0].where) for body in bodies)
 
 
-def _open(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats, modulus: Floats) -> float:
+def _open(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats) -> float:
     """Move slave nodes in `positions` into their body until surfaces are apart; by how much at most [mm].
 
     All move first by the largest distance that is missing, so that the gap keeps its shape.
     """
-    pair: Any = plan.pair(positions, 0, np.zeros(len(positions), np.bool_), modulus)
+    behind = what_lies_behind(plan, bodies, positions)
+    pair: Any = plan.pair(positions, 0, np.zeros(len(positions), np.bool_), behind)
     clearance = float(pair.potential.clearance(pair.view))
     if not clearance > 0.0:
         return 0.0

@@ -6,18 +6,22 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from contactlab.api import Case, Setup
 from contactlab.cases.run_case import evaluated, run_case, unfit
 from contactlab.cases.verdict import Finding, allowed, judge
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
-from contactlab.testing.assertions import Expected, NotApplicable
+from contactlab.testing.assertions import Expected, NotApplicable, require
 from contactlab.testing.partners import usual_algorithm
 from contactlab.testing.subject import Subject
 
 PACKAGE = "contactlab-cases"
 ENERGY = "rise of energy"
 """What measures of energy that contact makes have in their name."""
+EVEN = 1e-10
+"""Of the largest stress: round-off of a solve."""
 WORK = 5000.0
 """Steps and iterations of a run that sets no limit."""
 
@@ -52,6 +56,17 @@ def answer(subject: Subject, question: Question) -> None:
     if why:
         raise Expected(f"{said}; {why}")
     raise AssertionError(said)
+
+
+def answer_evenly(subject: Subject, question: Question) -> None:
+    """Put a patch test to a potential: the stress is uniform to round-off, if short of that of sides that touch."""
+    case = _case(subject.registry, question)
+    _, done = run_case(case, _setup(subject, case, question), subject.registry, work=WORK)
+    for record in done.values():
+        require(record.status == "finished", f"{question.label}: the run ended as {record.status}: {record.reason}")
+        stress = np.concatenate([values.reshape(-1, values.shape[-1]) for values in record.stress.values()])
+        spread = float(np.ptp(stress, axis=0).max() / np.abs(stress).max())
+        require(spread <= EVEN, f"{question.label}: the stress differs by {spread:.3g} of the largest, allowed {EVEN}")
 
 
 def found_of(subject: Subject, question: Question) -> Finding:

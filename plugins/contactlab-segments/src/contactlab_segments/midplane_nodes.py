@@ -1,0 +1,51 @@
+"""From the nodes of two surfaces to the vertices that press on each other, and back."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import coo_array, csr_array, eye_array, kron
+
+from contactlab.api import Floats, Ints, PotentialView
+
+EDGE = 0.1  # of its neighbour's force: what a node beyond the edge of contact may bear for itself
+
+
+def polygon(view: PotentialView) -> Any:
+    """Vertices (n, n) by nodes: quadratic edges count as two segments that enclose the same area, by Simpson's rule.
+
+    Equal areas make a uniform pressure on the segments the consistent forces 1/6, 4/6, 1/6 on the nodes of the edge.
+    """
+    n = len(view.reference)
+    found = eye_array(n, format="csr")
+    for edges in (view.slave.edges, view.master.edges + len(view.slave.nodes)):
+        if edges.shape[1] == 3:
+            place = np.repeat(edges[:, 2], 3), edges.ravel()
+            found = found + csr_array((np.tile([-1 / 6, -1 / 6, 1 / 3], len(edges)), place), shape=(n, n))
+    return found
+
+
+def assembled(view: PotentialView, nodes: Ints, block: Floats) -> Any:
+    """Matrix (2n, 2n) of the nodes from blocks (c, 8, 8) of four vertices (c, 4) each."""
+    size = 2 * len(view.reference)
+    dof = (2 * nodes[:, :, None] + np.arange(2)).reshape(-1, 8)
+    place = np.repeat(dof, 8, axis=1).ravel(), np.tile(dof, 8).ravel()
+    by_node = kron(polygon(view), eye_array(2), "csr")
+    return by_node.T @ coo_array((block.ravel(), place), shape=(size, size)).tocsr() @ by_node
+
+
+def gathered(view: PotentialView, forces: Floats) -> Floats:
+    """Forces (2, m) of the slave's nodes, where those beyond the edge of contact that are small are their neighbour's.
+
+    Their hats reach into the last segment that presses. Mortars, too, merge multipliers with little cover.
+    """
+    segments, found = view.slave.segments, forces.copy()
+    here, there = np.concatenate([segments, segments[:, ::-1]]).T
+    load = forces[0]
+    bare = np.zeros(len(load), np.bool_)
+    bare[here[load[there] <= 0.0]] = True
+    small = bare[here] & (load[here] > 0.0) & (load[here] < EDGE * load[there])
+    np.add.at(found.T, there[small], forces[:, here[small]].T)
+    found[:, here[small]] = 0.0
+    return found
