@@ -2,6 +2,7 @@
 
     python benchmarks/studies/methods.py            # measures all and keeps methods.csv, three turns, some minutes
     python benchmarks/studies/methods.py mortar-p1  # errors of some methods anew
+    python benchmarks/studies/methods.py nitsche --costs  # and their costs, by turns with mortar-p0
 
 Pressures of disc-on-block in statics against the reference, at three levels with either side as slave, and what the
 sides' exchange changes; CPU time of a Newton iteration and of an explicit step, by turns of all methods. The page also
@@ -13,7 +14,7 @@ from __future__ import annotations
 import argparse
 import os
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from statistics import median
 from typing import Any, Final
@@ -30,10 +31,22 @@ COLUMNS: Final = ("method", "slave", "level", "quantity", "value")
 LEVELS: Final = (1, 2, 4)
 FINEST: Final = max(LEVELS)
 DEPTH, STEPS, EXPLICIT_END = 0.1581, 5, 4e-6
-CONES: Final = {f"{name}, strong cone": {"use": name, "cone": "strong"} for name in ("mortar-p0", "mortar-p1")}
-METHODS: Final[Mapping[str, Any]] = {
-    name: name for name in ("node-on-segment", "gauss-point", "mortar-p0", "mortar-p1", "mortar-dual")
-} | dict(CONES)
+BASE: Final = "mortar-p0"
+PLAIN: Final = ("node-on-segment", "gauss-point", "mortar-p0", "mortar-p1", "mortar-dual")
+CONES: Final = {
+    f"{name}, strong cone": {"algorithm": {"use": name, "cone": "strong"}} for name in ("mortar-p0", "mortar-p1")
+}
+SMOOTH: Final = {f"{name}, smooth": {"algorithm": name, "smooth": True} for name in PLAIN if name.startswith("mortar")}
+STATICS: Final = {
+    ", ".join(["nitsche", *(f"{name} = {value}" for name, value in numbers.items())]): {
+        "algorithm": "mortar-p1", "enforcement": {"use": "nitsche", **numbers},
+    }
+    for numbers in ({}, {"theta": 1}, {"theta": -1}, {"theta": -1, "gamma": 1.0}, {"theta": -1, "gamma": 100.0})
+}  # fmt: skip
+METHODS: Final[Mapping[str, Mapping[str, Any]]] = {
+    **{name: {"algorithm": name} for name in PLAIN}, **CONES, **SMOOTH, **STATICS,
+}  # fmt: skip
+"""Keys of the contact by the name of a method."""
 SLAVES: Final = {"disc": False, "block": True}
 
 
@@ -47,8 +60,9 @@ def scene(method: str, slave: str, level: int, changes: Mapping[str, Any]) -> An
     """Disc-on-block with a method."""
     import contactlab
 
-    keys = {"level": level, "contacts.0.algorithm": METHODS[method], "contacts.0.swap": SLAVES[slave]}
-    return contactlab.load_scene("disc-on-block").with_({**keys, "record.recorders": [], **changes})
+    keys = {f"contacts.0.{name}": value for name, value in METHODS[method].items()}
+    keys |= {"level": level, "contacts.0.swap": SLAVES[slave], "record.recorders": []}
+    return contactlab.load_scene("disc-on-block").with_({**keys, **changes})
 
 
 def statics(method: str, slave: str, level: int) -> Any:
@@ -96,16 +110,18 @@ def accuracies(method: str, level: int) -> list[Row]:
     return rows
 
 
-def costs(turns: int) -> list[Row]:
+def costs(turns: int, methods: Iterable[str]) -> list[Row]:
     """CPU time of an iteration at the finest level and of an explicit step at the coarsest one, medians of turns.
 
-    And the contact's share of it per node of the slave.
+    And the contact's share of it per node of the slave. Methods of statics have no explicit step.
     """
     spent: dict[tuple[str, str, str], list[float]] = {}
     kinds: Mapping[str, tuple[Callable[..., Any], int]] = {"iteration": (statics, FINEST), "step": (explicit, 1)}
     for turn in range(turns + 1):  # the first one compiles
-        for method in METHODS:
+        for method in methods:
             for kind, (run, level) in kinds.items():
+                if kind == "step" and method in STATICS:
+                    continue
                 results = run(method, "disc", level if turn else 1)
                 cost = results.summary["cost"]
                 each = cost["run_cpu_s"] / results.summary["iterations" if kind == "iteration" else "steps"]
@@ -115,6 +131,16 @@ def costs(turns: int) -> list[Row]:
                     spent.setdefault((method, kind, str(level)), []).append(each)
                     spent.setdefault((method, f"{kind}, contact per node", str(level)), []).append(share * each / nodes)
     return [_row(method, "disc", int(level), kind, median(times)) for (method, kind, level), times in spent.items()]
+
+
+def scaled_costs(turns: int, methods: Iterable[str], kept: list[Row]) -> list[Row]:
+    """Costs of some methods, by turns with mortar-p0, times what it costs in `kept` over what it costs now."""
+    found = costs(turns, dict.fromkeys((BASE, *methods)))
+    now, before = _Values(found), _Values(kept)
+    for row in found:
+        place = "disc", int(row["level"]), row["quantity"]
+        row["value"] = f"{float(row['value']) * before(BASE, *place) / now(BASE, *place):.4g}"
+    return [row for row in found if row["method"] != BASE]
 
 
 def _row(method: str, slave: str, level: int, quantity: str, value: Any) -> Row:
@@ -175,7 +201,7 @@ def _pressures(rows: list[Row]) -> str:
     for method in METHODS:
         if method in CONES:
             continue
-        line = [f"`{method}`"]
+        line = [_named(method)]
         for slave in SLAVES:
             errors = [value(method, slave, level, "error") for level in LEVELS]
             order = np.log(errors[0] / errors[-1]) / np.log(LEVELS[-1] / LEVELS[0])
@@ -211,8 +237,8 @@ def _costs(rows: list[Row]) -> str:
     for method in METHODS:
         line = [_named(method)]
         for kind, level, scale in kinds:
-            spent, base = (value(name, "disc", level, kind) for name in (method, "mortar-p0"))
-            line.append(f"{scale * spent:.3g} ({spent / base:.2f})")
+            spent, base = (value(name, "disc", level, kind) for name in (method, BASE))
+            line.append("" if np.isnan(spent) else f"{scale * spent:.3g} ({spent / base:.2f})")
         lines.append(line)
     return _table(
         "| method | iteration [ms] | its contact per node [us] | step [us] | its contact per node [us] |", lines
@@ -222,7 +248,7 @@ def _costs(rows: list[Row]) -> str:
 def _cases(cases: list[Row]) -> str:
     """What the quick matrix has: some numbers, and the cases that were not met."""
     lines = []
-    for method in (name for name in METHODS if name not in CONES):
+    for method in PLAIN:
         own = [row for row in cases if row["contact"] == method and not row["variant"]]
         found = {(row["case"], row["measure"]): row["value"] for row in own}
         cells = {row["case"]: row["cell"] for row in own}
@@ -244,12 +270,16 @@ def main() -> None:
     """Measure and keep."""
     wish = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     wish.add_argument("methods", nargs="*", help="errors of these alone; what else is kept stays")
+    wish.add_argument("--costs", action="store_true", help="costs of these methods as well")
     wish.add_argument("--turns", type=int, default=3)
     given = wish.parse_args()
     if given.methods:
         rows = [row for row in stored() if row["method"] not in given.methods or row["quantity"] in COSTS]
+        if given.costs:
+            rows = [row for row in rows if row["method"] not in given.methods]
+            rows += scaled_costs(given.turns, given.methods, rows)
     else:
-        rows = costs(given.turns)
+        rows = costs(given.turns, METHODS)
     for method in given.methods or METHODS:
         for level in LEVELS:
             rows += accuracies(method, level)
