@@ -20,6 +20,7 @@ from contactlab.jobs.driver import Driver
 from contactlab.jobs.scheduler import LOCAL
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.reports.progress import progress_of
+from contactlab.run.attempts import first_that_fits
 from contactlab.run.folders import results_folder
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.check_part import PartReport, check_part
@@ -141,8 +142,9 @@ def explain(scene: Scene | str | Path, *, registry: Registry | None = None) -> E
     Raises RequestError for a wrong scene, SimulationFailure if its first steps fail.
     """
     own = _scene(scene, registry)
+    own, order = first_that_fits(own, own.registry)
     with trials() as archive:
-        return explanation_of(own, own.registry, tried(own, archive))
+        return explanation_of(own, own.registry, tried(own, archive), order)
 
 
 @arguments(target=NAME, kind=str, files=Sequence, settings=Mapping, only=Sequence)

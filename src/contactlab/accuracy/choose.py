@@ -15,6 +15,7 @@ from contactlab.accuracy.remaining import Truth, beside, ranked
 from contactlab.accuracy.trials import EQUAL, Place, Plan, Said, Trials, Wish
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
+from contactlab.run.attempts import first_that_fits
 from contactlab.scene.scene import Scene
 
 __all__ = ["Chosen", "Wish", "choose_plan"]
@@ -54,6 +55,7 @@ def choose_plan(
     """
     if not scene.contacts:
         raise RequestError("the scene has no contact to choose for", where=scene.name, allowed="[[contacts]]")
+    scene, _ = first_that_fits(scene, registry)
     search = _Search(Trials(scene, wish, registry, said))
     yield from search.survey()
     yield from search.refine()

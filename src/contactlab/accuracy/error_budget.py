@@ -18,6 +18,7 @@ from contactlab.api import ExplicitIntegrator, Job, Record
 from contactlab.errors import RequestError
 from contactlab.jobs.run import Run
 from contactlab.parts.registry import Registry
+from contactlab.run.attempts import as_taken
 from contactlab.scene.scene import Scene
 from contactlab.studies.measure_run import without_compilation
 from contactlab.studies.measures import pressure_error
@@ -107,6 +108,7 @@ def budget_plan(scene: Scene, registry: Registry, told: Told) -> Generator[Seque
     base = yield from _run_plan(AS_IT_IS, scene, told)
     if not base.finished or not base.curves.get(FIRST):
         return ErrorBudget(base.status, base.reason, _cost(base), ())
+    scene = as_taken(scene, base.summary)
     knobs = knobs_of(scene, base.summary, registry)
     finer = yield [_run_plan(knob.name, scene.with_(dict(knob.settings)), told) for knob in knobs]
     shares = [_share(knob, base, record) for knob, record in zip(knobs, finer, strict=True)]

@@ -379,6 +379,7 @@ class Integrator(ABC):
     inertia              False for statics: no mass is assembled
     dissipates           True for a scheme that dissipates energy by itself
     without              effects of this integrator ("inertia"), each with the integrator that leaves it out
+    by_default           tried by scenes with `integrator = "auto"` that give no order
     """
 
     needs: ClassVar[type[Enforcement]]
@@ -387,6 +388,7 @@ class Integrator(ABC):
     inertia: ClassVar[bool]
     dissipates: ClassVar[bool] = False
     without: ClassVar[Mapping[str, str]] = {}
+    by_default: ClassVar[bool] = False
 
     def enforcement(self) -> Mapping[str, Any]:
         """The enforcement of contacts that name none, as a scene would write it: `default_enforcement`."""

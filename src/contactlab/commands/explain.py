@@ -28,12 +28,14 @@ def explain(options: argparse.Namespace) -> int:
     from contactlab.commands.effect_costs import effect_costs
     from contactlab.explanation.explain import explain as explanation_of
     from contactlab.explanation.kept import kept, trials, tried
+    from contactlab.run.attempts import first_that_fits
     from contactlab.studies.removable import variants
 
     registry = registry_with(options.files)
     scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
+    scene, order = first_that_fits(scene, registry)
     with trials() as archive:
-        explanation = explanation_of(scene, registry, tried(scene, archive))
+        explanation = explanation_of(scene, registry, tried(scene, archive), order)
         assert explanation.price is not None
         made = partial(tried if options.effects else kept, archive=archive)
         costs = list(effect_costs(scene, explanation.price, made))
@@ -128,6 +130,8 @@ def _lines(e: Explanation, spare: Sequence[str]) -> Iterator[tuple[str, str]]:
     of = f"{number(s.step)} s{_stable(s)}"
     if s.steps_follow != "time":
         of = f"{number(s.step)}, parts of {s.steps_follow}"
+    if s.integrator:
+        yield "integrator", s.integrator
     yield "steps", f"about {number(s.estimated_steps)} of {of}"
     yield "history", together(s.history)
     if s.contact_forces:

@@ -24,15 +24,18 @@ def announced(stream: TextIO) -> Callable[[Run], None]:
 
 
 def announcement(run: Run) -> str:
-    """One line on the length of a run that is about to begin."""
+    """One line on the length of a run that is about to begin, after one on the integrator that came short before it."""
     scene, timing, steps = run.schedule.scene, run.model.timing, run.schedule.estimated_steps()
     because = f" ({timing.because})" if timing.because else ""
     settles = ", then until it settles" if timing.end is None else ""
     many = f"{_thousands(steps)} {{}}{'s' * (steps > 1)}"
+    before = run.attempts.tried if run.attempts is not None else ()
+    line = "".join(f"{attempt.brief}\n" for attempt in before[-1:])
+    line += f"{scene.integrator['use']} " if run.attempts is not None else ""
     if run.model.integrator.inertia:
-        line = f"simulates {timing.last:.4g} s{because}{settles}: about {many.format('step')}"
+        line += f"simulates {timing.last:.4g} s{because}{settles}: about {many.format('step')}"
     else:
-        line = f"applies the load in about {many.format('increment')}"
+        line += f"applies the load in about {many.format('increment')}"
     if not run.model.state.step:
         line += f", {_duration(cost_of(run, scene, steps))} of CPU time"
     if timing.end is None and timing.because and timing.last > LONG * timing.ramp:

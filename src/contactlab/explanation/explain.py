@@ -19,6 +19,7 @@ from contactlab.model.model import Model
 if TYPE_CHECKING:
     from contactlab.explanation.trial_run import KernelCalls, PartCost, TrialRun
     from contactlab.parts.registry import Registry
+    from contactlab.run.attempts import Attempts
     from contactlab.scene.scene import Scene
 
 
@@ -65,6 +66,7 @@ class Overview:
     estimated_steps: int
     history: str
     contact_forces: str
+    integrator: str
     seconds_to_first_step: float
     seconds_per_step: float
     wall_seconds_per_step: float
@@ -87,8 +89,12 @@ class Explanation:
     price: Estimate | None
 
 
-def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> Explanation:
-    """Build the model of `scene` and read off what it holds and calls.
+def explain(
+    scene: Scene, registry: Registry, trial: TrialRun | None = None, attempts: Attempts | None = None
+) -> Explanation:
+    """Build the model of `scene`, with the integrator that its run begins with, and read off what it holds and calls.
+
+    attempts  the order of integrators that it is of, with those that refuse the scene (see `first_that_fits`)
 
     Without a trial run there are no kernels and no seconds, modules are the packages of the scene's
     parts, and arrays are those before the first step.
@@ -114,6 +120,7 @@ def explain(scene: Scene, registry: Registry, trial: TrialRun | None = None) -> 
         estimated_steps=steps,
         history=_history(model, steps if schedule.skips else 0),
         contact_forces=_contact_forces(model),
+        integrator=_order(scene, attempts) if attempts is not None else "",
         seconds_to_first_step=seconds[0],
         seconds_per_step=seconds[1],
         wall_seconds_per_step=trial.wall_step_s if trial is not None else math.nan,
@@ -160,6 +167,14 @@ def _contact_forces(model: Model) -> str:
     if not isinstance(contact, ContactSystem):
         return ""
     return "consistent" if contact.consistent else "frozen"
+
+
+def _order(scene: Scene, attempts: Attempts) -> str:
+    """The integrator that a run begins with, those that follow if it comes short, and those that refuse the scene."""
+    use, refused = str(scene.integrator["use"]), [attempt.brief for attempt in attempts.tried]
+    later = [str(spec["use"]) for spec in attempts.order[len(refused) + 1 :]]
+    then = f", then {', '.join(later)} if it comes short" if later else ""
+    return "; ".join([f"auto: {use}{then}", *refused])
 
 
 def _seconds(trial: TrialRun | None, steps: int) -> tuple[float, float]:

@@ -8,6 +8,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
 from contactlab.parts.machine import blas_kernels, processor
+from contactlab.scene.auto import integrators_in
 
 if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
@@ -18,7 +19,8 @@ LIBRARIES = ("contactlab", "numpy", "scipy", "numba")
 
 def part_specs(scene: Scene) -> Iterator[tuple[str, str, str]]:
     """Key, kind and name of every part that the scene uses."""
-    yield "integrator", "integrator", scene.integrator["use"]
+    for key, name in integrators_in(scene.integrator):
+        yield key, "integrator", name
     for name, spec in scene.materials.items():
         yield f"materials.{name}", "material", spec["use"]
     for name, body in scene.bodies.items():

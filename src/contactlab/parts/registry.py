@@ -20,6 +20,7 @@ from contactlab.parts import contract
 from contactlab.parts import loading as plugins
 from contactlab.parts.loading import CORE, Broken, Origin, Plugin
 from contactlab.parts.scenes_and_commands import KEBAB, commands_of, scenes_of
+from contactlab.scene.auto import AUTO, Auto, usual_order
 from contactlab.scene.fields import PartSpec, as_data
 from contactlab.scene.reading import read_table
 
@@ -184,7 +185,7 @@ class Registry:
         return offers[0]
 
     def _unknown(self, kind: str, name: str, where: Where) -> PartError:
-        names = self.names(kind)
+        names = [*self.names(kind), *([AUTO] if kind == "integrator" else [])]
         return PartError(
             f"no {kind} of this name is installed",
             where=where,
@@ -251,8 +252,15 @@ class Registry:
             raise PartError(reason, where=where, got=fields) from error
 
     def written_out(self, kind: str, spec: Any, where: Where = "") -> PartSpec:
-        """`spec` as a table with `use` and every field, defaults included; checked like `make`."""
-        return {"use": split_spec(kind, spec, where)[0], **as_data(self.make(kind, spec, where))}
+        """`spec` as a table with `use` and every field, defaults included; checked like `make`.
+
+        An integrator may be `auto`: no part, but the order in which integrators are tried.
+        """
+        name, fields = split_spec(kind, spec, where)
+        if (kind, name) == ("integrator", AUTO):
+            fields = {"order": usual_order(self), **fields}
+            return {"use": AUTO, **as_data(read_table(Auto, fields, where, self.written_out))}
+        return {"use": name, **as_data(self.make(kind, spec, where))}
 
     def scenes(self) -> dict[str, Path]:
         """Paths of the scenes that plugins bring, by name; `broken` tells which were left out."""
@@ -332,6 +340,8 @@ def _faults_of(part: Part) -> Iterator[str]:
         yield f'there is no kind "{part.kind}"; allowed: {", ".join(KINDS)}' + (f"; {hint}" if hint else "")
     if not isinstance(part.name, str) or not KEBAB.fullmatch(part.name):
         yield f'the name "{part.name}" is not lower-case words joined by -'
+    if (part.kind, part.name) == ("integrator", AUTO):
+        yield f'an integrator cannot be called "{AUTO}": scenes leave the choice to the run by this word'
     if not isinstance(part.target, str) or not _TARGET.fullmatch(part.target):
         yield f'the target "{part.target}" is not of the form package.module:ClassName'
 

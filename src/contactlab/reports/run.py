@@ -16,6 +16,7 @@ from contactlab.reports.terminal import Terminal
 from contactlab.results.peaks import final_force, peak_force, peak_pressure
 from contactlab.results.results import Results
 from contactlab.results.shown_pressure import other_peak
+from contactlab.run.attempts import Attempt
 from contactlab.studies.measure_run import driven_support
 
 MOST = 3
@@ -70,12 +71,20 @@ def _lines(results: Results, scene: Mapping[str, Any]) -> Iterator[tuple[str, st
     units = Units.of_label(scene.get("units"))
     yield from _named("peak pressure", _pressures(results, units))
     yield from _named("peak force", _force(results, scene, units))
+    if chosen := results.summary.get("resolved", {}).get("integrator"):
+        yield "integrator", integrator(chosen)
     yield "steps", _steps(results.summary)
     if took := results.summary.get("stabilisation"):
         steps = "1 step" if took["steps"] == 1 else f"{took['steps']:.0f} steps"
         yield "stabilised", f"{steps}; stabilisation took {took['share']:.2%} of the work"
     codes = list(dict.fromkeys(warning.code for warning in results.warnings))
     yield "warnings", f"{len(codes)}: {', '.join(codes)}" if codes else "none"
+
+
+def integrator(chosen: Mapping[str, Any]) -> str:
+    """The integrator that was taken, and each that came short, in one line."""
+    tried = [Attempt(**attempt).brief for attempt in chosen["tried"]]
+    return "; ".join([chosen["use"], *tried])
 
 
 def _named(name: str, texts: Sequence[str]) -> Iterator[tuple[str, str]]:

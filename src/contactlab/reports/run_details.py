@@ -80,6 +80,8 @@ def _run_lines(summary: Mapping[str, Any], units: Units) -> Iterator[Line]:
     for level in summary.get("nested", ()):
         yield f"level {level['level']} before", f"{level['iterations']} iterations", ""
     for key, value in summary.get("resolved", {}).items():
+        if key == "integrator":  # the summary has its line
+            continue
         unit = f"1/{units.time}" if key == "damping" else units.time
         yield f"time.{key}, chosen", significant(float(value), 4), unit
 

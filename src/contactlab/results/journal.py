@@ -159,6 +159,11 @@ class Journal:
             written = self._written(summary)
             self._tell("save", lambda recording: recording.save(memory, written))
 
+    def release(self) -> None:
+        """Let another run write to the folder, as this one could not begin."""
+        if self.history_file is not None:
+            self.history_file.close()
+
     def finish(self, summary: Mapping[str, Any]) -> Results:
         """Close everything, write the last files and hand the results back.
 

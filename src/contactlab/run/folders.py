@@ -24,7 +24,15 @@ RESULT_FILES = (
     "table.csv",
     "matrix.csv",
     "archive.sqlite",
+    "attempts",
 )
+OF_A_RUN = (
+    "scene.toml", "summary.json", "history.csv", "iterations.csv", "contact.csv", "results.vtkhdf", "timeline.rrd",
+    "last-steps", "crash.txt",
+)  # fmt: skip
+"""What a run writes into its folder."""
+ATTEMPTS = "attempts"
+"""Where results of integrators lie that came short."""
 OF_A_BEGINNING = {"scene.toml", "history.csv", "summary.json"}
 """What a run may leave that was killed before its first state was saved."""
 WRITTEN = {

@@ -28,6 +28,7 @@ from contactlab.run.watches import Watching
 
 if TYPE_CHECKING:
     from contactlab.parts.registry import Registry
+    from contactlab.run.attempts import Attempts
     from contactlab.scene.scene import Scene
 
 
@@ -38,12 +39,17 @@ def prepare_run(
     folder: Path | None,
     resume: bool,
     watching: Watching | None = None,
+    attempts: Attempts | None = None,
 ) -> Run:
     """A run of `model`, whose recorders write to `folder`; with `resume` the one that is saved there.
+
+    attempts  with other integrators before, of a scene that leaves the choice to the run
 
     Raises RequestError where the folder cannot be used or holds something else.
     """
     run = Run(model, schedule_of(model, scene), Guards(model, scene.time.step), EffectMonitor(scene, model), watching)
+    if attempts is not None:
+        run.attempts, run.clock.before = attempts, attempts.cost
     if run.schedule.skips:
         from contactlab.model.implicit_model import ImplicitModel
         from contactlab.run.nested import NestedStart

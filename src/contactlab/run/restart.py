@@ -31,7 +31,7 @@ def finished_results(folder: Path, scene: Scene) -> Results | None:
         return None
     from contactlab.results.load import load_results
 
-    _same_scene(saved[0].layout.scene, scene, folder)
+    refuse_other_scene(saved[0].layout.scene, scene, folder)
     results = load_results(folder)
     if results.status in RESUMABLE:
         return None
@@ -69,10 +69,14 @@ def stored_results(folder: Path, otherwise: Results) -> Results:
     return written if written.status == otherwise.status else otherwise
 
 
-def _same_scene(text: str, scene: Scene, folder: Path) -> None:
-    """A run goes on with the scene it began with, or not at all."""
-    differences = _differences(parse_toml(text, "scene.toml"), scene.data)
-    if differences:
+def differences_to(text: str, scene: Scene) -> list[str]:
+    """Keys by which a stored scene differs from this one, with both values."""
+    return _differences(parse_toml(text, "scene.toml"), scene.data)
+
+
+def refuse_other_scene(text: str, scene: Scene, folder: Path) -> None:
+    """Raise RequestError unless the stored scene is this one: a run goes on with the scene it began with."""
+    if differences := differences_to(text, scene):
         raise RequestError(
             "the folder holds a run of another scene",
             where=f"results folder {folder}",

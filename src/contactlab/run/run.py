@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from contactlab.model.implicit_model import ImplicitModel
     from contactlab.results.checkpoint_slots import Checkpoint
     from contactlab.results.iterate_sampler import IterateSampler
+    from contactlab.run.attempts import Attempts
     from contactlab.run.last_steps import LastSteps
     from contactlab.run.nested import NestedStart
 
@@ -61,6 +62,7 @@ class Run:
     first_step: int = 0
     taken_up: dict[str, Any] = field(default_factory=dict)
     attempt: int = 1
+    attempts: Attempts | None = None
     kept: KeptStates = field(default_factory=KeptStates)
     last_steps: LastSteps | None = None
     journal: Journal = field(init=False)
@@ -72,6 +74,8 @@ class Run:
     def store_start(self) -> None:
         """Store the initial state, unless this is a run taken up again; from here on it is not over any more."""
         if not self.journal.frames:
+            for attempt in self.attempts.tried if self.attempts is not None else ():
+                self.journal.tell("info", f"tried before: {attempt.brief}")
             self.store()
             for pair in self.model.contact.pairs if self.model.contact is not None else ():
                 if pair.start_gaps is not None and (told := pair.start_gaps.told()):
@@ -157,6 +161,8 @@ class Run:
         self.guards.judge(self.journal.last, self.journal.largest_force)
         self.monitor.judge()
         self._judge_stability()
+        for warning in self.attempts.warnings(self.model) if self.attempts is not None else ():
+            self.model.warnings.add(warning)
         # conditions made again differ in their last digits from those of the step, of which the saved warnings speak
         self.model.warnings.keep(known)
 
@@ -288,6 +294,9 @@ class Run:
         if took := self.schedule.stabilisation():
             summary["stabilisation"] = took
         summary["warnings"] = [warning.as_data() for warning in self.model.warnings]
+        if self.attempts is not None:
+            summary["resolved"]["integrator"] = self.attempts.resolved(self.schedule.scene.integrator["use"])
+            summary["cost"]["failed_attempts_s"] = self.attempts.cpu_s
         if self.counts.steps == self.first_step:
             # taken up and not stepped yet: what a step leaves in the model beside the state is not there
             summary |= {name: self.taken_up[name] for name in OF_THE_LAST_STEP if name in self.taken_up}

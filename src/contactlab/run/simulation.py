@@ -6,6 +6,7 @@ import math
 import sys
 import warnings
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from numbers import Real
 from pathlib import Path
 from time import perf_counter
@@ -28,9 +29,11 @@ from contactlab.parts.registry import Registry
 from contactlab.results.peak_memory import reset_peak
 from contactlab.results.results import Results
 from contactlab.run.ahead import compile_ahead
+from contactlab.run.attempts import Attempts
 from contactlab.run.culprit import wrong_answer
 from contactlab.run.folders import run_folder
 from contactlab.run.guards import EVERY
+from contactlab.run.in_order import InOrder, as_begun
 from contactlab.run.interruption import Interrupted, Interruption
 from contactlab.run.prepare import prepare_run
 from contactlab.run.recorders import record_stored, recorders_of, when_over
@@ -38,6 +41,7 @@ from contactlab.run.restart import finished_results
 from contactlab.run.run import Run
 from contactlab.run.steps import steps
 from contactlab.run.watches import NoGuards, Watching, WorkLimit
+from contactlab.scene.auto import is_auto
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.views import view
 
@@ -75,44 +79,89 @@ def simulate(
     A run that fails is a result too: see `Results.status` and `Results.reason`. Raises RequestError
     (scene, part or folder wrong) before the first step, and Interrupted, which carries the results,
     after Ctrl-C, SIGTERM or SIGHUP. BLAS has one thread meanwhile, so that bits do not depend on their number.
+    With `integrator = "auto"` the results are those of the first integrator that gets through.
     """
     scene = load_scene(scene) if isinstance(scene, str | Path) else scene
     registry = registry or scene.registry
     if progress is None and "ipykernel" in sys.modules and view("bar.in_notebook")():
         progress = view("bar.notebook_bar")(scene.name)
     folder = run_folder(out, resume)
-    if resume and not watch and folder is not None and (over := finished_results(folder, scene)) is not None:
-        missing = when_over(recorders_of(scene, registry))
-        missing = {name: r for name, r in missing.items() if not (folder / r.shown_file).is_file()}
-        record_stored(missing, folder, over)  # it was killed after its last step
-        return over
-    began = perf_counter()
-    reset_peak()
-    with Interruption() as interruption:
-        compile_ahead(scene)
-        model = build(scene, registry)
-        with part_errors(registry):
-            watching = Watching(model, watch) if watch else None
-            run = prepare_run(model, scene, registry, folder, resume, watching)
-        if work < math.inf:
-            run.work_limit = WorkLimit(run.counts, work)
-        if not guards:
-            run.guards = NoGuards()
-        run.clock.build_s = perf_counter() - began
-        if announce is not None:
-            announce(run)
-        interruption.ends_by(run.schedule.stop)
-        status, reason = _guarded(run, registry, interruption, progress)
-        run.failed(status)
-        results = run.finish(status, reason)
-        if folder is not None and run.when_over and results.frames:
-            record_stored(run.when_over, folder, results)
-    results.watched = watching.found() if watching is not None else {}
+    if resume and folder is not None:
+        scene = as_begun(scene, folder)
+    simulation = _Simulation(registry, folder, progress, watch, work, guards, announce)
+    if is_auto(scene):
+        results = InOrder(scene, folder, simulation.run, simulation.interrupted).results(resume)
+    else:
+        results = simulation.run(scene, resume)
+    if not simulation.made:
+        return results
     for broken in registry.run_finished(results.summary, results.folder):
         warnings.warn(f"{broken.origin}: {broken.reason}", ContactlabWarning, stacklevel=2)
-    if interruption.name:  # a run that was over by then is whole, but whoever asked for more does not want it
+    if simulation.interrupted():  # a run that was over by then is whole, but whoever asked for more does not want it
         raise Interrupted(results)
     return results
+
+
+@dataclass
+class _Simulation:
+    """The runs of one call of `simulate`, whose arguments these are.
+
+    made    whether there was any that was not just read back
+    signal  that ended the last one, empty without any
+    """
+
+    registry: Registry
+    folder: Path | None
+    progress: Progress | None
+    watch: Mapping[str, Watch]
+    work: float
+    guards: bool
+    announce: Callable[[Run], None] | None
+    made: bool = False
+    signal: str = ""
+
+    def interrupted(self) -> bool:
+        """Whether a signal ended a run."""
+        return bool(self.signal)
+
+    def run(self, scene: Scene, resume: bool, attempts: Attempts | None = None) -> Results:
+        """Make one run, after `attempts` with other integrators; with `resume` what is stored is not made again."""
+        registry, folder = self.registry, self.folder
+        if resume and not self.watch and folder is not None and (over := finished_results(folder, scene)) is not None:
+            missing = when_over(recorders_of(scene, registry))
+            missing = {name: r for name, r in missing.items() if not (folder / r.shown_file).is_file()}
+            record_stored(missing, folder, over)  # it was killed after its last step
+            return over
+        self.made, began = True, perf_counter()
+        reset_peak()
+        with Interruption() as interruption:
+            compile_ahead(scene)
+            model = build(scene, registry)
+            if attempts is not None:
+                attempts.refuse_motion(model, scene)
+            with part_errors(registry):
+                watching = Watching(model, self.watch) if self.watch else None
+                run = prepare_run(model, scene, registry, folder, resume, watching, attempts)
+            if self.work < math.inf:
+                run.work_limit = WorkLimit(run.counts, self.work - (attempts.work if attempts is not None else 0))
+            if not self.guards:
+                run.guards = NoGuards()
+            run.clock.build_s = perf_counter() - began
+            if self.announce is not None:
+                self.announce(run)
+            interruption.ends_by(run.schedule.stop)
+            try:
+                status, reason = _guarded(run, registry, interruption, self.progress)
+            except RequestError:
+                run.journal.release()
+                raise
+            run.failed(status)
+            results = run.finish(status, reason)
+            if folder is not None and run.when_over and results.frames:
+                record_stored(run.when_over, folder, results)
+        results.watched = watching.found() if watching is not None else {}
+        self.signal = interruption.name
+        return results
 
 
 def _guarded(run: Run, registry: Registry, interruption: Interruption, progress: Progress | None) -> tuple[str, str]:

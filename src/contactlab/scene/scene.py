@@ -44,7 +44,9 @@ class Scene:
     )
     threads: int = key(1, least=1, says="blocks of cells worked on at once; results are the same to the last bit")
     time: Time = key(Time(), says="duration and steps")
-    integrator: PartSpec = part("integrator", says="how a step is made")
+    integrator: PartSpec = part(
+        "integrator", says="how a step is made; auto: several are tried in order, the first that gets through is taken"
+    )
     materials: Mapping[str, PartSpec] = part("material", says="the material laws by name")
     bodies: Mapping[str, Body] = key(says="the bodies by name")
     contacts: tuple[Contact, ...] = key((), says="contact pairs")

@@ -11,6 +11,7 @@ from typing import Any, Literal, get_args, get_origin
 
 from contactlab.parts.description import described_fields
 from contactlab.parts.registry import Registry
+from contactlab.scene.auto import AUTO, Auto
 from contactlab.scene.fields import NAME, PartSpec, as_data, hints_of, is_required, keys_of
 from contactlab.scene.scene import Scene
 
@@ -48,7 +49,17 @@ def _kind(kind: str, registry: Registry, definitions: dict[str, Schema]) -> Sche
     for name in names:
         definitions[f"{kind}-{name}"] = _part(kind, name, registry, definitions)
         tables.append(_reference(f"{kind}-{name}"))
-    return {"anyOf": [{"enum": names}, *tables]}
+    named: Schema = {"anyOf": [{"enum": names}, *tables]}
+    if kind != "integrator":
+        return named
+    return {"anyOf": [{"enum": [*names, AUTO]}, *tables, _auto(named)]}
+
+
+def _auto(named: Schema) -> Schema:
+    """A table of integrators in an order; none of these is such a table."""
+    table = _table(Auto, {})
+    order = {**table["properties"]["order"], "items": named}
+    return {**table, "properties": {"use": {"const": AUTO}, "order": order}, "required": ["use"]}
 
 
 def _part(kind: str, name: str, registry: Registry, definitions: dict[str, Schema]) -> Schema:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, NamedTuple
 
 from contactlab.errors import RequestError
+from contactlab.scene.auto import integrators_in, is_auto
 from contactlab.scene.fields import keys_of
 from contactlab.scene.scene import Scene
 
@@ -47,7 +48,7 @@ def _contact(scene: Scene) -> dict[str, Any]:
 
 def _damping(scene: Scene) -> dict[str, Any]:
     found = scene.time.damping is None and scene.time.end == "auto"
-    inertia = scene.registry.part_class("integrator", scene.integrator["use"]).inertia
+    inertia = any(scene.registry.part_class("integrator", name).inertia for _, name in integrators_in(scene.integrator))
     return {"time.damping": 0.0} if inertia and (found or scene.time.damping) else {}
 
 
@@ -81,7 +82,7 @@ def _of_effects(scene: Scene) -> Iterator[Variant]:
 
 def _of_parts(scene: Scene) -> Iterator[Variant]:
     """One variant for each effect that parts of the scene have, or leave out, by their own account."""
-    places = [("integrator", "integrator", scene.integrator)]
+    places = [("integrator", "integrator", scene.integrator)] if not is_auto(scene) else []
     places += [("material", f"materials.{name}", spec) for name, spec in scene.materials.items()]
     places += [("element", f"bodies.{name}.element", body.element) for name, body in scene.bodies.items()]
     less: dict[str, dict[str, Any]] = {}

@@ -25,7 +25,7 @@ def said(integrator: str, uy: Any, **time: float) -> str:
         "time": time,
     })  # fmt: skip
     model = build(scene, scene.registry)
-    return announcement(cast(Run, SimpleNamespace(model=model, schedule=schedule_of(model, scene))))
+    return announcement(cast(Run, SimpleNamespace(model=model, schedule=schedule_of(model, scene), attempts=None)))
 
 
 def test_end_steps_cost_and_the_key_that_makes_a_run_long_are_named() -> None:

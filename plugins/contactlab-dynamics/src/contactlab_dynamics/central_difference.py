@@ -20,6 +20,7 @@ class CentralDifference(ExplicitIntegrator):
     default_enforcement: ClassVar[str] = "forward-increment"
     order: ClassVar[int] = 2
     without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
+    by_default: ClassVar[bool] = True
 
     forces: Literal["auto", "consistent", "frozen", "conjugate", "published"] = "auto"
 

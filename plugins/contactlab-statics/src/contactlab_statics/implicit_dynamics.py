@@ -42,6 +42,7 @@ class ImplicitDynamics(ImplicitIntegrator):
     order: ClassVar[int] = 2
     inertia: ClassVar[bool] = True
     without: ClassVar[Mapping[str, str]] = {"inertia": "newton"}
+    by_default: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         refuse_limits(self.wished_steps(), self.tolerance, self.iterations)

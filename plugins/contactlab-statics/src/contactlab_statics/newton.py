@@ -41,6 +41,7 @@ class Newton(ImplicitIntegrator):
     default_enforcement: ClassVar[str] = "active-set"
     order: ClassVar[int] = 1
     inertia: ClassVar[bool] = False
+    by_default: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         refuse_limits(self.wished_steps(), self.tolerance, self.iterations)
