@@ -19,7 +19,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from contactlab.api import Floats, Ints, Potential, PotentialView, Pressures
-from contactlab_segments import midplane_kernels as kernels
+from contactlab_segments.midplane_kernels import press, rub, stiffen
 from contactlab_segments.midplane_nodes import assembled, gathered, polygon
 
 TAKEN, SHORTEST = 0.1, 1e-3  # of a segment: overlaps that corrections may bring; of a correction
@@ -58,7 +58,7 @@ class Midplane(Potential):
         """Its exact derivative, by dual numbers."""
         count = self._pressed(view, positions)[1]
         nodes, block = np.zeros((count, 4), np.int32), np.zeros((count, 8, 8))
-        kernels.stiffen(*self._arguments(view, positions), nodes, block)
+        stiffen(*self._arguments(view, positions), nodes, block)
         return assembled(view, nodes, block)
 
     def largest_step(self, view: PotentialView, positions: Floats, displacement: Floats) -> float:
@@ -95,7 +95,7 @@ class Midplane(Potential):
     def _pressed(self, view: PotentialView, positions: Floats) -> tuple[float, int, Floats]:
         """Energy, number of pairs of segments that overlap, and derivative (n, 2) by the vertices of the polygons."""
         out = np.zeros_like(positions)
-        energy, count = kernels.press(*self._arguments(view, positions), out)
+        energy, count = press(*self._arguments(view, positions), out)
         return energy, count, out
 
     def _rubbing(self, view: PotentialView, positions: Floats) -> Floats:
@@ -111,7 +111,7 @@ class Midplane(Potential):
         room = 4 * self._pressed(view, view.lagged)[1]
         nodes, weight, force = np.zeros((room, 4), np.int32), np.zeros((room, 8)), np.zeros(room)
         arguments = self._arguments(view, view.lagged)
-        kernels.rub(*arguments, nodes, weight, force)
+        rub(*arguments, nodes, weight, force)
         assert view.friction is not None  # the core asks for friction where there is some
         moved, within = polygon(view) @ (positions - view.start), self.slip * float(arguments[3].min())
         slip = (weight * moved[nodes].reshape(-1, 8)).sum(axis=1) / within
