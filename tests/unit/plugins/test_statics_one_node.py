@@ -39,6 +39,7 @@ class Obstacle:
         )
 
     by_energy = False
+    acts = False
 
     def settled(self) -> bool:
         return True
