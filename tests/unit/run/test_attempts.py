@@ -13,7 +13,7 @@ from contactlab.reports.run import integrator
 from contactlab.run.attempts import Attempt, Attempts, as_taken, comes_short, first_that_fits
 from contactlab.run.run import Run
 from contactlab.run.simulation import simulate
-from contactlab.scene.scene import Scene
+from contactlab.scene.scene import Scene, load_scene
 
 BLOCK: dict[str, Any] = {
     "integrator": "auto",
@@ -79,6 +79,27 @@ def test_what_explains_or_chooses_takes_the_integrator_that_the_run_begins_with(
     named = scene(integrator="newton")
     assert first_that_fits(named, named.registry) == (named, None)
     assert explain(named, named.registry).scene.integrator == ""
+
+
+@pytest.mark.parametrize(
+    ("contact", "order", "why"),
+    [
+        ({"enforcement": "active-set"}, ["central-difference", "newton"], "needs one of kind ExplicitEnforcement"),
+        ({"enforcement": "nitsche"}, ["implicit-dynamics", "newton"], "follows the stress of the slave's cells"),
+        ({"algorithm": "barrier"}, ["central-difference", "newton"], "is a potential"),
+    ],
+)
+def test_an_integrator_that_does_not_take_a_contact_is_left_out_with_the_reason(
+    contact: dict[str, Any], order: list[str], why: str
+) -> None:
+    changes = {f"contacts.0.{key}": value for key, value in contact.items()}
+    disc = load_scene("disc-on-block").with_({**changes, "integrator": {"use": "auto", "order": order}})
+    first, attempts = first_that_fits(disc, disc.registry)
+    assert first.integrator["use"] == "newton"
+    assert attempts is not None
+    (refused,) = attempts.tried
+    assert (refused.use, refused.status) == (order[0], "refused")
+    assert why in refused.reason
 
 
 def test_a_scene_is_refined_with_the_integrator_that_its_run_took() -> None:
