@@ -107,7 +107,7 @@ CONTACT = (
         ("rubs along the normal", "part_of * along.x, part_of * along.y", "part_of * along.y, -part_of * along.x", "midplane_kernels"),
         ("rubs one side alone", "(1.0 - xi, xi, eta - 1.0, -eta)", "(1.0 - xi, xi, 0.0, 0.0)", "midplane_kernels"),
         ("rubs twice", "force[count] = 0.5 * length", "force[count] = length", "midplane_kernels"),
-        ("parts that are open pull", "if p_low < 0.0:", "if p_low < -1e30:", "midplane_kernels"),
+        ("parts that are open pull", "if p_low < 0.0 < p_high:", "if p_low < -1e30:", "midplane_kernels"),
         ("counts one side alone", "return one + two, a_1 + a_2, b_1 + b_2, c_1 + c_2, d_1 + d_2", "return one, a_1, b_1, c_1, d_1", "midplane_kernels"),
     ),
 )  # fmt: skip

@@ -89,6 +89,17 @@ def test_the_patch_stays_uniform_under_finite_strain_and_contraction() -> None:
     assert np.ptp(curve.pressure) < ROUND_OFF * curve.pressure.mean()
 
 
+def test_what_lies_on_something_is_held_from_the_start() -> None:
+    """A load presses a block that only touches another: a gap of zero is stiff, or nothing would hold the block."""
+    pressure = 10.0
+    supports = [{"on": "lower.bottom", "uy": 0.0}, {"on": "lower.left", "ux": 0.0}, {"on": "upper.left", "ux": 0.0}]
+    results = run(blocks(**{"supports": supports, "loads": [{"on": "upper.top", "pressure": pressure}]}))
+    stiffness = Midplane().stiffness * YOUNG / (1.0 / 2.0 + 1.0 / 3.0)
+    curve = results.contact["contacts.0"].last
+    np.testing.assert_allclose(curve.gap, -pressure / stiffness, rtol=1e-9)
+    assert results.summary["reactions"]["lower.bottom"][1] == pytest.approx(pressure * WIDTH, rel=1e-9)
+
+
 # --- neither side is the slave --------------------------------------------------------------------
 
 

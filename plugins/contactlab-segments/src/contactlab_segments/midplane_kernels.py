@@ -9,12 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api.compiled import mathematics  # noqa: F401 - vectors of dual numbers inside kernels
-from contactlab.api.compiled.dual import derivatives, seed, value
+from contactlab.api.compiled.dual import derivatives, seed
 from contactlab.api.compiled.kernel import kernel, point
+from contactlab.api.mathematics import sqrt
 from contactlab.api.tensors import Vector
 
 FACING = 0.3  # cosine from which on outward normals count as opposed: segments beyond are flanks of a corner
 BEYOND = 0.1  # of a segment that a chain's end may lie beyond the end of the other chain
+TOUCH = 1e-9  # of a segment: sides that are apart by less touch, so that what lies on something is held from the start
 GAUSS = 0.5773502691896258
 
 
@@ -41,18 +43,18 @@ def part(a, b, c, d, starts, ends, k, deepest):
     low, high = max(0.0 * first, first), min(1.0 + 0.0 * last, last)
     p_low = k * (low * h[0] - h[1] - slope * (low * s[0] - s[1]))
     p_high = k * (high * h[0] - h[1] - slope * (high * s[0] - s[1]))
-    most = max(p_low, p_high)
-    if not (low < high and most > 0.0 and most < k * deepest):
+    most, touch = max(p_low, p_high), TOUCH * k * sqrt(square)
+    if not (low < high and most < k * deepest and (most > 0.0 or min(p_low, p_high) > -touch)):
         high = low
     return first, last, low, high, p_low, p_high
 
 
 @point
 def pressed(low, high, p_low, p_high):
-    """What of a part is pressed, and its pressures."""
-    if p_low < 0.0:
+    """What of a part is pressed, and its pressures; all of it if both sides only touch."""
+    if p_low < 0.0 < p_high:
         return low + (high - low) * p_low / (p_low - p_high), high, 0.0 * p_low, p_high
-    if p_high < 0.0:
+    if p_high < 0.0 < p_low:
         return low, high + (low - high) * p_high / (p_high - p_low), p_low, 0.0 * p_high
     return low, high, p_low, p_high
 
@@ -124,6 +126,17 @@ def near(at, i, j, e, f, deepest):
 
 
 @point
+def meet(a, b, c, d, own, other, k, deepest):
+    """Whether two segments touch or overlap."""
+    starts, ends = beyond(own, other)
+    _, _, low, high, _, _ = part(a, b, d, c, starts, ends, k, deepest)
+    if low < high:
+        return True
+    _, _, low, high, _, _ = part(c, d, b, a, ends, starts, k, deepest)
+    return low < high
+
+
+@point
 def corners(at, i, j, e, f):
     """Positions of four nodes."""
     return (
@@ -133,7 +146,7 @@ def corners(at, i, j, e, f):
 
 @kernel
 def press(at, edges, slaves, length, ends, k, deepest, gradient):
-    """Add the derivative of the energy to `gradient` (n, 2); returns the energy and the number of pairs that overlap.
+    """Add the derivative of the energy to `gradient` (n, 2); returns the energy and the number of pairs that meet.
 
     at      (n, 2) [mm]
     edges   (e, 2), the first `slaves` of one side; length (e,) [mm], undeformed
@@ -148,8 +161,8 @@ def press(at, edges, slaves, length, ends, k, deepest, gradient):
                 continue
             a, b, c, d = corners(at, i, j, e, f)
             own, other = (length[p], ends[i], ends[j]), (length[q], ends[e], ends[f])
-            found, a, b, c, d = both(a, b, c, d, own, other, k, deepest)
-            if found > 0.0:
+            if meet(a, b, c, d, own, other, k, deepest):
+                found, a, b, c, d = both(a, b, c, d, own, other, k, deepest)
                 energy, count = energy + found, count + 1
                 for node, force in ((i, a), (j, b), (e, c), (f, d)):
                     gradient[node, 0] += force.x
@@ -175,6 +188,10 @@ def stiffen(at, edges, slaves, length, ends, k, deepest, nodes, block):
             e, f = edges[q, 0], edges[q, 1]
             if not near(at, i, j, e, f, deepest):
                 continue
+            own, other = (length[p], ends[i], ends[j]), (length[q], ends[e], ends[f])
+            x, y, u, v = corners(at, i, j, e, f)
+            if not meet(x, y, u, v, own, other, k, deepest):
+                continue
             a, b = (
                 Vector(seed(at[i, 0], 0, 8), seed(at[i, 1], 1, 8)),
                 Vector(seed(at[j, 0], 2, 8), seed(at[j, 1], 3, 8)),
@@ -183,14 +200,12 @@ def stiffen(at, edges, slaves, length, ends, k, deepest, nodes, block):
                 Vector(seed(at[e, 0], 4, 8), seed(at[e, 1], 5, 8)),
                 Vector(seed(at[f, 0], 6, 8), seed(at[f, 1], 7, 8)),
             )
-            own, other = (length[p], ends[i], ends[j]), (length[q], ends[e], ends[f])
-            found, a, b, c, d = both(a, b, c, d, own, other, k, deepest)
-            if value(found) > 0.0 and count < len(nodes):
-                nodes[count, 0], nodes[count, 1], nodes[count, 2], nodes[count, 3] = i, j, e, f
-                for number, force in enumerate((a, b, c, d)):
-                    put(block[count], 2 * number, force.x)
-                    put(block[count], 2 * number + 1, force.y)
-                count += 1
+            _, a, b, c, d = both(a, b, c, d, own, other, k, deepest)
+            nodes[count, 0], nodes[count, 1], nodes[count, 2], nodes[count, 3] = i, j, e, f
+            for number, force in enumerate((a, b, c, d)):
+                put(block[count], 2 * number, force.x)
+                put(block[count], 2 * number + 1, force.y)
+            count += 1
 
 
 @point
