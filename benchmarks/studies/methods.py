@@ -42,6 +42,9 @@ STATICS: Final = {
         "algorithm": "mortar-p1", "enforcement": {"use": "nitsche", **numbers},
     }
     for numbers in ({}, {"theta": 1}, {"theta": -1}, {"theta": -1, "gamma": 1.0}, {"theta": -1, "gamma": 100.0})
+} | {
+    "midplane": {"algorithm": "midplane"},
+    **{f"midplane, stiffness = {k}": {"algorithm": {"use": "midplane", "stiffness": k}} for k in (3.0, 300.0)},
 }  # fmt: skip
 METHODS: Final[Mapping[str, Mapping[str, Any]]] = {
     **{name: {"algorithm": name} for name in PLAIN}, **CONES, **SMOOTH, **STATICS,
