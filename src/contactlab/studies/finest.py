@@ -10,6 +10,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+from contactlab.api import Potential
+from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.studies.combination import combination_plan
 from contactlab.studies.gather import gather
@@ -70,7 +72,7 @@ def _answer_plan(scene: Scene, contact: int, folder: Path) -> Generator[Sequence
     if (folder / f"{FINEST}.json").is_file():
         return load_reference(str(folder / f"{FINEST}.json"))
     levels = (scene.level, 2 * scene.level)
-    algorithms = tuple(scene.registry.names("contact"))
+    algorithms = tuple(with_multipliers(scene.registry))
     plan = make_plan(scene, {f"contacts.{contact}.algorithm": algorithms, "level": levels})
     done = yield [combination_plan(one, 1) for one in plan.jobs]
     rows = gather(plan, {one.name: record for one, record in zip(plan.jobs, done, strict=True)}, None)
@@ -82,6 +84,14 @@ def _answer_plan(scene: Scene, contact: int, folder: Path) -> Generator[Sequence
     chosen = replace(table, rows=kept, study=replace(table.study, name=f"{scene.name}, from finer meshes"))
     origin = f"Runs at levels {levels[0]} and {levels[1]}: {', '.join(dict.fromkeys(row.algorithm for row in kept))}."
     return load_reference(str(reference_files(FINEST, chosen, levels, mean_curve(chosen, levels), folder, origin)))
+
+
+def with_multipliers(registry: Registry) -> list[str]:
+    """Algorithms that pass the patch test and hold surfaces apart exactly, so that meshes alone make their errors."""
+    names = registry.names("contact")
+    kinds = {name: registry.part_class("contact", name) for name in names}
+    exact = [name for name in names if kinds[name].passes_patch_test and not issubclass(kinds[name], Potential)]
+    return exact or names
 
 
 def steadiest(table: Table, levels: Sequence[int]) -> list[Row]:

@@ -12,9 +12,10 @@ from contactlab.comparison import compare
 from contactlab.errors import RequestError
 from contactlab.jobs.driver import Driver
 from contactlab.jobs.run import here
+from contactlab.parts.registry import default_registry
 from contactlab.results.results import ContactCurve
 from contactlab.scene.scene import load_scene
-from contactlab.studies.finest import FINEST, answer_key, finest_plan, steadiest
+from contactlab.studies.finest import FINEST, answer_key, finest_plan, steadiest, with_multipliers
 from contactlab.studies.reference import load_reference
 from contactlab.studies.study import Study
 from contactlab.studies.table import Row, Table
@@ -90,3 +91,10 @@ def test_compare_takes_a_reference(tmp_path: Path) -> None:
     (row,) = table.rows
     assert row.reference == "mine"
     assert not math.isnan(row["pressure_error"])
+
+
+def test_methods_with_an_error_of_their_own_make_no_reference() -> None:
+    """Penalties and barriers move surfaces, nodes on segments fail the patch test: no errors of the mesh."""
+    names = with_multipliers(default_registry())
+    assert {"mortar-p0", "mortar-p1", "mortar-dual"} <= set(names)
+    assert not {"node-on-segment", "gauss-point", "midplane", "barrier"} & set(names)
