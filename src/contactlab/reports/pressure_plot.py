@@ -145,9 +145,11 @@ def _panel(axes: Axes, row: Row | None, reference: Reference | None, style: Styl
 def _line(row: Row) -> tuple[Floats, Floats]:
     """Position and pressure of the pressed part; of all nodes along the chain if that folds over itself."""
     assert row.curve is not None
+    pressure = shown_pressure(row.curve)
     if row.profile is None:
-        return row.curve.x, shown_pressure(row.curve)
-    return row.profile.x, row.profile.value
+        return row.curve.x, pressure
+    drawn = Profile.of_nodes(row.curve.x, pressure)
+    return drawn.x, drawn.value
 
 
 def _draw_reference(axes: Axes, reference: Reference) -> None:
