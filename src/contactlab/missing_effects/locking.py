@@ -9,6 +9,7 @@ from contactlab.missing_effects.missing_effect import Detectors, needed, per_cen
 from contactlab.model.bodies.body import Body, BodyForces
 from contactlab.model.model import Model
 
+EVEN = 1e-3  # of the plastic strain: cells whose points flow alike are strained evenly, which any element follows
 FLOW = 0.01  # equivalent plastic strain, well beyond elastic strains: volume-preserving flow rules the deformation
 PLASTIC = "equivalent_plastic_strain"
 
@@ -22,7 +23,7 @@ def locking_detectors(scene: object, model: Model) -> Detectors:
 
 
 class PlasticFlow:
-    """`worst`: largest equivalent plastic strain of any point."""
+    """`worst`: largest equivalent plastic strain of any point of a cell that is not strained evenly."""
 
     def __init__(self, forces: BodyForces) -> None:
         self.forces, self.worst = forces, np.zeros(1)
@@ -30,8 +31,11 @@ class PlasticFlow:
 
     def update(self) -> None:
         """Keep the largest plastic strain of the last accepted step."""
-        strain = max(float(block.history[self.row].max()) for block in self.forces.blocks)
-        self.worst[0] = max(self.worst[0], strain)
+        for block in self.forces.blocks:
+            flow = block.history[self.row].reshape(self.forces.body.points, -1)
+            largest = flow.max(axis=0)
+            uneven = np.ptp(flow, axis=0) > EVEN * largest
+            self.worst[0] = max(self.worst[0], float(largest[uneven].max(initial=0.0)))
 
     def warning(self) -> RunWarning | None:
         """Advise an element that does not lock, once plastic strain is large; None before."""

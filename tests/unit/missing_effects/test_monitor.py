@@ -113,6 +113,19 @@ def test_what_is_needed_is_named_once_with_its_number(seed: str) -> None:
     assert found[0].value > found[0].limit
 
 
+def test_a_cell_that_is_strained_evenly_does_not_lock() -> None:
+    """Between smooth plates every point flows alike: elements with and without locking agree, and nothing is told."""
+    scene = stretched(PLASTIC, -0.04) | {"time": {}, "integrator": {"use": "newton", "steps": 10}}
+    scene["supports"] = [
+        {"on": "low.bottom", "uy": 0.0}, {"on": "low.left", "ux": 0.0},
+        {"on": "low.top", "uy": {"ramp": "linear", "to": -0.04}},
+    ]  # fmt: skip
+    results = [simulate(Scene.from_data(scene).with_({"bodies.low.element": element})) for element in ("q1", "q1-fbar")]
+    assert [warning.code for warning in results[0].warnings] == []
+    forces = [one.summary["reactions"]["low.top"][1] for one in results]
+    assert forces[0] == pytest.approx(forces[1], rel=1e-9)
+
+
 def test_mortars_are_not_advised_on_the_side_of_the_slave() -> None:
     assert "other-slave" not in [warning.code for warning in warnings_of(with_stiff_slave("mortar-p0"))]
 

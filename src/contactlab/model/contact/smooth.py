@@ -41,7 +41,8 @@ def refuse_smooth(
             "forces between smooth surfaces act as those between segments do, not along derivatives of their gaps, "
             "which would load nodes at ends of surfaces and of unlike length wrongly",
             where=below(where, "smooth"), got=f'true, with forces = "{enforcement.forces}"',
-            allowed='true with forces = "auto" or "frozen", or false',
+            allowed='true with forces = "frozen", or false',
+            hint='write forces = "frozen" in the enforcement of the contact, or in the integrator central-difference',
         )  # fmt: skip
 
 
