@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Floats, Ints, RunWarning, Surface
+from contactlab.api import Floats, Ints, Potential, RunWarning, Surface
 from contactlab.missing_effects.missing_effect import Detectors, needed
 from contactlab.model.bodies.body import Body
 from contactlab.model.model import Model
@@ -22,9 +22,14 @@ LEAN = 0.01  # sine of the angle between forces and that normal: at mu = 0.2 fri
 
 
 def side_detectors(scene: Scene, model: Model) -> Detectors:
-    """A detector for every contact whose master is a body: a rigid surface is never too soft, too coarse or a slave."""
+    """A detector for every contact whose master is a body: a rigid surface is never too soft, too coarse or a slave.
+
+    Potentials press both sides alike, with normals of their own: exchange of the sides mends nothing.
+    """
     ends = np.array([body.first + body.count for body in model.bodies])
     for pair, spec in zip(model.contact.pairs if model.contact is not None else (), scene.contacts, strict=True):
+        if isinstance(pair.method, Potential):
+            continue
         slave = _bodies_of(pair.slave.nodes, model.bodies, ends)
         master = _bodies_of(pair.master.nodes, model.bodies, ends)
         if master:

@@ -141,9 +141,10 @@ def _plan(
             allowed="with an implicit integrator: algorithms that do not say so",
         )
     if isinstance(algorithm, Potential):
-        from contactlab.model.contact.potential_start import refuse_potential
+        from contactlab.model.contact.potential_start import refuse_potential, refuse_pressure_law
 
         refuse_potential(algorithm, spec, integrator, friction, where)
+        refuse_pressure_law(enforcement, spec, where)
     sides = (
         split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions, spec.corner),
         _surface(master, bodies, rigid, below(where, master_key)),

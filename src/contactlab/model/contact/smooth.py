@@ -9,6 +9,7 @@ from contactlab.contact.operator_pair import OperatorPair
 from contactlab.contact.pair import ContactPair
 from contactlab.contact.smooth_surfaces import SmoothSurfaces
 from contactlab.errors import PartError, SceneError, below
+from contactlab.parts.registry import split_spec
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
@@ -21,7 +22,7 @@ def refuse_smooth(
     if not isinstance(algorithm, SegmentContact):
         raise PartError(
             "smooth surfaces are for algorithms that integrate over segments",
-            where=below(where, "smooth"), got=f"true, with {spec.algorithm}",
+            where=below(where, "smooth"), got=f"true, with {split_spec('contact', spec.algorithm, where)[0]}",
             allowed="true with mortar-p0, mortar-p1, mortar-dual, or false",
         )  # fmt: skip
     if any(side.edges.shape[1] == 3 for side in sides):
@@ -33,7 +34,7 @@ def refuse_smooth(
         raise SceneError(
             "gaps between smooth surfaces are held by multipliers: a pressure law stores energy of gaps along which "
             "its forces would not act",
-            where=below(where, "smooth"), got=f"true, with {spec.enforcement}",
+            where=below(where, "smooth"), got=f"true, with {split_spec('enforcement', spec.enforcement, where)[0]}",
             allowed="true with the integrator's own enforcement, or false",
         )  # fmt: skip
     if enforcement.forces in ("consistent", "conjugate"):
