@@ -128,3 +128,44 @@ def test_forces_of_a_beam_that_rests_on_single_nodes_are_an_answer() -> None:
     assert results.status == "finished", results.reason
     for name in sides:
         assert results.summary["reactions"][name][1] == pytest.approx(0.5, rel=1e-6)
+
+
+YOUNG, HEIGHT, LENGTH, STOP = 1000.0, 0.2, 2.0, 1.9  # of a cantilever [MPa, mm], and where a stop below it begins
+
+
+@pytest.mark.parametrize("algorithm", ["node-on-segment", "mortar-p0", "mortar-p1"])
+@pytest.mark.parametrize(("load", "segment", "cells"), [
+    (0.025, 0.05, [[20, 20], 4]), (0.1, 4.0, [[20, 20], 4]), (0.05, 0.002, [[18, 2], 2]),
+])  # fmt: skip
+def test_a_beam_rests_on_the_edge_of_a_stop_whatever_the_lengths_of_its_segments(
+    algorithm: str, load: float, segment: float, cells: list[Any]
+) -> None:
+    """Timoshenko's cantilever under an even load, on a prop at a distance below: R = (w - gap)/f, both at the prop.
+
+    Its free end would pass through the stop by many segments of the finer side, where no condition would bring it back.
+    The stop ends within the beam: nodes beyond its end are not held by a vertex of the stop, which would move the prop.
+    Terms of the rotations (0.1) squared are left.
+    """
+    gap, a = 0.004, STOP
+    bending, shearing = YOUNG * HEIGHT**3 / 12.0, YOUNG / 2.0 * 5.0 / 6.0 * HEIGHT
+    sunk = load * a**2 * (6.0 * LENGTH**2 - 4.0 * LENGTH * a + a**2) / (24.0 * bending)
+    sunk += load * (LENGTH * a - 0.5 * a**2) / shearing
+    prop = (sunk - gap) / (a**3 / (3.0 * bending) + a / shearing)
+    beam = {"use": "rectangle", "x": [0.0, 1.8, LENGTH], "y": [0.0, HEIGHT], "cells": cells}
+    results = contactlab.simulate(
+        Scene.from_data(
+            {
+                "integrator": "newton",
+                "materials": {"soft": {**SOFT, "young": YOUNG, "poisson": 0.0}},
+                "bodies": {"beam": {"element": "q2", "material": "soft", "mesh": beam}},
+                "rigid": {"stop": {"line": [[LENGTH + 2.0, -gap], [STOP, -gap]], "segment": segment}},
+                "contacts": [{"slave": "beam.bottom", "master": "stop", "algorithm": algorithm}],
+                "supports": [{"on": "beam.left", "ux": 0.0, "uy": 0.0}],
+                "loads": [{"on": "beam.top", "ty": -load}],
+                "record": {"frames": 1, "recorders": []},
+            }
+        )
+    )
+    assert results.status == "finished", results.reason
+    assert results.summary["reactions"]["stop"][1] == pytest.approx(prop, rel=0.01)
+    assert "open-contact" not in {warning.code for warning in results.warnings}

@@ -21,7 +21,7 @@ from contactlab.api import (
     Surface,
 )
 from contactlab.api.surface import SurfacePositions
-from contactlab.contact.near_list import REACH, Near, longest_segment
+from contactlab.contact.near_list import REACH, Near, longest_segment, segment_lengths
 from contactlab.contact.sliding import sliding_of
 from contactlab.contact.start_gaps import StartGaps
 from contactlab.kernels.contact import edges, rows
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from contactlab.contact.smooth_surfaces import SmoothSurfaces
 
 _ALL = slice(None)
+HELD = 2.0  # longest segments of the slave: deeper overlaps are the far side of a thin body for mortars
 
 
 @dataclass(frozen=True)
@@ -60,6 +61,7 @@ class ContactPair(ABC):
 
     method     the algorithm
     size       [mm] longest segment of both sides
+    held       [mm] depth up to which conditions of every algorithm hold nodes of the slave
     at         positions of the nodes of both sides, where conditions are made
     gaps       (k, 2) [mm] normal gaps and tangential separations, where they were last measured
     start_gaps what of the gaps at the start does not count; None where they count in full
@@ -89,6 +91,7 @@ class ContactPair(ABC):
         self.method, self.slots = algorithm, algorithm.rows_per_node * len(slave.nodes)
         self.at = SurfacePositions(reference[slave.nodes], reference[master.nodes])
         self.size = longest_segment(self.at, slave, master)
+        self.held = min(self.size, HELD * float(segment_lengths(self.at.slave, slave).max()))
         self.near: Near | None = None
         self.gaps = np.full((self.slots, 2), FAR)
         self.start_gaps: StartGaps | None = None

@@ -23,14 +23,16 @@ class Passage(NamedTuple):
 def first_passage(pairs: Iterable[ContactPair], before: Floats, after: Floats, depth: float) -> Passage | None:
     """The first node of any pair that is more than `depth` segments inside the other side after a motion.
 
+    Nodes of a slave that is much finer than its master may be no deeper than conditions hold them.
     All nodes move along straight lines from `before` to `after` (N, 2). Nodes that come out behind the other side count
     as well: what holds them back is in front of it.
     """
     found = None
     for pair in pairs:
-        for own, other in ((pair.slave, pair.master), (pair.master, pair.slave)):
+        sides = (pair.slave, pair.master, pair.held), (pair.master, pair.slave, pair.size)
+        for own, other, unit in sides:
             points, chain = (_both(surface, before, after) for surface in (own, other))
-            shares = find_passages(points, chain, other.segments, depth * pair.size)
+            shares = find_passages(points, chain, other.segments, depth * unit)
             first = int(np.argmin(shares))
             if shares[first] < (found.share if found is not None else np.inf):
                 found = Passage(float(shares[first]), pair, int(own.nodes[first]))

@@ -51,7 +51,7 @@ def node_lengths(positions, surface, lengths, out):
 
 @section
 def measure(t):
-    """Normals and lengths of both surfaces; returns the longest master segment [mm]."""
+    """Normals and lengths of both surfaces; returns the longest segment of either [mm]."""
     slave, master, at = t.sides.slave, t.sides.master, t.sides.at
     segment_normals(at.slave, slave.segments, t.slave_normal, t.slave_length)
     nodal_normals(slave.node_segments, t.slave_normal, t.slave_length, t.outward)
@@ -60,6 +60,8 @@ def measure(t):
     longest = 0.0
     for m in range(t.master_length.size):
         longest = max(longest, t.master_length[m])
+    for s in range(t.slave_length.size):
+        longest = max(longest, t.slave_length[s])
     return longest
 
 
@@ -110,7 +112,10 @@ def nearest_segment(t, x, s, last, best, reach, depth, p):
 
 @section
 def nearest_vertex(t, x, s, best, reach, p):
-    """The nearer of `best` (vertex, distance) and the vertices between two segments near slave segment s."""
+    """The nearer of `best` (vertex, distance) and the vertices between two segments near slave segment s.
+
+    Only a point beyond both segments is held by the vertex between them.
+    """
     view, (found, nearest) = t.sides, best
     for z in range(view.near.start[s], view.near.start[s + 1]):
         after = view.near.master[z]
@@ -124,11 +129,10 @@ def nearest_vertex(t, x, s, best, reach, p):
         distance = between.length()
         if not (x.normal.x * nx + x.normal.y * ny < 0.0 and distance <= reach and distance < nearest):
             continue
-        if POINTS > 0:
-            if abs(x.normal @ between) < FLANK * distance:
-                continue
-            if not (foot(t, x, before, p)[1] >= 1.0 - EDGE and foot(t, x, after, p)[1] <= EDGE):
-                continue
+        if POINTS > 0 and abs(x.normal @ between) < FLANK * distance:
+            continue
+        if not (foot(t, x, before, p)[1] >= 1.0 - EDGE and foot(t, x, after, p)[1] <= EDGE):
+            continue  # beside an end of the chain, or on a flank that does not face the point
         found, nearest = v, distance
     return found, nearest
 
@@ -182,7 +186,7 @@ def hold_gauss_points(t, reach, depth, p):
 def pieces(bound, reach, depth):
     """Fill one piece per held point (two of nodes at sharp concave corners); returns their number, and turned normals.
 
-    `bound` is the address of a `Points`. Points farther than `reach` [mm] or deeper than `depth` of the longest master
+    `bound` is the address of a `Points`. Points farther than `reach` [mm] or deeper than `depth` of the longest
     segment are held by none.
     """
     t = unpack(bound, Points)

@@ -18,7 +18,7 @@ from contactlab.formulas.point_tables import DerivedPoints, Points, TurnedPoints
 from contactlab.formulas.segments import arrays_of, averaged_normals
 
 DEPTH = 1.0
-"""Longest segment lengths of the master: a point deeper than this is on the far side of a thin body."""
+"""Longest segment lengths of either side, as deep as a correction may push: a deeper point is on the far side."""
 
 _PIECES, _DERIVATIVES, _GRADIENTS, _NORMALS = (BoundCache() for _ in range(4))
 

@@ -109,7 +109,7 @@ class LineSearch:
         if not np.isfinite(smallest):
             smallest = self.scales.size / FEW_CELLS
         pieces = max(1, int(np.ceil(np.hypot(*du.T).max() / smallest)))
-        length = contact.free_share(place, du, DEEPEST) if pieces > 1 or contact.by_energy else 1.0
+        length = contact.free_share(place, du, DEEPEST)
         if pieces <= MOST_PIECES:
             length = min(length, self._watched(place, du, pieces))
         return length, "surfaces would pass through each other" if length < 1.0 else ""
