@@ -269,7 +269,7 @@ def test_a_punch_between_the_nodes_of_the_slave() -> None:
         r"contacts.0: node [0-2] of body punch of the master lies ([\d.]+) deep in the other side, (\d+)% of a segment"
     )
     found = matched(words, reason)
-    assert 0.5 < float(found[1]) < 0.55
+    assert 0.5 <= float(found[1]) < 0.55  # above 0.5, printed with three digits
     assert int(found[2]) == round(100 * float(found[1]))
     assert "the other side as slave" in reason
 
