@@ -58,8 +58,7 @@ def element_rows(quick: bool, rounds: int) -> list[dict[str, Any]]:
     for element, law, size in wanted:
         row = elements.measure(element, law, size, rounds, arrays)
         rows.append(elements.asdict(row))
-        fused, bound = elements.text(row.over_fused, ".2f"), f"{row.share_of_bound:.0%}"
-        speed = f"{row.millions_per_s:6.1f} M/s, {fused:>5s} x fused, {bound}"
+        speed = f"{row.millions_per_s:6.1f} M/s, {row.share_of_bound:.0%}"
         print(f"  {element:11s} {law:17s} {row.cells:8d} cells {speed}", flush=True)
     return rows
 
@@ -146,8 +145,6 @@ def ratios_of(found: Mapping[str, Any]) -> dict[str, float]:
     for row in found["elements"]:
         name = f"{row['element']} {row['law']} {_round(row['cells'])}"
         ratios[f"{name}: share of bandwidth bound"] = row["share_of_bound"]
-        if row["over_fused"] is not None:
-            ratios[f"{name}: times a fused loop"] = row["over_fused"]
     for row in found["phases"]:
         ratios[f"contact over elements, {row['cells']:.0f} cells"] = row["contact"] / row["elements"]
     for row in found["peers"]:

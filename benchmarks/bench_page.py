@@ -96,15 +96,14 @@ def _text(found: Mapping[str, Any], lost: Mapping[str, float], against: str) -> 
 def _element_section(rows: Rows) -> Iterable[str]:
     yield from ["", "## Element updates", "", "![updates per second](benchmarks-updates.png)", ""]
     yield (
-        "Node update and Python overhead included. *Fused* is one scalar loop over cells, hand-written for the law "
-        "(`benchmarks/kernels/fused_loops.py`) or the element (`fused_elements.py`); *bound* is the time that the "
-        "STREAM triad on this machine needs for the bytes that no scheme can avoid."
+        "Node update and Python overhead included. *Bound* is the time that the STREAM triad on this machine needs "
+        "for the bytes that no scheme can avoid."
     )
     yield ""
-    head = ("element", "law", "cells", "ns", "M/s", "times fused", "share of the bound")
+    head = ("element", "law", "cells", "ns", "M/s", "share of the bound")
     cells = (
         (r["element"], r["law"], r["cells"], f"{r['ns']:.1f} {_spread(r['spread'])}", f"{r['millions_per_s']:.1f}",
-         "-" if r["over_fused"] is None else f"{r['over_fused']:.1f}", f"{r['share_of_bound']:.0%}")
+         f"{r['share_of_bound']:.0%}")
         for r in rows
     )  # fmt: skip
     yield from _table(head, cells)

@@ -1,10 +1,8 @@
 """Updates per second of explicit steps, by element, law and size, node update and Python included.
 
-Each row is timed beside two yardsticks in the same process, in turns: a fused scalar loop written by hand
-for that law (`fused_loops.py`) or element (`fused_elements.py`, neo-Hookean), which must give the same
-forces, and the time that the memory of this machine needs for the bytes that no scheme can avoid, from a
-triad. Both seconds and ratios belong to the machine, as the share of memory in them differs. Times are of the
-thread (CPU), medians of rounds.
+Each row is timed beside a yardstick in the same process, in turns: the time that the memory of this machine needs
+for the bytes that no scheme can avoid, from a triad. Both seconds and ratios belong to the machine, as the share of
+memory in them differs. Times are of the thread (CPU), medians of rounds.
 
     python benchmarks/kernels/elements.py                              # bilinear, all laws, 1k to 1M cells
     python benchmarks/kernels/elements.py --elements q2 --sizes 10000 --laws neo-hookean
@@ -26,8 +24,6 @@ from typing import Any
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-import fused_elements
-import fused_loops as loops
 import numpy as np
 from numba import njit
 
@@ -68,7 +64,7 @@ mesh = {{ use = "rectangle", x = [0.0, {columns}.0], y = [0.0, {rows}.0], cells 
 
 @dataclass
 class Row:
-    """One measurement: CPU nanoseconds per cell and step (`spread`: of the best and the worst round), and ratios."""
+    """One measurement: CPU nanoseconds per cell and step (`spread`: of the best and the worst round)."""
 
     element: str
     law: str
@@ -76,8 +72,6 @@ class Row:
     ns: float
     millions_per_s: float
     spread: tuple[float, float]
-    over_fused: float | None
-    over_rate_loop: float | None
     share_of_bound: float
 
 
@@ -102,90 +96,6 @@ def stepper(model: Model) -> Step:
     advance = model.bound_integrator().step
     advance(STRAIN)
     return lambda: advance(INCREMENT)
-
-
-def fused_call(model: Model, law: str, rate_loop: bool = False) -> Callable[[float], None] | None:
-    """The hand-written loop in place of the model's block calls."""
-    cells, force = model.bodies[0].cells, model.state["internal_force"]
-    young, poisson = ELASTIC["young"], ELASTIC["poisson"]
-    shear = young / (2.0 * (1.0 + poisson))
-    lame = 2.0 * shear * poisson / (1.0 - 2.0 * poisson)
-    x, reference, u = model.position, model.reference, model.state["displacement"]
-    power = tuple(PLASTIC.values())
-    if rate_loop:
-        if law != "power-law":
-            return None
-        # the increment of the flow itself: this loop has no model that would give it
-        du, history = np.ascontiguousarray(INCREMENT * model.state["velocity"]), np.zeros((len(cells), 4, 5))
-        loops.power_law_rate(x, STRAIN / INCREMENT * du, cells, force, history, lame, shear, *power)
-        return lambda dt: loops.power_law_rate(x, du, cells, force, history, lame, shear, *power)
-    if law == "linear-elastic":
-        return lambda dt: loops.linear_elastic(reference, u, cells, force, lame, shear)
-    if law == "neo-hookean":
-        return lambda dt: loops.neo_hookean(x, reference, cells, force, lame, shear)
-    if law == "hypoelastic":
-        history = np.zeros((len(cells), 4, 4))
-        return lambda dt: loops.hypoelastic(x, model.increment, cells, force, history, lame, shear)
-    history, bulk = np.zeros((len(cells), 4, 4)), lame + 2.0 / 3.0 * shear
-    if law == "power-law":
-        return lambda dt: loops.power_law(x, reference, cells, force, history, bulk, shear, *power)
-    if law == "linear-hardening":
-        flow = LAWS[law]["yield_stress"], LAWS[law]["hardening"]
-        return lambda dt: loops.linear_hardening(x, reference, cells, force, history, bulk, shear, *flow)
-    return None
-
-
-def fused_element(model: Model) -> Callable[[float], None]:
-    """The same for elements other than the bilinear one with 2x2 points, neo-Hookean."""
-    element, cells, force = model.bodies[0].element, model.bodies[0].cells, model.state["internal_force"]
-    law = model.bodies[0].material
-    shear = law.young / (2.0 * (1.0 + law.poisson))
-    lame = 2.0 * shear * law.poisson / (1.0 - 2.0 * law.poisson)
-    x, reference, u = model.position, model.reference, model.state["displacement"]
-    if model.bodies[0].points == 1:
-        modulus = element.hourglass * shear
-        return lambda dt: fused_elements.q1_reduced(x, reference, u, cells, force, lame, shear, modulus)
-    if len(element.nodes) == 4:
-        return lambda dt: fused_elements.q1_fbar(x, reference, cells, force, lame, shear)
-    rule = element.quadrature()
-    derivatives, weights = element.shape(rule.points).gradient, rule.weights
-    return lambda dt: fused_elements.by_table(x, reference, cells, force, lame, shear, derivatives, weights)
-
-
-def loop_for(model: Model, element: str, law: str, rate_loop: bool = False) -> Callable[[float], None] | None:
-    """The loop that somebody wrote by hand for this element and law, if anybody did."""
-    if element == "q1":
-        return fused_call(model, law, rate_loop)
-    return fused_element(model) if law == "neo-hookean" and not rate_loop else None
-
-
-def fused_stepper(element: str, law: str, cells: int, rate_loop: bool = False) -> Step | None:
-    """The same model and integrator around the fused loop."""
-    model = model_of(element, law, cells)
-    call = loop_for(model, element, law, rate_loop)
-    if call is None:
-        return None
-    model.updates = (call,)
-    if not rate_loop:
-        check_forces(element, law)
-    return stepper(model)
-
-
-def check_forces(element: str, law: str) -> None:
-    """In a flow that bends cells, forces of the parts are those of the loop, or the two do not compare."""
-    plain, fused = model_of(element, law, 100), model_of(element, law, 100)
-    call = loop_for(fused, element, law)
-    assert call is not None
-    fused.updates = (call,)
-    for model in (plain, fused):
-        x, y = model.reference.T
-        model.state["velocity"][:] += 0.1 * np.stack([x * y, x**2 + y], axis=1)
-        advance = model.bound_integrator().step
-        for dt in (STRAIN, 0.1 * STRAIN):
-            advance(dt)
-    expected, found = plain.state["internal_force"], fused.state["internal_force"]
-    # both sum the same products in other orders; plastic steps are iterated to 1e-12
-    np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-10 * np.abs(expected).max())
 
 
 # --- timing --------------------------------------------------------------------------------------
@@ -215,36 +125,19 @@ def unavoidable_bytes(element: str, law: str, model: Model) -> int:
 
 
 def measure(element: str, law: str, cells: int, rounds: int, arrays: tuple[Any, ...]) -> Row:
-    """All yardsticks in turns, so that a slow moment of the machine meets each of them."""
+    """Steps and triads in turns, so that a slow moment of the machine meets both."""
     model = model_of(element, law, cells)
     count = len(model.bodies[0].cells)
     step = stepper(model)
-    fused, rate = fused_stepper(element, law, cells), fused_stepper(element, law, cells, rate_loop=True)
     repeats = max(1, 100_000 // count)
-    for call in (step, fused, rate):
-        if call is not None:
-            seconds(call, max(2, repeats // 5))
-    times: dict[str, list[float]] = {"step": [], "fused": [], "rate": [], "triad": []}
+    seconds(step, max(2, repeats // 5))
+    steps, triads = [], []
     for _ in range(rounds):
-        times["step"].append(seconds(step, repeats))
-        times["triad"].append(seconds(lambda: triad(*arrays), 1) / (24 * arrays[0].size))
-        for name, call in (("fused", fused), ("rate", rate)):
-            if call is not None:
-                times[name].append(seconds(call, max(1, repeats // 2)))
-    ns = 1e9 * median(times["step"]) / count
-
-    def ratio(name: str) -> float | None:
-        pairs = [other / own for other, own in zip(times[name], times["step"], strict=False)]
-        return median(pairs) if pairs else None
-
-    bound = median(times["triad"]) * unavoidable_bytes(element, law, model) * 1e9
-    spread = (1e9 * min(times["step"]) / count, 1e9 * max(times["step"]) / count)
-    return Row(element, law, count, ns, 1e3 / ns, spread, ratio("fused"), ratio("rate"), bound / ns)
-
-
-def text(value: float | None, form: str) -> str:
-    """A number, or a dash where nothing was measured."""
-    return "-" if value is None else format(value, form)
+        steps.append(seconds(step, repeats))
+        triads.append(seconds(lambda: triad(*arrays), 1) / (24 * arrays[0].size))
+    least, ns, largest = (1e9 * of(steps) / count for of in (min, median, max))
+    bound = median(triads) * unavoidable_bytes(element, law, model) * 1e9
+    return Row(element, law, count, ns, 1e3 / ns, (least, largest), bound / ns)
 
 
 def main() -> None:
@@ -260,10 +153,7 @@ def main() -> None:
     triad(*arrays)
     speed = 24 * arrays[0].size / seconds(lambda: triad(*arrays), 3) / 1e9
     print(f"triad {speed:.1f} GB/s; per cell and step, CPU time of one thread, median of {chosen.rounds} rounds")
-    print(
-        f"{'element':12s} {'law':17s} {'cells':>8s} {'ns':>8s} {'M/s':>7s} {'x fused':>8s} "
-        f"{'x rate J2':>9s} {'bound':>6s}"
-    )
+    print(f"{'element':12s} {'law':17s} {'cells':>8s} {'ns':>8s} {'M/s':>7s} {'bound':>6s}")
     rows = []
     for element in chosen.elements:
         for law in chosen.laws:
@@ -272,7 +162,6 @@ def main() -> None:
                 rows.append(row)
                 print(
                     f"{row.element:12s} {row.law:17s} {row.cells:8d} {row.ns:8.1f} {row.millions_per_s:7.1f} "
-                    f"{text(row.over_fused, '8.2f'):>8s} {text(row.over_rate_loop, '9.2f'):>9s} "
                     f"{row.share_of_bound:6.0%}",
                     flush=True,
                 )

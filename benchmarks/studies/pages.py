@@ -25,11 +25,8 @@ sys.path[:0] = [str(HERE / place) for place in (".", "paper", "..", "../kernels"
 
 import baselines  # noqa: E402
 import bundled_scenes  # noqa: E402
-import case_pages  # noqa: E402
-import case_rows  # noqa: E402
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
-import effect_costs  # noqa: E402
 import full_page  # noqa: E402
 import kept_runs  # noqa: E402
 import make  # noqa: E402
@@ -48,12 +45,8 @@ def paper() -> str:
 BUILT: dict[str, Callable[[], str]] = {
     "cases.md": lambda: cases_page.page(cases_page.stored()),
     "full-matrix.md": lambda: full_page.page(full_page.stored()),
-    "hard-cases.md": case_pages.hard_cases,
-    "statics-cases.md": case_pages.statics_cases,
-    "friction.md": case_pages.friction,
     "paper.md": paper,
     "bundled-scenes.md": lambda: bundled_scenes.page(bundled_scenes.stored()),
-    "effect-costs.md": lambda: effect_costs.page(effect_costs.stored()),
     "performance-over-versions.md": lambda: baselines.page(baselines.load()),
     "references.md": lambda: references_page.page(references_page.stored()),
 }
@@ -91,7 +84,6 @@ def _keep(folder: Path) -> None:
     if any(row["slave"] == "exchanged" or row["variant"] for row in rows):  # the quick matrix has none
         full_page.keep(rows)
     cases_page.keep(cases_page.rows_of(archive))
-    case_rows.keep(archive)
 
 
 def main(words: list[str]) -> int:

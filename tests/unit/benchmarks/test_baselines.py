@@ -87,15 +87,15 @@ def test_a_run_without_a_baseline_of_its_kind_judges_nothing(
 
     measured = {"machine": a_machine("new")}
     monkeypatch.setattr(bench, "measure", lambda quick, rounds: measured)
-    monkeypatch.setattr(bench, "ratios_of", lambda found: {"times a fused loop": 1.0})
+    monkeypatch.setattr(bench, "ratios_of", lambda found: {"times akantu": 1.0})
     pages: list[str] = []
     monkeypatch.setattr(bench, "write_page", lambda found, lost, against, folder: pages.append(against))
-    kept = [entry(a_machine("old"), "1", **{"times a fused loop": 9.0})]
+    kept = [entry(a_machine("old"), "1", **{"times akantu": 9.0})]
     monkeypatch.setattr(baselines, "load", lambda: kept)
     assert bench.main(["--out", str(tmp_path)]) == 0
     assert "Nothing to compare with" in capsys.readouterr().out
     assert "old" in pages[-1]
-    kept.append(entry(a_machine("new"), "2", **{"times a fused loop": 9.0}))
+    kept.append(entry(a_machine("new"), "2", **{"times akantu": 9.0}))
     assert bench.main(["--out", str(tmp_path)]) == 1
     assert "<-- 89% lost" in capsys.readouterr().out
     assert pages[-1].startswith("version 0.1.2")

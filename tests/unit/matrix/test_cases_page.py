@@ -116,37 +116,24 @@ def test_kept_rows_are_of_cells_and_bounds_of_today(pages: ModuleType) -> None:
     from contactlab.parts.registry import default_registry
     from contactlab.verdicts.plan import Request
 
-    rows, registry = pages.case_rows, default_registry()
-    for kept, cells in ((pages.cases_page.stored(), rows.asked(Request())), (rows.stored(), rows.of_pages())):
-        for key, own in itertools.groupby(kept, rows.key_of):
-            measures = cells[key].case(registry).measures(cells[key].setup)
-            bounds = {m.name: (m.role, rows.short(m.least), rows.short(m.most)) for m in measures}
-            for row in own:
-                if row["measure"] in bounds or row["role"] not in ("invariant", rows.OF_THE_RUN, ""):
-                    assert (row["role"], row["least"], row["most"]) == bounds[row["measure"]], (key, row["measure"])
+    rows, registry = pages.cases_page.case_rows, default_registry()
+    cells = rows.asked(Request())
+    for key, own in itertools.groupby(pages.cases_page.stored(), rows.key_of):
+        measures = cells[key].case(registry).measures(cells[key].setup)
+        bounds = {m.name: (m.role, rows.short(m.least), rows.short(m.most)) for m in measures}
+        for row in own:
+            if row["measure"] in bounds or row["role"] not in ("invariant", ""):
+                assert (row["role"], row["least"], row["most"]) == bounds[row["measure"]], (key, row["measure"])
 
 
 def test_a_folder_with_some_of_the_cases_leaves_the_others(pages: ModuleType) -> None:
     """New rows of a cell stand in place of all that it had; cells that are no longer planned leave."""
-    rows = pages.case_rows
+    rows = pages.cases_page.case_rows
     old = [{**CHOICES, "measure": name, "value": "1"} for name in ("stress", "displacement")]
     other, gone = ({**CHOICES, "case": name, "measure": "stress", "value": "1"} for name in ("hertz", "a-former-case"))
     new = {**CHOICES, "measure": "stress", "value": "2"}
     wanted = {rows.key_of(new), rows.key_of(other)}
     assert rows.merged([*old, other, gone], [new], wanted) == [other, new]
-
-
-def test_tables_show_the_worst_of_variants_and_what_misses(pages: ModuleType) -> None:
-    table = pages.case_pages.table
-    bounds = {"role": "error", "least": "-0.1", "most": "0.1", "unit": "", "verdict": "met", "reason": ""}
-    values = {"": ("0.05", "met"), "upper=3": ("-0.2", "missed"), "upper=10": ("0.15", "missed")}
-    rows = [
-        {**CHOICES, **bounds, "variant": variant, "measure": "stress", "value": value, "cell": cell}
-        for variant, (value, cell) in values.items()
-    ]
-    assert table(rows)[0] == "| variant | stress (+-0.1) | verdict |"
-    assert "| default | 0.05 | met |" in table(rows)
-    assert table(rows, ("variant",))[2:] == ["| **-0.2** | 1 met, 2 missed |"]
 
 
 def test_rows_are_the_newest_of_the_archive(study: ModuleType, tmp_path: Path) -> None:
