@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from contactlab.run.breaches import breach
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
+    from contactlab.model.implicit_model import ImplicitModel
     from contactlab.model.model import Model
     from contactlab.results.contact_report import ContactReport
     from contactlab.results.sample import Sample
@@ -25,7 +26,6 @@ FIT = 0.05  # segments: how far nodes of like meshes may have slid apart
 FEW_PAIRS = 250_000  # of points: comparing all takes some ms, importing a search tree a tenth of a second
 FEW = 6  # nodes: of a disc on a plane five or fewer press if its facets are as deep as FACETS of the approach
 PEAK = 0.1  # multipliers above nodal pressures: with 3 nodes in a Hertz contact 34 to 52 %, with 5 2 to 6 %
-HIGH = 0.01  # of the force: distances that conditions keep between pressed nodes and the other side
 ENOUGH = 3  # pressed conditions: one or two in the middle of a symmetric pair may have no shear
 
 
@@ -40,6 +40,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
     for one in invariants(model, sample, largest_force):
         if one.broken:
             model.warnings.add(breach(one, model))
+    few = []
     for pair in model.contact.pairs if model.contact is not None else ():
         report = sample.contacts[pair.name]
         if not closed[pair.own].any():
@@ -47,11 +48,14 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
         elif report.largest > ROUND * largest_force:
             _judge_facets(model, pair, report.curve)
             _judge_peak(model, pair, report.curve)
-            _judge_distance(model, pair, report.curve, sample.energies["stored"] + sample.energies["plastic"])
             _judge_friction(model, pair)
+            if pair.start_distance is None and _few_between_open_ones(report.curve):
+                few.append(pair)
             pressed = model.state["multipliers"][0, pair.own] > 0.0
             if np.count_nonzero(pressed) >= ENOUGH:  # of one or two conditions the force alone is known
                 _judge_pressure(pair.name, report.force_error(report.covered_integral), sample.step)
+    if few and not model.integrator.inertia:
+        _judge_distances(model, few, sample.energies["stored"] + sample.energies["plastic"])
 
 
 def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> None:
@@ -178,50 +182,24 @@ def _judge_peak(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
     )  # fmt: skip
 
 
-def _judge_distance(model: Model, pair: ContactPair, curve: ContactCurve, stored: float) -> None:
-    """Whether a few pressed nodes stand off the other side, as if it came nearer than it is.
+def _judge_distances(model: Model, pairs: list[ContactPair], stored: float) -> None:
+    """Whether a few pressed nodes stand off the other side, as if it came nearer than it is, or lie within it."""
+    from contactlab.run.kept_gap import HIGH, kept_gaps
 
-    A gap averaged over the segments of a node is zero before the node touches a side that curves away by as much. In
-    statics forces times such distances, over twice the energy of the bodies, are at least their share of a force that a
-    support drives, or of its displacement under a given load.
-    """
-    if model.integrator.inertia or pair.start_distance is not None or not _few_between_open_ones(curve):
-        return
-    force = model.state["multipliers"][0, pair.own]
-    force = np.maximum(0.0, force.reshape(pair.rows_per_node, -1)).sum(axis=0)
-    pressed = np.flatnonzero(force)
-    apart = _signed_distances(model.position[pair.slave.nodes[pressed]], model.position, pair.master)
-    share = float(force[pressed] @ apart) / max(2.0 * stored, 1e-300)
-    if not share > HIGH:
-        return
-    widest = int(apart.argmax())
-    model.warnings.add(
-        RunWarning(
-            "kept-gap", share, HIGH, f"{pair.name}.slave",
-            f"{pair.name}: gaps averaged over segments are zero while pressed nodes are up to {apart[widest]:.3g} from "
-            f"the other side, at {_place(model, model.position[pair.slave.nodes[pressed[widest]]])}: forces are too "
-            f"large by up to {share:.0%}, or displacements under given loads too small (limit {HIGH:.0%}); take cells "
-            "of both sides half as long there, which makes it a quarter",
-        )
-    )  # fmt: skip
-
-
-def _signed_distances(points: Floats, position: Floats, surface: Surface) -> Floats:
-    """Distances (n,) of some points to the nearest segment of a surface, negative inside.
-
-    Beyond the end of a chain they are those along the normal of its last segment: no surface is there to stand off.
-    """
-    begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
-    along, apart = end - begin, points[:, None] - begin
-    at = (apart * along).sum(axis=2) / (along**2).sum(axis=1)
-    last = surface.node_segments[surface.segments, [0, 1]] < 0  # chain ends at the start, at the end of a segment
-    beyond = ((at < 0.0) & last[:, 0]) | ((at > 1.0) & last[:, 1])
-    apart = apart - np.clip(at, 0.0, 1.0)[..., None] * along
-    nearest = (apart**2).sum(axis=2).argmin(axis=1)
-    every = np.arange(len(points))
-    off, edge = apart[every, nearest], along[nearest]
-    height = (off[:, 0] * edge[:, 1] - off[:, 1] * edge[:, 0]) / np.hypot(*edge.T)
-    return np.asarray(np.where(beyond[every, nearest], height, np.copysign(np.hypot(*off.T), height)))
+    for one in kept_gaps(cast("ImplicitModel", model), pairs, stored):
+        size = "large" if one.share > 0.0 else "small"
+        off = f"{abs(one.apart):.3g} {'off' if one.apart > 0.0 else 'within'}"
+        told = [f"its force is {abs(one.share):.1%} too {size}"] if abs(one.share) > HIGH else []
+        told += [f"displacements are off by up to {one.moved:.1%} of the largest"] if one.moved > HIGH else []
+        model.warnings.add(
+            RunWarning(
+                "kept-gap", abs(one.share) if abs(one.share) > HIGH else one.moved, HIGH, f"{one.pair.name}.slave",
+                f"{one.pair.name}: as gaps are those of facets and averaged over segments, pressed nodes are up to "
+                f"{off} the curve of the other side, at {_place(model, model.position[one.node])}: "
+                f"{' and '.join(told)} (limit {HIGH:.0%}); take cells of both sides half as long there, which makes it "
+                "a quarter",
+            )
+        )  # fmt: skip
 
 
 def _few_between_open_ones(curve: ContactCurve) -> bool:

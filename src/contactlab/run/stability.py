@@ -10,7 +10,7 @@ Newton's method finds it as willingly as any other.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import block_array, csc_array, csr_array, diags_array, vstack
@@ -18,12 +18,26 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats, Ints, Response, RunWarning
+from contactlab.api.arrays import Flags
 
 if TYPE_CHECKING:
     from contactlab.model.implicit_model import ImplicitModel
 
 SINGULAR = 1e-9  # of a matrix whose entries are of size 1: the sign of a smaller pivot is that of round-off
 SYMMETRIC = 1e-9  # alike: pivots of a matrix that is less so tell the parity only
+
+
+class Linearised(NamedTuple):
+    """The matrix [[K, -C^T], [-H, -B]] of free degrees of freedom and closed conditions.
+
+    matrix      (CSC)
+    free        (2N,) whether a degree of freedom is in it
+    conditions  (c,) int32 which condition a further row belongs to; -1 for slip, which friction holds
+    """
+
+    matrix: Any
+    free: Flags
+    conditions: Ints
 
 
 def unstable(model: ImplicitModel, mesh: str = "") -> Iterator[RunWarning]:
@@ -48,14 +62,15 @@ def unstable_motions(model: ImplicitModel) -> int:
     """
     if len(np.unique(model.prescribed.dof)) == model.reference.size:
         return 0  # nothing is free to move
-    leaving = _negative_directions(*_tangent(model, normals_turn=True))
+    leaving = _negative_directions(linearised(model))
     if leaving and model.contact is not None:
-        leaving = min(leaving, _negative_directions(*_tangent(model, normals_turn=False)))
+        leaving = min(leaving, _negative_directions(linearised(model, normals_turn=False)))
     return leaving
 
 
-def _negative_directions(matrix: Any, conditions: int) -> int:
+def _negative_directions(equations: Linearised) -> int:
     """Negative pivots beyond the conditions; by their parity where the matrix is not symmetric."""
+    matrix, conditions = _scaled(equations.matrix), len(equations.conditions)
     try:
         factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=1e-3, options={"SymmetricMode": True})
     except RuntimeError:
@@ -70,30 +85,30 @@ def _negative_directions(matrix: Any, conditions: int) -> int:
     return (negative + _parity(factors.perm_r) + _parity(factors.perm_c) + conditions) % 2
 
 
-def _tangent(model: ImplicitModel, normals_turn: bool) -> tuple[Any, int]:
-    """The matrix (CSC) of free degrees of freedom and closed conditions, and the number of those."""
+def linearised(model: ImplicitModel, normals_turn: bool = True) -> Linearised:
+    """The equations at the present state; without `normals_turn` those of contact normals that stay as they are."""
     free = np.ones(model.reference.size, bool)
     free[model.prescribed.dof] = False
     stiffness = model.stiffness(model.state["clock"][2])
     model.add_load_stiffness(model.state.time, stiffness, 1.0, 0.0)
     contact = model.contact
     if contact is None:
-        return _scaled(csc_array(stiffness)[free][:, free]), 0
+        return Linearised(csc_array(stiffness)[free][:, free], free, np.zeros(0, np.int32))
     pressed = np.flatnonzero(contact.conditions.present & (contact.conditions.force[0] > 0.0)).astype(np.int32)
     change = contact.linearise(pressed)
     matrix = (csc_array(stiffness) - change.force if normals_turn else csc_array(stiffness))[free][:, free]
     if not len(pressed):
-        return _scaled(matrix), 0
+        return Linearised(matrix, free, pressed)
     directions, gaps = (
         csr_array(vstack([part for part in parts if part is not None]))[:, free]
         for parts in ((change.normal, change.tangent), (change.gap, change.slip))
     )
-    moving = abs(gaps).sum(axis=1) > 0.0  # what supports hold alone is no condition
-    softness = np.zeros(len(moving))
+    moving = np.flatnonzero(abs(gaps).sum(axis=1) > 0.0)  # what supports hold alone is no condition
+    softness = np.zeros(gaps.shape[0])
     softness[: len(pressed)] = _softness(model)[pressed]
-    directions, gaps = -directions[moving], -gaps[moving]
-    whole = block_array([[matrix, directions.T], [gaps, diags_array(-softness[moving])]], format="csc")
-    return _scaled(whole), int(np.count_nonzero(moving))
+    conditions = np.where(moving < len(pressed), pressed[moving % len(pressed)], -1)
+    parts = [[matrix, -directions[moving].T], [-gaps[moving], diags_array(-softness[moving])]]
+    return Linearised(block_array(parts, format="csc"), free, conditions)
 
 
 def _softness(model: ImplicitModel) -> Floats:

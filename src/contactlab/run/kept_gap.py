@@ -1,0 +1,96 @@
+"""Nodes that press while they stand off the other side's curve, or lie within it, and what that changes.
+
+A gap averaged over the segments of a node is zero before the node touches a side that curves away by as much, and a
+node on a facet lies within the curve. In statics the equations at the end say what such distances change: they are
+solved for gaps that close by them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from scipy.sparse.linalg import splu
+
+from contactlab.api import Floats, Surface
+from contactlab.meshing.turns import turns
+from contactlab.results.facets import facet_depths
+from contactlab.run.stability import linearised
+
+if TYPE_CHECKING:
+    from contactlab.contact.pair import ContactPair
+    from contactlab.model.implicit_model import ImplicitModel
+
+HIGH = 0.01  # of a force or of the largest displacement
+
+
+class KeptGap(NamedTuple):
+    """A pair with the node that is furthest off, and what all distances of the model change.
+
+    apart  [mm] of the node, negative within the other side
+    share  of the pair's force that is too much, negative where it is too small
+    moved  the largest change of a displacement over the largest displacement of the model
+    """
+
+    pair: ContactPair
+    node: int
+    apart: float
+    share: float
+    moved: float
+
+
+def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> Iterator[KeptGap]:
+    """Pairs whose force kept distances change by more than 1 %; if none, the widest one where they move bodies so far.
+
+    pairs   those of which a few nodes press between open ones
+    stored  [mJ] energy of the bodies: forces times distances over twice of it are about what is solved for, which
+            takes a factorisation
+    """
+    assert model.contact is not None
+    force = np.maximum(0.0, model.state["multipliers"][0])
+    apart = np.zeros_like(force)
+    for pair in pairs:
+        own = pair.slave.nodes[np.flatnonzero(force[pair.own]) % len(pair.slave.nodes)]
+        apart[pair.own][force[pair.own] > 0.0] = _signed_distances(model.position[own], model, pair.master)
+    if not force @ np.abs(apart) > HIGH * stored:
+        return  # half of what supports and loads do
+    equations = linearised(model)
+    closing = np.where(equations.conditions < 0, 0.0, apart[equations.conditions])
+    n = equations.matrix.shape[0] - len(closing)
+    try:
+        change = splu(equations.matrix).solve(np.concatenate([np.zeros(n), closing]))
+    except RuntimeError:
+        return  # a motion that nothing resists
+    added = np.zeros_like(force)
+    added[equations.conditions[equations.conditions >= 0]] = -change[n:][equations.conditions >= 0]
+    moved = float(np.abs(change[:n]).max()) / float(np.abs(model.state["displacement"]).max())
+    shares = [float(added[pair.own].sum() / force[pair.own].sum()) for pair in pairs]
+    widest = max(pairs, key=lambda pair: float(np.abs(apart[pair.own]).max()))
+    for pair, share in zip(pairs, shares, strict=True):
+        if abs(share) > HIGH or (pair is widest and moved > HIGH and not any(np.abs(shares) > HIGH)):
+            furthest = int(np.abs(apart[pair.own]).argmax())
+            node = pair.slave.nodes[furthest % len(pair.slave.nodes)]
+            yield KeptGap(pair, node, float(apart[pair.own][furthest]), share, moved)
+
+
+def _signed_distances(points: Floats, model: ImplicitModel, surface: Surface) -> Floats:
+    """Distances (n,) of some points to the curve through the nodes of a surface, negative inside.
+
+    Beyond the end of a chain they are those along the normal of its last segment: no surface is there to stand off.
+    """
+    position = model.position
+    begin, end = (position[surface.nodes[surface.segments[:, k]]] for k in range(2))
+    along, apart = end - begin, points[:, None] - begin
+    at = (apart * along).sum(axis=2) / (along**2).sum(axis=1)
+    last = surface.node_segments[surface.segments, [0, 1]] < 0  # chain ends at the start, at the end of a segment
+    beyond = ((at < 0.0) & last[:, 0]) | ((at > 1.0) & last[:, 1])
+    at = np.clip(at, 0.0, 1.0)
+    apart = apart - at[..., None] * along
+    nearest = (apart**2).sum(axis=2).argmin(axis=1)
+    every = np.arange(len(points))
+    off, edge, at = apart[every, nearest], along[nearest], at[every, nearest]
+    height = (off[:, 0] * edge[:, 1] - off[:, 1] * edge[:, 0]) / np.hypot(*edge.T)
+    depths = facet_depths(surface, model.reference) * np.sign(turns(surface, model.reference))
+    bulge = 4.0 * at * (1.0 - at) * depths[surface.segments[nearest, :2]].mean(axis=1)
+    return np.asarray(np.where(beyond[every, nearest], height, np.copysign(np.hypot(*off.T), height)) - bulge)
