@@ -9,6 +9,7 @@ from contactlab.commands.common import ROOM_TO_SPARE, add_row, console, fitting,
 from contactlab.errors import PartError, did_you_mean
 from contactlab.parts.loading import Broken
 from contactlab.parts.registry import Offer, Registry
+from contactlab.scene.auto import AUTO, usual_order
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -37,12 +38,13 @@ def _found(name: str, registry: Registry) -> list[Offer]:
     offers = [o for o in registry.parts() if o.part.name == bare and kind in ("", o.part.kind)]
     if not offers:
         names = list(dict.fromkeys(offer.part.name for offer in registry.parts()))
+        order = f'integrator = "auto" tries {", then ".join(usual_order(registry))}' if bare == AUTO else ""
         raise PartError(
             "no part of this name is installed",
             where="parts",
             got=name,
             allowed="a name that contactlab parts lists, or KIND.NAME",
-            hint=did_you_mean(bare, names) or registry.missing_from(bare),
+            hint=order or did_you_mean(bare, names) or registry.missing_from(bare),
         )
     return offers
 
