@@ -212,8 +212,10 @@ def test_a_step_that_fails_leaves_the_state_and_a_restart_continues_with_the_sam
     [
         ({"integrator": "central-difference"}, "an explicit step has no use for it"),
         ({"contacts.0.start": {"overlap": "ramp"}}, "counts distances as they are"),
-        ({"contacts.0.enforcement": "linear-pressure"}, "no use for another law of the pressure"),
-        ({"contacts.0.enforcement": "nitsche"}, "no use for another law of the pressure"),
+        ({"contacts.0.enforcement": "linear-pressure"}, "no use for another rule of the pressure"),
+        ({"contacts.0.enforcement": "nitsche"}, "no use for another rule of the pressure"),
+        ({"contacts.0.enforcement": "augmented-lagrangian"}, "no use for another rule of the pressure"),
+        ({"contacts.0.corner": 30.0}, "no normals at nodes that a corner could split"),
     ],
 )
 def test_what_a_potential_cannot_do_is_refused(registry: Registry, changes: dict[str, Any], words: str) -> None:

@@ -141,10 +141,9 @@ def _plan(
             allowed="with an implicit integrator: algorithms that do not say so",
         )
     if isinstance(algorithm, Potential):
-        from contactlab.model.contact.potential_start import refuse_potential, refuse_pressure_law
+        from contactlab.model.contact.potential_start import refuse_potential
 
         refuse_potential(algorithm, spec, integrator, friction, where)
-        refuse_pressure_law(enforcement, spec, where)
     sides = (
         split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions, spec.corner),
         _surface(master, bodies, rigid, below(where, master_key)),

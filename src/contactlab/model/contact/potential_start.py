@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import Enforcement, ExplicitIntegrator, Floats, FrictionLaw, Integrator, NormalLaw, Potential
+from contactlab.api import ExplicitIntegrator, Floats, FrictionLaw, Integrator, Potential
 from contactlab.api.compiled.chains import nodal_normals, segment_normals
 from contactlab.contact.closest import closest_points, first_crossing
 from contactlab.errors import PartError, SceneError, below
@@ -53,23 +53,24 @@ def refuse_potential(
             "this contact algorithm has no friction", where=below(where, "friction"), got=spec.friction,
             allowed="not written", hint="take the friction out, or another algorithm",
         )  # fmt: skip
+    if spec.enforcement and spec.enforcement["use"] != integrator.default_enforcement:
+        raise PartError(
+            "this contact algorithm is a potential: its pressure follows from its own energy, and it has no use for "
+            "another rule of the pressure",
+            where=below(where, "enforcement"), got=spec.enforcement, allowed="not written",
+            hint="take the enforcement out, or a mortar for it",
+        )  # fmt: skip
+    if spec.corner is not None:
+        raise SceneError(
+            "a potential has no normals at nodes that a corner could split", where=below(where, "corner"),
+            got=spec.corner, allowed="not written", hint="take the key out, or a mortar for it",
+        )  # fmt: skip
     for key, value in (("overlap", "ramp"), ("gap", "zero")):
         if getattr(spec.start, key) == value:
             raise SceneError(
                 "a potential counts distances as they are", where=below(below(where, "start"), key), got=value,
                 allowed='not written, or overlap = "adjust"', hint="move a body with shift, or take another algorithm",
             )  # fmt: skip
-
-
-def refuse_pressure_law(enforcement: Enforcement, spec: Any, where: Where) -> None:
-    """Raise PartError if a potential, which presses by its own energy, is given a pressure law besides."""
-    if isinstance(enforcement, NormalLaw):
-        raise PartError(
-            "this contact algorithm is a potential: its pressure follows from its own energy, and it has no use for "
-            "another law of the pressure",
-            where=below(where, "enforcement"), got=spec.enforcement, allowed="not written",
-            hint="take the enforcement out, or a mortar for this law",
-        )  # fmt: skip
 
 
 def what_lies_behind(plan: ContactPlan, bodies: tuple[Body, ...], positions: Floats) -> tuple[Floats, Floats]:
