@@ -40,7 +40,7 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
     for one in invariants(model, sample, largest_force):
         if one.broken:
             model.warnings.add(breach(one, model))
-    few = []
+    curved = []
     for pair in model.contact.pairs if model.contact is not None else ():
         report = sample.contacts[pair.name]
         if not closed[pair.own].any():
@@ -49,13 +49,13 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
             _judge_facets(model, pair, report.curve)
             _judge_peak(model, pair, report.curve)
             _judge_friction(model, pair)
-            if pair.start_distance is None and _few_between_open_ones(report.curve):
-                few.append(pair)
+            if pair.start_distance is None:
+                curved.append(pair)
             pressed = model.state["multipliers"][0, pair.own] > 0.0
             if np.count_nonzero(pressed) >= ENOUGH:  # of one or two conditions the force alone is known
                 _judge_pressure(pair.name, report.force_error(report.covered_integral), sample.step)
-    if few and not model.integrator.inertia:
-        _judge_distances(model, few, sample.energies["stored"] + sample.energies["plastic"])
+    if curved and not model.integrator.inertia:
+        _judge_distances(model, curved, sample.energies["stored"] + sample.energies["plastic"])
 
 
 def _never_closed(model: Model, pair: ContactPair, report: ContactReport) -> None:
@@ -183,7 +183,7 @@ def _judge_peak(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
 
 
 def _judge_distances(model: Model, pairs: list[ContactPair], stored: float) -> None:
-    """Whether a few pressed nodes stand off the other side, as if it came nearer than it is, or lie within it."""
+    """Whether pressed nodes stand off the curve of the other side, as if it came nearer than it is, or lie within it."""
     from contactlab.run.kept_gap import HIGH, kept_gaps
 
     for one in kept_gaps(cast("ImplicitModel", model), pairs, stored):

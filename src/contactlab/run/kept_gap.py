@@ -43,7 +43,7 @@ class KeptGap(NamedTuple):
 def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> Iterator[KeptGap]:
     """Pairs whose force kept distances change by more than 1 %; if none, the widest one where they move bodies so far.
 
-    pairs   those of which a few nodes press between open ones
+    pairs   those whose gaps begin as the distances of their curves
     stored  [mJ] energy of the bodies: forces times distances over twice of it are about what is solved for, which
             takes a factorisation
     """
@@ -53,6 +53,7 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
     for pair in pairs:
         own = pair.slave.nodes[np.flatnonzero(force[pair.own]) % len(pair.slave.nodes)]
         apart[pair.own][force[pair.own] > 0.0] = _signed_distances(model.position[own], model, pair.master)
+    apart -= np.where(force > 0.0, model.contact.conditions.gap, 0.0)  # what a penalty leaves
     if not force @ np.abs(apart) > HIGH * stored:
         return  # half of what supports and loads do
     equations = linearised(model)
