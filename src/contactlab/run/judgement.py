@@ -183,7 +183,7 @@ def _judge_peak(model: Model, pair: ContactPair, curve: ContactCurve) -> None:
 
 
 def _judge_distances(model: Model, pairs: list[ContactPair], stored: float) -> None:
-    """Whether pressed nodes stand off the curve of the other side, as if it came nearer than it is, or lie within it."""
+    """Whether pressed nodes stand off the curve of the other side or lie within it, and what that changes."""
     from contactlab.run.kept_gap import HIGH, kept_gaps
 
     for one in kept_gaps(cast("ImplicitModel", model), pairs, stored):

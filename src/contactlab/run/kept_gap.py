@@ -44,8 +44,8 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
     """Pairs whose force kept distances change by more than 1 %; if none, the widest one where they move bodies so far.
 
     pairs   those whose gaps begin as the distances of their curves
-    stored  [mJ] energy of the bodies: forces times distances over twice of it are about what is solved for, which
-            takes a factorisation
+    stored  [mJ] energy of the bodies: forces times distances over twice of it are about the share that is solved for,
+            which takes a factorisation
     """
     assert model.contact is not None
     force = np.maximum(0.0, model.state["multipliers"][0])
@@ -54,8 +54,8 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
         own = pair.slave.nodes[np.flatnonzero(force[pair.own]) % len(pair.slave.nodes)]
         apart[pair.own][force[pair.own] > 0.0] = _signed_distances(model.position[own], model, pair.master)
     apart -= np.where(force > 0.0, model.contact.conditions.gap, 0.0)  # what a penalty leaves
-    if not force @ np.abs(apart) > HIGH * stored:
-        return  # half of what supports and loads do
+    if not force @ np.abs(apart) > HIGH * stored > 0.0:
+        return
     equations = linearised(model)
     closing = np.where(equations.conditions < 0, 0.0, apart[equations.conditions])
     n = equations.matrix.shape[0] - len(closing)
