@@ -8,8 +8,10 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 import pytest
 from contactlab_quads.q1 import Q1
+from contactlab_quads.q2 import Q2
 
 from contactlab.api import BlockKernels, Element, Floats, Quadrature, Shape
+from contactlab.errors import WrongAnswer
 from contactlab.kernels.cells import table_kernels
 from contactlab.testing import NotApplicable, element
 from contactlab.testing.assertions import Check
@@ -65,6 +67,26 @@ def test_right_elements_pass(part: Element, check: Check) -> None:
         check(part)
     except NotApplicable:
         assert check is element.stabilisation_sees_no_linear_field
+
+
+def test_gradients_and_traces_of_functions_are_those_by_hand() -> None:
+    """Complex steps are exact to round-off (Squire & Trapp 1998)."""
+    hand, formulas = EightNodes(), Q2()
+    points, s = np.random.default_rng(5).uniform(-1.0, 1.0, (40, 2)), np.linspace(-1.0, 1.0, 9)
+    np.testing.assert_allclose(formulas.shape(points).value, hand.shape(points).value, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(formulas.shape(points).gradient, hand.shape(points).gradient, rtol=0.0, atol=1e-15)
+    for found, right in zip(formulas.edge_shape(s), hand.edge_shape(s), strict=True):
+        np.testing.assert_allclose(found, right, rtol=0.0, atol=1e-15)
+    np.testing.assert_array_equal(hand.functions(points), hand.shape(points).value)
+
+
+def test_functions_that_drop_the_imaginary_part_are_refused() -> None:
+    class Compared(Q2):
+        def functions(self, points: Floats) -> Floats:
+            return np.abs(super().functions(points))
+
+    with pytest.raises(WrongAnswer, match="functions gave real numbers at complex points"):
+        Compared().shape(np.zeros((1, 2)))
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from typing import ClassVar, Literal, NamedTuple
+from typing import Any, ClassVar, Literal, NamedTuple
+
+import numpy as np
 
 from contactlab.api.arrays import Floats
 from contactlab.api.material import Kinematics
+from contactlab.errors import WrongAnswer
+
+STEP = 2.0**-100  # of a complex argument: a power of two, whose square is nothing beside 1
 
 
 class Shape(NamedTuple):
@@ -49,8 +54,8 @@ class BlockKernels(NamedTuple):
 class Element(ABC):
     """A quadrilateral with nodes numbered counter-clockwise, corners first.
 
-    An author provides the class attributes and three methods; the core derives mass, gradients,
-    internal forces and contact traces from them.
+    An author provides the class attributes, the shape functions and a quadrature; gradients, traces, mass,
+    internal forces and contact follow.
 
     nodes    (a, 2) reference coordinates in [-1, 1]^2
     edges    local nodes of each side: start, end, then inner ones; the cell lies on the left
@@ -74,17 +79,45 @@ class Element(ABC):
     without: ClassVar[Mapping[str, str]] = {}
     beyond: ClassVar[Mapping[str, str]] = {}
 
+    def __init_subclass__(cls, **named: Any) -> None:
+        super().__init_subclass__(**named)
+        if "shape" in vars(cls) and getattr(cls.functions, "__isabstractmethod__", False):
+            cls.functions = _values_of_shape  # type: ignore[method-assign]
+
     @abstractmethod
+    def functions(self, points: Floats) -> Floats:
+        """Values (s, a) of the shape functions at reference `points` (s, 2), which may be complex numbers.
+
+        Write polynomials or other analytic functions, without absolute values or comparisons.
+        """
+
     def shape(self, points: Floats) -> Shape:
-        """Shape functions at reference `points` (s, 2)."""
+        """Shape functions at reference `points` (s, 2).
+
+        The default takes gradients from `functions` by complex steps, exact to round-off (Squire & Trapp 1998). An
+        element may give both itself, and then needs no `functions`.
+        """
+        shifted = [self.functions(points + 1j * STEP * along) for along in np.eye(2)]
+        if not all(np.iscomplexobj(value) for value in shifted):
+            name = type(self).__name__
+            raise WrongAnswer(f"{name}: functions gave real numbers at complex points, needed: formulas of the points")
+        gradient = np.ascontiguousarray(np.stack([value.imag / STEP for value in shifted], axis=-1))
+        return Shape(np.ascontiguousarray(self.functions(points), np.float64), gradient)
 
     @abstractmethod
     def quadrature(self) -> Quadrature:
         """The rule that integrates internal forces."""
 
-    @abstractmethod
     def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Trace on a side at s in [-1, 1]: values (len(s), b) and d/ds (len(s), b), ordered as in `edges`."""
+        """Trace on a side at s in [-1, 1]: values (len(s), b) and d/ds (len(s), b), ordered as in `edges`.
+
+        The default is that of the first side.
+        """
+        edge = list(self.edges[0])
+        start, end = self.nodes[edge[0]], self.nodes[edge[1]]
+        half = 0.5 * (end - start)
+        found = self.shape(0.5 * (start + end) + np.multiply.outer(s, half))
+        return np.ascontiguousarray(found.value[:, edge]), np.ascontiguousarray((found.gradient @ half)[:, edge])
 
     def block_kernels(self, kinematics: Kinematics) -> BlockKernels | None:
         """Kernels of the element's own, or None for the core's generic ones made from the tables.
@@ -92,3 +125,8 @@ class Element(ABC):
         `kinematics` is that of the law and decides what `field` and `geometry` are (see `Material`).
         """
         return None
+
+
+def _values_of_shape(element: Element, points: Floats) -> Floats:
+    """Values of the shape functions of an element that gives them with their gradients."""
+    return element.shape(points).value

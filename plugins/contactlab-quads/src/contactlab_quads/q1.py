@@ -8,7 +8,7 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from contactlab.api import BlockKernels, Element, Floats, Kinematics, Quadrature, Shape
+from contactlab.api import BlockKernels, Element, Floats, Kinematics, Quadrature
 
 _G = 1.0 / np.sqrt(3.0)
 
@@ -24,21 +24,13 @@ class Q1(Element):
     locks: ClassVar[bool] = True
     beyond: ClassVar[Mapping[str, str]] = {"quadratic shape functions": "q2", "freedom from locking": "q1-fbar"}
 
-    def shape(self, points: Floats) -> Shape:
+    def functions(self, points: Floats) -> Floats:
         """N_a = (1 + xi_a xi)(1 + eta_a eta)/4."""
-        xi = 1.0 + points[:, :1] * self.nodes[:, 0]
-        eta = 1.0 + points[:, 1:] * self.nodes[:, 1]
-        derivative = np.stack([self.nodes[:, 0] * eta, self.nodes[:, 1] * xi], axis=-1)
-        return Shape(0.25 * xi * eta, 0.25 * derivative)
+        return 0.25 * (1.0 + points[:, :1] * self.nodes[:, 0]) * (1.0 + points[:, 1:] * self.nodes[:, 1])
 
     def quadrature(self) -> Quadrature:
         """2x2 Gauss points, counter-clockwise like the nodes."""
         return Quadrature(_G * self.nodes, np.ones(4))
-
-    def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Values and derivatives (n, 2) of the two linear functions of an edge at s."""
-        value = np.stack([0.5 * (1.0 - s), 0.5 * (1.0 + s)], axis=-1)
-        return value, np.broadcast_to([-0.5, 0.5], value.shape).copy()
 
     def block_kernels(self, kinematics: Kinematics) -> BlockKernels:
         """Hand-written kernels on the coefficients of the bilinear map (see `q1_kernels`)."""

@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
-from contactlab.api import BlockKernels, Element, Floats, Kinematics, Quadrature, Shape
+from contactlab.api import BlockKernels, Element, Floats, Kinematics
 from contactlab_quads.q1 import Q1
-
-_Q1 = Q1()
 
 
 @dataclass(frozen=True)
@@ -29,17 +27,7 @@ class Q1Fbar(Element):
     without: ClassVar[Mapping[str, str]] = {"freedom from locking": "q1"}
     beyond: ClassVar[Mapping[str, str]] = {"quadratic shape functions": "q2"}
 
-    def shape(self, points: Floats) -> Shape:
-        """Bilinear shape functions, those of Q1."""
-        return _Q1.shape(points)
-
-    def quadrature(self) -> Quadrature:
-        """Rule of 2x2 Gauss points."""
-        return _Q1.quadrature()
-
-    def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Values and derivatives (n, 2) of the two linear functions of an edge at s."""
-        return _Q1.edge_shape(s)
+    functions, quadrature = Q1.functions, Q1.quadrature
 
     def block_kernels(self, kinematics: Kinematics) -> BlockKernels:
         """The averaged gradient of these kinematics, and the forces conjugate to it."""

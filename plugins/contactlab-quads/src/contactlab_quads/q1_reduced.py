@@ -8,10 +8,8 @@ from typing import ClassVar, Literal
 
 import numpy as np
 
-from contactlab.api import BlockKernels, Element, Floats, Ints, Kinematics, Quadrature, Shape
+from contactlab.api import BlockKernels, Element, Floats, Ints, Kinematics, Quadrature
 from contactlab_quads.q1 import Q1
-
-_Q1 = Q1()
 
 
 @dataclass(frozen=True)
@@ -37,17 +35,11 @@ class Q1Reduced(Element):
         if not self.hourglass > 0.0:
             raise ValueError(f"hourglass: got {self.hourglass}, allowed: a factor > 0, or the element has free modes")
 
-    def shape(self, points: Floats) -> Shape:
-        """Bilinear shape functions, those of Q1."""
-        return _Q1.shape(points)
+    functions = Q1.functions
 
     def quadrature(self) -> Quadrature:
         """Rule of one point, the centre, with the whole weight."""
         return Quadrature(np.zeros((1, 2)), np.array([4.0]))
-
-    def edge_shape(self, s: Floats) -> tuple[Floats, Floats]:
-        """Values and derivatives (n, 2) of the two linear functions of an edge at s."""
-        return _Q1.edge_shape(s)
 
     def block_kernels(self, kinematics: Kinematics) -> BlockKernels:
         """Kernels of one point per cell, and the stage that stabilises hourglass modes."""

@@ -1,4 +1,4 @@
-"""What both quadratic quadrilaterals share: nodes, sides, traces and the 3x3 rule."""
+"""What both quadratic quadrilaterals share: nodes, sides and the 3x3 rule."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from contactlab.api import Floats, Quadrature
+from contactlab.api import Quadrature
 
 MID_SIDES: Final = np.array(
     [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0], [0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]
@@ -23,16 +23,3 @@ def _gauss_3x3() -> Quadrature:
 
 
 GAUSS_3X3: Final = _gauss_3x3()
-
-
-def parabolas(s: Floats) -> tuple[Floats, Floats]:
-    """Parabolas that are 1 at -1, 0 or 1 and 0 at the other two: values (len(s), 3) and derivatives."""
-    value = np.stack([0.5 * s * (s - 1.0), 1.0 - s * s, 0.5 * s * (s + 1.0)], axis=-1)
-    return value, np.stack([s - 0.5, -2.0 * s, s + 0.5], axis=-1)
-
-
-def edge_trace(s: Floats) -> tuple[Floats, Floats]:
-    """Trace on a side: values and derivatives (len(s), 3) of start, end and middle node."""
-    value, derivative = parabolas(s)
-    order = [0, 2, 1]
-    return value[:, order], derivative[:, order]
