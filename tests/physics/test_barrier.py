@@ -116,6 +116,9 @@ def test_blocks_that_begin_in_touch_are_opened_by_dhat_and_have_the_pressure_of_
     np.testing.assert_allclose(curve.gap, distance * dhat, rtol=1e-6)
     np.testing.assert_allclose(contact["resultant"], contact["pressure_integral"], rtol=1e-9, atol=1e-9)
     assert set(curve.state) == {2}, "pressed, and free to slide"
+    (kept,) = [found for found in results.summary["invariants"] if found["code"] == "kept-overlap"]
+    strain = 0.5 * pressure**2 / MODULUS * heights  # per width
+    assert kept["value"] == pytest.approx(pressure * (1.0 - distance) * dhat / strain, rel=1e-6)
 
 
 def test_surfaces_apart_are_not_opened() -> None:

@@ -82,6 +82,19 @@ def test_a_uniform_pressure_passes_to_round_off(element: str, cells: tuple[int, 
     assert results.summary["reactions"]["upper.top"][1] == pytest.approx(-pressure * WIDTH, rel=ROUND_OFF)
 
 
+@pytest.mark.parametrize(("layers", "told"), [(1, True), (4, False)])
+def test_what_overlaps_take_from_the_force_is_told_from_a_hundredth_on(layers: int, told: bool) -> None:
+    """p 2h/30M of overlap beside p 2H/E of strain: twice the share of the push that bodies do not feel."""
+    cells = {f"bodies.{name}.mesh.cells": [2, layers] for name in ("upper", "lower")}
+    results = run(blocks(**cells))
+    share = 1.0 / (30.0 * layers)
+    assert results.summary["reactions"]["lower.bottom"][1] == pytest.approx(
+        0.5 * YOUNG * DOWN * WIDTH / (1.0 + share), rel=1e-9
+    )
+    found = {warning.code: warning.value for warning in results.warnings if warning.code == "kept-overlap"}
+    assert found == ({"kept-overlap": pytest.approx(2.0 * share, rel=1e-9)} if told else {})
+
+
 def test_the_patch_stays_uniform_under_finite_strain_and_contraction() -> None:
     """Sides that contract by nu and are turned: forces are those of undeformed lengths, of both sides alike."""
     changes = {"materials.m": {"use": "neo-hookean", "young": YOUNG, "poisson": 0.3, "density": 1e-6}}

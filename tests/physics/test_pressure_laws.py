@@ -84,6 +84,14 @@ def test_two_blocks_press_as_in_the_closed_form(law: str, integrator: str) -> No
     assert not results.summary["warnings"]
 
 
+def test_an_overlap_that_the_law_asks_for_is_no_penetration() -> None:
+    """Springs of 5 MPa/mm in series with the blocks: nine tenths of the push are overlap, a tenth of a segment."""
+    results = done(blocks({"use": "linear-pressure", "stiffness": 5.0}, "newton", **{"supports.0.uy": -0.1}))
+    force = 0.1 * WIDTH / (2.0 * HEIGHT / E + 1.0 / 5.0)
+    assert results.summary["reactions"]["upper.top"][1] == pytest.approx(-force, rel=1e-7)
+    assert not results.summary["warnings"]
+
+
 def free(law: dict[str, Any], **changes: Any) -> Results:
     """Blocks that nothing drives, in short steps and without damping."""
     held = [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}]

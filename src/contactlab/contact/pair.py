@@ -75,6 +75,8 @@ class ContactPair(ABC):
     """Whether conditions can be given as `FactoredRows`."""
     by_energy: ClassVar[bool] = False
     """Whether forces come from a `Potential`, without conditions."""
+    clearance: float = 0.0
+    """Gap [mm] at which forces begin."""
 
     def __init__(
         self,

@@ -78,6 +78,7 @@ class PotentialPair(GapPair):
         self.position, self.at_nodes, self.pushed = reference, at.copy(), np.zeros_like(at)
         self.rubbed: Floats | None = None
         self.kept = np.zeros_like(at)
+        self.clearance = float(potential.clearance(self.view))
 
     def calls_per_step(self) -> dict[str, int]:
         """The gradient once, and that of friction."""

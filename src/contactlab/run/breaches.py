@@ -39,9 +39,8 @@ TEXTS: dict[str, tuple[str, str, str]] = {
         "(swap)",
     ),
     "kept-overlap": (
-        "swap", "pressed surfaces overlap and contact forces are too small: closing the gaps would take {value} of the "
-        "work of the stresses",
-        "take the side with the shorter segments as slave (swap), finer cells of the slave, or forces = \"frozen\"",
+        "swap", "pressed surfaces come nearer than they may, and contact forces are too small: pushing them back would "
+        "take {value} of the work of the stresses", "",
     ),
     "pressure-saw": ("algorithm", "the pressure alternates from node to node by {value} of its largest value", ""),
     "shear-saw": ("algorithm", "the shear alternates from node to node by {value} of its largest value", ""),
@@ -67,6 +66,14 @@ def _cure(one: Invariant, model: Model) -> str:
         at_once = "a load that is there from the first step on does its work in one step"
         return f"{at_once}: give loads a ramp, or take more steps (integrator.steps)"
     (pair,) = (pair for pair in model.contact.pairs if pair.name == one.where)  # type: ignore[union-attr]
+    if one.code == "kept-overlap":
+        if model.integrator.inertia:
+            return 'take the side with the shorter segments as slave (swap), finer cells there, or forces = "frozen"'
+        part = pair.method if pair.by_energy else model.contact.enforcement  # type: ignore[union-attr]
+        return (
+            f"make {type(part).__name__} {one.value / one.limit:.2g} times as stiff, take finer cells, or contact "
+            'without springs (mortar-p1, enforcement = "active-set")'
+        )
     if pair.method.passes_patch_test:
         return f"{FINER}; forces are right, and nodal_pressure alternates less"
     return f'write {one.where}.algorithm = "mortar-p1", or refine the master (level)'
