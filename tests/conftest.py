@@ -1,7 +1,8 @@
-"""What holds for all tests: Ctrl-C means Ctrl-C, also where the whole suite was started in the background."""
+"""What holds for all tests: Ctrl-C means Ctrl-C, also in the background, and garbage is looked for less often."""
 
 from __future__ import annotations
 
+import gc
 import signal
 
 
@@ -9,3 +10,4 @@ def pytest_configure() -> None:
     """A shell starts what it puts in the background with SIGINT ignored; tests send it to themselves and to others."""
     if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    gc.set_threshold(100_000, 20, 20)  # as the program does: kernels that stay loaded are walked through in vain

@@ -110,7 +110,7 @@ def test_deep(runs: Runs, algorithm: str, swap: bool) -> None:
     assert upwards == pytest.approx(-run.reaction("disc.top")[1], rel=5e-4)
 
 
-@pytest.mark.parametrize("level", [2, pytest.param(4, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("level", [2, pytest.param(3, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("algorithm", MORTARS)
 def test_deep_swap(runs: Runs, algorithm: str, level: int) -> None:
     assert asymmetry(runs, DEEP, level, algorithm) <= 0.012

@@ -7,7 +7,6 @@ import sys
 import typing
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 import contactlab
@@ -27,6 +26,7 @@ print([name for name in contactlab.__all__ if isinstance(getattr(contactlab, nam
 """
 
 
+@pytest.mark.full
 def test_no_submodule_takes_the_place_of_a_public_name() -> None:
     done = subprocess.run([sys.executable, "-c", AFTER_ALL], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == f"[] {sorted(contactlab.__all__)}"
@@ -44,14 +44,6 @@ def test_a_part_is_checked() -> None:
     (report,) = contactlab.check("coulomb", only=["numbers_in_range"])
     assert report.right
     assert report.outcomes[-1].check == "numbers_in_range"
-
-
-def test_an_error_budget_is_kept_and_found_again(tmp_path: Path) -> None:
-    first = contactlab.error_budget("two-bars", out=tmp_path / "budget", jobs=1)
-    assert first.status == "finished"
-    assert {share.knob.name for share in first.shares} >= {"mesh"}
-    again = contactlab.error_budget("two-bars", out=tmp_path / "budget", jobs=1, resume=True)
-    np.testing.assert_array_equal([share.pressure for share in again.shares], [s.pressure for s in first.shares])
 
 
 def test_a_matrix_is_judged_and_found_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -119,7 +119,7 @@ def test_elements_that_lock_alike_do_not_vouch_for_each_other() -> None:
         off = 0.2 * run.scene.level**-0.2 if _name(run.scene).split()[1] == "q1" else 0.1 * run.scene.level**-1.0
         return record(lambda x: (1.0 + off) * EXACT(x), 0.1 * run.scene.level**2)
 
-    found = chosen(locked, 0.02)
+    found = chosen(locked, 0.02, search=100.0)
     element = _name(SCENE.with_(dict(found.choice))).split()[1]
     assert found.verdict == "cannot" or element != "q1"
 
@@ -138,7 +138,7 @@ def test_where_no_mesh_settles_the_pressure_forces_choose() -> None:
     def singular(run: Run) -> Record:
         return record(lambda x: (1.0 + 0.5 * run.scene.level**-0.2) * EXACT(x), 0.3 * run.scene.level**2, force=1.0)
 
-    found = chosen(singular, 0.02)
+    found = chosen(singular, 0.02, search=100.0)
     assert found.verdict == "cannot"
     assert found.uncertainty > 0.02
     assert found.level == 1

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import contactlab
 from contactlab.accuracy import error_budget as budgets
 from contactlab.accuracy.error_budget import ErrorBudget, Knob, Share, knobs_of
 from contactlab.api import ContactCurve, Record
@@ -104,15 +105,20 @@ def test_what_is_not_resolved_is_no_part_and_sides_are_no_cure() -> None:
     assert ErrorBudget("finished", "", 1.0, [side, mesh]).cheapest is mesh
 
 
-def test_the_command_tells_parts_and_what_to_refine(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_parts_are_told_with_what_to_refine_and_found_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Statics of a coarse disc: its mesh is off by per cents, its tolerance by nothing that anyone could see."""
-    changes = {"bodies.disc.mesh.cells": "[8, 2]", "bodies.block.mesh.cells": "[12, 2]", "integrator": "newton"}
-    words = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
-    assert main(["error-budget", "disc-on-block", *words, "--jobs", "1", "--out", str(tmp_path / "out"), "--json"]) == 0
+    changes = {"bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "integrator": "newton"}
+    made = contactlab.error_budget(load_scene("disc-on-block").with_(changes), out=tmp_path / "out", jobs=1)
+    assert made.status == "finished"
+    capsys.readouterr()
+    words = [word for key, value in changes.items() for word in ("--set", f"{key}={json.dumps(value)}")]
+    words += ["--jobs", "1", "--out", str(tmp_path / "out"), "--resume", "--json"]
+    assert main(["error-budget", "disc-on-block", *words]) == 0
     told = json.loads(capsys.readouterr().out)
     parts = {one["knob"]["name"]: one["pressure"] for one in told["shares"]}
     assert 0.005 < parts["mesh"] < 0.2
     assert parts["tolerance"] < 1e-6
+    assert parts == {share.knob.name: share.pressure for share in made.shares}
     assert told["next"] in ("mesh", "element q2", "element q1-fbar")
 
 

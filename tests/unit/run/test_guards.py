@@ -22,7 +22,7 @@ from contactlab.run.contact_guard import CHATTER, PATIENCE
 from contactlab.run.energy_guard import LASTING
 from contactlab.run.guards import Guards
 from contactlab.run.simulation import simulate
-from contactlab.scene.scene import Scene, bundled_scenes, load_scene
+from contactlab.scene.scene import Scene, load_scene
 
 ELASTIC = {"use": "neo-hookean", "young": 1000.0, "poisson": 0.25, "density": 1e-6}
 RATE = ELASTIC | {"use": "hypoelastic"}
@@ -373,29 +373,6 @@ def test_a_stopped_run_returns_1_and_its_folder_can_be_read(tmp_path: Path, caps
 
 
 # --- sound runs -------------------------------------------------------------------------------------
-
-STEPS = {True: 3_000, False: 3}  # of a bundled scene that are watched: explicit ones, load steps
-
-
-@pytest.mark.parametrize("name", sorted(bundled_scenes()))
-def test_no_guard_stops_a_bundled_scene(name: str) -> None:
-    """The first steps of every scene: three thousand, or three of loading."""
-
-    class Enough(Exception):
-        pass
-
-    found = load_scene(name)
-    steps = STEPS[found.integrator["use"] == "central-difference"]
-
-    def watch(fraction: float, step: int, time: float, error: float) -> None:
-        if step >= steps:
-            raise Enough
-
-    try:
-        results = simulate(found, progress=watch)
-    except Enough:
-        return
-    assert results.status == "finished", results.reason
 
 
 def test_node_on_segment_on_the_disc_is_for_its_verdict() -> None:

@@ -67,8 +67,8 @@ def test_the_two_algorithms_that_change_least_make_it(curve_of: object) -> None:
 
 def test_a_scene_without_a_reference_is_measured_against_finer_meshes(tmp_path: Path) -> None:
     scene = load_scene("disc-on-block").with_(
-        {"integrator": "newton", "supports.1.uy": {"ramp": "linear", "to": -0.03}, "record.recorders": [],
-         "bodies.disc.mesh.cells": [12, 3], "bodies.block.mesh.cells": [18, 3]}
+        {"integrator": "newton", "supports.1.uy": {"ramp": "linear", "to": -0.06}, "record.recorders": [],
+         "bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2]}
     )  # fmt: skip
     with Driver(jobs=1) as driver:
         found = driver.result(finest_plan([scene], 0, tmp_path))

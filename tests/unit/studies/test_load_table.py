@@ -15,6 +15,7 @@ from contactlab.studies.table import Row, Table
 SMALL = {
     "bodies.disc.mesh.cells": [8, 2], "bodies.block.mesh.cells": [12, 2], "supports.1.uy.to": -0.02, "level": 1,
     "integrator": "newton", "integrator.steps": 4, "time.history": True, "record.frames": 4,
+    "record.recorders": ["vtkhdf"],
 }  # fmt: skip
 
 

@@ -19,6 +19,7 @@ from contactlab.comparison import compare
 from contactlab.errors import RequestError
 from contactlab.jobs import driver
 from contactlab.scene.scene import load_scene
+from contactlab.studies.table import Table
 
 ALL = {
     "level": [1, 2],
@@ -29,8 +30,14 @@ ALL = {
 
 @pytest.mark.usefixtures("fake_runs")
 class TestRecording:
-    def test_every_run_is_a_row_with_status_and_reason(self, tmp_path: Path) -> None:
-        table = compare("disc-on-block", ALL, out=tmp_path / "out", jobs=2)
+    def test_every_run_is_a_row_with_status_and_reason_in_files_and_bars(
+        self, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    ) -> None:
+        folder = tmp_path / "new" / "out"
+        table = compare("disc-on-block", ALL, out=folder, jobs=2, progress=True)
+        told = capsys.readouterr().err
+        assert "8/8" in told
+        assert "mortar-p0-disc-level-2: not-converged" in told
         assert len(table) == 8
         died, raised = table.select(algorithm="node-on-segment", level=1)
         assert (died.slave, died.status) == ("disc", "failed")
@@ -41,6 +48,7 @@ class TestRecording:
         unsettled = table.select(algorithm="mortar-p0", level=2)
         assert [(row.status, row.reason) for row in unsettled] == [("not-converged", "it never came to rest")] * 2
         assert len(table.failed) == 6
+        self.check_files(folder, table)
 
     @pytest.mark.full
     def test_the_traceback_is_kept_for_the_author_of_the_part(self, tmp_path: Path) -> None:
@@ -72,9 +80,7 @@ class TestRecording:
         assert math.isnan(row["swap_asymmetry"])
         assert "before the load was complete" in row["notes"]
 
-    def test_files(self, tmp_path: Path) -> None:
-        table = compare("disc-on-block", ALL, out=tmp_path / "new" / "out", jobs=2)
-        folder = tmp_path / "new" / "out"
+    def check_files(self, folder: Path, table: Table) -> None:
         names = {path.name for path in folder.iterdir()}
         plots = {f"{name}.{kind}" for name in ("pressure", "error-against-cost") for kind in ("svg", "png")}
         assert names >= {"table.csv", "table.json", "report.html", "study.toml", "runs"} | plots
@@ -126,12 +132,6 @@ class TestRecording:
         assert "finished" in statuses
         assert "interrupted" in statuses
 
-    def test_bars_hear_of_every_run(self, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-        compare("disc-on-block", ALL, jobs=2, progress=True)
-        told = capsys.readouterr().err
-        assert "8/8" in told
-        assert "mortar-p0-disc-level-2: not-converged" in told
-
 
 @pytest.mark.usefixtures("fake_runs")
 class TestReferences:
@@ -164,10 +164,15 @@ class TestReferences:
 QUICK = {"time.end": 2e-6, "time.ramp": 1e-5}  # some hundred steps: enough to touch
 
 
-def test_real_runs_give_real_rows(tmp_path: Path) -> None:
+def test_real_runs_and_what_only_the_model_refuses_give_rows(tmp_path: Path) -> None:
     scene = load_scene("disc-on-block").with_(QUICK)
-    table = contactlab.compare(scene, {"contacts.0.algorithm": ["mortar-p0", "node-on-segment"]}, out=tmp_path, jobs=2)
-    for row in table:
+    vary = {"contacts.0.algorithm": ["mortar-p0", "node-on-segment"], "contacts.0.master": ["block.top", "block.roof"]}
+    table = contactlab.compare(scene, vary, out=tmp_path, jobs=2)
+    assert [row.status for row in table] == ["finished", "refused"] * 2
+    for row in table.rows[1::2]:
+        assert "block.roof" in row.reason
+        assert "block.top" in row.reason
+    for row in table.rows[::2]:
         assert row.status == "finished"
         assert row["steps"] > 100
         assert row["reaction"] > 0.0
@@ -183,16 +188,6 @@ def test_repeated_runs_report_the_median_cost(tmp_path: Path) -> None:
     (row,) = compare(tmp_path / "study.toml", jobs=1)
     assert row.status == "finished"
     assert row["cpu_s"] > 0.0
-
-
-def test_a_request_that_only_the_model_refuses_is_a_row() -> None:
-    scene = load_scene("disc-on-block").with_(QUICK)
-    table = compare(scene, {"contacts.0.master": ["block.top", "block.roof"]}, jobs=2)
-    fine, refused = table
-    assert fine.status == "finished"
-    assert refused.status == "refused"
-    assert "block.roof" in refused.reason
-    assert "block.top" in refused.reason
 
 
 def test_a_script_needs_no_guard(tmp_path: Path, fake_source: str) -> None:

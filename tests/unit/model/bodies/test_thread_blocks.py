@@ -25,7 +25,7 @@ def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def scene(**changes: Any) -> Scene:
     return load_scene("disc-on-block").with_(
-        {"level": 2, "supports.1.uy.to": -0.002, "time.end": 4e-7, "time.damping": 0.0, **changes}
+        {"level": 2, "supports.1.uy.to": -0.002, "time.end": 2e-7, "time.damping": 0.0, **changes}
     )
 
 
