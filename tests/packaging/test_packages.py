@@ -28,6 +28,8 @@ OPTIONAL = {"contactlab-ipc"}  # by an extra of the core: its library has no whe
 NAMES = {path: "contactlab" if path == ROOT else path.name for path in PROJECTS}
 LEFT_OUT = shutil.ignore_patterns("__pycache__", "*.egg-info", "build", "dist")
 
+pytestmark = pytest.mark.full  # a minute; CI builds packages in a job of its own
+
 FULL = os.environ.get("CONTACTLAB_PACKAGES") == "full"
 """Whether kernels are compiled from the wheels, too, as `make packages` does: a minute of processor time."""
 

@@ -93,26 +93,11 @@ class _Bound:
         self.kernels = _of_class(type(law))
         self.values = values_of(law)
         self.remembers = self.kernels.template is points.step
-        self.history_size, self.density = law.history_size, law.density
 
     @cached_property
     def stress(self) -> Any:
         """The kernel of the stress."""
         return self.kernels.stress
-
-    @cached_property
-    def speeds(self) -> tuple[float, float]:
-        """Speeds of longitudinal and shear waves; points.nothing is compiled for them."""
-        kind = self.kernels.kind
-        finite = kind.kinematics == "finite"
-        a, b, c, d = seeds([1.0, 0.0, 0.0, 1.0] if finite else [0.0] * 4)
-        rest = Tensor(a, b, c, d, 1.0 if finite else 0.0)
-        parameters = self.kernels.parameters(*self.values[:, 0].tolist())
-        memory = self.kernels.memory
-        history = memory(*np.zeros(self.history_size).tolist()) if memory is not None else ()
-        found, _ = plain(self.kernels.called("stress"))(rest, history, 0.0, parameters)
-        moduli = found.xx.derivatives[0], found.xy.derivatives[1]
-        return tuple(float(np.sqrt(modulus / self.density)) for modulus in moduli)  # type: ignore[return-value]
 
 
 _bound: dict[int, _Bound] = {}
@@ -166,5 +151,12 @@ def dissipation(law: Material, gradient: Floats, history: Floats, dissipation: F
 
 
 def wave_speeds(law: Material) -> tuple[float, float]:
-    """`Material.wave_speeds`, from the derivative of the stress at rest."""
-    return _of(law).speeds
+    """`Material.wave_speeds`, from the derivative of the stress at rest; points.nothing is compiled for it."""
+    kernels, values = _of(law).kernels, _of(law).values
+    finite = law.kinematics == "finite"
+    a, b, c, d = seeds([1.0, 0.0, 0.0, 1.0] if finite else [0.0] * 4)
+    rest = Tensor(a, b, c, d, 1.0 if finite else 0.0)
+    history = kernels.memory(*np.zeros(law.history_size).tolist()) if kernels.memory is not None else ()
+    found, _ = plain(kernels.called("stress"))(rest, history, 0.0, kernels.parameters(*values[:, 0].tolist()))
+    moduli = found.xx.derivatives[0], found.xy.derivatives[1]
+    return tuple(float(np.sqrt(modulus / law.density)) for modulus in moduli)  # type: ignore[return-value]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -40,12 +41,12 @@ class Body:
         """Quadrature points per cell."""
         return len(self.element.quadrature().weights)
 
-    @property
+    @cached_property
     def shear_modulus(self) -> float:
         """Shear modulus [MPa] of the undeformed material."""
         return float(self.material.density * self.material.wave_speeds()[1] ** 2)
 
-    @property
+    @cached_property
     def dilatational_modulus(self) -> float:
         """lambda + 2 mu [MPa] of the undeformed material."""
         return float(self.material.density * self.material.wave_speeds()[0] ** 2)
