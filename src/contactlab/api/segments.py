@@ -23,7 +23,7 @@ class MasterSegment(NamedTuple):
 
     def at(self, eta: Number) -> Vector:
         """The point at eta [mm]."""
-        return self.start + eta * self.edge()
+        return self.start + eta * self.edge()  # type: ignore[no-any-return]
 
     def normal(self) -> Vector:
         """Outward unit normal."""
@@ -57,11 +57,11 @@ class SlaveSegment(NamedTuple):
 
     def at(self, xi: Number) -> Vector:
         """The point at xi [mm]."""
-        return self.start + xi * self.edge
+        return self.start + xi * self.edge  # type: ignore[no-any-return]
 
     def normal_at(self, xi: Number) -> Vector:
         """The normal at xi, linear between its nodes and a little shorter than 1 there."""
-        return self.normal + xi * self.turn
+        return self.normal + xi * self.turn  # type: ignore[no-any-return]
 
     def sees(self, point: Vector) -> Number:
         """The xi whose normal meets a point, the root that continues the flat case; beyond 0 to 1 too, nan if none."""

@@ -124,7 +124,7 @@ def surface_from_edges(edges: Ints) -> Surface:
     )
 
 
-def corners(surface: Surface, positions: Floats, least: float | None) -> Ints:
+def corners(surface: Surface, positions: Floats, least: float | None) -> np.ndarray:
     """Nodes of a surface that are corners: they turn by more than `least` degrees.
 
     Without `least`: by more than `SHARP`, or by more than `KINK` where no curve passes.

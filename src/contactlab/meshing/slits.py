@@ -69,7 +69,7 @@ class _Sides:
         self.begin, end = self.nodes[self.ends[:, 0]], self.nodes[self.ends[:, 1]]
         self.along = end - self.begin
         self.length = np.maximum(np.hypot(*self.along.T), 1e-300)
-        corners = self.nodes[mesh.cells[np.ix_(self.cell, [edge[0] for edge in element.edges])]]
+        corners = self.nodes[mesh.cells[np.ix_(self.cell, np.array([edge[0] for edge in element.edges]))]]
         x, y = corners[..., 0] - corners[:, :1, 0], corners[..., 1] - corners[:, :1, 1]
         area = 0.5 * np.abs((x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y).sum(axis=1))
         self.size = np.minimum(self.length, area / self.length)

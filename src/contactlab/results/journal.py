@@ -183,7 +183,7 @@ class Journal:
 
     def _written(self, summary: Mapping[str, Any]) -> dict[str, Any]:
         """The summary as it is stored, with the peaks of all steps handed on so far."""
-        return plain(summary) | {"peaks": plain(self.peaks.as_data(self.share))}
+        return {**plain(summary), "peaks": plain(self.peaks.as_data(self.share))}
 
     def _every_step_sampler(self) -> StepSampler:
         from contactlab.results.steps import StepSampler

@@ -6,6 +6,8 @@ gradient at its corners; a fitted plane is exact for fields that are linear. Bod
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.sparse import csr_array
 
@@ -37,8 +39,8 @@ def nodal_values(position: Floats, cells: Ints, values: Floats) -> Floats:
     size = np.sqrt(np.bincount(at, (offset**2).sum(axis=1), len(position)) / np.maximum(counts, 1))
     offset /= np.maximum(size, 1e-300)[at, None]
     basis = np.column_stack([np.ones(len(at)), offset])
-    matrix = np.stack([[np.bincount(at, p * q, len(position)) for q in basis.T] for p in basis.T])
-    right = np.stack([[np.bincount(at, p * v[patch.indices], len(position)) for v in values.T] for p in basis.T])
+    matrix: Any = np.stack([[np.bincount(at, p * q, len(position)) for q in basis.T] for p in basis.T])
+    right: Any = np.stack([[np.bincount(at, p * v[patch.indices], len(position)) for v in values.T] for p in basis.T])
     return _solved(matrix.transpose(2, 0, 1), right.transpose(2, 0, 1), counts)
 
 

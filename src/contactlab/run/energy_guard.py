@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from contactlab.api import Floats, RunWarning
@@ -40,7 +42,8 @@ class EnergyGuard:
         self.judges_contact = bool(pairs) and not any(pair.pushes_overlaps_out for pair in pairs)
         self.judges_gain = self.judges_contact or not pairs
         self.come = _come(model) if "velocity" in model.state else None
-        self.facets = [(pair, own) for pair in pairs if (own := pair.start_gaps) is not None and own.by_facets]
+        gaps: list[Any] = [(pair, pair.start_gaps) for pair in pairs if pair.start_gaps is not None]
+        self.facets = [each for each in gaps if each[1].by_facets]
         self.pushed, self.rate, self.counted = 0.0, 0.0, 0.0
         self.scale, self.unexplained = self.largest, 0.0
 

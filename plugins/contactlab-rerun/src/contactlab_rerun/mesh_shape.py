@@ -79,9 +79,9 @@ def _inner_sides(body: BodyLayout) -> Ints:
 def _trails(sides: list[list[int]]) -> list[Ints]:
     """Lines through the sides, each passed once: a node that ends two sides is then written once for both."""
     at: dict[int, list[int]] = {}
-    for number, side in enumerate(sides):
-        for end in (side[0], side[-1]):
-            at.setdefault(end, []).append(number)
+    for place, ends in enumerate(sides):
+        for end in (ends[0], ends[-1]):
+            at.setdefault(end, []).append(place)
     # a line that begins where an odd number of sides end leaves fewer pieces behind
     starts = sorted(at, key=lambda node: len(at[node]) % 2 == 0)
     used, lines = [False] * len(sides), []
