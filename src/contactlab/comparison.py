@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from numbers import Integral, Real
 from pathlib import Path
@@ -13,6 +12,7 @@ from contactlab.errors import RequestError
 from contactlab.jobs.archive import StoredRow
 from contactlab.jobs.driver import Driver
 from contactlab.jobs.keys import row_key
+from contactlab.jobs.rows import finite
 from contactlab.jobs.scheduler import LOCAL, checked_scheduler
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.reports.page import write_report
@@ -107,13 +107,7 @@ def _folder(out: str | Path | None, resume: bool) -> Path | None:
 
 def _stored(row: Row, scene: Scene, machine: str) -> StoredRow:
     ends = (row.algorithm, row.slave, row.level, row.status, row.reason)
-    values: dict[str, Any] = {name: _number(value) for name, value in row.record().items()}
-    return StoredRow(row_key(scene, row.name), scene.name, row.name, *ends, values, scene.toml(), machine)
-
-
-def _number(value: object) -> object:
-    """A value as JSON has it: None for a number that is missing."""
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    return StoredRow(row_key(scene, row.name), scene.name, row.name, *ends, finite(row.record()), scene.toml(), machine)
 
 
 KEEP = ("all", "failed", "none")

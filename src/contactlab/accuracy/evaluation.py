@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 from contactlab.accuracy.lines import Line, lines_of
 from contactlab.accuracy.orders import Order, orders_of
-from contactlab.accuracy.predictions import Prediction, predictions_of
 from contactlab.accuracy.run import Accuracy
 from contactlab.accuracy.solved import Solved, solved
 from contactlab.accuracy.targets import Cost, costs_of
@@ -16,7 +15,7 @@ from contactlab.accuracy.winners import Winner, winners_of
 
 @dataclass(frozen=True)
 class Evaluation:
-    """A study with its lines of convergence, costs, winners, orders, shares answered in time, and predictions."""
+    """A study with its lines of convergence, costs, winners, orders, shares answered in time."""
 
     found: Accuracy
     lines: Sequence[Line]
@@ -24,12 +23,10 @@ class Evaluation:
     winners: Sequence[Winner]
     orders: Sequence[Order]
     profiles: Sequence[Solved]
-    predictions: Sequence[Prediction]
 
 
 def evaluate(found: Accuracy) -> Evaluation:
     """Work everything out from the points."""
     lines = lines_of(found)
     costs = costs_of(found, lines)
-    winners = winners_of(found, costs)
-    return Evaluation(found, lines, costs, winners, orders_of(found, lines), solved(costs), predictions_of(lines))
+    return Evaluation(found, lines, costs, winners_of(found, costs), orders_of(found, lines), solved(costs))

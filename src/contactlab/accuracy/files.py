@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from datetime import UTC, datetime
 from pathlib import Path
@@ -13,6 +11,7 @@ from typing import Any
 
 from contactlab.accuracy.evaluation import Evaluation
 from contactlab.accuracy.point import Point
+from contactlab.jobs.rows import finite, write_csv
 from contactlab.jobs.system import commit, system_facts
 
 COUNTS = ("steps", "iterations", "sweeps", "nodes", "updates")
@@ -32,15 +31,14 @@ def point_row(point: Point, side_by_side: int) -> dict[str, Any]:
 
 
 def write(evaluated: Evaluation, folder: Path) -> None:
-    """Write `accuracy.json` and CSV: `accuracy` (points), `costs`, `winners`, `orders`, `solved`, `predictions`."""
+    """Write `accuracy.json` and CSV: `accuracy` (points), `costs`, `winners`, `orders`, `solved`."""
     found = evaluated.found
     points = [point_row(point, found.side_by_side) for point in found.points]
     tables: dict[str, list[dict[str, Any]]] = {
         "accuracy": points,
         "costs": [asdict(cost) for cost in evaluated.costs],
         "winners": [asdict(one) | {"group": "; ".join(one.group)} for one in evaluated.winners],
-        "orders": [asdict(order) | {"levels": _spaced(order.levels)} for order in evaluated.orders],
-        "predictions": [asdict(one) | {"levels": _spaced(one.levels)} for one in evaluated.predictions],
+        "orders": [asdict(order) | {"levels": " ".join(map(str, order.levels))} for order in evaluated.orders],
         "solved": [
             {"contender": one.contender, "asked": one.asked, "put": one.put, "number": number, "cpu_s": time}
             for one in evaluated.profiles
@@ -48,41 +46,13 @@ def write(evaluated: Evaluation, folder: Path) -> None:
         ],
     }
     for name, rows in tables.items():
-        _write_csv(folder / f"{name}.csv", rows)
+        write_csv(folder / f"{name}.csv", list(rows[0]) if rows else ["nothing"], rows, digits=9)
     data = {
-        "format": 1, "name": found.study.name, "cases": [asdict(each) for each in found.asked],
+        "format": 1, "name": found.study.name, "cases": found.asked,
         "contenders": list(found.contenders), "interrupted": found.interrupted,
         "date": f"{datetime.now(UTC):%Y-%m-%d}", "commit": commit(), "system": system_facts(),
-        "points": points, "costs": tables["costs"], "winners": [asdict(one) for one in evaluated.winners],
-        "orders": [asdict(order) for order in evaluated.orders],
-        "solved": [asdict(one) for one in evaluated.profiles],
-        "predictions": [asdict(one) for one in evaluated.predictions],
+        "points": points, "costs": tables["costs"], "winners": evaluated.winners,
+        "orders": evaluated.orders,
+        "solved": evaluated.profiles,
     }  # fmt: skip
     (folder / "accuracy.json").write_text(json.dumps(finite(data), indent=1, allow_nan=False), encoding="utf-8")
-
-
-def _write_csv(path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, list(rows[0]) if rows else ["nothing"])
-        table.writeheader()
-        table.writerows({name: _bare(value) for name, value in row.items()} for row in rows)
-
-
-def _spaced(levels: Sequence[int]) -> str:
-    return " ".join(map(str, levels))
-
-
-def _bare(value: Any) -> Any:
-    """Nothing for a number that there is not, nine figures of others."""
-    if isinstance(value, float):
-        return f"{value:.9g}" if math.isfinite(value) else ""
-    return value
-
-
-def finite(value: Any) -> Any:
-    """The same plain data for JSON, with None for numbers that are not finite."""
-    if isinstance(value, Mapping):
-        return {name: finite(item) for name, item in value.items()}
-    if isinstance(value, Iterable) and not isinstance(value, str):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value

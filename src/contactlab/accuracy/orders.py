@@ -12,39 +12,6 @@ from contactlab.accuracy.lines import CLEAR, TINY, Line
 from contactlab.accuracy.run import Accuracy
 from contactlab.api.arrays import Floats
 
-
-@dataclass(frozen=True)
-class LineFit:
-    """y = mean + slope (x - middle).
-
-    spread   sum of (x - middle)^2 over the points
-    squares  sum of squared residuals
-    count    number of points
-    """
-
-    mean: float
-    slope: float
-    middle: float
-    spread: float
-    squares: float
-    count: int
-
-    @property
-    def free(self) -> int:
-        """Degrees of freedom of the residuals."""
-        return self.count - 2
-
-
-def fitted_line(x: Floats, y: Floats) -> LineFit:
-    """Least squares of at least two points with different `x`."""
-    middle, mean = float(x.mean()), float(y.mean())
-    away = x - middle
-    spread = float((away**2).sum())
-    slope = float((away * y).sum()) / spread
-    squares = float(((y - mean - slope * away) ** 2).sum())
-    return LineFit(mean, slope, middle, spread, squares, len(x))
-
-
 FIRST = 2
 """Level from which orders are fitted, where three levels are left: the coarsest are before convergence begins."""
 
@@ -82,13 +49,15 @@ def _order(line: Line, theory: float) -> Order | None:
     return Order(line.case, line.contender, line.slave, -order, half, tuple(int(v) for v in level), theory)
 
 
-def slope(x: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+def slope(x: Floats, y: Floats) -> tuple[float, float]:
     """Slope of the least-squares line and the half-width of its 95 % interval, nan for two points."""
-    line = fitted_line(x, y)
-    if not line.free:
-        return line.slope, math.nan
+    away = x - x.mean()
+    spread = float((away**2).sum())
+    found, free = float((away * y).sum()) / spread, len(x) - 2
+    if not free:
+        return found, math.nan
     # with a second of libraries behind it: not before there are points
     from scipy.stats import t as student
 
-    deviation = math.sqrt(line.squares / line.free / line.spread)
-    return line.slope, float(student.ppf(0.975, line.free)) * deviation
+    squares = float(((y - y.mean() - found * away) ** 2).sum())
+    return found, float(student.ppf(0.975, free)) * math.sqrt(squares / free / spread)

@@ -38,14 +38,11 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
     if options.json:
         print_json({"folder": str(folder), **json.loads((folder / "accuracy.json").read_text(encoding="utf-8"))})
     else:
-        from contactlab.reports.accuracy_page import told
         from contactlab.reports.accuracy_table import print_costs, print_winners
 
         out = console()
         print_costs(found, evaluated.costs, out)
         print_winners(found, evaluated.winners, out)
-        if evaluated.predictions:
-            out.print(f"predicted from coarser meshes: {told(evaluated.predictions)}", markup=False, highlight=False)
         out.print(f"page: {folder / 'accuracy.html'}", markup=False, highlight=False, soft_wrap=True)
     if found.interrupted:
         return interrupted(folder)

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 from contactlab.commands.common import add_row, console, table
 from contactlab.errors import RequestError
 from contactlab.jobs.archive import CHOICES, FILE, Archive, in_words
+from contactlab.jobs.rows import finite
 from contactlab.jobs.system import machine
-from contactlab.verdicts.files import finite
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
-import math
 import os
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from contactlab.errors import PartError, RequestError, one_line
+from contactlab.jobs.rows import finite
 from contactlab.parts.loading import Origin
 from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.toml_text import parse_value
@@ -130,19 +129,7 @@ def fitting(shown: Table, width: int, last: Sequence[str] = ()) -> Table:
 
 def print_json(data: Any) -> None:
     """Data for programs on standard output; what is no finite number is null."""
-    print(json.dumps(_plain(data), indent=1, allow_nan=False, default=str))
-
-
-def _plain(value: Any) -> Any:
-    if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {field.name: _plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-    if hasattr(value, "_asdict"):
-        return _plain(value._asdict())
-    if isinstance(value, Mapping):
-        return {str(name): _plain(item) for name, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
+    print(json.dumps(finite(data), indent=1, allow_nan=False, default=str))
 
 
 def number(value: Any) -> str:

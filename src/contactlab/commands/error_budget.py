@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.accuracy.error_budget import UNRESOLVED, ErrorBudget, Share, budget_plan
-from contactlab.accuracy.files import finite
 from contactlab.commands.common import (
     add_row,
     console,
@@ -21,6 +20,7 @@ from contactlab.commands.common import (
     written,
 )
 from contactlab.commands.many import folder_of, interrupted, many
+from contactlab.jobs.rows import finite
 from contactlab.reports.numbers import percent, significant
 from contactlab.scene.scene import load_scene
 

@@ -67,18 +67,13 @@ def _implicit(scene: Scene, model: Model, schedule: Schedule) -> Expected:
     more = (CONTACT if model.contact is not None else 0.0) + (FRICTION if _rubs(scene) else 0.0)
     usual = (LINEAR if linear else NONLINEAR) + more * (1.0 if schedule.skips else FOLLOWED)
     least, expected, most = (max(1.0, usual * factor) * steps for factor in ITERATIONS)
-    if not _driven(scene, model):
+    if not (bool(scene.loads or scene.effects) or _moved(model)):
         least = expected = 0.0
     return Expected(*(Length(steps, iterations) for iterations in (least, expected, most)))
 
 
 def _rubs(scene: Scene) -> bool:
     return any(contact.friction for contact in scene.contacts)
-
-
-def _driven(scene: Scene, model: Model) -> bool:
-    """Whether anything takes the bodies out of their balance."""
-    return bool(scene.loads or scene.effects) or _moved(model)
 
 
 def _moved(model: Model) -> bool:

@@ -327,14 +327,10 @@ def count_kernel_calls() -> KernelCounter:
     counter, plain = KernelCounter(Counter(), {}), module.Kernel.__call__
 
     def counted(self: Any, *arguments: Any, **named: Any) -> Any:
-        name = _name(self)
+        name = f"{self.py_func.__module__}.{self.py_func.__name__}"
         counter.calls[name] += 1
         counter.kernels[name] = self
         return plain(self, *arguments, **named)
 
     module.Kernel.__call__ = counted
     return counter
-
-
-def _name(dispatcher: Any) -> str:
-    return f"{dispatcher.py_func.__module__}.{dispatcher.py_func.__name__}"

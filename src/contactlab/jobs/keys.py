@@ -23,11 +23,6 @@ def row_key(scene: Scene, choices: str) -> str:
     return _hash([scene.toml(), *_files(scene.data), choices, *sources(_packages(scene.registry, part_specs(scene)))])
 
 
-def scene_key(scene: Scene, versions: Mapping[str, str]) -> str:
-    """Hash of a scene with all defaults, of the files it names and of versions."""
-    return _hash([scene.toml(), *_files(scene.data), json.dumps(dict(versions), sort_keys=True)])
-
-
 def run_key(job: Job, scene: Scene) -> str:
     """Hash of a job, its scene with all defaults, the files it names, the sources of the core and of the parts used."""
     asked = json.dumps([list(job.watch), job.work, job.guards, job.fields, job.curves], sort_keys=True, default=str)

@@ -150,8 +150,6 @@ def calibrate() -> float:
     return min(times)
 
 
-SLOW = 30.0
-"""Wall time that a run may take, in limits of its CPU time: machines share their cores, and a process may hang."""
 SHORTEST = 0.05
 """Time between two looks at the clock [s], at least."""
 

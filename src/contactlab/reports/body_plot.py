@@ -33,7 +33,7 @@ def body_figure(table: Table) -> Figure | None:
     corners = np.concatenate([shape.corners for shape in row.shapes.values()])
     stress = np.concatenate([shape.von_mises for shape in row.shapes.values()])
     width, height = np.ptp(corners.reshape(-1, 2), axis=0)
-    top = _top(stress)
+    top = float(np.percentile(stress, 99.5))
     with house_style():
         size = _WIDTH, float(np.clip((_WIDTH - _BESIDE) * height / width + _BELOW, 2.4, 7.5))
         figure = Figure(figsize=size, layout="constrained")
@@ -61,8 +61,3 @@ def outline(shape: Shape) -> Floats:
     # Cells share nodes, so the two copies of an inner side have bitwise equal ends, in opposite order.
     ends = {(*side[0], *side[1]) for side in sides}
     return sides[[(*side[1], *side[0]) not in ends for side in sides]]
-
-
-def _top(stress: Floats) -> float:
-    """Upper end of the colours: a corner singularity must not leave the rest in the dark."""
-    return float(np.percentile(stress, 99.5))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -92,7 +93,7 @@ def _draw(table: Table, rows: Sequence[Row]) -> RichTable:
     drawn.add_column("", style="dim")
     drawn.add_row("status", *(row.status for row in rows))
     for column in table.measures:
-        values = [row[column.name] for row in rows]
+        values = [row.measures.get(column.name, math.nan) for row in rows]
         if any(value == value for value in values):
             cells = [quantity(value, column.unit, column.digits) for value in values]
             drawn.add_row(Text(column.title), *map(Text, cells), Text(heading_unit(column.unit, units[column.unit])))

@@ -28,7 +28,7 @@ def gather(plan: Plan, records: Mapping[str, Record], named: Source | None) -> l
     for job, row in zip(plan.jobs, rows, strict=True):
         partners.setdefault(job.partner, []).append(row)
     shared = {row.name: _pair_measures(pair) for pair in partners.values() for row in pair}
-    return [_with_measures(row, shared[row.name]) for row in rows]
+    return [replace(row, measures={**row.measures, **shared[row.name]}) for row in rows]
 
 
 def row_of(plan: Plan, job: Combination, record: Record, named: Source | None) -> Row:
@@ -96,10 +96,6 @@ def _pair_measures(pair: Sequence[Row]) -> dict[str, float]:
     if a.profile is not None and b.profile is not None:
         found["swap_asymmetry"] = mutual_difference(a.profile, b.profile)
     return found
-
-
-def _with_measures(row: Row, more: Mapping[str, float]) -> Row:
-    return replace(row, measures={**row.measures, **more})
 
 
 def common_reference(plan: Plan, rows: Sequence[Row], named: Source | None) -> Reference | None:

@@ -105,14 +105,10 @@ def reaction_against_pressure(
     for surface, force in ((slave, integral), (master, -integral)):
         body = body_of(surface)
         held = [value for on, value in reactions.items() if body_of(on) == body]
-        if held and _contacts_of(scene, body) == 1:
+        if held and sum(body in {body_of(surface) for surface in sides(c)} for c in scene.get("contacts", ())) == 1:
             support = np.sum(held, axis=0)
             return _quotient(_length(support + force), _length(support))
     return math.nan
-
-
-def _contacts_of(scene: Mapping[str, Any], body: str) -> int:
-    return sum(body in {body_of(surface) for surface in sides(c)} for c in scene.get("contacts", ()))
 
 
 def sides(contact: Mapping[str, Any]) -> tuple[str, str]:

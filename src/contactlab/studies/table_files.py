@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import itertools
 import json
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
+from contactlab.jobs.rows import finite, write_csv
 from contactlab.studies.cost_breakdown import CostBreakdown
 from contactlab.studies.measures import mutual_difference, relative_difference
 from contactlab.studies.reference import Reference
@@ -54,26 +54,11 @@ def _compare(a: Row, b: Row) -> Agreement:
 
 def write_table(table: Table, folder: Path) -> None:
     """Write both files into the folder, and `bill.csv` where the cost of effects was measured."""
-    _write_csv(table, folder / "table.csv")
+    write_csv(folder / "table.csv", table.columns(), (row.record() for row in table.rows))
     _write_json(table, folder / "table.json")
     if table.breakdown is not None:
-        _write_breakdown(table.breakdown, folder / "bill.csv")
-
-
-def _write_breakdown(breakdown: CostBreakdown, path: Path) -> None:
-    """Write `bill.csv`: a row for each effect."""
-    rows = [asdict(cost) for cost in breakdown.effects]
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]))
-        writer.writeheader()
-        writer.writerows({name: _cell(value) for name, value in row.items()} for row in rows)
-
-
-def _write_csv(table: Table, path: Path) -> None:
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.DictWriter(file, table.columns(), restval="")
-        writer.writeheader()
-        writer.writerows({name: _cell(value) for name, value in row.record().items()} for row in table.rows)
+        effects = table.breakdown.effects
+        write_csv(folder / "bill.csv", [each.name for each in fields(effects[0])], map(asdict, effects))
 
 
 def _write_json(table: Table, path: Path) -> None:
@@ -83,23 +68,23 @@ def _write_json(table: Table, path: Path) -> None:
         "reference": table.reference.name if table.reference else None,
         "reference_curve": _reference(table.reference),
         "scene": table.scene_text,
-        "further": [asdict(column) for column in table.further],
-        "wall_s": _number(table.wall_s),
-        "agreement": [_plain(asdict(item)) for item in agreements(table.rows)],
+        "further": table.further,
+        "wall_s": table.wall_s,
+        "agreement": agreements(table.rows),
         **({"bill": _breakdown(table.breakdown)} if table.breakdown is not None else {}),
         "rows": [_row(row) for row in table.rows],
     }
-    path.write_text(json.dumps(data, indent=1, default=str) + "\n", encoding="utf-8")
+    path.write_text(json.dumps(finite(data), indent=1, default=str) + "\n", encoding="utf-8")
 
 
 def _row(row: Row) -> dict[str, Any]:
-    warnings = [_plain(warning.as_data()) for warning in row.warnings]
+    warnings = [warning.as_data() for warning in row.warnings]
     kept = {
         "path": row.path, "share": row.share, "choices": dict(row.choices), "notes": list(row.notes),
         "varied": list(row.varied), "measures": list(row.measures), "system": list(row.system),
     }  # fmt: skip
     return {
-        **_plain(row.record()), "warnings": warnings, "parts": _plain(row.parts), "refines": row.refines, "kept": kept,
+        **row.record(), "warnings": warnings, "parts": row.parts, "refines": row.refines, "kept": kept,
     }  # fmt: skip
 
 
@@ -107,10 +92,9 @@ def _reference(reference: Reference | None) -> dict[str, Any] | None:
     """All of a reference, so that a comparison can be read back wherever it came from."""
     if reference is None:
         return None
-    scalars = {name: _plain(scalar) for name, scalar in reference.scalars.items()}
     return {
         "name": reference.name, "title": reference.title, "origin": reference.origin, "level": reference.level,
-        "window": reference.window, "scalars": scalars, "error_estimate": _plain(reference.error_estimate),
+        "window": reference.window, "scalars": reference.scalars, "error_estimate": reference.error_estimate,
         "x": reference.profile.x.tolist(), "pressure": reference.profile.value.tolist(),
         "spread": reference.spread.tolist(),
     }  # fmt: skip
@@ -119,18 +103,4 @@ def _reference(reference: Reference | None) -> dict[str, Any] | None:
 def _breakdown(breakdown: CostBreakdown) -> dict[str, Any]:
     data = asdict(breakdown)
     effects = data.pop("effects")
-    return {**_plain(data), "prices": [_plain(cost) for cost in effects]}
-
-
-def _cell(value: object) -> Any:
-    """As written in a CSV file: nothing for a number that is missing."""
-    return "" if isinstance(value, float) and math.isnan(value) else value
-
-
-def _number(value: object) -> Any:
-    """As written in JSON, which knows no nan and no infinity."""
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _plain(data: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: _number(value) for name, value in data.items()}
+    return {**data, "prices": effects}

@@ -14,6 +14,7 @@ from typing import Any
 from contactlab.cases.verdict import WORST
 from contactlab.errors import RequestError
 from contactlab.jobs.archive import CHOICES, FILE, Archive
+from contactlab.jobs.rows import finite, write_csv
 from contactlab.outside_files import text_outside
 from contactlab.verdicts.orders import orders, write_orders
 from contactlab.verdicts.run import Matrix
@@ -44,10 +45,7 @@ def rows(matrix: Matrix) -> Iterator[dict[str, Any]]:
 def write(matrix: Matrix, folder: Path) -> None:
     """Write all files of a matrix but its page."""
     found = list(rows(matrix))
-    with (folder / "matrix.csv").open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, COLUMNS)
-        table.writeheader()
-        table.writerows({name: _bare(row[name]) for name in COLUMNS} for row in found)
+    write_csv(folder / "matrix.csv", COLUMNS, found)
     text = json.dumps({"format": 1, "cells": plain_cells(matrix)}, indent=1, allow_nan=False)
     (folder / "matrix.json").write_text(text, encoding="utf-8")
     if importlib.util.find_spec("pyarrow") is not None:
@@ -60,20 +58,6 @@ def write(matrix: Matrix, folder: Path) -> None:
 def plain_cells(matrix: Matrix) -> list[Any]:
     """Choices and findings of every cell as JSON has them, silent ones first."""
     return [finite({**cell.choices, **result.as_data()}) for cell, result in matrix.worst_first]
-
-
-def finite(value: Any) -> Any:
-    """Tables and lists with None for numbers that JSON does not have."""
-    if isinstance(value, Mapping):
-        return {name: finite(item) for name, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [finite(item) for item in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _bare(value: Any) -> Any:
-    """Replace bounds that are infinite by nothing."""
-    return "" if isinstance(value, float) and not math.isfinite(value) else value
 
 
 Key = tuple[str, ...]

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import math
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any
 
 from contactlab.api import Case, Setup
 from contactlab.jobs.driver import Driver
+from contactlab.jobs.rows import write_csv
 from contactlab.parts.registry import Registry
 from contactlab.verdicts.cell import CellResult, cell_plan, keep
 from contactlab.verdicts.plan import Cell, Request, plan
@@ -88,7 +88,7 @@ def run_margins(request: Request, registry: Registry, driver: Driver, folder: Pa
             found[number] = margin
             driver.progress.told(f"{margin.case}, {margin.contact}: {margin.field} up to {margin.met:.4g}")
     margins = [found[number] for number in sorted(found)]
-    _write(margins, folder / "margins.csv")
+    write_csv(folder / "margins.csv", [field.name for field in fields(Margin)], map(asdict, margins))
     return margins
 
 
@@ -96,10 +96,3 @@ def margins_asked(request: Request, registry: Registry) -> list[tuple[str, str]]
     """Cases that have a margin, with the algorithms that are asked for."""
     asked = dict.fromkeys((cell.name, str(cell.setup.algorithm)) for cell in plan(request, registry))
     return [pair for pair in asked if registry.make("case", pair[0]).margin is not None]
-
-
-def _write(margins: Sequence[Margin], path: Path) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        table = csv.DictWriter(file, [field.name for field in fields(Margin)])
-        table.writeheader()
-        table.writerows(asdict(margin) for margin in margins)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import numpy as np
 
 from contactlab.accuracy.orders import slope
 from contactlab.jobs.archive import CHOICES
+from contactlab.jobs.rows import write_csv
 from contactlab.verdicts.run import Matrix
 
 ROUND_OFF = 1e-9
@@ -53,7 +53,4 @@ def write_orders(matrix: Matrix, folder: Path) -> None:
     """Write orders.csv where there are any."""
     found = orders(matrix)
     if found:
-        with (folder / "orders.csv").open("w", newline="", encoding="utf-8") as file:
-            table = csv.DictWriter(file, COLUMNS)
-            table.writeheader()
-            table.writerows(found)
+        write_csv(folder / "orders.csv", COLUMNS, found)
