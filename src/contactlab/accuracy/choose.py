@@ -10,7 +10,13 @@ from typing import Any
 import numpy as np
 
 from contactlab.accuracy.answer import Chosen, answer
-from contactlab.accuracy.configuration import Configuration, elements_for, exchangeable, integrators_for
+from contactlab.accuracy.configuration import (
+    Configuration,
+    algorithms_for,
+    elements_for,
+    exchangeable,
+    integrators_for,
+)
 from contactlab.accuracy.remaining import Truth, beside, ranked
 from contactlab.accuracy.trials import EQUAL, Place, Plan, Said, Trials, Wish
 from contactlab.errors import RequestError
@@ -77,7 +83,8 @@ class _Search:
         """Level 1 of everything that could win, then level 2 of what finished there."""
         trials, sides = self.trials, exchangeable(self.scene.data)
         patterns = [(), sides] if sides else [()]
-        algorithms, ways = self.registry.names("contact"), integrators_for(self.scene, self.registry)
+        algorithms = algorithms_for(self.scene, self.registry)
+        ways = integrators_for(self.scene, self.registry)
         finished: list[Configuration] = []
         while ways and not finished:
             way = ways.pop(0)

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from contactlab.api import ExplicitIntegrator
+from contactlab.api import ExplicitIntegrator, Potential
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 
@@ -51,6 +51,17 @@ class Configuration:
             if number in self.exchanged:
                 found[f"contacts.{number}.swap"] = not contact.get("swap", False)
         return found
+
+
+def algorithms_for(scene: Scene, registry: Registry) -> list[str]:
+    """Algorithms to try: those that pass the patch test first, of these the scene's own.
+
+    Potentials only if the scene names one: their error depends on parameters that no mesh improves.
+    """
+    own = {contact.algorithm["use"] for contact in scene.contacts}
+    kinds = {name: registry.part_class("contact", name) for name in registry.names("contact")}
+    tried = [name for name, kind in kinds.items() if name in own or not issubclass(kind, Potential)]
+    return sorted(tried, key=lambda name: (not kinds[name].passes_patch_test, name not in own, name))
 
 
 def exchangeable(data: Mapping[str, Any]) -> tuple[int, ...]:

@@ -20,6 +20,7 @@ from contactlab.jobs.run import Run
 from contactlab.parts.registry import Registry
 from contactlab.scene.scene import Scene
 from contactlab.studies.find_reference import matching_reference
+from contactlab.studies.finest import with_multipliers
 
 LIMIT = 10**6
 """Level beyond all that are tried."""
@@ -89,6 +90,7 @@ class Trials:
         self.frames = FRAMES if transient else 1
         self.doubt = 0.0
         self.steps = 0
+        self.exact = with_multipliers(registry)
         self._judged_at = -1
         self._truth: Truth | None = None
         self._off: dict[Place, float] = {}
@@ -201,8 +203,8 @@ class Trials:
         return self.judged().apart(self.value(trial), self.value(other))
 
     def ladders(self) -> list[Ladder]:
-        """Comparable runs of all configurations by level."""
-        found = []
+        """Comparable runs by level of those whose errors are of the mesh alone; of all if none is on two meshes."""
+        exact, others = list[Ladder](), list[Ladder]()
         for each in self.configurations():
             if self.is_static(each) and each.steps != self.steps:
                 continue  # its way is coarser
@@ -210,8 +212,9 @@ class Trials:
             if trials:
                 values = {n: self.value(t) for n, t in trials.items()}
                 family = (each.exchanged, each.element)
-                found.append(Ladder(self.name(each), family, values, trials[max(trials)].cost))
-        return found
+                ladder = Ladder(self.name(each), family, values, trials[max(trials)].cost)
+                (exact if each.algorithm in self.exact else others).append(ladder)
+        return exact if any(len(ladder.values) > 1 for ladder in exact) else [*exact, *others]
 
     def is_static(self, each: Configuration) -> bool:
         """Whether its integrator knows no inertia."""

@@ -12,7 +12,13 @@ import pytest
 
 from contactlab.accuracy import judged as judging
 from contactlab.accuracy.choose import LEVELS, Chosen, Wish, choose_plan
-from contactlab.accuracy.configuration import Configuration, elements_for, exchangeable, integrators_for
+from contactlab.accuracy.configuration import (
+    Configuration,
+    algorithms_for,
+    elements_for,
+    exchangeable,
+    integrators_for,
+)
 from contactlab.accuracy.judged import Judge, PressuresJudged, line_of, mean_profile
 from contactlab.accuracy.remaining import Ladder, left_at, truth_of
 from contactlab.api import ContactCurve, Record
@@ -206,6 +212,28 @@ def test_integrators_are_tried_where_they_apply() -> None:
     assert integrators_for(load_scene("tresca-block"), registry) == ["", "central-difference"]
     assert integrators_for(load_scene("dropped-block"), registry) == [""]
     assert elements_for(SCENE, registry) == ["", "q1-fbar", "q2"]
+
+
+def test_potentials_are_tried_only_if_the_scene_names_one() -> None:
+    registry = default_registry()
+    scene = SCENE.with_({"contacts.0.algorithm": "mortar-p1"})
+    assert algorithms_for(scene, registry)[0] == "mortar-p1"
+    assert algorithms_for(scene, registry)[-1] == "node-on-segment"  # which fails the patch test
+    assert not {"barrier", "midplane"} & set(algorithms_for(scene, registry))
+    assert "midplane" in algorithms_for(SCENE.with_({"contacts.0.algorithm": "midplane"}), registry)
+
+
+def test_runs_that_fail_the_patch_test_are_no_reference() -> None:
+    """Node-on-segment changes least from mesh to mesh here, and stays 10 % off."""
+
+    def make(run: Run) -> Record:
+        off = 0.1 if _name(run.scene).startswith("node-on-segment") else 0.2 * run.scene.level**-1.0
+        return record(lambda x: (1.0 + off) * EXACT(x), 0.2 * run.scene.level**2)
+
+    found = chosen(make, 0.05)
+    assert "node-on-segment" not in found.reference
+    assert found.verdict == "ok"
+    assert not found.name.startswith("node-on-segment")
 
 
 def test_configurations_name_the_keys_that_run_takes() -> None:
