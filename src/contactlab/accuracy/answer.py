@@ -81,6 +81,7 @@ def answer(trials: Trials) -> Chosen:
         if trials.pressed() and math.isfinite(error):
             doubt = truth.uncertainty + trials.doubt
             interval = max(0.0, error - doubt), error + doubt
+            error = error or truth.uncertainty  # the reference itself
     ok = interval is not None and bool(met)
     why = _why_ok(trials, met) if ok else _why_not(trials, place, met, truth)
     return Chosen(

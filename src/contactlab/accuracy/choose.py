@@ -18,7 +18,7 @@ from contactlab.accuracy.configuration import (
     integrators_for,
 )
 from contactlab.accuracy.remaining import Truth, beside, ranked
-from contactlab.accuracy.trials import EQUAL, Place, Plan, Said, Trials, Wish
+from contactlab.accuracy.trials import EQUAL, GROWTH, Place, Plan, Said, Trials, Wish
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
 from contactlab.run.attempts import first_that_fits
@@ -43,6 +43,8 @@ CLIMBERS = 4
 """Configurations that go beyond level 2 for the sake of others at most."""
 STUBBORN = 0.08
 """Of the search that a run of the survey may take."""
+FAR = 4.0
+"""Times the cheapest run of its level that it may take: for so much there is one on a mesh nearly twice as fine."""
 BEST_ORDER = 1.5
 """Order of convergence that a trial may hope for."""
 REPEATS = 3
@@ -89,7 +91,8 @@ class _Search:
         while ways and not finished:
             way = ways.pop(0)
             first = [Configuration(a, pattern, "", way) for pattern in patterns for a in algorithms]
-            yield from trials.run([(each, 1) for each in first], SURVEY, self.limit)
+            yield from self._coarse(first[:1])
+            yield from self._coarse(first)
             finished = [each for each in first if trials.ladder(each)]
         if not finished:  # one of those that were stopped may take all that is left
             yield from trials.longer()
@@ -97,18 +100,28 @@ class _Search:
         steps = yield from self._load_steps(finished[0])
         if steps:
             trials.steps = steps
-            finished = [replace(each, steps=steps) for each in finished]
-            yield from trials.run([(each, 1) for each in finished], SURVEY, self.limit)
-            finished = [each for each in finished if trials.ladder(each)]
+            finished = yield from self._coarse([replace(each, steps=steps) for each in finished])
         if len(sides) > 1:
-            single = [replace(finished[0], exchanged=(n,)) for n in sides]
-            yield from trials.run([(each, 1) for each in single], SURVEY, self.limit)
-            finished += [each for each in single if trials.ladder(each)]
+            finished += yield from self._coarse([replace(finished[0], exchanged=(n,)) for n in sides])
         for way in ways:
             finished += yield from self._other_integrator(finished, replace(finished[0], integrator=way, steps=0))
         finished += yield from self._elements(finished)
-        yield from trials.run([(each, 2) for each in finished], SURVEY, 2.0 * self.limit)
+        families = {(each.exchanged, each.element, each.integrator): each for each in reversed(finished)}
+        # one of each first: if time is short they tell more than algorithms that differ in nothing else
+        yield from trials.run([(each, 2) for each in families.values()], REFINED, self._limit(2))
+        yield from trials.run([(each, 2) for each in finished], SURVEY, self._limit(2))
         self._so_far()
+
+    def _coarse(self, wanted: Sequence[Configuration]) -> Generator[Sequence[Any], Sequence[Any], list[Configuration]]:
+        """Level 1 of these; those that finished."""
+        yield from self.trials.run([(each, 1) for each in wanted], SURVEY, self._limit(1))
+        return [each for each in wanted if self.trials.ladder(each)]
+
+    def _limit(self, level: int) -> float:
+        """CPU time [s] that a run of the survey may take: a part of the search, and not far more than the others."""
+        costs = [trial.cost for (_, n), trial in self.trials.all.items() if n == 1 and trial.finished]
+        usual = max(min(costs, default=math.inf), EQUAL) * level ** GROWTH[1]
+        return min(level * self.limit, FAR * usual)
 
     def _load_steps(self, first: Configuration) -> Generator[Sequence[Any], Sequence[Any], int]:
         """Load steps with which the answer keeps still if it depends on them and nobody named them; 0 leaves them."""
@@ -119,7 +132,7 @@ class _Search:
         steps = int(before.facts["steps"])
         for _ in range(DOUBLINGS):
             finer = replace(first, steps=2 * steps)
-            yield from trials.run([(finer, 1)], SURVEY, self.limit)
+            yield from self._coarse([finer])
             after = trials.ladder(finer).get(1)
             if after is None or not (trials.comparable(before) and trials.comparable(after)):
                 break
@@ -135,18 +148,17 @@ class _Search:
     ) -> Generator[Sequence[Any], Sequence[Any], list[Configuration]]:
         """Level 1 with another integrator; all algorithms with it if it is no dearer."""
         trials, first = self.trials, finished[0]
-        yield from trials.run([(other, 1)], SURVEY, self.limit)
+        cost = trials.cost((first, 1))
+        yield from trials.run([(other, 1)], SURVEY, max(cost, EQUAL) if other.integrator else self.limit)
         made = trials.ladder(other).get(1)
         if made is None:
             return []
         before = trials.all[first, 1]
         if not other.integrator and trials.comparable(before) and trials.comparable(made):
             trials.doubt = max(trials.doubt, trials.apart(before, made))  # the scene's own has the last word
-        if made.cost > trials.cost((first, 1)):
+        if made.cost > cost:
             return []
-        rest = [replace(each, integrator=other.integrator, steps=0) for each in finished]
-        yield from trials.run([(each, 1) for each in rest], SURVEY, self.limit)
-        return [each for each in rest if trials.ladder(each)]
+        return (yield from self._coarse([replace(each, integrator=other.integrator, steps=0) for each in finished]))
 
     def _elements(
         self, finished: Sequence[Configuration]
@@ -156,9 +168,7 @@ class _Search:
         cost = sum(trials.cost((each, 1)) for each in finished) * len(elements)
         few = cost > 0.5 * SURVEY * self.wish.search - trials.spent
         chosen = [each for each in finished if not few or each.algorithm == finished[0].algorithm]
-        wanted = [replace(each, element=element) for each in chosen for element in elements]
-        yield from trials.run([(each, 1) for each in wanted], SURVEY, self.limit)
-        return [each for each in wanted if trials.ladder(each)]
+        return (yield from self._coarse([replace(each, element=element) for each in chosen for element in elements]))
 
     # --- fine meshes -------------------------------------------------------------------------------
 
@@ -176,7 +186,8 @@ class _Search:
             above = [each for each in trials.ladders() if each.finest > 2]
             if len(above) >= CLIMBERS:
                 climbing = [each for each in climbing if each.finest > 2]
-            best = beside(ranked(climbing, trials.judged()), 2) or [(0.0, each) for each in climbing[:2]]
+            single = [(math.inf, each) for each in climbing if len(each.values) < 2]
+            best = beside([*ranked(climbing, trials.judged()), *single], 2)
             climbers = [trials.by_name(each.name) for _, each in best]
             wanted = [(each, self._next_level(each)) for each in climbers]
             useless = truth is None or truth.uncertainty >= self.wish.error  # no trial could keep it
