@@ -48,10 +48,13 @@ class WrongSide:
     worst  largest median ratio of slave to master segments where they press; the sum of the forces of all frames, and
            of forces times the squared sine of their lean against the smoother side, as they act and as the rougher
            side's normals would have them act
+    aside  the sum of forces times the sine of their lean against the slave where both sides are as smooth: nodes that
+           slid off convex vertices of the master, all to one side
     """
 
     def __init__(self, pair: Any, spec: Contact, model: Model, stiffness: float) -> None:
-        self.pair, self.spec, self.model, self.stiffness, self.worst = pair, spec, model, stiffness, np.zeros(4)
+        self.pair, self.spec, self.model, self.stiffness = pair, spec, model, stiffness
+        self.worst, self.aside = np.zeros(4), 0.0
 
     def update(self) -> None:
         """Take in segment lengths and normals at the slave nodes that are pressed now."""
@@ -77,11 +80,12 @@ class WrongSide:
         pair = self.pair
         turns = _turns(slave, pair.slave)[nodes], _turns(master, pair.master)[pair.master.segments[found]].max(axis=1)
         rough = [float(forces @ turn) for turn in turns]
+        inward = -_nodal_normals(slave, pair.slave)[nodes], _segment_normals(master, pair.master)[found]
         # curves of smooth surfaces turn alike on both sides, however coarse their segments are
         if max(rough) <= ROUGHER * min(rough) or pair.smooth is not None:
+            self.aside += float(forces @ _cross(normals, inward[0]))
             self.worst[1] += forces.sum()
             return
-        inward = -_nodal_normals(slave, pair.slave)[nodes], _segment_normals(master, pair.master)[found]
         right, wrong = inward[::-1] if rough[0] > rough[1] else inward
         self.worst[1:] += forces.sum(), forces @ _cross(normals, right) ** 2, forces @ _cross(wrong, right) ** 2
 
@@ -96,6 +100,9 @@ class WrongSide:
         if lean > LEAN:
             seen = f"normals of facets lean by {np.degrees(lean):.2g} degrees against the smoother side"
             return self._swap(float(lean), LEAN, f"{seen}, and forces with them", "its normals are better known")
+        if (aside := abs(self.aside) / max(force, np.finfo(float).tiny)) > LEAN:
+            seen = f"normals of facets lean by {np.degrees(aside):.2g} degrees to one side, and forces with them"
+            return self._swap(aside, LEAN, seen, "slave nodes stand beside vertices of the master, where it turns")
         if other_lean > LEAN or self.pair.method.passes_patch_test:
             return None
         better = "the softer and finer side carries the multipliers better"
