@@ -126,6 +126,22 @@ def put_piece(t, count, q, slot, held):
 
 
 @section
+def _beside(t, start, end, s, own):
+    """The normal of the next quadratic edge in a valley, at the start (s = -1) or the end; `own` without one.
+
+    A node that presses in a valley goes to and fro between the normals of its flanks, however small the kink.
+    """
+    surface, at = t.sides.master, t.sides.at.master
+    other = surface.node_segments[start, 0] if s < 0.0 else surface.node_segments[end, 1]
+    if other < 0:
+        return own
+    edge = surface.segment_edge[other, 0]
+    a, b = node(at, surface.edges[edge, 0]), node(at, surface.edges[edge, 1])
+    found = parabola(a, b, node(at, surface.edges[edge, 2]), 1.0 if s < 0.0 else -1.0)[1].turned().unit()
+    return found if s * own.cross(found) < 0.0 else own
+
+
+@section
 def put_on_parabola(t, count, x, q, m, s, p):
     """Write the piece of a point held by the quadratic edge of master segment m near s."""
     view, out = t.sides, t.out
@@ -143,6 +159,8 @@ def put_on_parabola(t, count, x, q, m, s, p):
     out.segment[count, 0], out.segment[count, 1] = q, m
     out.ends[count, 1], out.ends[count, 2] = s, 1.0
     normal = parabola(a, b, middle, s)[1].turned().unit()
+    if abs(s) > 1.0 - AT_END:
+        normal = (normal + _beside(t, nodes[count, 0], nodes[count, 1], s, normal)).unit()
     put_normal(t, count, normal.x, normal.y)
 
 

@@ -265,54 +265,6 @@ def test_nodes_that_press_before_they_touch_are_told_with_the_force_that_they_ad
     assert values[32] < 0.5 * values[16]
 
 
-@pytest.mark.parametrize(("cells", "side"), [((24, 16), "large"), ((16, 24), "small")])
-def test_facets_of_unlike_rings_are_told_with_the_force_that_they_add_or_take(
-    cells: tuple[int, int], side: str
-) -> None:
-    """A ring under pressure closes its gap to another one: Lame's two rings, joined where the gap is closed.
-
-    Coarse facets of the outer ring come nearer than its circle by more than the gap, those of the inner ring stay away.
-    """
-    moduli, nu, (a, b, c), gap, inside = (1000.0, 2000.0), 0.3, (1.0, 1.5, 2.0), 1e-3, 3.0
-
-    def expansion(young: float, inner: float, outer: float, pressures: tuple[float, float], radius: float) -> float:
-        area = outer**2 - inner**2
-        even = (pressures[0] * inner**2 - pressures[1] * outer**2) / area
-        return (1.0 + nu) / young * (
-            (1.0 - 2.0 * nu) * even * radius + (pressures[0] - pressures[1]) * (inner * outer) ** 2 / area / radius
-        )  # fmt: skip
-
-    def closed(p: float) -> float:
-        rings = expansion(moduli[0], a, b, (inside, p), b), expansion(moduli[1], b, c, (p, 0.0), b)
-        return rings[0] - rings[1] - gap
-
-    right = closed(0.0) / (closed(0.0) - closed(1.0)) * b * np.sqrt(2.0)
-    radii = {"i": (a, b - gap), "o": (b, c)}
-    data = {
-        "integrator": "newton",
-        "materials": {
-            name: {**ELASTIC, "young": young, "poisson": nu} for name, young in zip(radii, moduli, strict=True)
-        },
-        "bodies": {
-            name: {"element": "q1", "material": name,
-                   "mesh": {"use": "ring", "radii": radii[name], "cells": [cells[k], 4], "angles": [0.0, 90.0]}}
-            for k, name in enumerate(radii)
-        },
-        "contacts": [{"slave": "i.outer", "master": "o.inner", "algorithm": "mortar-p1"}],
-        "supports": [
-            {"on": f"{name}.{end}", axis: 0.0} for name in radii for end, axis in (("start", "uy"), ("end", "ux"))
-        ],
-        "loads": [{"on": "i.inner", "pressure": inside, "follower": False}],
-        "record": {"frames": 1, "recorders": []},
-    }  # fmt: skip
-    results = simulate(Scene.from_data(data))
-    error = np.hypot(*results.summary["contacts"]["contacts.0"]["resultant"]) / right - 1.0
-    told = next(warning for warning in results.warnings if warning.code == "kept-gap")
-    assert f"too {side}" in told.text
-    assert (error > 0.0) == (side == "large")
-    assert 0.5 * abs(error) < told.value < 2.0 * abs(error)  # the bodies are those of coarse cells, too
-
-
 def test_distances_that_all_rolls_keep_alike_are_told_as_a_displacement() -> None:
     """A beam of its own weight on three rolls, the middle one 0.4 of the deflection lower (Timoshenko 1921).
 
