@@ -52,7 +52,7 @@ def pressure() -> float:
 def test_facets_of_unlike_meshes_are_told_with_the_force_that_they_add_or_take(
     cells: tuple[int, int], side: str
 ) -> None:
-    """Coarse facets of the outer ring come nearer than its circle by more than the gap; those of the inner stay away."""
+    """Coarse facets of the outer ring come nearer than its circle by more than the gap, the inner ones stay away."""
     results = rings("q1", cells, "mortar-p1")
     force = np.hypot(*results.summary["contacts"]["contacts.0"]["resultant"])
     error = force / (pressure() * MIDDLE * np.sqrt(2.0)) - 1.0
