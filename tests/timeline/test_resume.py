@@ -148,7 +148,9 @@ def test_a_run_killed_after_its_last_step_is_judged(
             simulate(scene, tmp_path / "killed")
     resumed = simulate(scene, tmp_path / "killed", resume=True).warnings
     assert whole.warnings
-    assert [(w.code, w.value) for w in resumed] == [(w.code, w.value) for w in whole.warnings]
+    assert [w.code for w in resumed] == [w.code for w in whole.warnings]
+    # distances that are kept are a hundredth of those that the last iteration moved by up to 1e-8
+    assert [w.value for w in resumed] == pytest.approx([w.value for w in whole.warnings], rel=1e-6)
     assert [w.limit for w in resumed] == pytest.approx([w.limit for w in whole.warnings], rel=1e-2)
 
 

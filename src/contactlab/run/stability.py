@@ -89,9 +89,11 @@ def linearised(model: ImplicitModel, normals_turn: bool = True) -> Linearised:
     """The equations at the present state; without `normals_turn` those of contact normals that stay as they are."""
     free = np.ones(model.reference.size, bool)
     free[model.prescribed.dof] = False
+    contact = model.contact
+    if contact is not None and contact.conditions.force[0].any() and not contact.conditions.present.any():
+        contact.evaluate(model.position)  # a run that was taken up at its end has made no step
     stiffness = model.stiffness(model.state["clock"][2])
     model.add_load_stiffness(model.state.time, stiffness, 1.0, 0.0)
-    contact = model.contact
     if contact is None:
         return Linearised(csc_array(stiffness)[free][:, free], free, np.zeros(0, np.int32))
     pressed = np.flatnonzero(contact.conditions.present & (contact.conditions.force[0] > 0.0)).astype(np.int32)
