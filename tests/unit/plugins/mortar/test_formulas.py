@@ -1,11 +1,12 @@
 """Contact between segments by formulas: against differences, and compiled against plain ones.
 
-They run as plain Python here: each class of compiled ones takes seconds to compile.
+They run as plain Python here, but for those of the shipped class that are compiled anyway.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from contactlab_mortar.mortar import MortarDual, MortarP1
 from dense_pieces import AGREED, SURFACES, along, central, derivatives_of, drawn_move, fold, pieces_of, summed, view_of
 
 from contactlab.api import Floats, GapGradients, SegmentContact, formula
+from contactlab.formulas import segments
 
 SIDES = ("nodes", "vertices")
 
@@ -36,6 +38,7 @@ FOLDED = {**SURFACES, "fold": fold()}
 @pytest.fixture(autouse=True)
 def in_python(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("CONTACTLAB_PYTHON", "1")
+    monkeypatch.setattr(segments, "_of_class", cache(segments._Kernels))
 
 
 def dense_derivatives(algorithm: Any, name: str) -> tuple[Floats, ...]:
@@ -116,14 +119,11 @@ def test_compiled_formulas_give_the_same(monkeypatch: pytest.MonkeyPatch) -> Non
     view = view_of(FOLDED["partly covered"])
     plain, (pieces, count) = dense_derivatives(MortarDual(), "partly covered"), pieces_of(MortarDual(), view)
     monkeypatch.delenv("CONTACTLAB_PYTHON")
-
-    class Compiled(MortarDual):
-        pass
-
-    found, number = pieces_of(Compiled(), view)
+    monkeypatch.setattr(segments, "_of_class", cache(segments._Kernels))
+    found, number = pieces_of(MortarDual(), view)
     assert number == count
     np.testing.assert_allclose(found.M[:count], pieces.M[:count], atol=1e-15)
-    for one, other in zip(dense_derivatives(Compiled(), "partly covered"), plain, strict=True):
+    for one, other in zip(dense_derivatives(MortarDual(), "partly covered"), plain, strict=True):
         np.testing.assert_allclose(one, other, atol=1e-13)
 
 
