@@ -8,6 +8,7 @@ import typing
 from pathlib import Path
 
 import pytest
+from inline import runs_inline
 
 import contactlab
 from contactlab.cli import main
@@ -47,7 +48,8 @@ def test_a_part_is_checked() -> None:
 
 
 def test_a_matrix_is_judged_and_found_again(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    first = contactlab.matrix(["two-bars"], ["mortar-p0", "node-on-segment"], out=tmp_path / "matrix", jobs=1)
+    with runs_inline():
+        first = contactlab.matrix(["two-bars"], ["mortar-p0", "node-on-segment"], out=tmp_path / "matrix", jobs=1)
     assert first.count("met") == len(first.cells) == 2
     assert {path.name for path in (tmp_path / "matrix").iterdir()} >= {"matrix.csv", "matrix.json", "matrix.html"}
     scenes = {path.stem for path in (tmp_path / "matrix/scenes").iterdir()}

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from inline import runs_inline
 
 import contactlab
 from contactlab.accuracy import error_budget as budgets
@@ -20,6 +22,12 @@ from contactlab.parts.registry import default_registry
 from contactlab.scene.scene import Scene, load_scene
 
 RESOLVED = {"resolved": {"ramp": 2e-6, "hold": 1e-5, "damping": 4e6, "relaxation": 0.0}, "steps": 7}
+
+
+@pytest.fixture(autouse=True, scope="module")
+def inline() -> Iterator[None]:
+    with runs_inline():
+        yield
 
 
 def scene(**changes: Any) -> Scene:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Generator
+from collections.abc import Generator, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
+from inline import runs_inline
 
 from contactlab.accuracy import run
 from contactlab.accuracy.point import Point, Task, named, point_plan
@@ -29,6 +30,12 @@ join = false
 cases = [{ use = "shrink-fit", error = "mean pressure" }]
 contenders = [{ way = "statics", algorithm = "mortar-p1", element = "q1", integrator = "newton" }]
 """
+
+
+@pytest.fixture(autouse=True, scope="module")
+def inline() -> Iterator[None]:
+    with runs_inline():
+        yield
 
 
 def test_the_bundled_study_is_as_large_as_it_says() -> None:

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from inline import runs_inline
 
 from contactlab import compare, load_scene, simulate
 from contactlab.cli import main
@@ -35,9 +36,10 @@ def test_a_run_names_scene_parts_and_works(tmp_path: Path, capsys: pytest.Captur
 
 def test_a_comparison_names_the_parts_of_all_its_runs_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     algorithms = ["node-on-segment", "mortar-p1"]
-    compare(
-        load_scene("disc-on-block").with_(SHORT), {"contacts.0.algorithm": algorithms}, out=tmp_path / "two", jobs=1
-    )
+    with runs_inline():
+        compare(
+            load_scene("disc-on-block").with_(SHORT), {"contacts.0.algorithm": algorithms}, out=tmp_path / "two", jobs=1
+        )
     found = _cited(tmp_path / "two", capsys)
     names = [part["name"] for part in found["parts"]]  # type: ignore[attr-defined]
     assert set(algorithms) < set(names)

@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from inline import runs_inline
 
 import contactlab
 from contactlab.cli import main
@@ -23,7 +24,8 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     place = tmp_path_factory.mktemp("plot")
     scene = contactlab.load_scene("disc-on-block").with_(SMALL)
     contactlab.simulate(scene, out=place / "run")
-    contactlab.compare(scene, {"contacts.0.swap": [False, True]}, out=place / "two", jobs=1, progress=False)
+    with runs_inline():
+        contactlab.compare(scene, {"contacts.0.swap": [False, True]}, out=place / "two", jobs=1, progress=False)
     return {"run": place / "run", "two": place / "two"}
 
 

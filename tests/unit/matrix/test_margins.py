@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from inline import runs_inline
 
 from contactlab.cli import main
 from contactlab.verdicts.margins import HALVINGS, bisection
@@ -64,7 +65,8 @@ def test_the_command_writes_them(tmp_path: Path, capsys: pytest.CaptureFixture[s
         "--out",
         str(tmp_path / "m"),
     ]
-    assert main(words) == 0
+    with runs_inline():
+        assert main(words) == 0
     (line,) = (tmp_path / "m" / "margins.csv").read_text().splitlines()[1:]
     assert line.startswith("pulled-block,mu,mortar-p1,1.0,100.0,")
     assert "pulled-block" in capsys.readouterr().out

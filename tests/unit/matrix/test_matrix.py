@@ -10,10 +10,12 @@ import sqlite3
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from inline import runs_inline
 
 from contactlab.cases.run_case import is_potential
 from contactlab.cases.verdict import WORST
@@ -57,6 +59,12 @@ class Steps(Case):
 def contactlab_parts():
     return [Part("case", "flight", "stranger:Steps", "a flight"), Part("contact", "own", "stranger:Own", "own")]
 '''
+
+
+@pytest.fixture(autouse=True, scope="module")
+def inline() -> Iterator[None]:
+    with runs_inline():
+        yield
 
 
 def run(folder: Path, *words: str) -> int:

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import sys
 import textwrap
-import traceback
-from collections.abc import Callable
-from concurrent.futures import Future
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
-from typing import Any, ClassVar
 
 import numpy as np
 import pytest
+from inline import runs_inline
 
 from contactlab.api import ContactCurve
 from contactlab.jobs import driver
-from contactlab.jobs.processes import Call, Pool, ProcessDiedError, RaisedError
-from contactlab.jobs.scheduler import LOCAL
+from contactlab.jobs.processes import ProcessDiedError
 
 FAKE_RUNS = """
     import os
@@ -66,35 +63,8 @@ def fake_source() -> str:
     return textwrap.dedent(FAKE_RUNS)
 
 
-class Inline(Pool):
-    """Calls are made in this process, when they are submitted."""
-
-    elsewhere: ClassVar[bool] = False
-    size = 2
-
-    def submit(self, call: Call) -> Future[Any]:
-        """Make the call; whatever it raises is its answer."""
-        done: Future[Any] = Future()
-        try:
-            done.set_result(call.function(*call.arguments, call.report))
-        except ProcessDiedError as error:
-            done.set_exception(error)
-        except Exception as error:
-            done.set_exception(RaisedError(f"{type(error).__name__}: {error}", traceback.format_exc()))
-        return done
-
-    def stop(self) -> None:
-        """Nothing runs."""
-
-    def kill(self) -> None:
-        """Nothing runs."""
-
-    def close(self) -> None:
-        """Nothing runs."""
-
-
 @pytest.fixture
-def fake_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
+def fake_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[ModuleType]:
     """node-on-segment dies or raises; others give a parabola, unsettled at level 2, diverged at level 9."""
     place = tmp_path / "fakes"
     place.mkdir()
@@ -108,9 +78,8 @@ def fake_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> ModuleType:
 
     monkeypatch.setattr(fake_runs, "die", die)
     monkeypatch.setattr(driver, "perform", fake_runs.perform)
-    whole = driver.open_pool
-    monkeypatch.setattr(driver, "open_pool", lambda where, *rest: Inline() if where == LOCAL else whole(where, *rest))
-    return fake_runs
+    with runs_inline():
+        yield fake_runs
 
 
 @pytest.fixture

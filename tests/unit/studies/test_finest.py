@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 import pytest
+from inline import runs_inline
 
 from contactlab.comparison import compare
 from contactlab.errors import RequestError
@@ -21,6 +23,12 @@ from contactlab.studies.study import Study
 from contactlab.studies.table import Row, Table
 
 X = np.linspace(-1.0, 1.0, 101)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def inline() -> Iterator[None]:
+    with runs_inline():
+        yield
 
 
 def csv_file(path: Path, heads: str, *columns: np.ndarray) -> str:

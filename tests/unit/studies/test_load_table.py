@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from inline import runs_inline
 
 import contactlab
 from contactlab.errors import RequestError
@@ -24,7 +25,8 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Table:
     vary = {"contacts.0.algorithm": ["mortar-p0", "node-on-segment"], "contacts.0.swap": [False, True],
             "materials.soft.young": [7000.0]}  # fmt: skip
     scene = contactlab.load_scene("disc-on-block").with_(SMALL)
-    return contactlab.compare(scene, vary, out=tmp_path_factory.mktemp("table") / "out", jobs=1, progress=False)
+    with runs_inline():
+        return contactlab.compare(scene, vary, out=tmp_path_factory.mktemp("table") / "out", jobs=1, progress=False)
 
 
 def same(a: Row, b: Row) -> None:
