@@ -7,6 +7,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from inline import runs_inline
 
 from contactlab.cli import main
 from contactlab.run.folders import fresh_folder
@@ -54,7 +55,8 @@ def test_a_comparison_on_a_full_disk_says_so(
 
     monkeypatch.setattr(contactlab.comparison, "write_report", full)
     words = ["--set", "time.end=1e-7", "--set", "record.recorders=[]", "--vary", "contacts.0.swap=[false]"]
-    assert main(["compare", "disc-on-block", *words, "--out", str(tmp_path / "out")]) == 1
+    with runs_inline():
+        assert main(["compare", "disc-on-block", *words, "--out", str(tmp_path / "out")]) == 1
     told = capsys.readouterr().err
     assert "no space left on device" in told
     assert "--resume" in told
