@@ -167,7 +167,10 @@ def working(modules: Iterable[str]) -> set[str]:
     }
 
 
-@pytest.mark.parametrize("changes", [{}, {"contacts.0.algorithm": "node-on-segment"}, COULOMB])
+NODES = {"contacts.0.algorithm": "node-on-segment"}
+
+
+@pytest.mark.parametrize("changes", [{}, pytest.param(NODES, marks=pytest.mark.full), COULOMB])
 def test_a_run_imports_the_packages_that_explain_lists(changes: dict[str, Any]) -> None:
     wanted = scene(SHORT | changes)
     packages = {row.package for row in explain(wanted, default_registry()).modules}

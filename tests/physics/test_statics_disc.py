@@ -103,9 +103,10 @@ def test_results_do_not_depend_on_the_scale_of_the_contact_stiffness(algorithm: 
 @SWAP
 @pytest.mark.parametrize("level", [1, 2])
 def test_coulomb_friction_does_not_depend_on_the_number_of_load_steps(algorithm: str, swap: bool, level: int) -> None:
-    """Deep with mu = 0.2: 10, 20 and 40 steps agree within 0.1 %."""
+    """Deep with mu = 0.2: 10, 20 and 40 steps agree within 0.1 %, on finer cells 10 and 40."""
+    counts = (10, 20, 40) if level == 1 else (10, 40)
     friction = {"contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
-    found = [disc(algorithm, swap, depth=0.1581, steps=steps, level=level, **friction) for steps in (10, 20, 40)]
+    found = [disc(algorithm, swap, depth=0.1581, steps=steps, level=level, **friction) for steps in counts]
     assert all(results.status == "finished" for results in found)
     assert not any(results.events for results in found)
-    assert [reaction(results) for results in found] == pytest.approx([reaction(found[-1])] * 3, rel=1e-3)
+    assert [reaction(results) for results in found] == pytest.approx([reaction(found[-1])] * len(counts), rel=1e-3)
