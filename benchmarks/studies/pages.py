@@ -24,7 +24,6 @@ DOCS, BUILT_DOCS = ROOT / "docs", ROOT / "build" / "docs"
 sys.path[:0] = [str(HERE / place) for place in (".", "paper", "..", "../kernels")]
 
 import baselines  # noqa: E402
-import bundled_scenes  # noqa: E402
 import cases_page  # noqa: E402
 import demo_page  # noqa: E402
 import full_page  # noqa: E402
@@ -46,7 +45,6 @@ BUILT: dict[str, Callable[[], str]] = {
     "cases.md": lambda: cases_page.page(cases_page.stored()),
     "full-matrix.md": lambda: full_page.page(full_page.stored()),
     "paper.md": paper,
-    "bundled-scenes.md": lambda: bundled_scenes.page(bundled_scenes.stored()),
     "performance-over-versions.md": lambda: baselines.page(baselines.load()),
     "references.md": lambda: references_page.page(references_page.stored()),
 }

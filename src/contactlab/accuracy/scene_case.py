@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
+from contactlab.accuracy.configuration import exchangeable
 from contactlab.api import Answer, Case, Job, Measure, Record, Setup, Solution
 from contactlab.api.case import error
 from contactlab.errors import RequestError
@@ -56,7 +57,7 @@ class SceneCase(Case):
 
     def applies(self, setup: Setup) -> str:
         """A rigid surface cannot be the slave."""
-        return "a rigid surface cannot be the slave" if setup.swap and not may_be_exchanged(self.data) else ""
+        return "a rigid surface cannot be the slave" if setup.swap and 0 not in exchangeable(self.data) else ""
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """The scene with the choices of the setup in all its contacts and bodies."""
@@ -80,13 +81,6 @@ class SceneCase(Case):
         (record,) = done.values()
         profile = Profile.of_curve(record.curve())
         return {PRESSURE: pressure_error(profile, self.against.profile, self.against.window)}
-
-
-def may_be_exchanged(data: Mapping[str, Any]) -> bool:
-    """Whether the master of a scene's first contact can be its slave: no rigid surface can."""
-    contact = data["contacts"][0]
-    master = contact["master"] if not contact.get("swap") else contact["slave"]
-    return master not in data.get("rigid", {})
 
 
 def choices_of(data: Mapping[str, Any], setup: Setup) -> dict[str, Any]:

@@ -43,7 +43,7 @@ def compare_accuracy(study: CaseStudy, options: argparse.Namespace) -> int:
         out = console()
         print_costs(found, evaluated.costs, out)
         print_winners(found, evaluated.winners, out)
-        out.print(f"page: {folder / 'accuracy.html'}", markup=False, highlight=False, soft_wrap=True)
+        out.say(f"page: {folder / 'accuracy.html'}")
     if found.interrupted:
         return interrupted(folder)
     return 0 if any(point.finished for point in found.points) else 1

@@ -85,7 +85,7 @@ def _merge(words: list[str]) -> int:
         damage = True
         print(f"contactlab: warning: {other}: {in_words(lost)}; nothing of that came", file=sys.stderr)
     told = ", ".join(f"{count} {name}" for name, count in came.items())
-    console().print(f"from {other} into {into}: {told}", markup=False, highlight=False, soft_wrap=True)
+    console().say(f"from {other} into {into}: {told}")
     return DAMAGED if damage else 0
 
 

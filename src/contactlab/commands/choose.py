@@ -50,10 +50,7 @@ def choose_for(options: argparse.Namespace) -> int:
 def show(found: Chosen, wish: Wish, line: str) -> None:
     """The choice first, then what was tried."""
     out = console()
-
-    def say(text: str) -> None:
-        out.print(text, markup=False, highlight=False, soft_wrap=True)
-
+    say = out.say
     error = "error unknown" if math.isnan(found.error) else f"error {100.0 * found.error:.2g} %"
     if found.error_interval is not None:
         error += f" ({100.0 * found.error_interval[0]:.2g} to {100.0 * found.error_interval[1]:.2g} %)"

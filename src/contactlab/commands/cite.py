@@ -30,10 +30,7 @@ def cite(options: argparse.Namespace) -> int:
         print_json({"format": 1, "folder": str(folder), **cited})
         return 0
     out = console()
-
-    def say(text: str) -> None:
-        out.print(text, markup=False, highlight=False, soft_wrap=True)
-
+    say = out.say
     say(f"{cited['program']}\nscene {cited['scene']['name']}: {cited['scene']['source'] or 'names no source'}")
     if reference := cited["reference"]:
         say(f"reference {reference['name']}: {reference['title']}")

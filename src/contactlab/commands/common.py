@@ -17,8 +17,9 @@ from contactlab.parts.registry import Registry, default_registry
 from contactlab.scene.toml_text import parse_value
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.table import Table
+
+    from contactlab.reports.terminal import Terminal
 
 
 WIDTH_OF_FILES = 160
@@ -55,7 +56,7 @@ def plugin_command(name: str, target: str, origin: Origin) -> Callable[[list[str
     return command
 
 
-def console() -> Console:
+def console() -> Terminal:
     """Standard output; wide enough for every table where it goes to a file or a pipe."""
 
     from contactlab.reports.terminal import Terminal
@@ -71,7 +72,7 @@ def written(value: Any, digits: int | None = None) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
-def print_how_to_look(folder: Path, registry: Registry, out: Console) -> None:
+def print_how_to_look(folder: Path, registry: Registry, out: Terminal) -> None:
     """Say how to look at what is in the folder, or what has to be installed for that."""
     from contactlab.studies.shown_file import can_be_shown, showing_recorder
 
@@ -81,7 +82,7 @@ def print_how_to_look(folder: Path, registry: Registry, out: Console) -> None:
     elif showing_recorder(registry) is None and (missing := registry.missing_packages(optional=False)):
         line = f"no timeline was recorded, as no viewer is installed: pip install {' '.join(missing)}"
     if line:
-        out.print(line, markup=False, highlight=False, soft_wrap=True)
+        out.say(line)
 
 
 def table(*columns: str, title: str = "") -> Table:

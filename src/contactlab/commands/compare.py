@@ -65,7 +65,7 @@ def _compare_scene(options: argparse.Namespace) -> int:
             )  # fmt: skip
         except KeyboardInterrupt:
             line = resume_line(options, folder)
-            console().print(f"interrupted; go on with: {line}", markup=False, highlight=False, soft_wrap=True)
+            console().say(f"interrupted; go on with: {line}")
             return INTERRUPTED
     status = 0 if any(row.finished for row in result.rows) else 1
     if options.json:
@@ -89,7 +89,7 @@ def _print(result: Table, folder: Path, registry: Registry, options: argparse.Na
         shown.print(every_number(result, shown.width))
     if options.profile:
         shown.print(where_the_time_went(result))
-    shown.print(f"report: {folder / 'report.html'}", markup=False, highlight=False, soft_wrap=True)
+    shown.say(f"report: {folder / 'report.html'}")
     print_how_to_look(folder, registry, shown)
 
 

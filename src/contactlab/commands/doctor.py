@@ -74,7 +74,7 @@ def doctor(options: argparse.Namespace) -> int:
     out = console()
     out.print(shown)
     for fact in (fact for fact in facts if fact.todo):
-        out.print(f"{fact.fact}: {fact.todo}", markup=False, highlight=False, soft_wrap=True)
+        out.say(f"{fact.fact}: {fact.todo}")
     return 0 if healthy else 1
 
 

@@ -49,10 +49,7 @@ def budget(options: argparse.Namespace) -> int:
 def show(found: ErrorBudget, folder: Path) -> None:
     """A row for each choice, the largest part of the error first, and what to refine next."""
     out = console()
-
-    def say(text: str) -> None:
-        out.print(text, markup=False, highlight=False, soft_wrap=True)
-
+    say = out.say
     if not found.shares:
         say(f"the run as it is ended {found.status}: {found.reason}")
         return

@@ -44,7 +44,7 @@ def matrix(options: argparse.Namespace) -> int:
         return 1 if changes.get("worse") else 0
     show(found)
     show_orders(found)
-    console().print(f"page: {folder / 'matrix.html'}", markup=False, highlight=False, soft_wrap=True)
+    console().say(f"page: {folder / 'matrix.html'}")
     return _show_changes(found, before) if before is not None else 0
 
 
@@ -71,7 +71,7 @@ def show(found: Matrix) -> None:
     counts = ", ".join(
         f"{found.count(verdict)} {verdict}" for verdict in WORST if found.count(verdict) or verdict == "silent"
     )
-    out.print(f"{counts} of {len(found.cells)} cells", markup=False, highlight=False, soft_wrap=True)
+    out.say(f"{counts} of {len(found.cells)} cells")
     contacts = list(dict.fromkeys(cell.choices["contact"] for cell, _ in found.cells))
     lines: dict[tuple[str, ...], dict[str, CellResult]] = {}
     for cell, result in found.worst_first:
@@ -90,7 +90,7 @@ def show(found: Matrix) -> None:
     for cell, result in found.worst_first:
         if result.verdict in ("silent", "failed"):
             line = f"{result.verdict}: {cell.label}: {result.reason.splitlines()[0] if result.reason else ''}"
-            out.print(line, markup=False, highlight=False, soft_wrap=True)
+            out.say(line)
 
 
 def _word(result: CellResult) -> str:
@@ -125,5 +125,5 @@ def _show_changes(found: Matrix, before: dict[tuple[str, ...], str]) -> int:
     for name in ("worse", "better"):
         for key, old, new in changes[name]:
             label = ", ".join(text for text in key if text)
-            out.print(f"{name}: {label}: {old}, now {new}", markup=False, highlight=False, soft_wrap=True)
+            out.say(f"{name}: {label}: {old}, now {new}")
     return 1 if changes["worse"] else 0

@@ -40,7 +40,7 @@ def plot(options: argparse.Namespace) -> int:
         _save_animation(drawn, file)
     else:
         drawn.savefig(file, **({"dpi": DPI} if file.suffix.lower() == ".png" else {}))
-    console().print(f"{options.what}: {file}", markup=False, highlight=False, soft_wrap=True)
+    console().say(f"{options.what}: {file}")
     return 0
 
 
@@ -106,7 +106,7 @@ def _bodies(folder: Path, names: list[str], options: argparse.Namespace) -> Any:
                            hint="compare with --keep all")  # fmt: skip
     if len(found) > MOST:
         line = f"shown are the first {MOST} of {len(found)} runs; --runs NAME ... chooses others"
-        console().print(line, markup=False, highlight=False, soft_wrap=True)
+        console().say(line)
     if options.what == "stress":
         return fields_figure(runs, options.field, _frame(options), options.flat)
     return fields_animation(runs, options.field, options.stride, options.flat)

@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> int:
     print_run(results, scene.data, out, options.verbose, options.profile)
     print_how_to_look(folder, registry, out)
     if results.status in RESUMABLE and (folder / FILE).exists():
-        out.print(f"go on with: {resume_line(options, folder)}", markup=False, highlight=False, soft_wrap=True)
+        out.say(f"go on with: {resume_line(options, folder)}")
     return status
 
 

@@ -113,7 +113,7 @@ def new_scene(options: argparse.Namespace) -> int:
         raise RequestError(f"the scene cannot be written: {reason}", where=str(file)) from error
     out = console()
     for line in (f"{file}: a copy of {shown}", f"next: contactlab explain {file}; contactlab run {file}"):
-        out.print(line, markup=False, highlight=False, soft_wrap=True)
+        out.say(line)
     return 0
 
 

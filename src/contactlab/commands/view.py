@@ -37,7 +37,7 @@ def view(options: argparse.Namespace) -> int:
         file = path if path.is_file() else recording_in(path, recorder, options.runs)
     png = _writable(Path(options.png)) if options.png is not None else None
     if not path.is_file() and not options.runs and (more := left_out(path)):
-        console().print(more, markup=False, highlight=False, soft_wrap=True)
+        console().say(more)
     try:
         at = {} if options.iteration is None else {"iteration": options.iteration}
         recorder.show(file, png, options.step, **at)
@@ -46,7 +46,7 @@ def view(options: argparse.Namespace) -> int:
     except RuntimeError as error:
         raise ContactlabError(f"{file}: {error}") from error
     if png is not None:
-        console().print(f"picture: {png}", markup=False, highlight=False, soft_wrap=True)
+        console().say(f"picture: {png}")
     return 0
 
 

@@ -2,25 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from contactlab.explanation.trial_run import CUT, TrialRun
 from contactlab.run.prepare import schedule_of
 
 if TYPE_CHECKING:
     from contactlab.model.model import Model
-    from contactlab.scene.scene import Scene
-import math
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
-
-if TYPE_CHECKING:
-    from contactlab.model.model import Model
     from contactlab.run.schedule import Schedule
     from contactlab.scene.scene import Scene
-
 
 PERIODS = (1.0, 2.0, 6.0)  # that an explicit run takes to settle after its ramp
 ALONE = (2.0, 5.0, 8.0)  # where no contact presses them: kinetic energy has to fall below a thousandth of little

@@ -11,6 +11,7 @@ from contactlab.api.arrays import Floats
 from contactlab.api.drawing.colours import FIELD
 from contactlab.api.drawing.units import Units
 from contactlab.reports.figures import FAINT, INK, MUTED, house_style
+from contactlab.reports.notebook.canvas import with_unit
 from contactlab.studies.shape import Shape
 from contactlab.studies.table import Row, Table
 
@@ -47,10 +48,10 @@ def body_figure(table: Table) -> Figure | None:
         axes.autoscale_view()
         axes.set_aspect("equal")
         axes.grid(False)
-        axes.set_xlabel(f"x [{units.length}]" if units.length else "x")
-        axes.set_ylabel(f"y [{units.length}]" if units.length else "y")
+        axes.set_xlabel(with_unit("x", units.length))
+        axes.set_ylabel(with_unit("y", units.length))
         bar = figure.colorbar(cells, ax=axes, shrink=0.85, pad=0.02, extend="max" if stress.max() > top else "neither")
-        bar.set_label(f"von Mises stress [{units.pressure}]" if units.pressure else "von Mises stress", color=MUTED)
+        bar.set_label(with_unit("von Mises stress", units.pressure), color=MUTED)
         bar.outline.set_edgecolor(FAINT)
     return figure
 

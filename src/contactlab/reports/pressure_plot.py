@@ -18,7 +18,7 @@ from contactlab.api.drawing.colours import FIELD, REFERENCE, Style, styles
 from contactlab.api.drawing.units import Units
 from contactlab.reports.figures import ALARM, INK, MUTED, house_style, note
 from contactlab.reports.force_plot import label_of
-from contactlab.reports.notebook.canvas import figure_of
+from contactlab.reports.notebook.canvas import figure_of, with_unit
 from contactlab.reports.numbers import percent, significant
 from contactlab.reports.series import series_of, series_styles
 from contactlab.results.shown_pressure import shown_pressure
@@ -71,12 +71,12 @@ def pressure_figure(table: Table) -> Figure:
             if alone:
                 places[i, 0].set_title(textwrap.fill(case, 42), pad=6, fontsize=8.5)
             else:
-                places[i, 0].set_ylabel(f"{textwrap.fill(case, 32)}\npressure{_in(units.pressure)}")
+                places[i, 0].set_ylabel(with_unit(f"{textwrap.fill(case, 32)}\npressure", units.pressure))
         if alone:
-            figure.supylabel(f"pressure{_in(units.pressure)}, {algorithms[0]}", color=MUTED, fontsize=9.5)
+            figure.supylabel(f"{with_unit('pressure', units.pressure)}, {algorithms[0]}", color=MUTED, fontsize=9.5)
         _limits(grid[0, 0], rows, table.reference)
         _mark_cut_peaks(places, found, cases, algorithms, units)
-        figure.supxlabel(f"deformed position x{_in(units.length)}", color=MUTED, fontsize=9.5)
+        figure.supxlabel(with_unit("deformed position x", units.length), color=MUTED, fontsize=9.5)
         _legend(figure, table)
     return figure
 
@@ -95,8 +95,8 @@ def pressures_in(table: Table, axes: Axes) -> Figure:
                           markersize=2.6, linewidth=1.2, linestyle="-" if row.finished else _DASHES,
                           label=label_of(row, rows))  # fmt: skip
         _limits(axes, rows, table.reference)
-        axes.set_xlabel(f"deformed position x{_in(units.length)}")
-        axes.set_ylabel(f"pressure{_in(units.pressure)}")
+        axes.set_xlabel(with_unit("deformed position x", units.length))
+        axes.set_ylabel(with_unit("pressure", units.pressure))
         axes.legend(fontsize=8.0)
     return figure_of(axes)
 
@@ -109,10 +109,6 @@ def _legend(figure: Figure, table: Table) -> None:
     if any(not row.finished for row in table.main):
         entries.append(Line2D([], [], color=MUTED, linestyle=_DASHES, label="did not finish (last frame)"))
     figure.legend(handles=entries, loc="outside upper right", ncols=len(entries), fontsize=8.5, labelcolor=MUTED)
-
-
-def _in(unit: str) -> str:
-    return f" [{unit}]" if unit else ""
 
 
 def _case(row: Row, rows: Sequence[Row]) -> str:
@@ -229,10 +225,10 @@ def pressure_map(table: Table) -> Figure:
         for number, (_, profile, row) in enumerate(known):
             if row is not None and (profile is None or not row.finished):
                 axes.text(right, number, f" {row.status}", va="center", ha="left", fontsize=7.0, color=ALARM)
-        axes.set_xlabel(f"deformed position x{_map_in(units.length)}")
+        axes.set_xlabel(with_unit("deformed position x", units.length))
         above = any(profile.value.max() > top for profile in profiles)
         bar = figure.colorbar(drawn, ax=axes, pad=0.09, extend="max" if above else "neither")
-        bar.set_label(f"pressure{_map_in(units.pressure)}", color=MUTED)
+        bar.set_label(with_unit("pressure", units.pressure), color=MUTED)
     return figure
 
 
@@ -252,7 +248,3 @@ def _range(profiles: Sequence[Profile]) -> tuple[float, float, float]:
     margin = 0.1 * (right - left)
     usual, largest = float(np.median(tops)), float(max(tops))
     return float(left - margin), float(right + margin), largest if largest <= FAR_ABOVE * usual else 1.15 * usual
-
-
-def _map_in(unit: str) -> str:
-    return f" [{unit}]" if unit else ""

@@ -44,7 +44,7 @@ class _Lines(Progress):
         self._print(f"{_counted(self._done, self._total)}{text}")
 
     def _print(self, text: str) -> None:
-        self._console.print(text, markup=False, highlight=False, soft_wrap=True)
+        self._console.say(text)
 
 
 class _Bars(_Lines):

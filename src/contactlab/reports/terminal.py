@@ -14,6 +14,10 @@ from contactlab.errors import visible
 class Terminal(Console):
     """A console of rich whose texts have no control characters; styles, and what rich itself sends, stay."""
 
+    def say(self, text: str) -> None:
+        """Print a line as it is: brackets are no markup, and long paths stay whole."""
+        self.print(text, markup=False, highlight=False, soft_wrap=True)
+
     def render(self, renderable: Any, options: Any = None) -> Iterable[Segment]:
         """The segments of what is shown."""
         for segment in super().render(renderable, options):
