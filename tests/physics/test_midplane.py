@@ -95,6 +95,21 @@ def test_what_overlaps_take_from_the_force_is_told_from_a_hundredth_on(layers: i
     assert found == ({"kept-overlap": pytest.approx(2.0 * share, rel=1e-9)} if told else {})
 
 
+def test_overlaps_of_contacts_in_series_add_up() -> None:
+    """Four layers of cells between floor and lid: p h/30M at each, below the limit, of p H/E."""
+    walls = {"floor": {"line": [[WIDTH, 0.0], [0.0, 0.0]]}}
+    walls["lid"] = {"line": [[0.0, 1.0], [WIDTH, 1.0]], "uy": {"ramp": "linear", "to": -0.01}}
+    both = [{"slave": f"b.{s}", "master": m, "algorithm": "midplane"} for s, m in (("bottom", "floor"), ("top", "lid"))]
+    mesh = {"use": "rectangle", "x": [0.0, WIDTH], "y": [0.0, 1.0], "cells": [2, 4]}
+    held = [{"on": "b.left", "ux": 0.0}]
+    bodies = {"b": {"element": "q1", "material": "m", "mesh": mesh}}
+    results = run(blocks(bodies=bodies, rigid=walls, contacts=both, supports=held))
+    share = 2.0 / (30.0 * 4.0)
+    assert abs(results.summary["reactions"]["lid"][1]) == pytest.approx(YOUNG * 0.01 * WIDTH / (1.0 + share), rel=1e-9)
+    (warning,) = results.warnings
+    assert (warning.code, warning.value) == ("kept-overlap", pytest.approx(2.0 * share, rel=1e-9))
+
+
 def test_the_patch_stays_uniform_under_finite_strain_and_contraction() -> None:
     """Sides that contract by nu and are turned: forces are those of undeformed lengths, of both sides alike."""
     changes = {"materials.m": {"use": "neo-hookean", "young": YOUNG, "poisson": 0.3, "density": 1e-6}}

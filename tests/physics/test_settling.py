@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pytest
 
 from contactlab.model.build import build
@@ -52,6 +53,35 @@ def test_a_run_under_weight_settles() -> None:
     results = simulate(pressed(effects=[{"use": "gravity", "acceleration": [0.0, -1e8], "ramp": ramp}]))
     assert results.status == "finished", results.reason
     assert results.summary["reactions"]["lower.bottom"][1] == pytest.approx(0.4, rel=2e-4)
+
+
+@pytest.mark.parametrize(("weight", "young"), [(0.1, 1e3), (1e-5, 2e5)])
+def test_what_steps_do_not_resolve_fades_too(weight: float, young: float) -> None:
+    """A sudden weight excites all modes of a column of four cells, and steps resolve the lowest one.
+
+    Those of steel under its own weight are so small that steps are accepted by the round-off of its stresses.
+    """
+    layers = 4
+    column = {"element": "q1", "material": "m"}
+    mesh = {"use": "rectangle", "x": [0.0, 1.0], "y": [0.0, 1.0], "cells": [1, layers]}
+    scene = pressed().with_(
+        {
+            "integrator": {"use": "implicit-dynamics", "steps": 50},
+            "materials": {"m": {"use": "linear-elastic", "young": young, "poisson": 0.0, "density": 1e-9}},
+            "bodies": {"column": {**column, "mesh": mesh}},
+            "rigid": {"floor": {"line": [[2.0, 0.0], [-1.0, 0.0]]}},
+            "contacts": [{"slave": "column.bottom", "master": "floor", "algorithm": "mortar-p0"}],
+            "supports": [],
+            "effects": [{"use": "gravity", "acceleration": [0.0, -1e9 * weight]}],
+        }
+    )
+    period = build(scene, default_registry()).timing.period
+    results = simulate(scene.with_({"time.ramp": 10.0 * period}))
+    assert results.status == "finished", results.reason
+    assert results.summary["reactions"]["floor"][1] == pytest.approx(weight, rel=2e-4)
+    pressed_by = weight * (np.arange(layers) + 0.5) / layers  # each cell, by what is above it
+    stored = (pressed_by**2).sum() / (2.0 * young * layers)
+    assert results.summary["balance"]["stored"] == pytest.approx(stored, rel=1e-3)
 
 
 @pytest.mark.parametrize("held", [{}, {"on": "upper.left", "ux": 0.0}])

@@ -301,11 +301,16 @@ class ImplicitEquations(Equations, Protocol):
     Between `begin_step` and `accept` everything is a trial: `internal_force` starts from the history of the
     last accepted step, whatever was tried in between; multipliers are those of `contact.conditions`.
 
-    stabilised  whether the next step has failed at all lengths, and an integrator that `stabilises` is to make it in
-                its second way
+    stabilised    whether the next step has failed at all lengths, and an integrator that `stabilises` is to make it in
+                  its second way
+    quasi_static  whether a run with inertia ends when its motion has faded (`end = "auto"`)
     """
 
     stabilised: bool
+
+    @property
+    def quasi_static(self) -> bool:
+        """Whether a run with inertia ends when its motion has faded."""
 
     def internal_force(self, dt: float, share: float = 1.0) -> None:
         """As `Equations.internal_force`, but for stresses after a `share` of the way from the start of the step.

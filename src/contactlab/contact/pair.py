@@ -77,6 +77,8 @@ class ContactPair(ABC):
     """Whether forces come from a `Potential`, without conditions."""
     clearance: float = 0.0
     """Gap [mm] at which forces begin."""
+    lagged: ClassVar[float] = 0.0
+    """Share of the largest force by which friction may differ from that of the final normal forces."""
 
     def __init__(
         self,

@@ -52,6 +52,7 @@ class PotentialPair(GapPair):
     """
 
     by_energy: ClassVar[bool] = True
+    lagged: ClassVar[float] = LAGGED
 
     def __init__(
         self,

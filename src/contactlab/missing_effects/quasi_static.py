@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from contactlab.api import ImplicitIntegrator, RunWarning
+from contactlab.api import WORK, ImplicitIntegrator, RunWarning
 from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
 from contactlab.model.model import Model
 from contactlab.model.timing import A_PERIOD
@@ -98,7 +98,7 @@ class Balance:
 
 
 class DampedWork:
-    """`worst`: largest share of the work done from outside that damping had taken at a frame."""
+    """`worst`: largest share of the work done from outside that damping had taken at a frame, that of steps with it."""
 
     def __init__(self, model: Model) -> None:
         self.model, self.worst = model, np.zeros(1)
@@ -106,6 +106,8 @@ class DampedWork:
     def update(self) -> None:
         """Take in the works of damping and of supports and loads so far."""
         internal, external, damping = (abs(float(work)) for work in self.model.state["work"][:3])
+        if not self.model.explicit:  # in explicit runs it is that of hourglasses
+            damping += abs(float(self.model.state["work"][WORK.index("numerical")]))
         if self.model.state.time >= EARLY * self.model.timing.last and max(internal, external) > 0.0:
             self.worst[0] = max(self.worst[0], damping / max(internal, external))
 

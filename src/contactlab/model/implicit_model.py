@@ -51,6 +51,11 @@ class ImplicitModel(Model):
             np.ascontiguousarray(body.element.shape(body.element.quadrature().points).gradient) for body in self.bodies
         ]
 
+    @property
+    def quasi_static(self) -> bool:
+        """See `contactlab.api.ImplicitEquations`."""
+        return self.timing.end is None
+
     def internal_force(self, dt: float, share: float = 1.0) -> None:
         """See `contactlab.api.ImplicitEquations`; a part whose answer is no number is named at once."""
         self._share = share

@@ -49,6 +49,7 @@ class Oscillator:
     """
 
     stabilised = False  # no step fails at all lengths
+    quasi_static = False
 
     def __init__(
         self,

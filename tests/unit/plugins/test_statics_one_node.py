@@ -65,8 +65,6 @@ class Obstacle:
 class OneNode:
     """Implements what the iteration sees of a model, and its balance."""
 
-    dynamic = False
-
     def __init__(self, mu: float, start: tuple[float, float]) -> None:
         self.state = State({"displacement": (1, 2), "internal_force": (1, 2), "multipliers": (2, 1)})
         self.state["displacement"][0] = start
@@ -74,6 +72,9 @@ class OneNode:
         self.prescribed = Ramp(np.zeros(0, np.int32), np.zeros(0))
         self.contact = Obstacle(mu, self.state["multipliers"])
         self.normal, self.tangential = np.zeros((1, 2)), np.zeros((1, 2))
+
+    def of_stresses(self, diagonal: Floats) -> Floats:
+        return diagonal
 
     def internal_force(self, dt: float) -> None:
         self.position[:] = self.state["displacement"]

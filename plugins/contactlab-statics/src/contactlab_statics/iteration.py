@@ -231,7 +231,7 @@ class NewtonIteration:
         trial, first = self.trial, self.scales.floor == 0.0
         self.stiffness = trial.balance.stiffness(dt)
         diagonal = np.abs(self.stiffness.diagonal()).reshape(trial.u.shape)
-        self.scales.update(diagonal, trial.u, trial.balance.dynamic)
+        self.scales.update(diagonal, trial.u, trial.balance.of_stresses(diagonal))
         if trial.contact is not None:
             trial.contact.scale(self.scales.flexibility)
         if first:

@@ -20,8 +20,6 @@ LIMITED = 3  # corrections that may be shortened where bodies flow on as in the 
 class LoadStep:
     """Makes load steps of one run. Implements `Balance` for statics."""
 
-    dynamic = False
-
     def __init__(self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int) -> None:
         self.equations, self.state = equations, state
         self.external: Floats = np.zeros((len(equations.reference), 2))
@@ -31,6 +29,10 @@ class LoadStep:
         self.ledger = Ledger(state)
         self.prediction = Prediction(equations, state)
         self.relaxation: Relaxation | None = None
+
+    def of_stresses(self, diagonal: Floats) -> Floats:
+        """All of it: there are no masses."""
+        return diagonal
 
     def step(self, dt: float) -> Step:
         """Advance the state by dt of (pseudo-)time, or restore it."""

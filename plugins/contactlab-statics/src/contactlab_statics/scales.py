@@ -31,18 +31,14 @@ class Scales:
         self.round_off: Floats = np.zeros_like(reference)
         self.flexibility: Floats = np.zeros_like(reference)
 
-    def update(self, diagonal: Floats, u: Floats, dynamic: bool) -> None:
-        """Take the `diagonal` (N, 2) [N/mm] of the stiffness at displacements `u` (N, 2) [mm].
-
-        dynamic  whether it holds that of masses, which says nothing of the round-off of stresses
-        """
+    def update(self, diagonal: Floats, u: Floats, stresses: Floats) -> None:
+        """Take diagonals (N, 2) [N/mm] of the whole stiffness and that of `stresses` at displacements `u` (N, 2)."""
         self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
         self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
         # also of bodies that are carried far before anything loads them; what flies away is not in balance
         moved = min(float(np.abs(u).max()), AWAY * self.size)
         self.exact = ROUND_OFF * (self.farthest + moved)
-        if not dynamic:
-            np.multiply(self.exact, diagonal, out=self.round_off)
+        np.multiply(self.exact, stresses, out=self.round_off)
 
     def residual(self, force: Floats, parts: tuple[Floats, ...], tolerance: float) -> float:
         """Largest unbalanced `force` (N, 2) of a free degree of freedom over the largest of the forces `parts`."""

@@ -43,8 +43,6 @@ class TimeStep:
     impacts  judge steps in which surfaces meet; None if there are none, or if they are not to be cut
     """
 
-    dynamic = True
-
     def __init__(
         self,
         equations: ImplicitEquations,
@@ -83,7 +81,7 @@ class TimeStep:
             reason = MEET if longest is not None else ""
         reason = reason or self._end()
         if not reason and self.impacts is not None:
-            longest, repeat = self.impacts.limit(self._diagonal())
+            longest, repeat = self.impacts.limit(self.of_stresses(self.iteration.stiffness.diagonal().reshape(-1, 2)))
             reason = FRONTS if repeat else ""
         if reason:
             take_back(equations, state, start)
@@ -96,12 +94,6 @@ class TimeStep:
             state["work"], state["reaction"], iterations=len(trace), residual=outcome.residual.contact, trace=trace,
             longest=longest,
         )  # fmt: skip
-
-    def _diagonal(self) -> Floats:
-        """Diagonal (N, 2) [N/mm] of the stiffness of stresses in the last iteration."""
-        inertia = (2.0 / self.dt + self.damping) / self.dt * self.mass
-        diagonal: Floats = self.iteration.stiffness.diagonal().reshape(-1, 2)
-        return (diagonal - inertia) / self.share
 
     def _start(self, dt: float) -> None:
         equations, state = self.equations, self.state
@@ -152,6 +144,10 @@ class TimeStep:
         matrix = with_diagonal(self.equations.stiffness(self.share * dt), self.share, inertia)
         self.equations.add_load_stiffness(self.time, matrix, 0.5, 2.0 / dt)
         return matrix
+
+    def of_stresses(self, diagonal: Floats) -> Floats:
+        """See `Balance`."""
+        return (diagonal - (2.0 / self.dt + self.damping) / self.dt * self.mass) / self.share
 
     # --- the end of a step ----------------------------------------------------------------------
 

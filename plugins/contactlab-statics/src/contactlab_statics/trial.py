@@ -10,12 +10,7 @@ from contactlab.api import Floats, ImplicitEquations, Response, State
 
 
 class Balance(Protocol):
-    """What is in balance at the end of a step.
-
-    dynamic  whether `stiffness` holds that of masses, which says nothing of the round-off of stresses
-    """
-
-    dynamic: bool
+    """What is in balance at the end of a step."""
 
     def update_stresses(self, dt: float) -> None:
         """Stresses that belong to the trial displacements of a step of length dt [s]."""
@@ -25,6 +20,9 @@ class Balance(Protocol):
 
     def stiffness(self, dt: float) -> Any:
         """Derivative of minus the unbalanced forces without contact, (2N, 2N) CSC."""
+
+    def of_stresses(self, diagonal: Floats) -> Floats:
+        """What of the `diagonal` (N, 2) [N/mm] of `stiffness` is that of stresses."""
 
 
 class Trial:

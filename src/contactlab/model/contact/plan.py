@@ -357,6 +357,6 @@ def _one_enforcement(plans: tuple[ContactPlan, ...]) -> None:
         raise SceneError(
             "all contacts of a scene share one enforcement",
             where=plans[-1].where,
-            got=", ".join(sorted(type(e).__name__ for e in enforcements)),
+            got=", ".join(sorted(map(str, enforcements))),
             allowed="the same one for every contact",
         )
