@@ -149,8 +149,10 @@ class Gathered:
     def _surface(self, name: str) -> Surface:
         curves = [instant.curves[name] for instant in self.instants]
         columns = ("x", "y", "pressure", "shear", "gap", "state")
-        found = (np.array([getattr(curve, column) for curve in curves]) for column in columns)
-        return Surface(curves[0].s, curves[0].chain, *found)
+        found = {column: np.array([getattr(curve, column) for curve in curves]) for column in columns}
+        # multipliers of open nodes balance their neighbours and are no pressure
+        found["pressure"] = np.where(found["state"] > 0, found["pressure"], [curve.nodal_pressure for curve in curves])
+        return Surface(curves[0].s, curves[0].chain, **found)
 
     def _instant(self, frame: Frame) -> Instant:
         parts = [self._values(frame.cells[body.name]) for body in self.layout.bodies]

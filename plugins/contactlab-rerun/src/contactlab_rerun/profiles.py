@@ -136,8 +136,9 @@ def curves_of(run: Gathered, contact: str, nodes: int) -> Curves:
     rows = rows[~np.isin(rows["step"], step)]
     order = np.argsort(np.concatenate([step, rows["step"]]), kind="stable")
     shear = rows["shear"] if "shear" in (rows.dtype.names or ()) else np.zeros_like(rows["pressure"])
+    pressure = np.where(rows["state"] > 0, rows["pressure"], 0.0)  # what balances neighbours of open nodes is none
     both = (
-        (step, rows["step"]), (time, rows["time"]), (surface.pressure, rows["pressure"]), (surface.shear, shear),
+        (step, rows["step"]), (time, rows["time"]), (surface.pressure, pressure), (surface.shear, shear),
         (surface.gap, rows["gap"]), (slip, slips(rows)),
     )  # fmt: skip
     return Curves(*(np.concatenate(parts)[order] for parts in both))
