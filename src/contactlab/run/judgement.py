@@ -49,7 +49,9 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
             _judge_facets(model, pair, report.curve)
             _judge_peak(model, pair, report.curve)
             _judge_friction(model, pair)
-            if pair.start_distance is None:
+            # on flat sides that do not match, distances of nodes are no error: their averages are zero
+            sides = pair.slave, pair.master
+            if pair.start_distance is None and any(facet_depths(side, model.reference).any() for side in sides):
                 curved.append(pair)
             pressed = model.state["multipliers"][0, pair.own] > 0.0
             if np.count_nonzero(pressed) >= ENOUGH:  # of one or two conditions the force alone is known
