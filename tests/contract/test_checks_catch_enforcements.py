@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -62,7 +62,10 @@ class Sweeps(ExplicitEnforcement):
                     change, y[i] = max(change, abs(new - y[i])), new
                 if rubs and b[i] > 0.0:
                     moved = c * (normal.T @ y + tangent.T @ t)
-                    limit = rows.bound[0, i] * y[i] * (1.1 if self.flaw == "rubs too much" else 1.0)
+                    grip = min(rows.bound[1, i] * rows.measure[i], rows.bound[2, i] * y[i] if y[i] else 0.0)
+                    if np.isinf(rows.bound[2, i]):
+                        grip = rows.bound[1, i] * rows.measure[i]
+                    limit = (grip + rows.bound[0, i] * y[i]) * (1.1 if self.flaw == "rubs too much" else 1.0)
                     new = float(np.clip(t[i] - (rows.slip[i] + tangent[i] @ moved) / b[i], -limit, limit))
                     change, t[i] = max(change, abs(new - t[i])), new
         total = (normal.T @ y + tangent.T @ t).reshape(force.shape)
@@ -85,7 +88,8 @@ def test_a_right_enforcement_passes(check: Check, part: Enforcement) -> None:
         check(part)
     except NotApplicable:
         implicit = check in enforcement_implicit.CHECKS
-        assert check in scales.CHECKS or implicit == isinstance(part, ExplicitEnforcement)
+        unitless = "units" in check.__name__ or "numbers" in check.__name__
+        assert check in scales.CHECKS or unitless or implicit == isinstance(part, ExplicitEnforcement)
 
 
 @dataclass(frozen=True)
@@ -95,7 +99,45 @@ class NoField(Sweeps):
     length_scale: ClassVar[str] = "reach"
 
 
+@dataclass(frozen=True)
+class InMillimetres(Sweeps):
+    """Closes what is a hundredth of a millimetre open.
+
+    early  [-] over a millimetre
+    """
+
+    early: float = 0.01
+
+    def solve(self, rows: Rows, compliance: Floats, multipliers: Floats, force: Floats) -> Solve:
+        return super().solve(replace(rows, gap=rows.gap - self.early), compliance, multipliers, force)
+
+
+@dataclass(frozen=True)
+class Idle(Exact):
+    """Springs with a number that does nothing.
+
+    width  [-]
+    """
+
+    exact: ClassVar[bool] = False
+    width: float = 0.1
+
+
+@dataclass(frozen=True)
+class Forgetful(Exact):
+    """Friction of the slip of this step alone."""
+
+    def respond(self, conditions: Any, out: Any) -> None:
+        super().respond(conditions, out)
+        if len(out.residual) > 1:
+            out.residual[1] = conditions.force[1] + conditions.stiffness * conditions.slip
+
+
 WRONG: list[tuple[Check, Enforcement]] = [
+    (enforcement.units_do_not_matter_to_them, InMillimetres()),
+    (enforcement_implicit.what_rests_keeps_its_friction, Forgetful()),
+    (enforcement_implicit.numbers_change_the_response, Idle()),
+    (enforcement_implicit.units_do_not_matter_to_it, Idle("leaves a thousandth")),
     (enforcement.is_the_direct_solution, Sweeps("stops after three sweeps")),
     (enforcement.conditions_hold, Sweeps("pulls")),
     (enforcement.forces_are_the_rows, Sweeps("forces added")),

@@ -45,6 +45,17 @@ class Flawed(Rectangle):
         return replace(right, nodes=right.nodes + shift, edges=edges)
 
 
+@dataclass(frozen=True)
+class Half(Flawed):
+    """Is moved along y alone."""
+
+    at: tuple[float, float] = (1.0, 1.0)
+
+    def mesh(self, element: Element, level: int) -> Mesh:
+        right = super().mesh(element, level)
+        return replace(right, nodes=right.nodes + np.array([0.0, self.at[1]]))
+
+
 @pytest.mark.parametrize("check", mesh.CHECKS)
 def test_a_right_mesh_passes(check: Check) -> None:
     check(Flawed())
@@ -58,6 +69,7 @@ WRONG: list[tuple[Check, Flawed]] = [
     (mesh.edges_are_the_boundary, Flawed(flaw="no names")),
     (mesh.level_multiplies_cells, Flawed(flaw="level ignored")),
     (mesh.the_boundary_is_named, Flawed(flaw="left has no name")),
+    (mesh.points_move_as_a_whole, Half()),
     (mesh.same_mesh_twice, Flawed(flaw="creeps")),
 ]
 

@@ -31,14 +31,24 @@ def tangent_by_differences(law: Material, gradient: Floats, history: Floats, dt:
 
 
 def speeds_at_rest(law: Material) -> tuple[float, float]:
-    """Dilatational and shear speed [mm/s] from the tangent of an undeformed point of an isotropic law."""
+    """Dilatational and shear speed [mm/s] from the tangent of an undeformed point.
+
+    Of a law with directions of its own the first is the fastest wave in any direction, the second along x.
+    """
     finite, history = law.kinematics == "finite", np.zeros((law.history_size, 1))
     gradient, tangent = np.array([[1.0], [0.0], [0.0], [1.0]]) * finite, np.empty((4, 4, 1))
     law.tangent(gradient, history, 0.0, tangent)
     # a "finite" law is given F^-1, whose change is minus the strain
-    moduli = (-1.0 if finite else 1.0) * tangent[[0, 3], [0, 1], 0]
-    dilatational, shear = np.sqrt(moduli / law.density)
-    return float(dilatational), float(shear)
+    tangent = (-1.0 if finite else 1.0) * tangent[..., 0]
+    dilatational, shear = float(tangent[0, 0]), float(tangent[3, 1])
+    if not law.isotropic:
+        angle = np.arange(180) * np.pi / 180.0
+        normals = np.stack([np.cos(angle), np.sin(angle)])
+        moduli = tangent[[[0, 3], [3, 1]]].reshape(2, 2, 2, 2)
+        # between two directions, half a degree away, the modulus hardly differs: its slope is 0 at the largest
+        dilatational = float(np.linalg.eigvals(np.einsum("ja,ijkl,la->aik", normals, moduli, normals)).real.max())
+        dilatational *= 1.0 + 1e-3
+    return float(np.sqrt(dilatational / law.density)), float(np.sqrt(shear / law.density))
 
 
 def stiffening_of_waves(law: Material, gradient: Floats, out: Floats) -> None:

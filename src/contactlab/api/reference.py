@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar
 
@@ -69,3 +69,7 @@ class ReferenceSolution(ABC):
     @abstractmethod
     def solution(self, scene: Mapping[str, Any]) -> Solution:
         """The solution of a scene for which `mismatch` is empty."""
+
+    def examples(self) -> Sequence[Mapping[str, Any]]:
+        """Scenes to which it applies, as plain tables, for checks; by default those among the bundled ones."""
+        return ()

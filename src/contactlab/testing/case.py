@@ -12,7 +12,7 @@ from contactlab.api import Case, Job, Record, Setup
 from contactlab.cases.run_case import MOST_JOBS, evaluated, scene_of, watches_of
 from contactlab.parts.registry import default_registry
 from contactlab.scene.fields import as_data
-from contactlab.testing.assertions import Check, require
+from contactlab.testing.assertions import Check, require, tell
 from contactlab.testing.partners import partners, usual_algorithm
 
 
@@ -95,6 +95,17 @@ def plans_what_is_asked(case: Case) -> None:
         if getattr(setup, name) == getattr(first, name) or case.applies(setup):
             continue
         require(_scenes(case, setup) != planned, f"its runs are the same whatever the {name} of the setup is")
+    if _scenes(case, replace(first, level=2)) == planned:
+        tell("its runs are the same at level 2: nothing is refined")
+
+
+def axes_change_the_runs(case: Case) -> None:
+    """Another value of an axis gives other scenes."""
+    first = next(setups(case), None)
+    for name, values in case.axes.items() if first is not None else ():
+        planned = [_scenes(replace(case, **{name: value}), first) for value in values]  # type: ignore[type-var]
+        alike = all(one == planned[0] for one in planned)
+        require(not alike, f"its runs are the same whatever {name} is, one of its axes")
 
 
 def _scenes(case: Case, setup: Setup) -> list[object]:
@@ -119,6 +130,7 @@ CHECKS: tuple[Check, ...] = (
     measures_with_reasons,
     plans_scenes,
     plans_what_is_asked,
+    axes_change_the_runs,
     outlives_failures,
 )
 """All checks of cases."""

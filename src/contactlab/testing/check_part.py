@@ -10,6 +10,7 @@ from typing import Any
 from contactlab.errors import PartError, SceneError, one_line
 from contactlab.testing.cost import Cost, costs
 from contactlab.testing.examples import refused
+from contactlab.testing.fields_in_use import unused_fields
 from contactlab.testing.run import Outcome, checks_for, run_check
 from contactlab.testing.scenarios import scenarios_for
 from contactlab.testing.subject import Subject
@@ -46,7 +47,7 @@ class PartReport:
 
 def check_names(kind: str) -> list[str]:
     """Names of all checks of a part of this kind, in order."""
-    return [keeps_the_contract.__name__, *(check.__name__ for check in (*checks_for(kind), *scenarios_for(kind)))]
+    return [check.__name__ for check in (*FIRST, *checks_for(kind), *scenarios_for(kind))]
 
 
 def check_part(
@@ -74,11 +75,13 @@ def _outcomes(subject: Subject, only: Collection[str]) -> Iterator[Outcome]:
     yield first
     if first.status != "passed":
         return
-    failed = False
     fatal = False
     checks = checks_for(subject.kind, subject.part_class)
     known = {*check_names(subject.kind), *(check.__name__ for check in checks)}
     wanted = {*only, *FATAL} if only else known
+    used = run_check(fields_are_used, subject)
+    failed = used.status == "failed"
+    yield from [used] if used.check in wanted else []
     for check in checks:
         if check.__name__ not in wanted:
             continue
@@ -114,6 +117,17 @@ def keeps_the_contract(subject: Subject) -> None:
         if guessed := subject.guessed:
             raise refused(guessed, one_line(error)) from error
         raise
+
+
+def fields_are_used(subject: Subject) -> None:
+    """Every field is named by some code of the part: otherwise scenes set it in vain."""
+    unused = unused_fields(subject.part_class)
+    if unused:
+        raise AssertionError(f"no code of the part uses its field {', '.join(unused)}; use it, or leave it out")
+
+
+FIRST = (keeps_the_contract, fields_are_used)
+"""Checks of the class, whatever its kind."""
 
 
 def _tags(subject: Subject) -> dict[str, Any]:

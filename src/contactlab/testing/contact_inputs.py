@@ -120,6 +120,10 @@ def memory_is_all_it_remembers(algorithm: ContactMethod) -> None:
         memory = memories[-1].copy()
         answers.append(asked(algorithm, view_of(algorithm, at, memory)))
         memories.append(memory)
+    kept = any(memory.any() for memory in memories)
+    require(
+        kept or not algorithm.memory_size, f"memory_size is {algorithm.memory_size}, and nothing is ever kept in it"
+    )
     aside, again = np.zeros_like(memories[0]), _anew(algorithm)
     for number in reversed(range(len(path))):
         asked(again, view_of(again, path[number], aside))
@@ -128,6 +132,14 @@ def memory_is_all_it_remembers(algorithm: ContactMethod) -> None:
             identical(one, other, f"answers at position {number} of a new part that was given the memory")
         identical(memory, memories[number + 1], "memory of a new part that was given that of another")
     require(copy.copy(algorithm) == algorithm, "a copy of the part is not equal to it: it holds more than its fields")
+
+
+def reach_is_kept(algorithm: ContactMethod) -> None:
+    """Of surfaces that are farther apart than the reach of the view nothing is given, near as they may be listed."""
+    view = view_of(algorithm, flat().lifted((0.0, GLIDE)))
+    found = asked(algorithm, view._replace(reach=0.5 * GLIDE))
+    given = max(0, len(found[0]) - (1 if isinstance(algorithm, GapAlgorithm) else 0))
+    require(given == 0, f"{given} conditions or pieces at gaps of {GLIDE} mm where reach is {0.5 * GLIDE} mm")
 
 
 def a_notch_is_held_by_both_sides(algorithm: ContactMethod) -> None:
@@ -154,5 +166,6 @@ CHECKS: tuple[Check, ...] = (
     arrays_are_of_their_types,
     positions_change_in_place,
     memory_is_all_it_remembers,
+    reach_is_kept,
     a_notch_is_held_by_both_sides,
 )

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
 from contactlab.api import Effect, EffectView, Floats, Ints, Profile
 from contactlab.model.loading.load_profile import of_nodes
 from contactlab.parts.registry import default_registry
-from contactlab.testing.assertions import Check, agree, identical, require, tell, untouched
-from contactlab.testing.other_values import others
+from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, tell, untouched
+from contactlab.testing.other_values import varied, without_effect
+from contactlab.testing.units import FORCE, LONG, TIME, in_other_units, same_in_other_units
 
 TIMES = (0.0, 0.3, 0.7)  # s
 LATER = (1e-6, 0.1, 0.7, 30.0)  # s after the last time at which an effect declares a change
@@ -63,9 +66,16 @@ def _shares(names: Sequence[str]) -> tuple[Ints, Floats]:
     return nodes, np.full(len(nodes), 1.0 / len(nodes))
 
 
+def _times(effect: Effect) -> tuple[float, ...]:
+    """Times [s] at which to look: usual ones, those that it declares, and between and beside these."""
+    own = sorted({0.0, *(time for time in effect.times() if np.isfinite(time))})
+    between = [a + share * (b - a) for a, b in pairwise(own) for share in (0.25, 0.5, 0.75)]
+    return (*TIMES, *between, *own[1:])
+
+
 def gives_forces(effect: Effect) -> None:
     """Forces are finite, and some node feels one in some state and at some time."""
-    found = [force for seed in range(3) for force in Scenery.moving(seed).forces(effect)]
+    found = [force for seed in range(3) for force in Scenery.moving(seed).forces(effect, _times(effect))]
     require(all(np.isfinite(force).all() for force in found), "a force is not finite")
     require(any(force.any() for force in found), "no node ever feels a force; a scene would better leave it out")
 
@@ -95,9 +105,10 @@ def follows_the_state(effect: Effect) -> None:
 
 def remembers_nothing(effect: Effect) -> None:
     """Forces depend on the state and the time alone: in any order of times, to the last bit, as a restart needs."""
-    forward = Scenery.moving(5).forces(effect)
-    backward = Scenery.moving(5).forces(effect, TIMES[::-1])[::-1]
-    for time, one, other in zip(TIMES, forward, backward, strict=True):
+    times = _times(effect)
+    forward = Scenery.moving(5).forces(effect, times)
+    backward = Scenery.moving(5).forces(effect, times[::-1])[::-1]
+    for time, one, other in zip(times, forward, backward, strict=True):
         identical(one, other, f"forces at {time} s, asked in another order")
 
 
@@ -110,13 +121,46 @@ def leaves_the_view_alone(effect: Effect) -> None:
 
 
 def numbers_count(effect: Effect) -> None:
-    """A number that a scene must give changes some force."""
-    for name, other in others(effect):
-        for one, changed in zip(Scenery.moving(7).forces(effect), Scenery.moving(7).forces(other), strict=True):
-            if not np.array_equal(one, changed):
-                break
-        else:
-            raise AssertionError(f"the field {name} changes no force, whatever it is")
+    """A number changes some force, one with a default as well; so does a profile."""
+    times = _times(effect)
+
+    def observe(other: Effect) -> list[Floats]:
+        return Scenery.moving(7).forces(other, times)
+
+    for name in without_effect(effect, observe):
+        raise AssertionError(f"the field {name} changes no force, whatever it is")
+    for field in dataclasses.fields(effect):  # type: ignore[arg-type]
+        if field.name == "profile" and effect.profile is None:  # type: ignore[attr-defined]
+            wave = dataclasses.replace(effect, profile=Profile(by="x", cosine=(1.0, 0.5, 1.7)))  # type: ignore[type-var]
+            same = all(map(np.array_equal, observe(effect), observe(wave)))
+            require(not same, "the field profile changes no force, whatever it is")
+
+
+def units_do_not_matter_to_it(effect: Effect) -> None:
+    """In m, ms and kPa in place of mm, s and MPa it has the same forces, by the units of its docstring."""
+    for one in (effect, *(other for _, other in varied(effect))):
+        other, view = in_other_units(one), Scenery.moving(13).view
+        scaled = view._replace(
+            reference=LONG * view.reference, displacement=LONG * view.displacement,
+            velocity=LONG / TIME * view.velocity, mass=FORCE * TIME**2 / LONG * view.mass,
+        )  # fmt: skip
+        times = _times(one)
+        found = Scenery(scaled).forces(other, tuple(TIME * time for time in times))
+        same_in_other_units(found, Scenery(view).forces(one, times), FORCE, "forces")
+
+
+def masses_are_asked_for(effect: Effect) -> None:
+    """In statics there are no masses: it works without, refuses it by a ValueError, or declares `needs_mass`."""
+    if effect.needs_mass:
+        raise NotApplicable("it declares needs_mass, and has masses in statics")
+    view = Scenery.moving(14).view._replace(mass=np.zeros(0))
+    try:
+        Scenery(view).forces(effect)
+    except Exception as error:
+        if type(error) is ValueError and "broadcast" not in str(error):
+            return  # the effect has refused it
+        what = f"without masses, as in statics, it raises {type(error).__name__}: {error}"
+        raise AssertionError(f"{what}; declare needs_mass = True, or refuse it by a ValueError") from error
 
 
 def work_around_a_path_is_declared(effect: Effect) -> None:
@@ -126,11 +170,13 @@ def work_around_a_path_is_declared(effect: Effect) -> None:
     view.velocity[:] = 0.0
     add, corners = effect.bind(view), [rng.uniform(-0.1, 0.1, view.reference.shape) for _ in range(3)]
     work, size = 0.0, 0.0
+    times = _times(effect)
+    busiest = times[int(np.argmax([np.abs(force).max() for force in scenery.forces(effect, times)]))]
     for start, end in zip(corners, [*corners[1:], corners[0]], strict=True):
         for part in range(PARTS):
             view.displacement[:] = start + (part + 0.5) / PARTS * (end - start)
             force = np.zeros_like(view.reference)
-            add(TIMES[1], force)
+            add(busiest, force)
             done = float((force * (end - start)).sum()) / PARTS
             work, size = work + done, size + abs(done)
     still = size > 0.0 and abs(work) <= 1e-3 * size  # midpoint sums err by the square of a part
@@ -166,16 +212,16 @@ def resultants_are_declared(effect: Effect) -> None:
 
 def times_are_declared(effect: Effect) -> None:
     """After the last of its `times` forces in a given state stay the same: a run that ends later misses nothing."""
-    last = max((0.0, *effect.times()))
-    if not np.isfinite(last):
-        return
-    scenery = Scenery.moving(11)
-    after = scenery.forces(effect, tuple(last + later for later in LATER))
-    for later, force in zip(LATER[1:], after[1:], strict=True):
-        agree(
-            force, after[0], ROUND_OFF * max(1.0, float(np.abs(after[0]).max())),
-            f"forces {later} s after {last:g} s, the last of its times()",
-        )  # fmt: skip
+    for one in (effect, *(other for _, other in varied(effect))):
+        last = max((0.0, *one.times()))
+        if not np.isfinite(last):
+            continue
+        after = Scenery.moving(11).forces(one, tuple(last + later for later in LATER))
+        for later, force in zip(LATER[1:], after[1:], strict=True):
+            agree(
+                force, after[0], ROUND_OFF * max(1.0, float(np.abs(after[0]).max())),
+                f"forces {later} s after {last:g} s, the last of its times()",
+            )  # fmt: skip
 
 
 def points_and_vectors_are_fields(effect: Effect) -> None:
@@ -199,6 +245,8 @@ CHECKS: tuple[Check, ...] = (
     power_is_declared,
     resultants_are_declared,
     numbers_count,
+    units_do_not_matter_to_it,
+    masses_are_asked_for,
     adds_to_what_is_there,
     follows_the_state,
     remembers_nothing,

@@ -9,6 +9,7 @@ from contactlab.testing import enforcement_implicit, normal_law, scales
 from contactlab.testing.assertions import Check, NotApplicable, agree, require, untouched
 from contactlab.testing.gap_rows import coupled_normals, direct_forces, operator, rows_from, solved, turned
 from contactlab.testing.scales import scale_of
+from contactlab.testing.units import FORCE, LONG, in_other_units, same_in_other_units
 
 COUNT = 50
 FAR = 1000.0  # lengths of a pressure curve at which nothing is left of it
@@ -155,10 +156,17 @@ def friction_keeps_its_bound(enforcement: Enforcement) -> None:
     if not enforcement.exact:  # springs have forces of their own size: some of these slips are small for any of them
         slip *= np.logspace(-4.0, 4.0, COUNT)
     multipliers = np.zeros((2, COUNT))
-    rows = rows_from(normal, gap, tangent=tangent, slip=slip, coefficient=0.3)
+    # Coulomb's law with a coefficient for each row, Tresca's on any surface, and one that is capped by the pressure
+    which = np.arange(COUNT) % 3
+    measure, adhesion = rng.uniform(0.3, 0.8, COUNT), np.where(which > 0, 0.4, 0.0)
+    coefficient = np.where(which > 0, 0.0, rng.uniform(0.1, 0.4, COUNT))
+    rows = rows_from(
+        normal, gap, tangent=tangent, slip=slip, coefficient=coefficient, adhesion=adhesion,
+        cap=np.array([0.0, np.inf, 0.5])[which], measure=measure,
+    )  # fmt: skip
     _, force = solved(enforcement, rows, compliance, multipliers)
     y, rub = multipliers
-    limit = 0.3 * y
+    limit = coefficient * y + np.where(which == 2, np.minimum(adhesion * measure, 0.5 * y), adhesion * measure)
     require(np.all(np.abs(rub) <= limit * (1.0 + 1e-12)), "a tangential force exceeds its bound")
     moved = slip + (tangent * (compliance * force)).sum(axis=(1, 2))
     stick = np.abs(rub) < limit * (1.0 - 1e-9)
@@ -168,6 +176,19 @@ def friction_keeps_its_bound(enforcement: Enforcement) -> None:
     if enforcement.exact and not enforcement.time_scale:
         agree(moved[stick], np.zeros(stick.sum()), 1e-9, "slip of sticking rows")
     require(np.all((rub * moved)[~stick] <= 1e-9), "a sliding row is pushed along its slip")
+
+
+def units_do_not_matter_to_them(enforcement: Enforcement) -> None:
+    """In m, ms and kPa in place of mm, s and MPa explicit forces are the same, by the units of the docstring."""
+    _explicit(enforcement)
+    other = in_other_units(enforcement)
+    rows, compliance, _, gap = _problem(8)
+    found, wanted = np.zeros((1, COUNT)), np.zeros((1, COUNT))
+    solved(enforcement, rows, compliance, wanted)
+    scaled = rows_from(coupled_normals(COUNT, 8), LONG * gap, measure=LONG)
+    scaled.size[:] *= LONG
+    solved(other, scaled, LONG / FORCE * compliance, found)
+    same_in_other_units(found, wanted, FORCE, "forces")
 
 
 def inputs_untouched(enforcement: Enforcement) -> None:
@@ -196,6 +217,7 @@ CHECKS: tuple[Check, ...] = (
     rigid_rows_are_left_out,
     correction_is_reported,
     friction_keeps_its_bound,
+    units_do_not_matter_to_them,
     inputs_untouched,
     *enforcement_implicit.CHECKS,
     *normal_law.CHECKS,

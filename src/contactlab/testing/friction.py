@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Floats, FrictionBound, FrictionLaw
-from contactlab.parts.description import units_of
 from contactlab.testing.assertions import Check, NotApplicable, agree, require, tell, untouched
-from contactlab.testing.other_values import any_others
+from contactlab.testing.other_values import without_effect
+from contactlab.testing.units import STRESS, in_other_units, scale_of_unit
 
 FORCES = np.linspace(0.0, 100.0, 21)  # N, normal forces on a node
 LENGTH = 0.5  # mm, what the node stands for
@@ -164,9 +164,8 @@ def same_bound_twice(law: FrictionLaw) -> None:
 
 def numbers_count(law: FrictionLaw) -> None:
     """A number that a scene gives changes the bound, one with a default as well."""
-    before = _answers(law)
-    for name, other in any_others(law):
-        require(_differ(_answers(other), before), f"the field {name} changes nothing: {law} whatever it is")
+    for name in without_effect(law, _answers):
+        raise AssertionError(f"the field {name} changes nothing: {law} whatever it is")
 
 
 def _varying(law: FrictionLaw) -> None:
@@ -258,18 +257,7 @@ def slip_both_ways(law: FrictionLaw) -> None:
 
 def units_do_not_matter_to_the_law(law: FrictionLaw) -> None:
     """In m, ms and kPa in place of mm, s and MPa a law has the same coefficient and cap, and its adhesion in kPa."""
-    _varying(law)
-    scales, units = {}, units_of(type(law))
-    for field in dataclasses.fields(law):  # type: ignore[arg-type]
-        value = getattr(law, field.name)
-        if isinstance(value, float):
-            scales[field.name] = scale_of_unit(units.get(field.name, ""))
-            if scales[field.name] is None:
-                raise NotApplicable(f"its docstring gives no unit of {field.name} that is made of mm, s and MPa")
-    try:
-        other = dataclasses.replace(law, **{name: getattr(law, name) * by for name, by in scales.items()})  # type: ignore[type-var]
-    except ValueError as refused:
-        raise NotApplicable(f"the law refuses its numbers in other units: {refused}") from refused
+    other = in_other_units(law)
     inputs = inputs_of(law)
     if "slip_rate" in inputs:  # a law may give a rate of zero some small value of its own
         inputs["slip_rate"] = np.where(inputs["slip_rate"] == 0.0, 1.0, inputs["slip_rate"])
@@ -287,22 +275,6 @@ def units_do_not_matter_to_the_law(law: FrictionLaw) -> None:
                 f"number with a unit of its own ({a[~same][:1]} in m, ms and kPa, {b[~same][:1]} in mm, s and MPa)",
             )
         memory, known = evolved(law, inputs, memory), evolved(other, scaled, known)
-
-
-TIME, LONG, STRESS = 1e3, 1e-3, 1e3  # ms, m and kPa
-_BASE = {"mm": LONG, "s": TIME, "MPa": STRESS, "N": STRESS * LONG, "1": 1.0, "-": 1.0}  # N: per mm of thickness
-
-
-def scale_of_unit(unit: str) -> float | None:
-    """By how much a number in this unit, as `MPa/mm`, grows in m, ms and kPa; None if it is not made of known ones."""
-    scale = 1.0
-    for number, side in enumerate(unit.split("/")):
-        for word in side.replace("*", " ").split() or [""]:
-            name, _, power = word.partition("^")
-            if name not in _BASE or (not power.isdigit() and power):
-                return None
-            scale *= _BASE[name] ** (int(power or 1) * (-1 if number else 1))
-    return scale
 
 
 CHECKS: tuple[Check, ...] = (

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 
 import numpy as np
 
 from contactlab.api import Floats, Function
 from contactlab.testing.assertions import Check, identical, require, untouched
-from contactlab.testing.other_values import others, switched_on
+from contactlab.testing.other_values import varied, without_effect
 
 PLACES = np.concatenate([np.linspace(-3.0, 3.0, 61), [-360.0, -180.0, -90.0, 1e-12, 90.0, 180.0, 360.0]])
 """Some mm or seconds around 0, all angles, and the rims."""
+RANGE, CELLS, CLOSE = (-5.0, 5.0), 500, 1e-6
+"""Where jumps are searched, intervals in which the search begins, and the share of the range at which it ends."""
 
 
 def gives_numbers(function: Function) -> None:
@@ -52,32 +55,82 @@ def remembers_nothing(function: Function) -> None:
 
 
 def leaves_its_places_alone(function: Function) -> None:
-    """The array that it is given is the caller's own, and what it gives is a new one."""
-    places = PLACES.copy()
-    with untouched(places=places):
-        found = function.values(places)
-    require(not np.may_share_memory(found, places), "it gives back the array that it was given, or a view of it")
+    """The array that it is given is the caller's own, and what it gives is a new one, with other numbers as well."""
+    for one in _family(function):
+        places = PLACES.copy()
+        with untouched(places=places):
+            found = one.values(places)
+        require(not np.may_share_memory(found, places), "it gives back the array that it was given, or a view of it")
 
 
 def numbers_count(function: Function) -> None:
-    """Another number for a field changes some value."""
-    values = function.values(PLACES.copy())
-    for name, other in (*others(function), *switched_on(function)):
-        require(not np.array_equal(values, other.values(PLACES.copy())), f"the field {name} changes no value")
+    """Another number for a field changes some value, one with a default as well."""
+    for name in without_effect(function, lambda other: other.values(PLACES.copy())):
+        raise AssertionError(f"the field {name} changes no value")
 
 
 def stays_after_its_end(function: Function) -> None:
     """From its `end` on the value is the same; it is a number, or infinite if it always changes."""
-    end = function.end()
-    require(not np.isnan(end), "end() is not a number")
-    if np.isfinite(end):
-        values = function.values(end + np.array([1e-9, 0.1, 1.0, 7.0, 300.0]))
-        _same(values, np.full(len(values), values[0]), f"places after its end() at {end:g}")
-    require(bool(np.isfinite(np.array(function.breaks(), np.float64)).all()), "an entry of breaks() is not finite")
+    for one in _family(function):
+        end = one.end()
+        require(not np.isnan(end), "end() is not a number")
+        if np.isfinite(end):
+            values = one.values(end + np.array([1e-9, 0.1, 1.0, 7.0, 300.0]))
+            _same(values, np.full(len(values), values[0]), f"{one}, places after its end() at {end:g}")
+
+
+def breaks_are_declared(function: Function) -> None:
+    """Where the value or its slope jumps is one of `breaks()`: integrals are split and load increments end there."""
+    for one in _family(function):
+        breaks = np.array(one.breaks(), np.float64)
+        require(bool(np.isfinite(breaks).all()), "an entry of breaks() is not finite")
+        marks = np.append(breaks, one.end())
+        marks = marks[np.isfinite(marks)]
+        beyond = max(1.0, 0.5 * float(np.ptp(marks))) if len(marks) else 0.0
+        for low, high in (RANGE, (marks.min() - beyond, marks.max() + beyond) if len(marks) else RANGE):
+            place, jump = _jump(one, low, high, breaks)
+            require(jump <= 0.0, f"{one}: its slope jumps by {jump:.3g} at {place:.6g}, which is none of its breaks()")
+
+
+def _family(function: Function) -> list[Function]:
+    """The function, and with other values of its fields: what is wrong may be hidden by a 0."""
+    return [function, *(other for _, other in varied(function))]
+
+
+def _jump(function: Function, low: float, high: float, breaks: Floats) -> tuple[float, float]:
+    """Where the slope jumps most beside the breaks, and by how much; 0 where it is smooth.
+
+    Of three places a kink leaves a difference of slopes whatever their distance is, a smooth function one that falls
+    with it: places are refined to `CLOSE` of the range, and those that bend as much at a 64th of that have a kink.
+    """
+    width = (high - low) / CELLS
+    centre = low + (np.arange(CELLS) + 0.5) * width
+    size = max(1e-300, float(np.abs(function.values(centre)).max(initial=0.0))) / (high - low)
+    bend, halvings = np.full(CELLS, np.inf), math.ceil(math.log2(1.0 / (CELLS * CLOSE)))
+    for number in range(halvings + 6):
+        if number == halvings:
+            close = bend
+        tried = centre[:, None] + 0.5 * width * np.array([-1.0, 0.0, 1.0])
+        width *= 0.5
+        bends = _bend(function, tried.ravel(), width).reshape(tried.shape)
+        best = np.arange(len(tried)), bends.argmax(axis=1)
+        keep = bends[best] > 0.02 * size
+        keep &= np.abs(tried[best][:, None] - breaks).min(axis=1, initial=np.inf) > 4.0 * width
+        centre, bend = tried[best][keep], bends[best][keep]
+        close = close[keep] if number >= halvings else bend
+    kinks = np.flatnonzero(bend > 0.25 * close)
+    worst = kinks[bend[kinks].argmax()] if len(kinks) else None
+    return (0.0, 0.0) if worst is None else (float(centre[worst]), float(bend[worst]))
+
+
+def _bend(function: Function, at: Floats, width: float) -> Floats:
+    """Difference of the slopes on both sides of each place."""
+    below, here, above = function.values(np.concatenate([at - width, at, at + width])).reshape(3, -1)
+    return np.abs(above - 2.0 * here + below) / width
 
 
 CHECKS: tuple[Check, ...] = (
     gives_numbers, is_not_nothing, looks_at_one_place_alone, remembers_nothing, leaves_its_places_alone, numbers_count,
-    stays_after_its_end,
+    stays_after_its_end, breaks_are_declared,
 )  # fmt: skip
 """All checks of functions."""

@@ -16,7 +16,10 @@ def rows_from(
     *,
     tangent: Floats | None = None,
     slip: ArrayLike | None = None,
-    coefficient: float = 0.0,
+    coefficient: ArrayLike = 0.0,
+    adhesion: ArrayLike = 0.0,
+    cap: ArrayLike = 0.0,
+    measure: ArrayLike = 1.0,
     slots: ArrayLike | None = None,
 ) -> Rows:
     """Rows with dense weights `normal` (k, N, 2), at most one entry per node and row; zero weights are left out."""
@@ -27,7 +30,7 @@ def rows_from(
     row = np.repeat(np.arange(k), np.diff(start))
     rubs = tangent is not None
     bound = np.zeros((3, k if rubs else 0))
-    bound[0] = coefficient
+    bound[0], bound[1], bound[2] = coefficient, adhesion, cap
     return Rows(
         count=k,
         start=start,
@@ -36,7 +39,7 @@ def rows_from(
         tangent_weight=np.ascontiguousarray(tangent[row, node]) if tangent is not None else np.zeros((0, 2)),
         gap=np.array(gap, float),
         slip=np.array(slip, float) if slip is not None else np.zeros(0),
-        measure=np.ones(k),
+        measure=np.broadcast_to(measure, k).astype(float),
         size=np.ones(k),
         slot=np.arange(k, dtype=np.int32) if slots is None else np.asarray(slots, np.int32),
         offset=np.zeros(k),

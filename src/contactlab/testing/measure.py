@@ -16,11 +16,15 @@ from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import load_scene
 from contactlab.studies.columns import BY_NAME
-from contactlab.testing.assertions import Check, require
+from contactlab.testing.assertions import Check, NotApplicable, require
 from contactlab.testing.partners import partners
 from contactlab.testing.spoilt import spoilt, unknown
 
 CONTACT = "contacts.0"
+POWERS = {
+    "length": (1, 0), "pressure": (0, 1), "line_force": (1, 1), "line_energy": (2, 1), "share": (0, 0),
+}  # fmt: skip
+"""Powers of lengths and pressures that numbers of a unit follow; others may have a unit that has no name here."""
 
 
 def record() -> Record:
@@ -55,11 +59,71 @@ def says_what_it_is(measure: RunMeasure) -> None:
 
 
 def finds_a_number(measure: RunMeasure) -> None:
-    """With a reference and without: one number, nan where it needs one; finite in one of both."""
+    """With a reference and without: one number, NaN without one that it needs; finite in one of both."""
     with_one, without = (measure.evaluate(record(), CONTACT, reference) for reference in (solution(), None))
     for value in (with_one, without):
         require(np.ndim(value) == 0 and isinstance(float(value), float), f"it gives {value!r}, which is no number")
     require(math.isfinite(with_one) or math.isfinite(without), "it finds nothing in a run that finished well")
+    if math.isfinite(without):
+        other = measure.evaluate(spoilt(record()), CONTACT, None)
+        require(_other(other, without), f"without a reference it finds {without:g} whatever is in the record: say NaN")
+    else:
+        against = replace(
+            solution(), pressure=1.7 * solution().pressure, x=1.3 * solution().x, error=0.02,
+            scalars={"reaction": Scalar(77.0, 0.2)},
+        )  # fmt: skip
+        other = measure.evaluate(record(), CONTACT, against)
+        require(_other(other, with_one), f"it needs a reference, and finds {with_one:g} whatever is in that")
+
+
+def _other(one: float, two: float) -> bool:
+    return repr(float(one)) != repr(float(two))
+
+
+def looks_at_its_contact(measure: RunMeasure) -> None:
+    """In a run with two contacts it finds the number of the one that it is asked for."""
+    alone = measure.evaluate(record(), CONTACT, solution())
+    both = replace(record(), curves={CONTACT: spoilt(record()).curves[CONTACT], "contacts.1": record().curves[CONTACT]})
+    second = measure.evaluate(both, "contacts.1", solution())
+    if _other(measure.evaluate(both, CONTACT, solution()), alone):
+        require(
+            not _other(second, alone), f"of the second contact it finds {second:g}; the same curve alone: {alone:g}"
+        )
+
+
+def has_its_unit(measure: RunMeasure) -> None:
+    """A run that is twice as large, or with pressures three times as high, gives the number that its unit says."""
+    if measure.unit not in POWERS:
+        raise NotApplicable(f"how a number of the unit {measure.unit!r} follows lengths and pressures is not known")
+    plain = measure.evaluate(record(), CONTACT, solution())
+    scalars = measure.evaluate(replace(record(), curves=spoilt(record()).curves), CONTACT, solution())
+    others = replace(spoilt(record()), curves=record().curves)
+    if (
+        not math.isfinite(plain)
+        or not _other(scalars, plain)
+        or _other(measure.evaluate(others, CONTACT, solution()), plain)
+    ):
+        raise NotApplicable("it follows from more than curves, whose units alone are known")
+    for length, pressure in ((2.0, 1.0), (1.0, 3.0)):
+        found = measure.evaluate(*_scaled(length, pressure))
+        by = length ** POWERS[measure.unit][0] * pressure ** POWERS[measure.unit][1]
+        what = "lengths are doubled" if length > 1.0 else "pressures are tripled"
+        text = f"its unit is {measure.unit}; where {what} it is {found:g} in place of {by * plain:g}"
+        require(abs(found - by * plain) <= 1e-9 * abs(by * plain), text)
+
+
+def _scaled(length: float, pressure: float) -> tuple[Record, str, Solution]:
+    """Record and reference with other lengths and pressures."""
+    curve, one = record().curve(), solution()
+    longer = {name: length * getattr(curve, name) for name in ("s", "x", "y", "gap")}
+    higher = {name: pressure * getattr(curve, name) for name in ("pressure", "shear", "nodal_pressure")}
+    force = one.scalars["reaction"]
+    by = length * pressure
+    return (
+        replace(record(), curves={CONTACT: [replace(curve, **longer, **higher)]}), CONTACT,
+        replace(one, x=length * one.x, pressure=pressure * one.pressure,
+                scalars={"reaction": Scalar(by * force.value, by * force.error)}),
+    )  # fmt: skip
 
 
 def finds_the_same_again(measure: RunMeasure) -> None:
@@ -70,14 +134,21 @@ def finds_the_same_again(measure: RunMeasure) -> None:
 
 
 def changes_nothing(measure: RunMeasure) -> None:
-    """Curve, summary and reference are unchanged."""
-    seen, against = record(), solution()
-    measure.evaluate(seen, CONTACT, against)
-    for name in ContactCurve.COLUMNS:
-        kept = np.array_equal(getattr(seen.curve(), name), getattr(record().curve(), name), equal_nan=True)
-        require(kept, f"it changes the {name} of the curve")
-    require(seen.summary == record().summary, "it changes the summary")
-    require(np.array_equal(against.pressure, solution().pressure), "it changes the reference")
+    """Curve, summary and reference are unchanged, also of a slave that runs against x, and where numbers are NaN."""
+    for made in (record, _mirrored, lambda: unknown(record())):
+        seen, plain, against = made(), made(), solution()
+        measure.evaluate(seen, CONTACT, against)
+        for name in ContactCurve.COLUMNS:
+            kept = np.array_equal(getattr(seen.curve(), name), getattr(plain.curve(), name), equal_nan=True)
+            require(kept, f"it changes the {name} of the curve")
+        require(seen.summary == plain.summary, "it changes the summary")
+        require(np.array_equal(against.pressure, solution().pressure), "it changes the reference")
+
+
+def _mirrored() -> Record:
+    """The record with x turned over."""
+    curve = record().curve()
+    return replace(record(), curves={CONTACT: [replace(curve, x=-curve.x)]})
 
 
 def outlives_empty_contacts(measure: RunMeasure) -> None:
@@ -105,6 +176,6 @@ def follows_from_the_run(measure: RunMeasure) -> None:
 
 CHECKS: tuple[Check, ...] = (
     says_what_it_is, finds_a_number, finds_the_same_again, changes_nothing, outlives_empty_contacts,
-    follows_from_the_run,
+    follows_from_the_run, looks_at_its_contact, has_its_unit,
 )  # fmt: skip
 """All checks of measures."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import ClassVar, Literal
 
 import numpy as np
@@ -106,10 +106,29 @@ def the_boundary_is_named(source: MeshSource) -> None:
     )
 
 
+def points_move_as_a_whole(source: MeshSource) -> None:
+    """Of a field with an x and a y, both entries count if one does: a point of which one entry is left out."""
+    for field in fields(source):  # type: ignore[arg-type]
+        value = getattr(source, field.name)
+        if not (isinstance(value, tuple) and len(value) == 2 and all(isinstance(one, float) for one in value)):
+            continue
+        plain = source.mesh(FourNodes(), 1).nodes
+        counts = []
+        for k in range(2):
+            moved = tuple(one + 0.25 * (j == k) * (1.0 + abs(one)) for j, one in enumerate(value))
+            try:
+                nodes = replace(source, **{field.name: moved}).mesh(FourNodes(), 1).nodes  # type: ignore[type-var]
+            except ValueError:
+                break  # out of the bounds that the part sets itself
+            counts.append(not np.array_equal(nodes, plain))
+        require(len(counts) < 2 or counts[0] == counts[1], f"one entry of {field.name} moves no node, the other does")
+
+
 CHECKS: tuple[Check, ...] = (
     cells_are_sound,
     edges_are_the_boundary,
     level_multiplies_cells,
     the_boundary_is_named,
+    points_move_as_a_whole,
     same_mesh_twice,
 )

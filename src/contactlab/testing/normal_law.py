@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Enforcement, Floats, NormalLaw
+from contactlab.parts.description import units_of
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
 from contactlab.testing.other_values import changed, others
 from contactlab.testing.scales import scale_of
+from contactlab.testing.units import LONG, STRESS, in_other_units, same_in_other_units
 
 COUNT = 201
 DEPTHS = 3.0  # lengths of the law that are looked at on both sides of where it begins
@@ -241,7 +243,18 @@ def stiffness_behind_scales(enforcement: Enforcement) -> None:
         raise NotApplicable("the law has numbers that a scene must give")
     gap = _gaps(law)
     one, two = (_pressures(law, gap, stiffness)[0] for stiffness in (1e4, 2e4))
+    if np.array_equal(one, two) and any("MPa" in unit for unit in units_of(type(law)).values()):
+        raise NotApplicable("its pressures follow from its own numbers of stress, whatever the cells are made of")
     agree(two, 2.0 * one, 1e-9 * float(two.max()), "pressures in front of cells twice as stiff")
+
+
+def units_do_not_matter_to_the_pressure(enforcement: Enforcement) -> None:
+    """In m, ms and kPa in place of mm, s and MPa a law has the same pressures, by the units of its docstring."""
+    law = _law(enforcement)
+    other, gap = in_other_units(law), _gaps(law)
+    found, wanted = _pressures(other, LONG * gap, STRESS / LONG * 1e4, LONG * 0.5), _pressures(law, gap)
+    same_in_other_units(found[0], wanted[0], STRESS, "pressures")
+    same_in_other_units(found[1], wanted[1], STRESS / LONG, "slopes")
 
 
 CHECKS: tuple[Check, ...] = (
@@ -255,4 +268,5 @@ CHECKS: tuple[Check, ...] = (
     tractions_press_as_they_should,
     adjoint_is_right_in_every_variant,
     stiffness_behind_scales,
+    units_do_not_matter_to_the_pressure,
 )

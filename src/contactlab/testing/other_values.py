@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Callable, Iterator
+from typing import Any, get_args
 
 import numpy as np
 
-from contactlab.scene.fields import is_required
+from contactlab.scene.fields import hints_of, is_required
 from contactlab.testing.examples import USUAL
 
 FACTOR = 1.3  # leaves usual numbers in their bounds: Poisson's ratio 0.3 becomes 0.39
@@ -30,6 +30,87 @@ def any_others(part: Any) -> Iterator[tuple[str, Any]]:
 def changed(part: Any) -> Iterator[tuple[str, Any]]:
     """The part with each number but 0 changed in turn, one with a default as well, and the name of the field."""
     yield from ((field.name, other) for field, other in _changed(part))
+
+
+def without_effect(part: Any, observe: Callable[[Any], Any]) -> list[str]:
+    """Fields with numbers of which no other value changes what is observed, whatever the other fields are.
+
+    `observe` gives arrays or numbers of a part; what it raises under an extreme value is a change as well.
+    """
+    left = {f.name for f in dataclasses.fields(part) if _numbers(getattr(part, f.name))}
+    for base in (part, *(other for _, other in varied(part))):
+        plain = _observed(base, observe) if left else None
+        for name in sorted(left):
+            if any(not _same(_observed(other, observe), plain) for other in _extremes(base, name)):
+                left.remove(name)
+    return [f.name for f in dataclasses.fields(part) if f.name in left]
+
+
+def _numbers(value: Any) -> bool:
+    entries = value if isinstance(value, tuple) else (value,)
+    return bool(entries) and all(isinstance(n, int | float) and not isinstance(n, bool) for n in entries)
+
+
+def _extremes(part: Any, name: str) -> Iterator[Any]:
+    """The part with a number a little and very different: a tolerance or a cut-off may act far away only."""
+    value = getattr(part, name)
+    entries = value if isinstance(value, tuple) else (value,)
+    for factor in (FACTOR, 0.8, 1e-3, 1e3, 1e6, 1e-6, 0.0, -1.0):
+        # of 0 and of no limit at all: a usual number in their place
+        usual = USUAL.get(name, 1.0) if isinstance(USUAL.get(name, 1.0), float) else 1.0
+        try:
+            changed = [type(n)(factor * (n if n and np.isfinite(n) else usual)) for n in entries]
+            yield dataclasses.replace(part, **{name: tuple(changed) if isinstance(value, tuple) else changed[0]})
+        except (ValueError, TypeError, OverflowError):
+            continue  # out of the bounds that the part sets itself
+
+
+def _observed(part: Any, observe: Callable[[Any], Any]) -> Any:
+    try:
+        with np.errstate(all="ignore"):
+            return observe(part)
+    except Exception as error:
+        return repr(error)
+
+
+def _same(one: Any, other: Any) -> bool:
+    if isinstance(one, dict):
+        return one.keys() == other.keys() and all(_same(one[name], other[name]) for name in one)
+    if isinstance(one, list | tuple):
+        return len(one) == len(other) and all(_same(a, b) for a, b in zip(one, other, strict=True))
+    if isinstance(one, np.ndarray | float):
+        return np.array_equal(one, other, equal_nan=True)
+    return bool(one == other)
+
+
+def varied(part: Any) -> Iterator[tuple[str, Any]]:
+    """The part with each number, integer and choice changed in turn, each entry of a tuple for itself.
+
+    Yields the name of the field, with the number of the entry for tuples, and the other part.
+    """
+    hints = hints_of(type(part))
+    for field in dataclasses.fields(part):
+        for name, value in _varied(field.name, getattr(part, field.name), hints[field.name]):
+            try:
+                other = dataclasses.replace(part, **{field.name: value})
+            except ValueError:
+                continue  # out of the bounds that the part sets itself
+            yield name, other
+
+
+def _varied(name: str, value: Any, hint: Any) -> Iterator[tuple[str, Any]]:
+    if isinstance(value, bool):
+        yield name, not value
+    elif isinstance(value, int):
+        yield from ((name, value + 1), (name, value - 1))
+    elif isinstance(value, float) and np.isfinite(value):
+        yield from ((name, FACTOR * value if value else 0.6), (name, 0.8 * value if value else -0.7))
+    elif isinstance(value, str):
+        yield from ((name, other) for other in get_args(hint) if isinstance(other, str) and other != value)
+    elif isinstance(value, tuple):
+        for k, entry in enumerate(value):
+            for _, other in _varied("", entry, None):
+                yield f"{name}[{k}]", (*value[:k], other, *value[k + 1 :])
 
 
 def _changed(part: Any) -> Iterator[tuple[Any, Any]]:

@@ -19,12 +19,19 @@ from contactlab.studies.reference import Reference
 from contactlab.testing.assertions import Check, NotApplicable, require
 from contactlab.testing.partners import partners
 
+ASIDE = 0.75
+"""By how much bodies are moved along x [mm]."""
 STRANGE: tuple[dict[str, Any], ...] = ({}, {"name": "x"}, {"contacts": [], "bodies": {}, "supports": [{}]})
 """Scenes without what a reference may look for."""
 
 
 def scenes(reference: ReferenceSolution) -> Iterator[Scene]:
-    """Bundled scenes to which it applies, as they are or at other depths of the first support."""
+    """Its examples, and bundled scenes to which it applies, as they are or at other depths of the first support."""
+    for example in reference.examples():
+        scene = Scene.from_data(dict(example))
+        why = reference.mismatch(scene.data)
+        require(not why, f"it does not hold for its own example: {why}")
+        yield scene
     for name in bundled_scenes():
         plain = load_scene(name)
         for changes in ({}, {"supports.1.uy.to": -0.01}):
@@ -64,6 +71,8 @@ def can_be_compared_with(reference: ReferenceSolution) -> None:
         data: Mapping[str, Any] = scene.data
         before = copy.deepcopy(dict(data))
         first, second = reference.solution(data), reference.solution(data)
+        rises = bool(np.all(np.diff(first.x) > 0.0)) and np.shape(first.x) == np.shape(first.pressure)
+        require(rises, f"its x does not rise, or has not one pressure for each entry: {np.shape(first.x)}")
         found = PartSource("reference", reference).at(data)
         require(dict(data) == before, f"it changes the scene {scene.name}")
         same = np.array_equal(first.x, second.x) and np.array_equal(first.pressure, second.pressure)
@@ -85,29 +94,56 @@ def pressure_carries_the_reaction(reference: ReferenceSolution) -> None:
         _carries(PartSource("reference", reference).at(scene.data), solution)
 
 
-def follows_the_depth(reference: ReferenceSolution) -> None:
-    """A body that is pressed by nine tenths of the way is pressed less, if the reference holds for that as well."""
+def follows_what_presses(reference: ReferenceSolution) -> None:
+    """What is pressed by nine tenths of the way or of the load is pressed less, if it holds for that as well."""
     seen = 0
     for scene in _some(reference):
-        key, way = _way(scene)
-        less = scene.with_({key: 0.9 * way}) if way else scene
+        key, value = _drive(scene)
+        less = scene.with_({key: 0.9 * value}) if value else scene
         if less is scene or reference.mismatch(less.data):
             continue
         carried = [integral(PartSource("reference", reference).at(one.data).profile) for one in (scene, less)]
-        require(carried[1] < carried[0], f"it carries {carried[0]:.6g} at {way:g} mm, {carried[1]:.6g} at 0.9 of that")
+        text = f"it carries {carried[0]:.6g} at {key} = {value:g}, {carried[1]:.6g} at 0.9 of that"
+        require(carried[1] < carried[0], text)
         seen += 1
     if not seen:
         raise NotApplicable("it holds for one depth alone")
 
 
-def _way(scene: Scene) -> tuple[str, float]:
-    """Key and value of the longest way of a support along y; 0 where none moves."""
-    moves = {
-        f"supports.{number}.uy.to": float(support["uy"].get("to", 0.0))
-        for number, support in enumerate(scene.data["supports"])
-        if isinstance(support.get("uy"), Mapping)
-    }
-    return max(moves.items(), key=lambda move: abs(move[1]), default=("", 0.0))
+def _drive(scene: Scene) -> tuple[str, float]:
+    """Key and value of the longest way of a support along y, or of the largest pressure; 0 where there is none."""
+    moves, loads = {}, {}
+    for group, found, name in (("supports", moves, "uy"), ("loads", loads, "pressure")):
+        for number, entry in enumerate(scene.data.get(group, ())):
+            value, key = entry.get(name), f"{group}.{number}.{name}"
+            if isinstance(value, Mapping):
+                found[f"{key}.to"] = float(value.get("to", 0.0))
+            elif isinstance(value, int | float):
+                found[key] = float(value)
+    some = {key: value for key, value in (moves if any(moves.values()) else loads).items() if value}
+    return max(some.items(), key=lambda one: abs(one[1]), default=("", 0.0))
+
+
+def moves_with_the_bodies(reference: ReferenceSolution) -> None:
+    """Bodies that lie elsewhere along x have the same pressure there, if it holds for them as well."""
+    seen = 0
+    for scene in _some(reference):
+        bodies = scene.data["bodies"]
+        shifts = {
+            name: [body.get("shift", [0.0, 0.0])[0] + ASIDE, body.get("shift", [0.0, 0.0])[1]]
+            for name, body in bodies.items()
+        }
+        if scene.data.get("rigid") or scene.data.get("effects"):
+            continue
+        moved = scene.with_({f"bodies.{name}.shift": shift for name, shift in shifts.items()})
+        if reference.mismatch(moved.data):
+            continue
+        one, other = reference.solution(scene.data), reference.solution(moved.data)
+        off = float(np.abs(other.x - one.x - ASIDE).max())
+        require(off <= 1e-9 * float(np.ptp(one.x)), f"bodies that lie {ASIDE:g} mm aside have x off by {off:.3g} mm")
+        seen += 1
+    if not seen:
+        raise NotApplicable("it holds for one place alone")
 
 
 def _carries(found: Reference, solution: Solution) -> None:
@@ -127,15 +163,16 @@ def _spread_fits(solution: Solution) -> None:
 
 
 def _some(reference: ReferenceSolution) -> list[Scene]:
-    """Scenes to look at. Raises NotApplicable where none is bundled."""
+    """Scenes to look at. Raises NotApplicable where there is none."""
     found = list(scenes(reference))
     if not found:
-        raise NotApplicable("it holds for no bundled scene; its own tests must compare it with a run")
+        raise NotApplicable("it holds for no bundled scene, and gives no examples()")
     return found
 
 
 CHECKS: tuple[Check, ...] = (
     says_what_it_is, is_silent_about_strange_scenes, does_not_depend_on_the_mesh, can_be_compared_with,
-    pressure_carries_the_reaction, follows_the_depth,
+    pressure_carries_the_reaction, follows_what_presses,
+    moves_with_the_bodies,
 )  # fmt: skip
 """All checks of references."""

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from contactlab.api import Case, Setup
+import pickle
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from contactlab.api import Case, Record, Setup
 from contactlab.cases.run_case import evaluated, run_case
 from contactlab.testing.assertions import require
 from contactlab.testing.partners import usual_algorithm
-from contactlab.testing.spoilt import spoilt
+from contactlab.testing.spoilt import spoilt, unknown
 from contactlab.testing.subject import Subject
 
 WORK = 300.0
@@ -25,9 +29,40 @@ def is_put_to_an_algorithm(subject: Subject) -> None:
         measured = {measure.name for measure in case.measures(setup)}
         require(found <= measured, f"it finds what is no measure of it: {', '.join(sorted(found - measured))}")
         require(found == measured, f"it does not find {', '.join(sorted(measured - found))}, though its runs finished")
-        other = evaluated(case, setup, {name: spoilt(record) for name, record in done.items()})
-        same = [name for name in measured if repr(other.get(name)) == repr(evaluated(case, setup, done)[name])]
-        require(set(same) != measured, "it finds the same numbers in records in which every number is another")
+        _follows_from_its_records(case, setup, done)
+
+
+def _follows_from_its_records(case: Case, setup: Setup, done: Mapping[str, Record]) -> None:
+    """Other numbers in any of the records give other numbers; NaN meets no measure; records are only read."""
+    before = pickle.dumps(dict(done))
+    plain = evaluated(case, setup, done)
+    require(pickle.dumps(dict(done)) == before, "it changes the records that it evaluates")
+    judged = {measure.name: measure for measure in case.measures(setup) if measure.role != "reported"}
+    moved: set[str] = set()
+    for name in done:
+        others = [evaluated(case, setup, {**done, name: spoilt(done[name], seed)}) for seed in (1, 2)]
+        changed = {key for other in others for key in plain if repr(other.get(key)) != repr(plain[key])}
+        # a run may be there to plan the next one by
+        planned = _plan(case, setup, {}) == _plan(case, setup, {**done, name: spoilt(done[name])})
+        require(changed or not planned, f"it finds the same numbers whatever is in the record of its run {name}")
+        moved |= changed
+    still = [key for key in judged if key not in moved and plain[key] != 0.0]
+    require(not still, f"it finds the same {', '.join(still)} in records in which every number is another")
+    by_curves = {key for key, value in _evaluated_curves(case, setup, done, spoilt).items() if value != plain[key]}
+    for key, value in _evaluated_curves(case, setup, done, unknown).items():
+        blind = key in by_curves and key in judged and judged[key].met(value)
+        require(not blind, f"{key} is {value:.3g}, and met, in curves of NaN; NaN says that nothing is known")
+
+
+def _plan(case: Case, setup: Setup, done: Mapping[str, Record]) -> list[object]:
+    return [(job.name, job.scene, dict(job.changes)) for job in case.plan(setup, done)]
+
+
+def _evaluated_curves(
+    case: Case, setup: Setup, done: Mapping[str, Record], change: Callable[[Record], Record]
+) -> Mapping[str, float]:
+    """What it finds where the curves alone are changed."""
+    return evaluated(case, setup, {name: replace(one, curves=change(one).curves) for name, one in done.items()})
 
 
 SCENARIOS = (is_put_to_an_algorithm,)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Case, Setup
+from contactlab.api import Case, Potential, Setup
 from contactlab.cases.run_case import evaluated, run_case, unfit
 from contactlab.cases.verdict import Finding, allowed, judge
 from contactlab.errors import RequestError
@@ -52,6 +52,14 @@ def answer(subject: Subject, question: Question) -> None:
     if found.verdict == "not-applicable":
         raise NotApplicable(found.reason)
     said = f"{question.label}: {_told(found)}"
+    cls = subject.part_class
+    if (
+        subject.kind == "contact"
+        and issubclass(cls, Potential)
+        and found.status == "refused"
+        and "start" in found.reason
+    ):
+        raise NotApplicable(f"{said}; assumes bodies that are large beside its clearance")
     why = _excuse(subject, question, found)
     if why:
         raise Expected(f"{said}; {why}")

@@ -18,6 +18,7 @@ from contactlab.testing.assertions import Expected, NotApplicable, identical, re
 from contactlab.testing.scenarios.renumbering import Renumbering
 from contactlab.testing.scenarios.runs import Answers, Mode, modes_of, plain, pressed, run, same
 from contactlab.testing.subject import Subject
+from contactlab.testing.units import in_other_units
 
 SAME: dict[Mode, float] = {"explicit": 1e-8, "statics": 1e-6}
 """Of the largest value: round-off of 100 steps with contact solved to 1e-10 of a segment; Newton's tolerance."""
@@ -58,6 +59,9 @@ def rotation_turns_the_answers(subject: Subject) -> None:
     """The whole scene turned by 30 degrees gives turned reactions, and the same pressures and shears."""
     if subject.kind == "effect" and not (subject.part_class.points or subject.part_class.vectors):
         raise NotApplicable("it declares no fields that are points or vectors, which would have to turn as well")
+    if subject.kind == "material" and not subject.part_class.isotropic:
+        raise NotApplicable("assumes that the law turns with the scene: isotropic is False")
+    _without_places(subject)
     cos, sin = math.cos(math.radians(TURN)), math.sin(math.radians(TURN))
     turn = np.array([[cos, -sin], [sin, cos]])
     for mode in modes_of(subject):
@@ -75,6 +79,7 @@ def rotation_turns_the_answers(subject: Subject) -> None:
 
 def the_frame_does_not_matter(subject: Subject) -> None:
     """The scene far from the origin gives the same answers; fields of an effect that are `points` move with it."""
+    _without_places(subject)
     for mode in modes_of(subject):
         scene = pressed(_moved(subject, np.eye(2), np.array(SHIFT)), mode)
         data = scene.data
@@ -83,6 +88,11 @@ def the_frame_does_not_matter(subject: Subject) -> None:
         moved = run(subject, Scene.from_data(data, registry=subject.registry), f"{mode}, shifted by {SHIFT} mm")
         # positions of 40 mm have a round-off forty times that of positions of 1 mm
         same(Answers.of(moved), Answers.of(plain(subject, mode)), 100.0 * SAME[mode], f"{mode}, shifted")
+
+
+def _without_places(subject: Subject) -> None:
+    if subject.kind == "friction" and "position" in subject.part_class.needs:
+        raise NotApplicable("assumes that the law moves with the scene: it needs the position")
 
 
 def _moved(subject: Subject, turn: Floats, shift: Floats) -> Subject:
@@ -106,9 +116,13 @@ def the_numbering_does_not_matter(subject: Subject) -> None:
 def units_do_not_matter(subject: Subject) -> None:
     """Lengths in m and stresses in kPa in place of mm and MPa give the same answers."""
     if subject.kind not in ("contact", "element"):
-        raise NotApplicable("units of its fields are not known")
+        raise NotApplicable("the unit checks of the kind look at it")
+    scaled = subject
+    if any(isinstance(value, float) for value in vars(subject.make()).values()):
+        values = vars(in_other_units(subject.make(), time=1.0))
+        scaled = subject.with_fields({name: value for name, value in values.items() if isinstance(value, float)})
     for mode in modes_of(subject):
-        data = pressed(subject, mode).data
+        data = pressed(scaled, mode).data
         _in_metres(data)
         other = run(subject, Scene.from_data(data, registry=subject.registry), f"{mode}, in m and kPa")
         wanted = Answers.of(plain(subject, mode)).in_units(1e3)

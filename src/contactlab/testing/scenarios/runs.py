@@ -76,7 +76,8 @@ def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:
     spec = subject.spec
     match subject.kind:
         case "contact":
-            return {"contacts.0.algorithm": spec}
+            rubs = not issubclass(subject.part_class, Potential) or subject.part_class.rubs
+            return {"contacts.0.algorithm": spec, **({} if rubs else {"contacts.0.friction": None})}
         case "friction" | "enforcement":
             shorter = mode == "explicit" and issubclass(subject.part_class, NormalLaw)
             return {f"contacts.0.{subject.kind}": spec, **({"time.step": STEP / SHORTER} if shorter else {})}
