@@ -188,6 +188,13 @@ class Single(NodeOnSegment):
         return int((first < m).sum())
 
 
+class FarSighted(Rods):
+    """Looks as far as candidates are listed."""
+
+    def conditions(self, view: ContactView, *, tangent: bool) -> GapConditions:
+        return super().conditions(view._replace(reach=np.inf), tangent=tangent)
+
+
 class Modest(Flawed):
     """Passes the patch test and says that it does not."""
 
@@ -229,6 +236,7 @@ WRONG: list[tuple[Check, Any]] = [
     (contact_inputs.arrays_are_of_their_types, Rods("columns side by side")),
     (contact_inputs.positions_change_in_place, Flawed(flaw="knows its array again")),
     (contact_inputs.memory_is_all_it_remembers, Flawed(flaw="remembers the last step")),
+    (contact_inputs.reach_is_kept, FarSighted()),
     (contact_inputs.a_notch_is_held_by_both_sides, Single()),
     (contact_derivatives.derivatives_are_right, Flawed(flaw="no derivatives at all")),
     (contact_derivatives.derivatives_are_right, Rods("tangent turned round")),

@@ -94,7 +94,7 @@ def pressure_carries_the_reaction(reference: ReferenceSolution) -> None:
         _carries(PartSource("reference", reference).at(scene.data), solution)
 
 
-def follows_what_presses(reference: ReferenceSolution) -> None:
+def follows_the_depth(reference: ReferenceSolution) -> None:
     """What is pressed by nine tenths of the way or of the load is pressed less, if it holds for that as well."""
     seen = 0
     for scene in _some(reference):
@@ -172,7 +172,7 @@ def _some(reference: ReferenceSolution) -> list[Scene]:
 
 CHECKS: tuple[Check, ...] = (
     says_what_it_is, is_silent_about_strange_scenes, does_not_depend_on_the_mesh, can_be_compared_with,
-    pressure_carries_the_reaction, follows_what_presses,
+    pressure_carries_the_reaction, follows_the_depth,
     moves_with_the_bodies,
 )  # fmt: skip
 """All checks of references."""
