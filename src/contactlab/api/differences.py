@@ -39,15 +39,18 @@ def speeds_at_rest(law: Material) -> tuple[float, float]:
     gradient, tangent = np.array([[1.0], [0.0], [0.0], [1.0]]) * finite, np.empty((4, 4, 1))
     law.tangent(gradient, history, 0.0, tangent)
     # a "finite" law is given F^-1, whose change is minus the strain
-    tangent = (-1.0 if finite else 1.0) * tangent[..., 0]
-    dilatational, shear = float(tangent[0, 0]), float(tangent[3, 1])
+    return speeds_of_moduli(law, (-1.0 if finite else 1.0) * tangent[..., 0])
+
+
+def speeds_of_moduli(law: Material, moduli: Floats) -> tuple[float, float]:
+    """The speeds of `speeds_at_rest` from derivatives (4, 4) of stress rows by strain rows at rest [MPa]."""
+    dilatational, shear = float(moduli[0, 0]), float(moduli[3, 1])
     if not law.isotropic:
         angle = np.arange(180) * np.pi / 180.0
         normals = np.stack([np.cos(angle), np.sin(angle)])
-        moduli = tangent[[[0, 3], [3, 1]]].reshape(2, 2, 2, 2)
+        acoustic = np.einsum("ja,ijkl,la->aik", normals, moduli[[[0, 3], [3, 1]]].reshape(2, 2, 2, 2), normals)
         # between two directions, half a degree away, the modulus hardly differs: its slope is 0 at the largest
-        dilatational = float(np.linalg.eigvals(np.einsum("ja,ijkl,la->aik", normals, moduli, normals)).real.max())
-        dilatational *= 1.0 + 1e-3
+        dilatational = float(np.linalg.eigvals(acoustic).real.max()) * (1.0 + 1e-3)
     return float(np.sqrt(dilatational / law.density)), float(np.sqrt(shear / law.density))
 
 

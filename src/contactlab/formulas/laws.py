@@ -24,6 +24,7 @@ import numpy as np
 
 from contactlab.api import Floats, Material
 from contactlab.api.compiled.formulas import Slot, copied, made, plain
+from contactlab.api.differences import speeds_of_moduli
 from contactlab.api.formulas import formulas_of
 from contactlab.api.mathematics import seeds
 from contactlab.api.tensors import Tensor
@@ -158,5 +159,5 @@ def wave_speeds(law: Material) -> tuple[float, float]:
     rest = Tensor(a, b, c, d, 1.0 if finite else 0.0)
     history = kernels.memory(*np.zeros(law.history_size).tolist()) if kernels.memory is not None else ()
     found, _ = plain(kernels.called("stress"))(rest, history, 0.0, kernels.parameters(*values[:, 0].tolist()))
-    moduli = found.xx.derivatives[0], found.xy.derivatives[1]
-    return tuple(float(np.sqrt(modulus / law.density)) for modulus in moduli)  # type: ignore[return-value]
+    rows = (found.xx, found.yy, found.zz, found.xy)
+    return speeds_of_moduli(law, np.stack([np.broadcast_to(getattr(row, "derivatives", 0.0), 4) for row in rows]))
