@@ -11,22 +11,16 @@ Defect = tuple[str, ...]
 
 PLANTED: dict[str, tuple[Defect, ...]] = {
     "template element": (
-        ("trace derivative doubled", "np.tile([-0.5, 0.5]", "np.tile([-1.0, 1.0]"),
-        ("trace reversed", "np.stack([1.0 - s, 1.0 + s]", "np.stack([1.0 + s, 1.0 - s]"),
         ("points at a third", "CORNERS / np.sqrt(3.0)", "CORNERS / 3.0"),
         ("degree two claimed", "degree: ClassVar[int] = 1", "degree: ClassVar[int] = 2"),
         ("does not lock, it says", "locks: ClassVar[bool] = True", "locks: ClassVar[bool] = False"),
         (
             "changes the points it is given",
-            "        x = 1.0 + points[:, :1] * CORNERS[:, 0]\n        y = 1.0 + points[:, 1:] * CORNERS[:, 1]",
-            "        points *= -1.0\n        x = 1.0 - points[:, :1] * CORNERS[:, 0]\n        y = 1.0 - points[:, 1:] * CORNERS[:, 1]",
+            "        return 0.25 * (1.0",
+            "        points *= 1.001\n        return 0.25 * (1.0",
         ),
         ("one side missing", "((0, 1), (1, 2), (2, 3), (3, 0))", "((0, 1), (1, 2), (2, 3))"),
-        (
-            "gradients by the wrong coordinate",
-            "CORNERS[:, 0] * y, CORNERS[:, 1] * x",
-            "CORNERS[:, 1] * y, CORNERS[:, 0] * x",
-        ),
+        ("functions of the wrong coordinate", "points[:, 1:] * CORNERS[:, 1]", "points[:, :1] * CORNERS[:, 1]"),
     ),
     "template material": (
         ("no stress along z", "stress[ZZ] = pressure", "stress[ZZ] = 0.0"),
