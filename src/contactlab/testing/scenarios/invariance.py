@@ -172,7 +172,10 @@ def _advanced(scene: Scene, steps: int, save_at: int, dt: float, saved: Any = No
     for number in range(save_at if saved is not None else 0, steps):
         if number == save_at and saved is None:
             saved = pickle.dumps(model_memory(model))
-        step = advance(dt)
+        length = dt
+        while (step := advance(length)).longest is not None and step.status is not StepStatus.accepted:
+            require(step.longest < length, f"step {number + 1} was not accepted, and the next is to be as long")
+            length = step.longest
         require(step.status is StepStatus.accepted, f"step {number + 1} was not accepted: {step.reason}")
     return {name: values.copy() for name, values in model.state.fields.items()}, saved
 
