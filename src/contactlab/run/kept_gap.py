@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from contactlab.model.implicit_model import ImplicitModel
 
 HIGH = 0.01  # of a force or of the largest displacement
+PAIRS = 250_000  # of points and segments that are compared at a time
 
 
 class KeptGap(NamedTuple):
@@ -51,8 +52,12 @@ def kept_gaps(model: ImplicitModel, pairs: list[ContactPair], stored: float) -> 
     force = np.maximum(0.0, model.state["multipliers"][0])
     apart = np.zeros_like(force)
     for pair in pairs:
-        own = pair.slave.nodes[np.flatnonzero(force[pair.own]) % len(pair.slave.nodes)]
-        apart[pair.own][force[pair.own] > 0.0] = _signed_distances(model.position[own], model, pair.master)
+        pressed = np.flatnonzero(force[pair.own])
+        own = pair.slave.nodes[pressed % len(pair.slave.nodes)]
+        size = max(1, PAIRS // len(pair.master.segments))
+        for some in range(0, len(own), size):
+            points = model.position[own[some : some + size]]
+            apart[pair.own][pressed[some : some + size]] = _signed_distances(points, model, pair.master)
     apart -= np.where(force > 0.0, model.contact.conditions.gap, 0.0)  # what a penalty leaves
     if not force @ np.abs(apart) > HIGH * stored > 0.0:
         return
