@@ -82,14 +82,16 @@ class Element(ABC):
     def __init_subclass__(cls, **named: Any) -> None:
         super().__init_subclass__(**named)
         if "shape" in vars(cls) and getattr(cls.functions, "__isabstractmethod__", False):
-            cls.functions = _values_of_shape  # type: ignore[method-assign]
+            cls.functions = _values_of_shape  # type: ignore[method-assign, assignment]
 
-    @abstractmethod
     def functions(self, points: Floats) -> Floats:
         """Values (s, a) of the shape functions at reference `points` (s, 2), which may be complex numbers.
 
         Write polynomials or other analytic functions, without absolute values or comparisons.
         """
+        return _values_of_shape(self, points)
+
+    functions.__isabstractmethod__ = True  # type: ignore[attr-defined]  # of elements that do not give `shape`
 
     def shape(self, points: Floats) -> Shape:
         """Shape functions at reference `points` (s, 2).

@@ -112,7 +112,8 @@ def follows_the_depth(reference: ReferenceSolution) -> None:
 
 def _drive(scene: Scene) -> tuple[str, float]:
     """Key and value of the longest way of a support along y, or of the largest pressure; 0 where there is none."""
-    moves, loads = {}, {}
+    moves: dict[str, float] = {}
+    loads: dict[str, float] = {}
     for group, found, name in (("supports", moves, "uy"), ("loads", loads, "pressure")):
         for number, entry in enumerate(scene.data.get(group, ())):
             value, key = entry.get(name), f"{group}.{number}.{name}"

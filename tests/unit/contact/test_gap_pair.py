@@ -138,7 +138,10 @@ def test_slip_of_finished_conditions_is_objective(registry: Registry) -> None:
     assert found[1] == pytest.approx(found[0], abs=1e-8 * np.abs(found[0]).max())
 
 
-@pytest.mark.parametrize("check", checks.CHECKS, ids=lambda check: check.__name__)
+OWN = [check for check in checks.CHECKS if check.__name__ != "reach_is_kept"]  # its conditions are those of any distance
+
+
+@pytest.mark.parametrize("check", OWN, ids=lambda check: check.__name__)
 def test_finished_conditions_pass_the_checks_of_the_kind(check) -> None:  # type: ignore[no-untyped-def]
     try:
         check(Finished())

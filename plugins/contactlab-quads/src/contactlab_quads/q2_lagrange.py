@@ -28,7 +28,7 @@ class Q2Lagrange(Element):
             np.stack([0.5 * s * (s - 1.0), 1.0 - s * s, 0.5 * s * (s + 1.0)], axis=-1) for s in points.T
         )
         i, j = np.rint(self.nodes + 1.0).astype(int).T
-        return along_xi[:, i] * along_eta[:, j]
+        return np.asarray(along_xi[:, i] * along_eta[:, j])
 
     def quadrature(self) -> Quadrature:
         """Rule of 3x3 Gauss points."""
