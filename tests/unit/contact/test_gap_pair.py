@@ -138,7 +138,7 @@ def test_slip_of_finished_conditions_is_objective(registry: Registry) -> None:
     assert found[1] == pytest.approx(found[0], abs=1e-8 * np.abs(found[0]).max())
 
 
-OWN = [check for check in checks.CHECKS if check.__name__ != "reach_is_kept"]  # its conditions are those of any distance
+OWN = [check for check in checks.CHECKS if check.__name__ != "reach_is_kept"]  # it has no reach
 
 
 @pytest.mark.parametrize("check", OWN, ids=lambda check: check.__name__)
