@@ -11,8 +11,10 @@ from typing import Any, ClassVar
 import pytest
 
 from contactlab.jobs import driver
-from contactlab.jobs.processes import Call, Pool, ProcessDiedError, RaisedError
+from contactlab.jobs.processes import Call, Pool, ProcessDiedError, RaisedError, StoppedError, TimedOutError
 from contactlab.jobs.scheduler import LOCAL
+
+ENDS = (ProcessDiedError, RaisedError, StoppedError, TimedOutError)
 
 
 class Inline(Pool):
@@ -26,7 +28,7 @@ class Inline(Pool):
         done: Future[Any] = Future()
         try:
             done.set_result(call.function(*call.arguments, call.report))
-        except ProcessDiedError as error:
+        except ENDS as error:  # of a process that a test stands for
             done.set_exception(error)
         except Exception as error:
             done.set_exception(RaisedError(f"{type(error).__name__}: {error}", traceback.format_exc()))

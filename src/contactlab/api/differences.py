@@ -46,12 +46,18 @@ def speeds_of_moduli(law: Material, moduli: Floats) -> tuple[float, float]:
     """The speeds of `speeds_at_rest` from derivatives (4, 4) of stress rows by strain rows at rest [MPa]."""
     dilatational, shear = float(moduli[0, 0]), float(moduli[3, 1])
     if not law.isotropic:
-        angle = np.arange(180) * np.pi / 180.0
-        normals = np.stack([np.cos(angle), np.sin(angle)])
-        acoustic = np.einsum("ja,ijkl,la->aik", normals, moduli[[[0, 3], [3, 1]]].reshape(2, 2, 2, 2), normals)
         # between two directions, half a degree away, the modulus hardly differs: its slope is 0 at the largest
-        dilatational = float(np.linalg.eigvals(acoustic).real.max()) * (1.0 + 1e-3)
+        dilatational = fastest_modulus(moduli) * (1.0 + 1e-3)
     return float(np.sqrt(dilatational / law.density)), float(np.sqrt(shear / law.density))
+
+
+def fastest_modulus(moduli: Floats) -> float:
+    """Largest eigenvalue [MPa] of the acoustic tensor of moduli (4, 4), in directions a degree apart."""
+    angle = np.arange(180) * np.pi / 180.0
+    normals = np.stack([np.cos(angle), np.sin(angle)])
+    by_gradient = moduli[[[XX, XY], [XY, YY]]].reshape(2, 2, 2, 2)
+    acoustic = np.einsum("ja,ijkl,la->aik", normals, by_gradient, normals)
+    return float(np.linalg.eigvals(acoustic).real.max())
 
 
 def stiffening_of_waves(law: Material, gradient: Floats, out: Floats) -> None:

@@ -80,13 +80,14 @@ class WrongSide:
         pair = self.pair
         turns = _turns(slave, pair.slave)[nodes], _turns(master, pair.master)[pair.master.segments[found]].max(axis=1)
         rough = [float(forces @ turn) for turn in turns]
-        inward = -_nodal_normals(slave, pair.slave)[nodes], _segment_normals(master, pair.master)[found]
+        own = -_nodal_normals(slave, pair.slave)[nodes]
         # curves of smooth surfaces turn alike on both sides, however coarse their segments are
         if max(rough) <= ROUGHER * min(rough) or pair.smooth is not None:
-            self.aside += float(forces @ _cross(normals, inward[0]))
+            self.aside += float(forces @ _cross(normals, own))
             self.worst[1] += forces.sum()
             return
-        right, wrong = inward[::-1] if rough[0] > rough[1] else inward
+        other = _segment_normals(master, pair.master)[found]
+        right, wrong = (other, own) if rough[0] > rough[1] else (own, other)
         self.worst[1:] += forces.sum(), forces @ _cross(normals, right) ** 2, forces @ _cross(wrong, right) ** 2
 
     def warning(self) -> RunWarning | None:

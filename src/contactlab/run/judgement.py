@@ -51,12 +51,13 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
             _judge_friction(model, pair)
             # on flat sides that do not match, distances of nodes are no error: their averages are zero
             sides = pair.slave, pair.master
-            if pair.start_distance is None and any(facet_depths(side, model.reference).any() for side in sides):
+            judged = not model.integrator.inertia and pair.start_distance is None
+            if judged and any(facet_depths(side, model.reference).any() for side in sides):
                 curved.append(pair)
             pressed = model.state["multipliers"][0, pair.own] > 0.0
             if np.count_nonzero(pressed) >= ENOUGH:  # of one or two conditions the force alone is known
                 _judge_pressure(pair.name, report.force_error(report.covered_integral), sample.step)
-    if curved and not model.integrator.inertia:
+    if curved:
         _judge_distances(model, curved, sample.energies["stored"] + sample.energies["plastic"])
 
 

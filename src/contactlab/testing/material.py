@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats, Material
-from contactlab.api.differences import tangent_by_differences
+from contactlab.api.differences import fastest_modulus, tangent_by_differences
 from contactlab.api.formulas import formulas_of
 from contactlab.testing import material_states, material_waves, scales
 from contactlab.testing.assertions import Check, NotApplicable, agree, identical, require, untouched
@@ -65,22 +65,13 @@ def speeds_belong_to_the_tangent(law: Material) -> None:
     sign = -1.0 if law.kinematics == "finite" else 1.0
     dilatational, shear = (law.density * c * c for c in law.wave_speeds())
     if not law.isotropic:
-        fastest = _fastest(sign * tangent[..., 0])
+        fastest = fastest_modulus(sign * tangent[..., 0])
         text = f"the fastest wave has the modulus {fastest:.6g} MPa, wave_speeds say {dilatational:.6g} MPa"
         require(fastest <= (1.0 + 1e-6) * dilatational, f"{text}: explicit steps would be too long")
         raise NotApplicable("assumes one modulus in all directions: isotropic is False; its waves are no faster")
     # differences of the default tangent leave about 1e-10 of the moduli
     agree(sign * tangent[[0, 1], [0, 3], 0], [dilatational] * 2, 1e-7 * dilatational, "tangent xx by xx and yy by yy")
     agree(sign * tangent[3, [1, 2], 0], [shear] * 2, 1e-7 * dilatational, "tangent xy by xy and by yx")
-
-
-def _fastest(tangent: Floats) -> float:
-    """Largest eigenvalue of the acoustic tensor of small strains over all directions, of moduli (4, 4)."""
-    angle = np.linspace(0.0, np.pi, 181)
-    n = np.stack([np.cos(angle), np.sin(angle)])
-    moduli = tangent[[[0, 3], [3, 1]]].reshape(2, 2, 2, 2)  # stress ij by gradient kl
-    acoustic = np.einsum("ja,ijkl,la->aik", n, moduli, n)
-    return float(np.linalg.eigvals(acoustic).real.max())
 
 
 def objectivity(law: Material) -> None:

@@ -3,47 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import Future
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 import pytest
+from inline import Inline
 
 from contactlab.api import Job, Record
 from contactlab.jobs import driver
 from contactlab.jobs.far_end import BEGUN
-from contactlab.jobs.processes import Call, Pool
 from contactlab.jobs.record import to_bytes
 from contactlab.jobs.run import Run
 from contactlab.scene.scene import Scene, load_scene
 
 Made = list[str]
-
-
-class Inline(Pool):
-    """Calls are made when they are submitted."""
-
-    elsewhere: ClassVar[bool] = False
-    size = 2
-
-    def submit(self, call: Call) -> Future[Any]:
-        """Make the call; whatever it raises is its answer."""
-        done: Future[Any] = Future()
-        try:
-            done.set_result(call.function(*call.arguments, call.report))
-        except Exception as error:
-            done.set_exception(error)
-        return done
-
-    def stop(self) -> None:
-        """Nothing runs."""
-
-    def kill(self) -> None:
-        """Nothing runs."""
-
-    def close(self) -> None:
-        """Nothing runs."""
 
 
 def record_with(value: float, status: str = "finished") -> Record:

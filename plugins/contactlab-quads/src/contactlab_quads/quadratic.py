@@ -1,4 +1,4 @@
-"""What both quadratic quadrilaterals share: nodes, sides and the 3x3 rule."""
+"""Nodes, sides and the 3x3 rule of both quadratic quadrilaterals."""
 
 from __future__ import annotations
 

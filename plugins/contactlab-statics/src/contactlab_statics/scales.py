@@ -32,7 +32,7 @@ class Scales:
         self.flexibility: Floats = np.zeros_like(reference)
 
     def update(self, diagonal: Floats, u: Floats, stresses: Floats) -> None:
-        """Take diagonals (N, 2) [N/mm] of the whole stiffness and that of `stresses` at displacements `u` (N, 2)."""
+        """Take diagonals (N, 2) [N/mm] of the stiffness and of its part by `stresses`, at displacements `u` (N, 2)."""
         self.floor = FLOOR * float(diagonal.max()) * self.size * 1e-2
         self.flexibility = np.divide(self.free, diagonal, out=np.zeros_like(diagonal), where=diagonal > 0.0)
         # also of bodies that are carried far before anything loads them; what flies away is not in balance

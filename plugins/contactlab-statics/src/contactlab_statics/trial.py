@@ -10,7 +10,7 @@ from contactlab.api import Floats, ImplicitEquations, Response, State
 
 
 class Balance(Protocol):
-    """What is in balance at the end of a step."""
+    """The forces of a step, their derivative and the stresses behind them."""
 
     def update_stresses(self, dt: float) -> None:
         """Stresses that belong to the trial displacements of a step of length dt [s]."""
@@ -22,7 +22,7 @@ class Balance(Protocol):
         """Derivative of minus the unbalanced forces without contact, (2N, 2N) CSC."""
 
     def of_stresses(self, diagonal: Floats) -> Floats:
-        """What of the `diagonal` (N, 2) [N/mm] of `stiffness` is that of stresses."""
+        """The part of the `diagonal` (N, 2) [N/mm] of `stiffness` that stresses give."""
 
 
 class Trial:
