@@ -31,8 +31,11 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="children that a
 MakeScene = Callable[..., Any]
 Assert = Callable[[Any, Any], None]
 
-KILLS = 6
-"""Of the 20 that `make test FULL=1` makes."""
+KILLS = 5
+"""Different frames after which a run is killed, of the 20 that `make test FULL=1` makes."""
+
+TRIES = 6
+"""Kills for each of them, at most: a loaded machine ends runs early and hits some frames twice."""
 
 
 class ForkServer:
@@ -109,18 +112,20 @@ def test_kill_at_random_moments(
     assert done.status == 0
     whole = contactlab.load_results(tmp_path / "whole")
     chance = random.Random(1818)
-    seen: list[int] = []
-    for number in range(kills):
+    seen: set[int] = set()
+    for number in range(TRIES * kills):
         folder = tmp_path / f"run-{number}"
         killed = fork_server.run(scene, folder, lives=chance.uniform(0.1, 0.95) * done.cpu)
-        if killed.status == -signal.SIGPROF:
-            seen.append(killed.frames)
-            check_files(folder, min(killed.frames, len(whole.frames) - 1))  # the end is reported once more
+        if killed.status != -signal.SIGPROF or killed.frames in seen:
+            continue
+        seen.add(killed.frames)
+        check_files(folder, min(killed.frames, len(whole.frames) - 1))  # the end is reported once more
         assert fork_server.run(scene, folder, resume=True).status == 0
         assert_same_run(whole, contactlab.load_results(folder))
         assert_same_files(tmp_path / "whole", folder)
-    assert len(seen) >= kills // 2, "most runs ended before they were killed: nothing was shown"
-    assert len(set(seen)) >= 5, "kills came at the same few moments"
+        if len(seen) == kills:
+            return
+    raise AssertionError(f"{TRIES * kills} kills hit {sorted(seen)} alone, and {kills} frames are asked")
 
 
 @pytest.mark.parametrize("saves", some([2, 3, 9, 17], [3]))
