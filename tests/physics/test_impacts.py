@@ -16,8 +16,11 @@ from contactlab_cases.series import Series
 from statics.bars import BAR, ENERGY, LENGTH, SOUND, SPEED, strip
 
 from contactlab.api import Floats
+from contactlab.parts.registry import default_registry
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene
+from contactlab.testing.scenarios.invariance import rotation_turns_the_answers
+from contactlab.testing.subject import Subject
 
 CELLS, CONTACT, ARRIVAL = 50, 2.0 * LENGTH / SOUND, 0.237
 
@@ -124,3 +127,8 @@ def test_friction_of_an_oblique_impact_is_mu_times_the_normal_impulse(algorithm:
     ledger = {name: results.history[f"energy.{name}"][-1] for name in ("friction", "error")}
     assert ledger["friction"] < 0.0
     assert abs(ledger["error"]) < 1e-8  # as iterations end
+
+
+def test_steps_around_an_impact_do_not_depend_on_the_frame() -> None:
+    """A scene that is turned takes the same steps and gives turned reactions, to 1e-6 of them."""
+    rotation_turns_the_answers(Subject(default_registry(), "integrator", "implicit-dynamics"))
