@@ -92,6 +92,18 @@ def test_an_overlap_that_the_law_asks_for_is_no_penetration() -> None:
     assert not results.summary["warnings"]
 
 
+@pytest.mark.parametrize("cells", [(4, 3), (3, 4)])
+def test_nodes_hold_sides_that_end_at_one_place(cells: tuple[int, int]) -> None:
+    """The ends of the master are the ends of the slave: which of both is held does not change with each correction."""
+    law = {"use": "tabular-pressure", "gaps": [-0.02, 0.0, 0.01], "pressures": [9.0, 1.0, 0.0]}
+    given = {f"bodies.{body}.mesh.cells": [count, 2] for body, count in zip(("upper", "lower"), cells, strict=True)}
+    given |= {"contacts.0.algorithm": "node-on-segment", "contacts.0.friction": {"use": "coulomb", "mu": 0.2}}
+    given["supports.0.uy"] = {"ramp": "linear", "to": -0.004}
+    force = -done(blocks(law, "newton", **given)).summary["reactions"]["upper.top"][1]
+    pressure = (1.0 + 400.0 * 0.004) / (1.0 + 400.0 * 2.0 * HEIGHT / E)  # of 1 - 400 g and g = 2 h p/E - 0.004
+    assert force == pytest.approx(WIDTH * pressure, rel=1e-2)  # unlike nodes: the patch test fails by less
+
+
 def free(law: dict[str, Any], **changes: Any) -> Results:
     """Blocks that nothing drives, in short steps and without damping."""
     held = [{"on": "lower.bottom", "ux": 0.0, "uy": 0.0}]

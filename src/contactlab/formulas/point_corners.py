@@ -8,7 +8,7 @@ is pressed along the normal of the slave's segment. All sections work on a `Poin
 from __future__ import annotations
 
 from contactlab.api.compiled.kernel import point, section
-from contactlab.formulas.point_pieces import EDGE
+from contactlab.formulas.point_pieces import EDGE, LEAVE
 from contactlab.formulas.segment_normals import node
 
 CORNER = 0.5  # sine by which a master turns outward at a corner
@@ -32,6 +32,18 @@ def _outside(t, s, v):
     """How far [mm] master node v lies outside slave segment s."""
     a = t.sides.slave.segments[s, 0]
     return (node(t.sides.at.master, v) - node(t.sides.at.slave, a)) @ node(t.slave_normal, s)
+
+
+@point
+def _within(t, s, side, m):
+    """How far, in lengths of slave segment s, a corner must lie within its end (0 or 1).
+
+    Where the slave ends as well, its last node is held to as far beyond master segment m: sides that end at one place
+    would change between both with every correction.
+    """
+    if t.sides.slave.node_segments[t.sides.slave.segments[s, side], side] >= 0:
+        return -EDGE
+    return LEAVE * min(1.0, t.master_length[m] / t.slave_length[s])
 
 
 @section
@@ -67,7 +79,8 @@ def find_corners(t, reach, depth):
                 start = node(t.sides.at.slave, a)
                 along = (node(t.sides.at.master, v) - start) @ (node(t.sides.at.slave, b) - start)
                 share = along / (t.slave_length[s] * t.slave_length[s])
-                if share < -EDGE or share > 1.0 + EDGE or not _rises(t, s, v, gap):
+                m = t.sides.near.master[z]
+                if share < _within(t, s, 0, m) or share > 1.0 - _within(t, s, 1, m) or not _rises(t, s, v, gap):
                     continue
                 if t.corner_on[v] < 0 or abs(gap) < abs(_outside(t, t.corner_on[v], v)):
                     t.corner_on[v], t.corner_share[v], found = s, share, True

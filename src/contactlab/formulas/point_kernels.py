@@ -14,13 +14,12 @@ from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import SlavePoint
 from contactlab.api.tensors import Vector
 from contactlab.formulas.point_corners import find_corners, put_corners, stands_for
-from contactlab.formulas.point_pieces import ABSCISSAE, EDGE, POINTS, foot, hold
+from contactlab.formulas.point_pieces import ABSCISSAE, EDGE, LEAVE, POINTS, foot, hold
 from contactlab.formulas.point_tables import Points
 from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
 
 (HOLD,) = slots("HOLD")
-LEAVE = 0.02  # beyond the ends of a chain, of the shorter segment: bodies of one width spread differently
 FLANK = 0.2  # cosine: the gap of a Gauss point counts along the slave's normal, across the way to the foot none is left
 HYSTERESIS = 1.02  # a new segment must be nearer by this factor: stops flicker at corners
 

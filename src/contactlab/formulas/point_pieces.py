@@ -23,6 +23,7 @@ SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds 
 NARROW = 0.01  # sine of the turn at a vertex below which it has one normal
 AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex
 EDGE = 1e-9  # how far, in segment lengths, a point may project beyond a segment's end
+LEAVE = 0.02  # beyond the ends of a chain, of the shorter segment: bodies of one width spread differently
 
 
 # --- geometry, of numbers and of dual numbers -------------------------------------------------------------------------
