@@ -35,13 +35,15 @@ def _outside(t, s, v):
 
 
 @point
-def _within(t, s, side, m):
-    """How far, in lengths of slave segment s, a corner must lie within its end (0 or 1).
+def _within(t, s, side, z):
+    """How far, in lengths of slave segment s, corner `z` = (v, m) must lie within its end (0 or 1).
 
-    Where the slave ends as well, its last node is held to as far beyond master segment m: sides that end at one place
-    would change between both with every correction.
+    Where slave and master end, the last node of the slave is held to as far beyond master segment m: sides that end at
+    one place would change between both with every correction.
     """
-    if t.sides.slave.node_segments[t.sides.slave.segments[s, side], side] >= 0:
+    v, m = z
+    ends = t.sides.slave.node_segments[t.sides.slave.segments[s, side], side] < 0
+    if not ends or (t.sides.master.node_segments[v, 0] >= 0 and t.sides.master.node_segments[v, 1] >= 0):
         return -EDGE
     return LEAVE * min(1.0, t.master_length[m] / t.slave_length[s])
 
@@ -79,8 +81,8 @@ def find_corners(t, reach, depth):
                 start = node(t.sides.at.slave, a)
                 along = (node(t.sides.at.master, v) - start) @ (node(t.sides.at.slave, b) - start)
                 share = along / (t.slave_length[s] * t.slave_length[s])
-                m = t.sides.near.master[z]
-                if share < _within(t, s, 0, m) or share > 1.0 - _within(t, s, 1, m) or not _rises(t, s, v, gap):
+                at = (v, t.sides.near.master[z])
+                if share < _within(t, s, 0, at) or share > 1.0 - _within(t, s, 1, at) or not _rises(t, s, v, gap):
                     continue
                 if t.corner_on[v] < 0 or abs(gap) < abs(_outside(t, t.corner_on[v], v)):
                     t.corner_on[v], t.corner_share[v], found = s, share, True

@@ -92,7 +92,7 @@ class Impacts:
         if self.pressed:
             change = (self.state["internal_force"] - self.before) ** 2 * self.mobility
             error = dt / 12.0 * float(np.sqrt(change.sum() / (2.0 * memory[ENERGY]))) / TOLERANCE
-            nodal = diagonal.mean(axis=1, keepdims=True)  # of one axis it would be another in another frame
+            nodal = diagonal.sum(axis=1, keepdims=True)  # at most; of one axis it would be another in another frame
             rate = float((change * self.mobility * nodal).sum()) / max(float(change.sum()), 1e-300)
             shortest = COURANT * float(np.sqrt(2.0 / max(rate, 1e-300)))
             if error > 1.0:
