@@ -40,7 +40,10 @@ class Points(NamedTuple):
 
 
 class Edges:
-    """Edges (e, b) of one element where they lie before the run."""
+    """Edges (e, b) of one element where they lie before the run.
+
+    Numbers of edges and places on them broadcast: numbers (e, 1) and places (n,) are the same places of each edge.
+    """
 
     def __init__(self, element: Element, edges: Ints, reference: Floats) -> None:
         self.element, self.edges, self.nodes = element, edges, reference[edges]
@@ -50,21 +53,21 @@ class Edges:
         return self.element.edge_shape(points.at)
 
     def places(self, edge: Ints, at: Floats) -> Floats:
-        """Where places of edges are (n, 2) [mm]."""
-        return np.asarray(np.einsum("na,nai->ni", self.element.edge_shape(at)[0], self.nodes[edge]))
+        """Where places of edges are (..., 2) [mm]."""
+        return np.asarray(np.einsum("...a,...ai->...i", self.element.edge_shape(at)[0], self.nodes[edge]))
 
     def speed(self, edge: Ints, at: Floats) -> Floats:
-        """Length (n,) [mm] of an edge per unit of its parameter."""
-        along = np.einsum("na,nai->ni", self.element.edge_shape(at)[1], self.nodes[edge])
-        return np.asarray(np.hypot(along[:, 0], along[:, 1]))
+        """Length (...) [mm] of an edge per unit of its parameter."""
+        along = np.einsum("...a,...ai->...i", self.element.edge_shape(at)[1], self.nodes[edge])
+        return np.asarray(np.hypot(along[..., 0], along[..., 1]))
 
     def arc_lengths(self, edge: Ints, at: Floats) -> Floats:
-        """Arc lengths (n,) [mm], which go on where others end.
+        """Arc lengths (...) [mm], which go on where others end.
 
         They begin at the edge that follows none, in the order of the edges where there are several pieces; a closed
         curve begins at its first edge.
         """
-        begins, inside = self._begins(), np.zeros(len(at))
+        begins, inside = self._begins(), np.zeros(np.broadcast_shapes(edge.shape, at.shape))
         points, weights = np.polynomial.legendre.leggauss(PARTS)
         for point, weight in zip(points.tolist(), weights.tolist(), strict=True):
             inside += weight * self.speed(edge, 0.5 * (at + 1.0) * (point + 1.0) - 1.0)
@@ -107,7 +110,7 @@ class _Rule:
         self.profile, self.edges, self.count = profile, edges, len(edges.edges)
 
     def by(self, edge: Ints, at: Floats) -> Floats:
-        """What the profile varies with (n,)."""
+        """What the profile varies with (...)."""
         if self.profile.by == "s":
             return self.edges.arc_lengths(edge, at)
         return self.profile.at(self.edges.places(edge, at))
@@ -193,9 +196,9 @@ def _joined(parts: list[tuple[Ints, Floats, Floats]]) -> tuple[Ints, Floats, Flo
 def _check(rule: _Rule, found: float, size: float, told: list[RunWarning], where: Where) -> None:
     """Compare the integral with that of an independent rule: many places, evenly spread over each edge."""
     each = -(-CHECKED // rule.count)
-    at = np.tile((2.0 * np.arange(each) + 1.0) / each - 1.0, rule.count)
-    edge = np.repeat(np.arange(rule.count, dtype=np.int32), each)
-    expected = 2.0 / each * float(rule.factors(edge, at) @ rule.edges.speed(edge, at))
+    at = (2.0 * np.arange(each) + 1.0) / each - 1.0
+    edge = np.arange(rule.count, dtype=np.int32)[:, None]
+    expected = 2.0 / each * float(rule.factors(edge, at).ravel() @ rule.edges.speed(edge, at).ravel())
     off = abs(found - expected) / max(size, abs(expected), 1e-300)
     key = getattr(where, "key", where)
     if off > WRONG:
