@@ -45,6 +45,13 @@ STATICS: Final = {
 } | {
     "midplane": {"algorithm": "midplane"},
     **{f"midplane, stiffness = {k}": {"algorithm": {"use": "midplane", "stiffness": k}} for k in (3.0, 300.0)},
+    **{
+        "gauss-point, passes = 2" + (f", factor = {factor}" if factor != 10.0 else ""): {
+            "algorithm": {"use": "gauss-point", "passes": 2},
+            "enforcement": {"use": "linear-pressure", "factor": factor},
+        }
+        for factor in (10.0, 1.0, 100.0)
+    },
 }  # fmt: skip
 METHODS: Final[Mapping[str, Mapping[str, Any]]] = {
     **{name: {"algorithm": name} for name in PLAIN}, **CONES, **SMOOTH, **STATICS,
@@ -242,7 +249,8 @@ def _costs(rows: list[Row]) -> str:
         for kind, level, scale in kinds:
             spent, base = (value(name, "disc", level, kind) for name in (method, BASE))
             line.append("" if np.isnan(spent) else f"{scale * spent:.3g} ({spent / base:.2f})")
-        lines.append(line)
+        if any(line[1:]):
+            lines.append(line)
     return _table(
         "| method | iteration [ms] | its contact per node [us] | step [us] | its contact per node [us] |", lines
     )

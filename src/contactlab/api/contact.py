@@ -114,6 +114,14 @@ class ContactMethod(ABC):
     keeps_energy: ClassVar[bool] = False
     memory_size: ClassVar[int] = 0
 
+    def half_pass(self) -> ContactAlgorithm | None:
+        """The algorithm of each of two half passes; None, the default, for one pass.
+
+        Each side is then the slave of a pass of its own, and the forces of that pass act on it alone. Two half passes
+        are for pressure laws.
+        """
+        return None
+
 
 class ContactAlgorithm(ContactMethod):
     """Gives local operators. Subclasses are frozen dataclasses; their fields are the TOML keys.
@@ -121,12 +129,15 @@ class ContactAlgorithm(ContactMethod):
     gradient_nodes  most nodes that the weights of a piece depend on; 0 without `gradients`
     merged_below    share of its length: a multiplier of which less is covered is merged into its neighbour, 0 to 0.5;
                     with frozen forces in explicit runs 0.05, since they make energy of what comes free later
+    points_press    True if each multiplier belongs to one piece, with a pressure of its own: nodes are reported with
+                    the means of the pieces at them, weighted by D
     closest_points  True if every condition measures the distance between closest points where separations lie along
                     the normals: normals that turn and weights that change do not change it then (to first order)
     """
 
     gradient_nodes: ClassVar[int] = 0
     merged_below: ClassVar[float] = MERGED_BELOW
+    points_press: ClassVar[bool] = False
     closest_points: ClassVar[bool] = False
 
     def with_friction(self) -> ContactAlgorithm:

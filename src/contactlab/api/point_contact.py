@@ -32,7 +32,8 @@ class PointContact(ContactAlgorithm):
       of the master both segments hold the node. Convex corners and ends of the master are points that stay outside the
       slave's segments.
     - n, Gauss points of each slave segment: they share the multipliers of its two nodes, linear between these, so there
-      are no more conditions than nodes. Conditions act along the averaged normals of the slave.
+      are no more conditions than nodes. Conditions act along the averaged normals of the slave. With `points_press`
+      each has a condition of its own, for pressure laws, along the normal of the slave's segment.
 
     Search, which of several segments holds a point, vertices, quadratic edges, where the formula is asked on the
     tangent until the foot is the point itself, corners and all derivatives are the core's. A method of
@@ -48,7 +49,9 @@ class PointContact(ContactAlgorithm):
         super().__init_subclass__(**named)
         declare(cls, _ARGUMENTS)
         if "points" in vars(cls):
-            cls.rows_per_node, cls.memory_size, cls.gradient_nodes = (2, 2, 1) if not cls.points else (1, cls.points, 0)
+            own = cls.points if cls.points_press else 1
+            counts = (own, cls.points, 0) if cls.points else (2, 2, 1)
+            cls.rows_per_node, cls.memory_size, cls.gradient_nodes = counts
 
     @staticmethod
     @abstractmethod
@@ -57,7 +60,7 @@ class PointContact(ContactAlgorithm):
 
     def widths(self, slave: Surface, master: Surface) -> tuple[int, int, int]:
         """Two nodes, as a corner presses on a segment, and one multiplier; or a slave edge and two; a master edge."""
-        own = (slave.edges.shape[1], 2) if self.points else (2, 1)
+        own = (slave.edges.shape[1], 1 if self.points_press else 2) if self.points else (2, 1)
         return *own, master.edges.shape[1]
 
     def capacity(self, slave: Surface, near: Candidates) -> int:

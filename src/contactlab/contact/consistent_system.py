@@ -47,10 +47,10 @@ class ConsistentContactSystem(ContactSystem):
         """Conditions once; slips are measured with the gradients, which need no normals of the start of the step."""
         calls = super().calls_per_step()
         del calls["contact normals"]
-        return Counter({call: min(count, len(self.pairs)) for call, count in calls.items()})
+        return Counter({call: min(count, len(self.passes)) for call, count in calls.items()})
 
     def _update(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> None:
-        for pair, memory in zip(self.pairs, self.memories, strict=True):
+        for pair, memory in zip(self.passes, self.memories, strict=True):
             pair.update(current, memory)
 
     def _solve_factored(self, *where: Floats) -> Solve | None:
@@ -76,7 +76,7 @@ class ConsistentContactSystem(ContactSystem):
         if self.constant is None:
             return None
         self.constant.count = 0
-        pairs = (pair for pair in self.pairs if isinstance(pair, OperatorPair))
+        pairs = (pair for pair in self.passes if isinstance(pair, OperatorPair))
         if any(largest_sideways(pair.arrays.address) > ROUND for pair in pairs):
             return None
         self.factored = self.constant
@@ -127,5 +127,5 @@ def _closest(system: ContactSystem) -> bool:
         and pair.algorithm.closest_points
         and pair.friction is None
         and not pair.pushes_overlaps_out
-        for pair in system.pairs
+        for pair in system.passes
     )

@@ -40,6 +40,10 @@ def contact_pair(
     if isinstance(algorithm, GapAlgorithm):
         return GapPair(name, algorithm, *sides, reference, first_slot, friction)
     assert isinstance(algorithm, ContactAlgorithm)
+    if algorithm.points_press:
+        from contactlab.contact.points_pair import PointsPair
+
+        return PointsPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
     return OperatorPair(name, algorithm, *sides, reference, first_slot, friction, fixed)
 
 
@@ -58,6 +62,10 @@ def linearised(pair: ContactPair, nodes: int) -> PairLinearisation | GapLinearis
     from contactlab.contact.linearisation import PairLinearisation
 
     assert isinstance(pair, OperatorPair)
+    if pair.half:
+        from contactlab.contact.half_passes import HalfPassLinearisation
+
+        return HalfPassLinearisation(pair, nodes)
     return PairLinearisation(pair, nodes)
 
 

@@ -54,7 +54,7 @@ def _arrays(view: ContactView) -> dict[str, Floats]:
 
 def examine_contact(contact: Any) -> None:
     """The algorithm of every pair at its last update, then the enforcement; None where there is no contact."""
-    for pair in contact.pairs if contact is not None else ():
+    for pair in contact.passes if contact is not None else ():
         examine_pair(pair)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from contactlab.api import ExplicitEnforcement, FactoredRows, Floats, Rows, Solve, State, Step
-from contactlab.contact.pair import ContactPair
+from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.sliding import FOLLOWED, varying
 from contactlab.errors import WrongAnswer
 from contactlab.kernels.contact.rows import tangential_work
@@ -30,13 +30,15 @@ class ContactSystem:
     `seconds` counts the wall time of contact, `solution_s` that of the enforcement in it. `consistent` is whether
     forces act along the derivatives of the gaps.
     `compliance` is that of the last solve: displacement (N, 2) [mm/N] per contact force within its step.
+    `passes` are all pairs, `pairs` those that reports show (see `ContactPair.second`).
     `split` sums the work by what it comes from, where the scene asks for it.
     """
 
     consistent: ClassVar[bool] = False
 
     def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
-        self.pairs, self.enforcement, self.state = pairs, enforcement, state
+        self.passes, self.pairs = pairs, shown(pairs)
+        self.enforcement, self.state = enforcement, state
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)
         self.memories = [state[f"memory.{p.name}"] if f"memory.{p.name}" in state else _EMPTY for p in pairs]
@@ -52,13 +54,13 @@ class ContactSystem:
 
     def calls_per_step(self) -> Counter[str]:
         """How often a step calls the algorithms, by what they are asked for."""
-        return sum((Counter(pair.calls_per_step()) for pair in self.pairs), Counter())
+        return sum((Counter(pair.calls_per_step()) for pair in self.passes), Counter())
 
     def solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         """Update the pairs, make rows and find forces; see `contactlab.api.ContactEquations`."""
         began, self.compliance = perf_counter(), compliance
         self._update(predicted, current, compliance, force)
-        for pair in self.pairs:
+        for pair in self.passes:
             pair.evaluated = True
         self.last = self._solve(predicted, current, compliance, force)
         self.seconds += perf_counter() - began
@@ -67,7 +69,7 @@ class ContactSystem:
     def _update(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> None:
         # normals and weights belong to where the nodes will be: predicted, pushed by the last forces.
         # `predicted` alone is off by dt^2 f/m, some per cent of a segment in pressed zones.
-        for pair, memory in zip(self.pairs, self.memories, strict=True):
+        for pair, memory in zip(self.passes, self.memories, strict=True):
             pair.update_pushed(predicted, compliance, force, memory)
             if pair.friction is not None:
                 pair.compute_start_normals(current, memory)
@@ -179,7 +181,7 @@ class ContactSystem:
         self.rows.count = 0
         while True:
             self.factored.count = 0
-            for pair in self.pairs:
+            for pair in self.passes:
                 if not pair.append_factored(self.factored):
                     break
             else:
@@ -189,7 +191,7 @@ class ContactSystem:
     def _assemble(self, margin: float, current: Floats, predicted: Floats) -> None:
         while True:
             self.rows.count = entries = 0
-            for number in range(len(self.pairs)):
+            for number in range(len(self.passes)):
                 entries = self._append(number, entries, margin, current, predicted)
                 if entries < 0:
                     break
@@ -199,11 +201,11 @@ class ContactSystem:
 
     def _append(self, number: int, entries: int, margin: float, current: Floats, predicted: Floats) -> int:
         """Append the rows of a pair; returns the next free entry, or -1 without room for them."""
-        return self.pairs[number].append_rows(self.rows, entries, margin, self.multipliers, current)
+        return self.passes[number].append_rows(self.rows, entries, margin, self.multipliers, current)
 
     def _grow(self) -> None:
         rows = self.rows
-        entries = int(GROW * len(rows.node)) + sum(len(p.slave.nodes) + len(p.master.nodes) for p in self.pairs)
+        entries = int(GROW * len(rows.node)) + sum(len(p.slave.nodes) + len(p.master.nodes) for p in self.passes)
         self.rows = allocate_rows(len(rows.gap), entries // max(1, len(rows.gap)) + 1, self.friction)
 
 

@@ -18,7 +18,7 @@ from contactlab.contact.examination import examine_pair
 from contactlab.contact.explicit_system import allocate_rows
 from contactlab.contact.held_together import held_together
 from contactlab.contact.linearisation import PairDerivatives, PairLinearisation
-from contactlab.contact.pair import ContactPair
+from contactlab.contact.pair import ContactPair, shown
 from contactlab.contact.passage import first_passage
 from contactlab.contact.sliding import varying
 from contactlab.contact.step_rows import StepRows
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 class ImplicitContactSystem:
     """All contact pairs and their enforcement. Implements `contactlab.api.ImplicitContact`.
 
+    passes        all pairs; `pairs` are those that reports show (see `ContactPair.second`)
     follows_gaps  whether normal forces act along the derivatives of the gaps
     potentials    pairs whose forces come from an energy; `ruled` are the others, which set conditions
     consistent    whether they do so in steps of a motion, which holds gaps by rows that are those of the whole step
@@ -48,7 +49,8 @@ class ImplicitContactSystem:
         follows_gaps: bool,
     ) -> None:
         """`time` (1,) [s] is filled with that at which conditions hold: pairs that follow it look there."""
-        self.pairs, self.enforcement, self.state, self.time = pairs, enforcement, state, time
+        self.passes, self.pairs = pairs, shown(pairs)
+        self.enforcement, self.state, self.time = enforcement, state, time
         self.friction = any(pair.friction is not None for pair in pairs)
         nodes = len(state["displacement"])
         self.potentials = cast("tuple[PotentialPair, ...]", tuple(pair for pair in pairs if pair.by_energy))
@@ -81,7 +83,7 @@ class ImplicitContactSystem:
 
     def calls_per_step(self) -> Counter[str]:
         """How often an iteration calls the algorithms, by what they are asked for."""
-        return sum((Counter(pair.calls_per_step()) for pair in self.pairs), Counter())
+        return sum((Counter(pair.calls_per_step()) for pair in self.passes), Counter())
 
     def _memory(self, pair: ContactPair) -> Floats:
         name = f"memory.{pair.name}"

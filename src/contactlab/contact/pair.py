@@ -67,6 +67,8 @@ class ContactPair(ABC):
     start_gaps what of the gaps at the start does not count; None where they count in full
     smooth     curves that gaps are measured between; None where they are measured between segments
     sliding    what friction needs; None without
+    half       whether forces act on the slave alone, as another pass has the sides exchanged
+    second     whether it is that other pass: no report shows it
     evaluated  whether the conditions are those of the last accepted step
     search_s   wall time [s] spent on near lists
     """
@@ -101,9 +103,14 @@ class ContactPair(ABC):
         self.start_gaps: StartGaps | None = None
         self.smooth: SmoothSurfaces | None = None
         self.sliding = sliding_of(friction, self.slots, self.at)
-        self.evaluated = False
+        self.half = self.second = self.evaluated = False
         self._view: ContactView | None = None
         self.search_s = 0.0
+
+    @property
+    def share(self) -> float:
+        """How much of its work and of its energy counts: both half passes book those of the same surfaces."""
+        return 0.5 if self.half else 1.0
 
     @property
     def rows_per_node(self) -> int:
@@ -272,6 +279,11 @@ class ContactPair(ABC):
             forces=forces,
             tractions=np.stack([self.tractions(force) for force in forces]),
         )
+
+
+def shown(passes: tuple[ContactPair, ...]) -> tuple[ContactPair, ...]:
+    """The pairs that reports show: one for each contact of the scene."""
+    return tuple(pair for pair in passes if not pair.second)
 
 
 def initial_gaps(pair: ContactPair, positions: Floats) -> Floats:

@@ -36,7 +36,7 @@ class PressureResponse(ImplicitEnforcement):
         out.by_gap[0] = np.where(acts, -c.measure * self.found[1], 0.0)
         out.status[:] = np.where(acts, SLIP, OPEN)
         if len(out.residual) > 1:
-            _rub(c, out)
+            self.rub(c, out)
 
     def press(self, c: Conditions) -> Flags:
         """Fill `found`; which conditions (k,) are closed.
@@ -51,6 +51,10 @@ class PressureResponse(ImplicitEnforcement):
         if stays.any():
             closed |= self._hold(c, stays)
         return closed
+
+    def rub(self, c: Conditions, out: Response) -> None:
+        """Fill what friction asks for: what sticks does not slip."""
+        rub(c, out)
 
     def answer(self, gap: Floats, size: Floats, out: Floats) -> None:
         """Fill `out` (2, k) as `found` is for gaps and sizes (k,) [mm]."""
@@ -75,7 +79,7 @@ class PressureResponse(ImplicitEnforcement):
         return held
 
 
-def _rub(c: Conditions, out: Response) -> None:
+def rub(c: Conditions, out: Response) -> None:
     """Sticking conditions do not slip, the others carry their bound."""
     stiffness = np.where(c.present, c.stiffness, 0.0)
     limit, growth = _limits(c)

@@ -27,7 +27,7 @@ class PressureStore:
         for pair in self.pairs:
             own = pair.own
             gaps = np.minimum(pair.gaps[:, 0], self.law.begins())
-            total += float(pair.cover @ self.law.energy(gaps, self.stiffness[own], pair.full))
+            total += pair.share * float(pair.cover @ self.law.energy(gaps, self.stiffness[own], pair.full))
         return total
 
     def since_start(self) -> float:

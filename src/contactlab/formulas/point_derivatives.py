@@ -14,7 +14,7 @@ from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import MasterSegment, SlavePoint
 from contactlab.api.tensors import Vector
 from contactlab.formulas.point_kernels import gauss_point, measure
-from contactlab.formulas.point_pieces import FOOT, POINTS, in_wedge, parabola, tangent_at
+from contactlab.formulas.point_pieces import ALONE, FOOT, POINTS, in_wedge, parabola, tangent_at
 from contactlab.formulas.point_tables import DerivedPoints, Points, TurnedPoints
 from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import edge_between, inward_normals, neighbours, node, normal_derivatives
@@ -89,6 +89,21 @@ def put_turns(t, p, nodes, to, e):
             to.normal_of[e], to.normal_moved[e] = t.out.multiplier[p, 0], 2 * nodes[q // 2] + q % 2
             to.dnormal[e, 0], to.dnormal[e, 1] = x[q], y[q]
             e += 1
+    return e
+
+
+@section
+def put_own_turns(t, p, to, e):
+    """Derivatives of the normal of the slave's segment at piece p of a Gauss point from entry e on; the next one."""
+    x, s = t.sides.at.slave, t.out.segment[p, 0] // max(POINTS, 1)
+    i, j = t.sides.slave.segments[s, 0], t.sides.slave.segments[s, 1]
+    a, b, _ = three(x, i, x, j, x, i)
+    found = (a - b).turned().unit()
+    x, y = derivatives(found.x, 6), derivatives(found.y, 6)
+    for q in range(4):
+        to.normal_of[e], to.normal_moved[e] = t.out.multiplier[p, 0], 2 * (i if q < 2 else j) + q % 2
+        to.dnormal[e, 0], to.dnormal[e, 1] = x[q], y[q]
+        e += 1
     return e
 
 
@@ -301,11 +316,13 @@ def piece_derivatives(bound, count):
             for c in range(2):
                 put_changes(t, p, to, e, 2 * nodes[z] + c, factors[z, c, WEIGHT], factors[z, c, PLACE])
                 piece[e], e = p, e + 1
+        if ALONE:
+            turned = put_own_turns(t, p, to, turned)
         if POINTS == 0:
             turned = put_turns(t, p, three_nodes, to, turned)
             if t.out.ends[p, 2] != 0.0:
                 turned = put_rolls(t, p, nodes, factors, to, turned)
-    if POINTS == 0:
+    if POINTS == 0 or ALONE:
         return e, turned
     averaged = np.empty_like(t.out.normal)
     inward_normals(t.sides.at.slave, t.sides.slave.segments, averaged)

@@ -14,7 +14,7 @@ from contactlab.api.compiled.unpack import unpack
 from contactlab.api.segments import SlavePoint
 from contactlab.api.tensors import Vector
 from contactlab.formulas.point_corners import find_corners, put_corners, stands_for
-from contactlab.formulas.point_pieces import ABSCISSAE, EDGE, LEAVE, POINTS, foot, hold
+from contactlab.formulas.point_pieces import ABSCISSAE, ALONE, EDGE, LEAVE, POINTS, foot, hold
 from contactlab.formulas.point_tables import Points
 from contactlab.formulas.segment_kernels import PARAMETERS, trace
 from contactlab.formulas.segment_normals import inward_normals, node, turn_normals
@@ -177,6 +177,8 @@ def hold_gauss_points(t, reach, depth, p):
                 v = nearest_vertex(t, x, s, (np.int64(-1), np.inf), reach, p)[0]
             if best[0] >= 0 or v >= 0:
                 count = hold(t, count, x, q, best[:2], v, reach, depth, p)
+    if ALONE:
+        return count, 1
     inward_normals(view.at.slave, view.slave.segments, t.out.normal)
     return count, turn_normals(view, t.out, count, t.out.normal)
 

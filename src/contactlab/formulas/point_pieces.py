@@ -1,6 +1,7 @@
 """Pieces of single points of the slave: what a segment, a quadratic edge or a vertex of the master holds them with.
 
-Slots: POINTS, the Gauss points of each slave segment, 0 for its nodes, ABSCISSAE and WEIGHTS, their rule on 0 to 1;
+Slots: POINTS, the Gauss points of each slave segment, 0 for its nodes, ALONE, whether each of them has a multiplier of
+its own, ABSCISSAE and WEIGHTS, their rule on 0 to 1;
 FOOT(x, master, p), see `contactlab.api.segments`.
 
 All sections work on a `Points` table t; q is the number of the point, x its `SlavePoint`, count the piece to write.
@@ -18,7 +19,7 @@ from contactlab.api.tensors import Vector
 from contactlab.formulas.segment_kernels import trace
 from contactlab.formulas.segment_normals import node
 
-FOOT, POINTS, ABSCISSAE, WEIGHTS = slots("FOOT", "POINTS", "ABSCISSAE", "WEIGHTS")
+FOOT, POINTS, ALONE, ABSCISSAE, WEIGHTS = slots("FOOT", "POINTS", "ALONE", "ABSCISSAE", "WEIGHTS")
 SHARP = 0.17  # sine of the kink (10 degrees) from which a concave corner holds with both segments
 NARROW = 0.01  # sine of the turn at a vertex below which it has one normal
 AT_END = 1e-6  # shares of a segment end within which a node sits on the vertex
@@ -89,8 +90,16 @@ def put_slave(t, count, q, slot):
     xi = ABSCISSAE[q - s * POINTS]
     weight, nodes = WEIGHTS[q - s * POINTS] * t.slave_length[s], view.slave.edges.shape[1]
     edge, half = view.slave.segment_edge[s, 0], view.slave.segment_edge[s, 1]
-    t.psi[0], t.psi[1] = weight * (1.0 - xi), weight * xi
     out.ends[count, 0] = xi
+    if ALONE:
+        i, g = view.slave.segments[s, 0], q - s * POINTS
+        out.multiplier[count, 0] = g * t.outward.shape[0] + i
+        t.psi[0], out.T[count, 0, 0] = weight, weight
+        for k in range(nodes):
+            out.slave[count, k] = view.slave.edges[edge, k]
+            out.D[count, k, 0] = trace(nodes, half, xi, k) * weight
+        return
+    t.psi[0], t.psi[1] = weight * (1.0 - xi), weight * xi
     for k in range(2):
         out.multiplier[count, k] = view.slave.segments[s, k]
         for i in range(nodes):
@@ -102,9 +111,12 @@ def put_slave(t, count, q, slot):
 @section
 def put_normal(t, count, x, y):
     """The normal of a multiplier that belongs to one point; those of Gauss points are the slave's."""
+    k = t.out.multiplier[count, 0]
     if POINTS == 0:
-        k = t.out.multiplier[count, 0]
         t.out.normal[k, 0], t.out.normal[k, 1] = x, y
+    elif ALONE:
+        s = t.out.segment[count, 0] // max(POINTS, 1)
+        t.out.normal[k, 0], t.out.normal[k, 1] = -t.slave_normal[s, 0], -t.slave_normal[s, 1]
 
 
 @section

@@ -39,7 +39,7 @@ class _Kernels(ClassKernels):
         places, weights = gauss_rule(max(1, self.kind.points))
         return {
             single.FOOT: self.called("foot", "x, master, p", {}),
-            single.POINTS: self.kind.points,
+            single.POINTS: self.kind.points, single.ALONE: self.kind.points_press,
             kernels.HOLD: kernels.hold_gauss_points if self.kind.points else kernels.hold_nodes,
             single.ABSCISSAE: places, single.WEIGHTS: weights,
         }  # fmt: skip
@@ -76,6 +76,12 @@ def gradients(part: PointContact, view: ContactView, pieces: Pieces, count: int,
 
 def normals(part: PointContact, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:
     """`ContactAlgorithm.normals`; False where they follow from all pieces alone."""
+    if part.points_press:
+        out[:] = pieces.normal
+        a, b = (view.at.slave[view.slave.segments[pieces.segment[:count, 0] // part.points, k]] for k in range(2))
+        along = b - a
+        out[pieces.multiplier[:count, 0]] = np.stack([-along[:, 1], along[:, 0]], 1) / np.hypot(*along.T)[:, None]
+        return True
     if part.points:
         return averaged_normals(view, pieces, count, out)
     out[:] = pieces.normal

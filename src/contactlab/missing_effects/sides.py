@@ -24,11 +24,11 @@ LEAN = 0.01  # sine of the angle between forces and that normal: at mu = 0.2 fri
 def side_detectors(scene: Scene, model: Model) -> Detectors:
     """A detector for every contact whose master is a body: a rigid surface is never too soft, too coarse or a slave.
 
-    Potentials press both sides alike, with normals of their own: exchange of the sides mends nothing.
+    Potentials and two half passes press both sides alike, with normals of their own: exchange mends nothing.
     """
     ends = np.array([body.first + body.count for body in model.bodies])
     for pair, spec in zip(model.contact.pairs if model.contact is not None else (), scene.contacts, strict=True):
-        if isinstance(pair.method, Potential):
+        if isinstance(pair.method, Potential) or pair.half:
             continue
         slave = _bodies_of(pair.slave.nodes, model.bodies, ends)
         master = _bodies_of(pair.master.nodes, model.bodies, ends)

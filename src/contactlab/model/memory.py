@@ -38,7 +38,7 @@ def model_memory(model: Model) -> dict[str, Floats]:
     for limit in model.step_limits:
         memory[f"frequency.{limit.body.name}"] = limit.frequency
         memory[f"cell_size.{limit.body.name}"] = limit.before
-    for pair in model.contact.pairs if model.contact is not None else ():
+    for pair in model.contact.passes if model.contact is not None else ():
         memory |= _near_memory(pair)
     return memory
 
@@ -53,7 +53,7 @@ def restore_model(model: Model, memory: Mapping[str, Floats]) -> None:
         model.moved_back()
     for forces in model.forces:
         forces.trial_history[:] = forces.history  # as they are after an accepted step
-    for pair in model.contact.pairs if model.contact is not None else ():
+    for pair in model.contact.passes if model.contact is not None else ():
         slave, master = memory[f"near.{pair.name}.slave"], memory[f"near.{pair.name}.master"]
         if not np.isnan(slave).any():
             pair.restore(slave, master)

@@ -47,7 +47,7 @@ class Prolongation:
 
 
 def _pairs(model: ImplicitModel) -> tuple[ContactPair, ...]:
-    return tuple(model.contact.pairs) if model.contact is not None else ()
+    return tuple(model.contact.passes) if model.contact is not None else ()
 
 
 class _BodyMap:

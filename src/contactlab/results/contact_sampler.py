@@ -86,7 +86,7 @@ def _columns(kind: np.dtype[Any]) -> dict[str, np.ndarray]:
 
 def _recorder_of(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -> Callable[[int], None]:
     """What fills a row of one contact from the model after a step."""
-    if isinstance(pair, OperatorPair):
+    if isinstance(pair, OperatorPair) and not pair.algorithm.points_press:
         return _compiled(model, pair, columns)
     return _by_numpy(model, pair, columns)
 
@@ -157,7 +157,12 @@ def _by_numpy(model: Model, pair: ContactPair, columns: dict[str, np.ndarray]) -
         if "slip" in columns:
             implicit = hasattr(contact, "conditions")
             slips = contact.conditions.slip[own] if implicit else slips_of(model)[own]
-            slips = np.where(seen.gaps < FAR, slips, 0.0)
-            columns["slip"][row] = slips.reshape(pair.rows_per_node, -1).mean(axis=0)
+            columns["slip"][row] = _at_nodes(pair, seen.gaps, slips)
 
     return record
+
+
+def _at_nodes(pair: ContactPair, gaps: Floats, slips: Floats) -> Floats:
+    if hasattr(pair, "at_nodes"):
+        return np.asarray(pair.at_nodes(slips))
+    return np.asarray(np.where(gaps < FAR, slips, 0.0).reshape(pair.rows_per_node, -1).mean(axis=0))

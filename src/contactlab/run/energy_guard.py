@@ -37,7 +37,7 @@ class EnergyGuard:
         self.since = np.full(3, -1.0)
         # energies of smaller strains are round-off
         self.largest = max(model.initial_energy, float(model.mass.sum()) * (ROUND * wave_speed) ** 2)
-        pairs = model.contact.pairs if model.contact is not None else ()
+        pairs = model.contact.passes if model.contact is not None else ()
         # an overlap of the start is pushed out: energy that the scene lets contact put in
         self.judges_contact = bool(pairs) and not any(pair.pushes_overlaps_out for pair in pairs)
         self.judges_gain = self.judges_contact or not pairs
@@ -98,7 +98,7 @@ class EnergyGuard:
         if not self.facets:
             return
         forces = self.model.state["multipliers"][0]
-        rate = -sum(float(forces[p.own] @ own.value) for p, own in self.facets)
+        rate = -sum(p.share * float(forces[p.own] @ own.value) for p, own in self.facets)
         counted = self.facets[0][1].ramp(self.model.state.time)
         self.pushed += 0.5 * (self.rate + rate) * (counted - self.counted)
         self.rate, self.counted = rate, counted

@@ -32,7 +32,7 @@ class KeptState:
         self.make_room(model)
         for name, field in model.state.fields.items():
             np.copyto(self.fields[name], field)
-        pairs = model.contact.pairs if model.contact is not None else ()
+        pairs = model.contact.passes if model.contact is not None else ()
         self.near = [None if pair.near is None else (pair.near.slave, pair.near.master) for pair in pairs]
         self.step, self.dt = model.state.step, dt
 
@@ -43,7 +43,7 @@ class KeptState:
         np.add(model.reference, model.state["displacement"], out=model.position)
         for forces in model.forces:
             forces.trial_history[:] = forces.history  # as they are after an accepted step
-        for pair, near in zip(model.contact.pairs if model.contact is not None else (), self.near, strict=True):
+        for pair, near in zip(model.contact.passes if model.contact is not None else (), self.near, strict=True):
             if near is not None:
                 pair.find_near(*near)
 

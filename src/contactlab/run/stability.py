@@ -62,6 +62,9 @@ def unstable_motions(model: ImplicitModel) -> int:
     """
     if len(np.unique(model.prescribed.dof)) == model.reference.size:
         return 0  # nothing is free to move
+    contact = model.contact
+    if contact is not None and contact.friction and any(pair.half for pair in contact.pairs):
+        return 0  # both half passes hold the same slips: with a row for each there is no inverse
     leaving = _negative_directions(linearised(model))
     if leaving and model.contact is not None:
         leaving = min(leaving, _negative_directions(linearised(model, normals_turn=False)))

@@ -20,8 +20,8 @@ def contactlab_parts() -> list[Part]:
             "contact",
             "gauss-point",
             "contactlab_segments.gauss_point:GaussPoint",
-            "Gauss points of the slave against master segments, one pass",
-            "Fischer & Wriggers 2005",
+            "Gauss points of the slave against master segments; passes = 2: of both sides, neither is the slave",
+            "Fischer & Wriggers 2005; Sauer & De Lorenzis 2013; Sauer & De Lorenzis 2015",
         ),
         Part(
             "contact",

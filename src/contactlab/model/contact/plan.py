@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -36,6 +36,7 @@ from contactlab.model.contact.initial_gap import facet_overlap, ramped_overlap, 
 from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
+    from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.errors import Where
     from contactlab.model.loading.rigid import RigidSurface
     from contactlab.parts.registry import Registry
@@ -51,6 +52,8 @@ class ContactPlan:
     explicit  whether it is for an explicit integrator
     smooth  whether gaps are those between curves through the nodes
     opened [mm] by how much surfaces that touched were opened, for a potential that needs room
+    exchanged  slave and master of the pass in which the sides are exchanged, of two half passes; () of one pass
+    second  whether this is that pass
     """
 
     name: str
@@ -67,6 +70,8 @@ class ContactPlan:
     smooth: bool
 
     opened: float = 0.0
+    exchanged: tuple[Surface, ...] = ()
+    second: bool = False
 
     @property
     def slots(self) -> int:
@@ -77,11 +82,22 @@ class ContactPlan:
         """The pair at work. `immobile` (N,) marks nodes that cannot move; `behind` is for potentials."""
         sides, fixed = (self.slave, self.master), immobile[self.slave.nodes]
         pair = contact_pair(self.name, self.algorithm, sides, positions, first_slot, self.friction, fixed, behind)
+        pair.half, pair.second = bool(self.exchanged), self.second
         if self.smooth:
             from contactlab.model.contact.smooth import make_smooth
 
             make_smooth(pair, positions)
         return pair
+
+
+def all_passes(plans: tuple[ContactPlan, ...]) -> tuple[ContactPlan, ...]:
+    """The contacts, and after them the second ones of two half passes."""
+    return (*plans, *(_exchanged(plan) for plan in plans if plan.exchanged))
+
+
+def _exchanged(plan: ContactPlan) -> ContactPlan:
+    slave, master = plan.exchanged
+    return replace(plan, name=f"{plan.name}.exchanged", slave=slave, master=master, sides=plan.sides[::-1], second=True)
 
 
 def by_energy(plan: ContactPlan) -> bool:
@@ -144,10 +160,18 @@ def _plan(
         from contactlab.model.contact.potential_start import refuse_potential
 
         refuse_potential(algorithm, spec, integrator, friction, where)
-    sides = (
-        split_at_corners(_surface(slave, bodies, rigid, below(where, slave_key)), positions, spec.corner),
+    whole = (
+        _surface(slave, bodies, rigid, below(where, slave_key)),
         _surface(master, bodies, rigid, below(where, master_key)),
     )
+    sides, exchanged = (split_at_corners(whole[0], positions, spec.corner), whole[1]), ()
+    half_pass = algorithm.half_pass()
+    if half_pass is not None:
+        from contactlab.model.contact.half_passes import refuse_half_passes
+
+        stiff = ", ".join(name for name in (*slave, *master) if name in {surface.name for surface in rigid})
+        refuse_half_passes(spec, enforcement, friction, stiff, where)
+        algorithm, exchanged = half_pass, (split_at_corners(whole[1], positions, spec.corner), whole[0])
     if spec.smooth:
         from contactlab.model.contact.smooth import refuse_smooth
 
@@ -164,6 +188,7 @@ def _plan(
         where,
         explicit,
         spec.smooth,
+        exchanged=exchanged,
     )
 
 
@@ -196,7 +221,7 @@ def contact_shapes(plans: tuple[ContactPlan, ...], nodes: int) -> Mapping[str, t
     """State fields of the contacts; nothing tangential without friction."""
     if not plans:
         return {}
-    rows = 2 if any(plan.friction is not None for plan in plans) else 1
+    rows, plans = 2 if any(plan.friction is not None for plan in plans) else 1, all_passes(plans)
     shapes: dict[str, tuple[int, ...]] = {"multipliers": (rows, sum(plan.slots for plan in plans))}
     shapes |= {"multipliers_before": shapes["multipliers"][1:], "contact_force": (nodes, 2)}
     if plans[0].explicit and isinstance(plans[0].enforcement, NormalLaw):
@@ -231,6 +256,7 @@ def build_contact(
     if not plans:
         return None
     _one_enforcement(plans)
+    plans = all_passes(plans)
     held = np.zeros(2 * len(reference), np.bool_)
     held[fixed_dof] = True
     immobile = np.asarray(held.reshape(-1, 2).all(axis=1))
@@ -242,7 +268,8 @@ def build_contact(
     time = state["clock"] if explicit else np.zeros(1)
     pairs, first = [], 0
     for plan in plans:
-        refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
+        if not plan.second:
+            refuse_held_slave(plan.slave, immobile, plan.sides[0], plan.where)
         behind = what_lies_behind(plan, bodies, reference) if by_energy(plan) else None
         pair = plan.pair(reference, first, immobile, behind)
         if by_energy(plan):
@@ -291,19 +318,31 @@ def _pressure_system(
     stiffness = []
     for pair in pairs:
         slave, master = (stiffness_behind(side, bodies, reference) for side in (pair.slave, pair.master))
-        stiffness.append(np.tile(in_series(slave, master), pair.rows_per_node))
+        # what overlaps alike in both half passes is pressed alike
+        own = np.full(len(slave), 1.0 / (1.0 / slave).mean()) if pair.half else slave
+        stiffness.append(np.tile(in_series(own, master), pair.rows_per_node))
+    half = any(pair.half for pair in pairs)
     store = PressureStore(law, pairs, np.concatenate(stiffness), reference)
     if plans[0].explicit:
+        densities = [sum(length_over_mass(side, reference, mass) for side in (p.slave, p.master)) for p in pairs]
+        if half:
+            from contactlab.model.contact.half_passes import HalfPassContactSystem
+
+            return HalfPassContactSystem(pairs, store, state, densities)
         from contactlab.model.contact.pressure_system import PressureContactSystem
 
-        densities = [sum(length_over_mass(side, reference, mass) for side in (p.slave, p.master)) for p in pairs]
         return PressureContactSystem(pairs, store, state, densities)
-    from contactlab.contact.implicit_system import ImplicitContactSystem
-    from contactlab.contact.pressure_response import PressureResponse
+    system: ImplicitContactSystem
+    if half:
+        from contactlab.contact.half_passes import HalfPassResponse, HalfPassSystem
 
-    linearised: Any = pairs
-    response = PressureResponse(law, store.stiffness)
-    system = ImplicitContactSystem(linearised, response, state, time, follows_gaps=False)
+        system = HalfPassSystem(pairs, HalfPassResponse(law, store.stiffness, pairs), state, time, follows_gaps=False)
+    else:
+        from contactlab.contact.implicit_system import ImplicitContactSystem
+        from contactlab.contact.pressure_response import PressureResponse
+
+        response = PressureResponse(law, store.stiffness)
+        system = ImplicitContactSystem(pairs, response, state, time, follows_gaps=False)
     system.store = store
     return system
 

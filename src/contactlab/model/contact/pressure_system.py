@@ -42,6 +42,7 @@ class PressureContactSystem(ConsistentContactSystem):
     store      the energy of the surfaces, with the law and the stiffness of the cells behind each slot
     densities  of each pair, the sum of largest lengths over masses of both sides [mm/t]
     allowed    (pairs,) [MPa/mm] steepest slope of each that steps are made for; in the state, as steps follow it
+    shear      (pairs,) [MPa/mm] shear per slip of those whose friction is that of springs
     shared     whether a node belongs to several pairs, whose slopes then add up
     """
 
@@ -53,6 +54,7 @@ class PressureContactSystem(ConsistentContactSystem):
         self.shared = len(np.unique(nodes := np.concatenate([nodes_of(pair) for pair in pairs]))) < len(nodes)
         self.allowed = state["contact_slope"]
         self.pressure, self.slope = np.zeros_like(self.stiffness), np.zeros_like(self.stiffness)
+        self.shear = np.zeros(len(pairs))
 
     def _solve(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> Solve:
         self._assemble(self.law.begins(), current, predicted)
@@ -65,16 +67,21 @@ class PressureContactSystem(ConsistentContactSystem):
         self.multipliers[0, slot] = rows.measure[:count] * pressure
         if rubbed is not None:
             self.multipliers[1, slot] = rubbed
-        address, sweeps, residual = rows.packed.address, 1, 0.0
-        push(count, address, self.multipliers, force)
-        if tangential:
-            start_slips(count, address, current, predicted)
-            sweeps, residual = rub(count, address, compliance, self.multipliers, force, TOLERANCE, SWEEPS)
+        sweeps, residual = self._push(predicted, current, compliance, force)
         done = Solve(sweeps, residual, 0, float(np.abs(compliance * force).max(initial=0.0)))
         if self.varying and count:
             done = self._follow(done, lambda: self._rub_again(done, compliance, force), compliance, force)
         self.solution_s += perf_counter() - asked
         return done
+
+    def _push(self, predicted: Floats, current: Floats, compliance: Floats, force: Floats) -> tuple[int, float]:
+        """Nodal forces of all rows, with friction found under them; sweeps, and what the last one left."""
+        count, address, sweeps, residual = self.rows.count, self.rows.packed.address, 1, 0.0
+        push(count, address, self.multipliers, force)
+        if len(self.rows.slip):
+            start_slips(count, address, current, predicted)
+            sweeps, residual = rub(count, address, compliance, self.multipliers, force, TOLERANCE, SWEEPS)
+        return sweeps, residual
 
     def _rub_again(self, done: Solve, compliance: Floats, force: Floats) -> Solve:
         sweeps, residual = rub(
@@ -101,13 +108,13 @@ class PressureContactSystem(ConsistentContactSystem):
         energy of slopes s is at most s times length over mass of each side, summed, times that of the masses.
         """
         moved = 2.0 * AHEAD * step * float(np.abs(self.velocity).max(initial=0.0))
-        for number, pair in enumerate(self.pairs):
+        for number, pair in enumerate(self.passes):
             own = pair.own
             gaps = np.minimum(np.where(pair.gaps[:, 0] < FAR, pair.gaps[:, 0], 0.0), self.law.begins()) - moved
             pressure, slope = np.zeros_like(gaps), np.zeros_like(gaps)
             size = np.where(pair.full > 0.0, pair.full, pair.size)
             self.law.pressure(np.minimum(gaps, -1e-9 * pair.size), self.stiffness[own], size, pressure, slope)
-            self.allowed[number] = SPARE * float(-slope.min(initial=0.0))
+            self.allowed[number] = SPARE * max(float(-slope.min(initial=0.0)), float(self.shear[number]))
         squares = self.allowed * self.densities
         return replace(others, square=others.square + float(squares.sum() if self.shared else squares.max()))
 
@@ -115,7 +122,7 @@ class PressureContactSystem(ConsistentContactSystem):
     def stiffened(self) -> bool:
         """Whether a slope of the last step is steeper than `rates` allowed for."""
         slot, slope = self.rows.slot[: self.rows.count], self.slope[: self.rows.count]
-        for pair, allowed in zip(self.pairs, self.allowed, strict=True):
+        for pair, allowed in zip(self.passes, self.allowed, strict=True):
             own = (slot >= pair.first_slot) & (slot < pair.first_slot + pair.slots)
             if -slope[own].min(initial=0.0) > allowed:
                 return True
