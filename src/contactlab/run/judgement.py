@@ -189,6 +189,8 @@ def _judge_distances(model: Model, pairs: list[ContactPair], stored: float) -> N
     """Whether pressed nodes stand off the curve of the other side or lie within it, and what that changes."""
     from contactlab.run.kept_gap import HIGH, kept_gaps
 
+    if any(pair.half for pair in pairs):
+        return  # points have gaps of their own, and their multipliers belong to no single node
     for one in kept_gaps(cast("ImplicitModel", model), pairs, stored):
         size = "large" if one.share > 0.0 else "small"
         off = f"{abs(one.apart):.3g} {'off' if one.apart > 0.0 else 'within'}"
