@@ -37,7 +37,7 @@ class ContactSystem:
     consistent: ClassVar[bool] = False
 
     def __init__(self, pairs: tuple[ContactPair, ...], enforcement: ExplicitEnforcement, state: State) -> None:
-        self.passes, self.pairs = pairs, shown(pairs)
+        self.pairs, self.passes = shown(pairs), pairs
         self.enforcement, self.state = enforcement, state
         self.multipliers, self.before = state["multipliers"], state["multipliers_before"]
         self.friction = any(pair.friction is not None for pair in pairs)

@@ -49,7 +49,7 @@ class ImplicitContactSystem:
         follows_gaps: bool,
     ) -> None:
         """`time` (1,) [s] is filled with that at which conditions hold: pairs that follow it look there."""
-        self.passes, self.pairs = pairs, shown(pairs)
+        self.pairs, self.passes = shown(pairs), pairs
         self.enforcement, self.state, self.time = enforcement, state, time
         self.friction = any(pair.friction is not None for pair in pairs)
         nodes = len(state["displacement"])
