@@ -52,22 +52,33 @@ def is_potential(spec: Any, registry: Registry) -> bool:
 def unfit(case: Case, setup: Setup, registry: Registry) -> str:
     """Why a case cannot be run with this setup, also by what its contact algorithm refuses; empty if it can."""
     why = case.applies(setup)
-    if why or not is_potential(setup.algorithm, registry):
+    if why:
         return why
+    algorithm = registry.make("contact", setup.algorithm)
+    if not isinstance(algorithm, Potential) and algorithm.half_pass() is None:
+        return ""
+    for job in case.plan(setup, {}):
+        try:
+            _refuse(scene_of(job, registry), registry)
+        except RequestError as error:
+            return error.problem
+    return ""
+
+
+def _refuse(scene: Scene, registry: Registry) -> None:
+    """Raise RequestError for a scene that gives a potential or half passes what they cannot take."""
+    from contactlab.model.contact.half_passes import refuse_half_passes
     from contactlab.model.contact.potential_start import refuse_potential
 
-    for job in case.plan(setup, {}):
-        scene = scene_of(job, registry)
-        integrator = registry.make("integrator", scene.integrator)
-        for contact in scene.contacts:
-            algorithm = registry.make("contact", contact.algorithm)
-            try:
-                if isinstance(algorithm, Potential):
-                    law = registry.make("friction", contact.friction) if contact.friction else None
-                    refuse_potential(algorithm, contact, integrator, law, "")
-            except RequestError as error:
-                return error.problem
-    return ""
+    integrator = registry.make("integrator", scene.integrator)
+    for contact in scene.contacts:
+        algorithm = registry.make("contact", contact.algorithm)
+        friction = registry.make("friction", contact.friction) if contact.friction else None
+        if isinstance(algorithm, Potential):
+            refuse_potential(algorithm, contact, integrator, friction, "")
+        elif algorithm.half_pass() is not None:
+            enforcement = registry.make("enforcement", contact.enforcement or integrator.enforcement())
+            refuse_half_passes(contact, enforcement, friction, "", "")
 
 
 def case_plan(

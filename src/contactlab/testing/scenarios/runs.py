@@ -77,10 +77,15 @@ def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:
     match subject.kind:
         case "contact":
             rubs = not issubclass(subject.part_class, Potential) or subject.part_class.rubs
-            return {"contacts.0.algorithm": spec, **({} if rubs else {"contacts.0.friction": None})}
+            placed = {"contacts.0.algorithm": spec, **({} if rubs else {"contacts.0.friction": None})}
+            if half_passes(subject):
+                placed |= {"contacts.0.enforcement": {"use": "linear-pressure"}, **_shorter(mode)}
+            return placed
         case "friction" | "enforcement":
-            shorter = mode == "explicit" and issubclass(subject.part_class, NormalLaw)
-            return {f"contacts.0.{subject.kind}": spec, **({"time.step": STEP / SHORTER} if shorter else {})}
+            return {
+                f"contacts.0.{subject.kind}": spec,
+                **(_shorter(mode) if issubclass(subject.part_class, NormalLaw) else {}),
+            }
         case "element":
             timed = {"time.step": STEP / subject.part_class.degree**2} if mode == "explicit" else {}
             return {"bodies.upper.element": spec, "bodies.lower.element": spec, **timed}
@@ -93,6 +98,16 @@ def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:
         case "recorder":
             return {"record.recorders": [spec], "record.frames": 4}
     raise NotApplicable(f"a part of kind {subject.kind} has no place in this scene")
+
+
+def half_passes(subject: Subject) -> bool:
+    """Whether the part is an algorithm of two half passes, which press by laws and balance as far as meshes resolve."""
+    return subject.kind == "contact" and subject.make().half_pass() is not None
+
+
+def _shorter(mode: Mode) -> dict[str, Any]:
+    """Steps that follow the slopes of pressure laws."""
+    return {"time.step": STEP / SHORTER} if mode == "explicit" else {}
 
 
 def _timed(subject: Subject, mode: Mode) -> dict[str, Any]:
