@@ -111,7 +111,7 @@ def _energy(model: Model, sample: Sample) -> Iterator[Invariant]:
         why = "the work of a load step is that of the mean of the forces at both its ends"
         yield Invariant("error of the energy ledger", "ledger", "", error, STEPWISE, why)
     mismatch = reaction_mismatch(model)
-    if np.isfinite(mismatch) and not _half_passes(model):
+    if np.isfinite(mismatch):
         yield Invariant(
             "support reactions out of balance", "unbalanced-reactions", "", mismatch, ROUND,
             "load steps end in equilibrium to 1e-8 of the largest force",
