@@ -32,8 +32,9 @@ class PointsPair(OperatorPair):
         ]
         size = np.hypot(*force[0].T)
         mean = np.stack([np.bincount(slave, (share * points.normals[multiplier, c]), m) for c in range(2)], axis=1)
-        mean /= np.maximum(np.hypot(*mean.T), 1e-300)[:, None]
-        normal = np.where(size[:, None] > 0.0, force[0] / np.maximum(size, 1e-300)[:, None], mean)
+        pressed = np.asarray(size > 0.0)[:, None]
+        normal = np.where(pressed, force[0], mean)
+        normal = normal / np.maximum(np.hypot(*normal.T), 1e-300)[:, None]
         tangent = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
         forces, normals, gaps, lengths = np.zeros((2, k)), np.zeros((k, 2)), np.full(k, FAR), np.zeros(k)
         forces[0, :m], forces[1, :m] = size, (force[1] * tangent).sum(axis=1)

@@ -164,7 +164,8 @@ def _plan(
         _surface(slave, bodies, rigid, below(where, slave_key)),
         _surface(master, bodies, rigid, below(where, master_key)),
     )
-    sides, exchanged = (split_at_corners(whole[0], positions, spec.corner), whole[1]), ()
+    sides = split_at_corners(whole[0], positions, spec.corner), whole[1]
+    exchanged: tuple[Surface, ...] = ()
     half_pass = algorithm.half_pass()
     if half_pass is not None:
         from contactlab.model.contact.half_passes import refuse_half_passes
