@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from contactlab.api import Potential
+from contactlab.api import NormalLaw, Potential
 from contactlab.parts.loading import CORE
 from contactlab.parts.registry import Registry, known_packages
+from contactlab.scene.fields import is_required, keys_of
 from contactlab.testing.assertions import NotApplicable
 
 
@@ -21,3 +22,12 @@ def usual_algorithm(registry: Registry) -> str:
         if cls.passes_patch_test and not issubclass(cls, Potential):
             return name
     raise NotApplicable("no contact algorithm that passes the patch test is installed")
+
+
+def usual_law(registry: Registry) -> str:
+    """A shipped pressure law that needs no values and nothing but gaps."""
+    for name in partners(registry, "enforcement"):
+        cls = registry.part_class("enforcement", name)
+        if issubclass(cls, NormalLaw) and not cls.needs and not any(is_required(key) for key in keys_of(cls).values()):
+            return name
+    raise NotApplicable("no pressure law without values of its own is installed")

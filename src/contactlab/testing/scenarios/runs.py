@@ -18,6 +18,7 @@ from contactlab.results.results import Results
 from contactlab.run.simulation import simulate
 from contactlab.scene.scene import Scene, load_scene
 from contactlab.testing.assertions import NotApplicable, require
+from contactlab.testing.partners import usual_law
 from contactlab.testing.subject import Subject
 
 Mode = Literal["explicit", "statics"]
@@ -79,7 +80,7 @@ def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:
             rubs = not issubclass(subject.part_class, Potential) or subject.part_class.rubs
             placed = {"contacts.0.algorithm": spec, **({} if rubs else {"contacts.0.friction": None})}
             if half_passes(subject):
-                placed |= {"contacts.0.enforcement": {"use": "linear-pressure"}, **_shorter(mode)}
+                placed |= {"contacts.0.enforcement": {"use": usual_law(subject.registry)}, **_shorter(mode)}
             return placed
         case "friction" | "enforcement":
             return {
