@@ -1,4 +1,4 @@
-"""Errors left on the finest meshes of a scene: Richardson's rule with tried orders, and runs beside one another."""
+"""Errors left on the finest meshes of a scene: least squares over runs of several meshes, with tried orders."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
+
+from contactlab.api.arrays import Floats
 
 
 class Judged(Protocol):
@@ -27,12 +29,12 @@ class Judged(Protocol):
         """Relative distance."""
 
 
-ORDERS = (0.5, 1.5)
-"""Orders of convergence that are believed: edges of contact bound them at the one end, singular ones at the other."""
-UNKNOWN = 0.75
-"""Order that is taken while two levels are all there is."""
-LEAST_ALIKE = 0.2
-"""Correlation that changes from level to level are believed to have at least."""
+ORDERS = np.linspace(0.4, 1.5, 23)
+"""Orders of convergence that are tried: edges of contact bound them at the one end, singular ones at the other."""
+MISFIT = 0.02
+"""Relative misfit, root mean square, beyond that of the best order with which an order counts by a third less."""
+FLOOR = 0.1
+"""Mean square of distances that is added to each: two levels that agree by chance tell nothing of the order."""
 ALONE = 1.5
 """Times the error that a single line of runs leaves by its own estimate: nothing stands beside it."""
 NEAR_FINEST = 0.7
@@ -72,33 +74,42 @@ class Truth:
 
 
 def left_at(values: Mapping[int, Any], judged: Judged) -> float:
-    """Relative error left at the finest of at least two levels, by Richardson's rule with the last three.
+    """Relative error left at the finest of at least two levels, by least squares over the distances of all pairs.
 
-    Changes c1, c2 from level to level tell the order q of further ones, which fall as r = ratio^-q each. Whether they
-    add up as numbers (a smooth error) or as squares (a local one, beside a corner or an edge) is told by the change
-    over both levels: their correlation is k = (c^2 - c1^2 - c2^2) / (2 c1 c2), and what is left
+    The error at level n is taken as C n^-q, in part along one direction that all levels share (what Richardson's rule
+    extrapolates) and in part along one of its own (where an edge of contact falls in its cell):
 
-        c2 ((1 - k) r^2 / (1 - r^2) + k r^2 / (1 - r)^2)^(1/2)
+        d_ij^2 = a (x_i - x_j)^2 + b (x_i^2 + x_j^2),    x = n^-q,    a, b >= 0
+
+    which leaves x (a + b)^(1/2). The result is the mean over tried orders q, weighed by how well they fit; two levels
+    tell nothing of b and q.
     """
-    levels = sorted(values)[-3:]
+    levels = sorted(values)
     fine = [judged.sharpened(values[level]) for level in levels]
-    change, order, alike = judged.apart(fine[-2], fine[-1]), UNKNOWN, 1.0
-    if len(levels) == 3 and change > 0.0:
-        before, both = judged.apart(fine[0], fine[1]), judged.apart(fine[0], fine[2])
-        order = _order(np.array(levels, float), before, change)
-        product = max(2.0 * before * change, 1e-300)
-        alike = min(max((both**2 - before**2 - change**2) / product, LEAST_ALIKE), 1.0)
-    fall = (levels[-2] / levels[-1]) ** order
-    squares, numbers = fall**2 / (1.0 - fall**2), (fall / (1.0 - fall)) ** 2
-    return float(change * np.sqrt((1.0 - alike) * squares + alike * numbers))
+    i, j = np.triu_indices(len(levels), 1)
+    squares = np.array([judged.apart(fine[m], fine[n]) for m, n in zip(i, j, strict=True)]) ** 2
+    left, misfit = np.zeros((2, len(ORDERS)))
+    for k, order in enumerate(ORDERS):
+        x = (np.array(levels) / levels[-1]) ** -order
+        size = x[i] ** 2 + x[j] ** 2
+        shared, own = (x[i] - x[j]) ** 2 / size, squares / size
+        a, b = _line(shared, own)
+        left[k] = np.sqrt(a + b)
+        floor = FLOOR * max(own.mean(), 1e-300)
+        misfit[k] = np.mean((0.5 * np.log((a * shared + b + floor) / (own + floor))) ** 2)
+    weight = np.exp((misfit.min() - misfit) / (2.0 * MISFIT**2))
+    return float(weight @ left / weight.sum())
 
 
-def _order(levels: Any, before: float, change: float) -> float:
-    """The order among tried ones whose changes between three levels have this ratio."""
-    tried = np.linspace(*ORDERS, 41)
-    a, b, c = (level**-tried for level in levels)
-    ratio = before / max(change, 1e-300)
-    return float(tried[np.argmin(np.abs(np.log((a - b) / (b - c)) - np.log(max(ratio, 1e-300))))])
+def _line(t: Floats, y: Floats) -> tuple[float, float]:
+    """Least squares y = a t + b with a, b >= 0; of less than three points with b = 0."""
+    steep = float(t @ y) / float(t @ t)
+    if len(y) < 3:
+        return steep, 0.0
+    away = t - t.mean()
+    a = float(away @ y) / float(away @ away)
+    b = float(y.mean() - a * t.mean())
+    return (steep, 0.0) if b < 0.0 else (a, b) if a > 0.0 else (0.0, float(y.mean()))
 
 
 def ranked(ladders: Sequence[Ladder], judged: Judged) -> list[tuple[float, Ladder]]:
