@@ -172,3 +172,17 @@ def test_too_fast_and_too_damped_runs_are_told() -> None:
     (told,) = [warning for warning in damped.warnings if warning.code == "damped-work"]
     assert told.value > told.limit == 0.02
     assert told.key == "time.ramp"
+
+
+@pytest.mark.parametrize("material", [None, {"use": "linear-hardening", "yield_stress": 1e-9, "hardening": 10.0}])
+def test_damping_of_a_load_that_acts_at_once_is_told_where_the_way_matters(material: dict[str, Any] | None) -> None:
+    """An elastic column has one place to rest in, however it falls there; a plastic one keeps what the fall made."""
+    scene = stacked(1)
+    changes: dict[str, Any] = {
+        "supports": [{"on": "b0.bottom", "ux": 0.0, "uy": 0.0}],
+        "effects": [{"use": "gravity", "acceleration": [0.0, -9810.0]}], "time.end": "auto",
+    }  # fmt: skip
+    if material is not None:
+        changes["materials.m"] = scene.data["materials"]["m"] | material
+    warnings = [warning for warning in simulate(scene.with_(changes)).warnings if warning.code == "damped-work"]
+    assert [warning.key for warning in warnings] == ([] if material is None else ["effects.0.ramp"])

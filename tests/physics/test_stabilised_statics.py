@@ -53,7 +53,9 @@ def test_an_arch_snaps_through_under_its_load_and_ends_where_it_would_without_vi
     length = 2.0 * radius * np.arcsin(HALF / radius)
     held = np.add(found.summary["reactions"]["arch.left"], found.summary["reactions"]["arch.right"])
     np.testing.assert_allclose(held, [0.0, LOAD * length], atol=1e-6 * LOAD * length)
-    assert {warning.code: warning.value for warning in found.warnings}["stabilised"] == took["share"] > 0.05
+    # 18 % of the work, and a right end: nothing in it depends on the way
+    assert took["share"] > 0.05
+    assert "stabilised" not in {warning.code for warning in found.warnings}
     # with other steps Newton's method happens to jump as well, and an elastic arch has one place to end in
     other = arch(steps=10)
     assert "stabilisation" not in other.summary

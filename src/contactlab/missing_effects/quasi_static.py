@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from contactlab.api import WORK, ImplicitIntegrator, RunWarning
 from contactlab.missing_effects.missing_effect import Detectors, needed, per_cent
+from contactlab.model.loading.declared import courses_in
 from contactlab.model.model import Model
 from contactlab.model.timing import A_PERIOD
 from contactlab.results.reaction_balance import reaction_mismatch
+
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
 
 SHARE = 0.01  # of kinetic over internal energy
 UNBALANCED = 0.02  # of the largest reaction, and of the work that damping takes
@@ -18,13 +24,12 @@ EARLY = 0.2  # of the ramp: what a jolt at its start put in is not small against
 UNRESISTED = 0.5  # a body that meets a resistance stores more than half of its kinetic energy however slow the load is
 
 
-def quasi_static_detectors(scene: object, model: Model) -> Detectors:
+def quasi_static_detectors(scene: Scene, model: Model) -> Detectors:
     """Detectors for runs with `end = "auto"` and inertia whose loading path is meant to be in equilibrium."""
-    del scene
     if model.timing.end is None and model.timing.follows and model.integrator.inertia:
         yield KineticEnergy(model)
         yield Balance(model)
-        yield DampedWork(model)
+        yield DampedWork(model, tuple(_at_once(scene)))
 
 
 class KineticEnergy:
@@ -98,10 +103,14 @@ class Balance:
 
 
 class DampedWork:
-    """`worst`: largest share of the work done from outside that damping had taken at a frame, that of steps with it."""
+    """`worst`: largest share of the work done from outside that damping had taken at a frame, that of steps with it.
 
-    def __init__(self, model: Model) -> None:
-        self.model, self.worst = model, np.zeros(1)
+    Loads that act `at_once` (their keys) set bodies in motion however slow the rest is, and damping has to take as much
+    as these store. The end does not depend on it where nothing remembers the way.
+    """
+
+    def __init__(self, model: Model, at_once: tuple[str, ...] = ()) -> None:
+        self.model, self.at_once, self.worst = model, at_once, np.zeros(1)
 
     def update(self) -> None:
         """Take in the works of damping and of supports and loads so far."""
@@ -112,8 +121,18 @@ class DampedWork:
             self.worst[0] = max(self.worst[0], damping / max(internal, external))
 
     def warning(self) -> RunWarning | None:
-        """A slower ramp: what is damped away does not deform the bodies."""
-        return _slower(self.model, float(self.worst[0]), "damped-work", "damping has taken", "of the work done")
+        """A slower ramp, or one at all: what is damped away does not deform the bodies."""
+        share, history = float(self.worst[0]), self.model.history
+        if not self.at_once:
+            return _slower(self.model, share, "damped-work", "damping has taken", "of the work done")
+        if share <= UNBALANCED or not (history.laws or history.friction):
+            return None
+        return needed(
+            "damped-work", share, UNBALANCED, self.at_once[0],
+            f"damping has taken {per_cent(share)} of the work done ({per_cent(UNBALANCED)} at most), as a load acts at "
+            f"once, and {(*history.laws, *history.friction)[0]} depends on the way",
+            f"let it rise: write {self.at_once[0]} = {_rising(self.model, self.at_once[0])}",
+        )  # fmt: skip
 
 
 def _slower(model: Model, share: float, code: str, what: str, whole: str) -> RunWarning | None:
@@ -128,6 +147,25 @@ def _slower(model: Model, share: float, code: str, what: str, whole: str) -> Run
         f"({per_cent(UNBALANCED)} at most)",
         _slowly(model, 2.0),
     )
+
+
+def _at_once(scene: Scene) -> Iterator[str]:
+    """Keys of loads and effects that act with all they have from the start on, if nothing in the scene rises."""
+    if any(not course.steady for _, _, course in courses_in(scene)):
+        return
+    yield from (key for key, _, _ in courses_in(scene) if key.startswith("loads."))
+    for number, part in enumerate(scene.effects):
+        if scene.registry.make("effect", part, scene.where(f"effects.{number}")).times():
+            continue
+        if "ramp" in part:
+            yield f"effects.{number}.ramp"
+
+
+def _rising(model: Model, key: str) -> str:
+    """What to write for a load that is to rise within the run, at a speed that excites little."""
+    if key.endswith(".ramp"):
+        return f"{model.timing.last:.3g}"
+    return '{ ramp = "linear", to = its value }'
 
 
 def _slow_key(model: Model) -> str:

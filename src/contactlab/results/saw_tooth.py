@@ -15,7 +15,12 @@ def pressure_saw(curve: ContactCurve, cusps: Flags | None = None) -> float:
 
 
 def saw_tooth(
-    curve: ContactCurve, values: Floats, cusps: Flags | None = None, least: float = 0.0, beside: int = 1
+    curve: ContactCurve,
+    values: Floats,
+    cusps: Flags | None = None,
+    least: float = 0.0,
+    beside: int = 1,
+    fewest: int = 3,
 ) -> float:
     """What of `values` (m,) alternates where the surface is pressed, over their largest magnitude, or over `least`.
 
@@ -24,21 +29,21 @@ def saw_tooth(
     sign counts, a quarter of which is the height of the teeth; root of the mean square over the nodes that are looked
     at: those with pressed neighbours of their own state, so many `beside` on either side. Kinks between sticking and
     slipping nodes count for nothing. A cusp of the exact pressure looks like a tooth: nodes beside one of the `cusps`
-    (m,) count for nothing either.
+    (m,) count for nothing either. `fewest`: nodes that have to be looked at to speak of teeth; with three, one differs.
     Nodes that alone are pressed, between pressed ones two or three nodes off, are teeth by half of their value.
     """
     largest = max(float(np.abs(values).max(initial=0.0)), least)
     if largest == 0.0:
         return 0.0
-    heights, nodes = _heights(_inner(curve, cusps, beside), values)
+    heights, nodes = _heights(_inner(curve, cusps, beside), values, fewest)
     alone = np.abs(values[_alone(curve)]) / 2.0
     count = max(1, nodes + len(alone))
     return float(np.sqrt(((heights**2).sum() + (alone**2).sum()) / count)) / largest
 
 
-def _heights(inner: Ints, values: Floats) -> tuple[Floats, int]:
+def _heights(inner: Ints, values: Floats, fewest: int) -> tuple[Floats, int]:
     """Heights of the teeth at `inner` nodes, and the number of nodes that were looked at."""
-    if len(inner) < 3:
+    if len(inner) < fewest:
         return np.zeros(0), 0
     second = (values[inner - 1] - 2.0 * values[inner] + values[inner + 1]) / 4.0
     turns = (np.diff(inner) == 1) & (second[:-1] * second[1:] < 0.0)

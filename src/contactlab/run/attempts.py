@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 NEXT = ("not-converged", "diverged")
 """Ends of a run after which another integrator may get through; a full disk or a wrong part would stop that, too."""
 FINISHED, REFUSED = "finished", "refused"
-TOO_MUCH = "stabilised"
-"""The warning of statics whose viscous forces took too much of the work."""
+TOO_MUCH = 0.05
+"""Share of the work that viscous forces of statics may take: bodies with inertia may leave such a jump elsewhere."""
 
 
 @dataclass(frozen=True)
@@ -145,8 +145,10 @@ def comes_short(summary: Mapping[str, Any]) -> str:
     """Why another integrator should be tried; empty if the run is right, or if another one would not help."""
     if summary["status"] in NEXT:
         return str(summary["reason"])
-    much = next((warning for warning in summary.get("warnings", ()) if warning["code"] == TOO_MUCH), None)
-    return str(much["text"]).partition(":")[0] if summary["status"] == FINISHED and much is not None else ""
+    took = summary.get("stabilisation", {})
+    if summary["status"] != FINISHED or not abs(took.get("share", 0.0)) > TOO_MUCH:
+        return ""
+    return f"stabilisation took {took['share']:.1%} of the work, in {took['steps']:.0f} load steps"
 
 
 def as_taken(scene: Scene, summary: Mapping[str, Any]) -> Scene:

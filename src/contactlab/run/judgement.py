@@ -12,6 +12,7 @@ from contactlab.errors import SimulationFailure
 from contactlab.results.facets import cusps, facet_depths
 from contactlab.results.invariants import ROUND, invariants
 from contactlab.run.breaches import breach
+from contactlab.run.end_lengths import end_lengths
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
@@ -49,6 +50,8 @@ def judge(model: Model, sample: Sample | None, closed: Flags, largest_force: flo
             _judge_facets(model, pair, report.curve)
             _judge_peak(model, pair, report.curve)
             _judge_friction(model, pair)
+            for warning in end_lengths(model, pair):
+                model.warnings.add(warning)
             # on flat sides that do not match, distances of nodes are no error: their averages are zero
             sides = pair.slave, pair.master
             judged = not model.integrator.inertia and pair.start_distance is None

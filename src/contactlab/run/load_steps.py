@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from contactlab.contact.implicit_system import ImplicitContactSystem
     from contactlab.model.implicit_model import ImplicitModel
     from contactlab.run.contact_times import ContactTimes
+    from contactlab.run.friction_error import FrictionError
 
 CUT, GROW = 0.5, 2.0  # of the step that failed, after one that converged easily
 FLOWING = 0.3, 1.5  # the same of bodies that flow: their steps start from the last one, and are best like it
@@ -32,7 +33,8 @@ SAME = 1e-6  # relative: residuals of two attempts that differ by less are the s
 EACH_WAY = 2.0  # times the steps of a load, for each way of one that goes to and fro: friction work is right to 2 %
 JUMP = 0.25  # of the wished step: a stabilised one, so that what jumps does so under about the load that it jumps at
 STABILISED = 1  # times that a stabilised step is cut before the run is given up
-MUCH = 0.05  # of the work: stabilisation that takes more is warned of
+MUCH = 0.05  # of what friction and plastic flow dissipate: more of it in stabilised steps is warned of
+LITTLE = 0.01  # of the work: what dissipates less hardly changes the answer
 AGAIN = 0.6  # of the wished step: below it a step is stabilised where an earlier one had to be
 TURNED = 0.1  # of a step, the first one after a turn: what reverses in it has no work, in a stiff pad all friction
 HELD = 100  # steps of the longest hold: some periods, over which it is judged, are then a part of it
@@ -77,11 +79,17 @@ class LoadSchedule(Schedule):
         self.failed: Step | None = None  # the last attempt, where it failed
         self.given_up: SimulationFailure | None = None  # what the run would have ended in, while a step is stabilised
         self.stabilised = 0  # steps
+        self.dissipated, self.jumped = 0.0, 0.0  # [mJ] before a stabilised step, and in all of them
         self.contact_times: ContactTimes | None = None
         if integrator.inertia and self.model.contact is not None:
             from contactlab.run.contact_times import ContactTimes
 
             self.contact_times = ContactTimes(self.model, self.wished * total)
+        self.friction_error: FrictionError | None = None
+        if (contact := self._contact()) is not None and any(pair.friction is not None for pair in contact.ruled):
+            from contactlab.run.friction_error import FrictionError
+
+            self.friction_error = FrictionError(cast("ImplicitModel", self.model))
         return self._length()
 
     def _too_many(self, number: float, integrator: ImplicitIntegrator) -> SceneError:
@@ -146,8 +154,11 @@ class LoadSchedule(Schedule):
         self.failed = None
         if self.contact_times is not None:
             self.contact_times.follow(step, dt)
+        if self.friction_error is not None:
+            self.friction_error.follow(jumped=self.given_up is not None)
         if self.given_up is not None:
             self.stabilised += 1
+            self.jumped += self._dissipation() - self.dissipated
             self._stabilise(None)
         elif self.skips:
             self.model.way_followed = False
@@ -213,6 +224,7 @@ class LoadSchedule(Schedule):
         """Let the next step be stabilised in place of a `failure`, or let steps be plain and long again."""
         self.given_up, self.part, self.failed = failure, self.wished * (JUMP if failure is not None else 1.0), None
         cast("ImplicitModel", self.model).stabilised = failure is not None
+        self.dissipated = self._dissipation()
         self.dt = self._length()
 
     def _failure(self, tried: float, step: Step, how: str) -> SimulationFailure:
@@ -318,28 +330,38 @@ class LoadSchedule(Schedule):
         took, largest = float(work[WORK.index("numerical")]), float(np.abs(work).max())
         return {"steps": self.stabilised, "work": took, "share": took / max(largest, 1e-300)}
 
+    def _dissipation(self) -> float:
+        """Work [mJ] that friction and plastic flow have taken so far: what of an end in balance depends on the way."""
+        flow = sum(forces.dissipated_energy() for forces in self.model.forces)
+        return float(self.state["work"][WORK.index("slip")]) + flow
+
     def verdict(self) -> None:
-        """As every run's; warns where stabilisation took much of the work, and of impacts that few steps make."""
+        """As every run's; warns of what depends on the way of jumps, and on steps that are long beside it."""
         super().verdict()
+        key = "integrator.steps" if self.fixed is None else "time.step"
+        if self.friction_error is not None:
+            for warning in self.friction_error.warnings(key, self.fixed or 1.0 / self.wished):
+                self.model.warnings.add(warning)
         if self.contact_times is not None:
-            key = "integrator.steps" if self.fixed is None else "time.step"
             for warning in self.contact_times.warnings(key):
                 self.model.warnings.add(warning)
-        took = self.stabilisation()
-        if took and not abs(took["share"]) <= MUCH:
+        total = self._dissipation()
+        if self.stabilised and self.jumped > MUCH * total and total > LITTLE * float(np.abs(self.state["work"]).max()):
             self.model.warnings.add(RunWarning(
-                "stabilised", took["share"], MUCH, "integrator.steps",
-                f"stabilisation took {took['share']:.1%} of the work, in {took['steps']:.0f} load steps (limit "
-                f"{MUCH:.0%}): bodies jumped there; its forces vanish at the end of each, but what depends on the way "
-                "(friction, plastic flow) is not exact; take more integrator.steps, or implicit-dynamics, which "
+                "stabilised", self.jumped / total, MUCH, "integrator.steps",
+                f"{self.jumped / total:.1%} of what friction and plastic flow dissipate fell in {self.stabilised} "
+                f"stabilised load steps (limit {MUCH:.0%}): bodies jumped there, along a way that viscous forces gave "
+                "them, and what depends on it is not exact; take more integrator.steps, or implicit-dynamics, which "
                 "follows the jump",
             ))  # fmt: skip
 
     def saved(self) -> dict[str, Floats]:
         """Everything that changes while the run goes on."""
-        own = {"schedule.load": np.array([self.part, self.model.way_followed, self.stabilised])}
+        own = {"schedule.load": np.array([self.part, self.model.way_followed, self.stabilised, self.jumped])}
         if (contact := self._contact()) is not None:
             own["schedule.freedom"] = np.append(contact.freedom, contact.pace)
+        if self.friction_error is not None:
+            own["schedule.friction_error"] = self.friction_error.numbers.copy()
         if self.contact_times is not None:
             own["schedule.contact_times"] = self.contact_times.numbers.copy()
         return super().saved() | own
@@ -347,10 +369,12 @@ class LoadSchedule(Schedule):
     def restore(self, memory: Mapping[str, Floats]) -> None:
         """Go back to where `memory` was saved."""
         super().restore(memory)
-        self.part, followed, stabilised = memory["schedule.load"].tolist()
+        self.part, followed, stabilised, self.jumped = memory["schedule.load"].tolist()
         self.model.way_followed, self.stabilised = bool(followed), int(stabilised)
         if (contact := self._contact()) is not None:
             contact.freedom[:], contact.pace = memory["schedule.freedom"][:-1], float(memory["schedule.freedom"][-1])
+        if self.friction_error is not None:
+            self.friction_error.numbers[:] = memory["schedule.friction_error"]
         if self.contact_times is not None:
             self.contact_times.numbers[:] = memory["schedule.contact_times"]
 

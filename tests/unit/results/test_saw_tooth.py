@@ -39,6 +39,14 @@ def test_teeth_are_as_high_as_they_are(height: float) -> None:
     assert saw_tooth(curve(teeth), teeth) == pytest.approx(height / (1.0 + height), rel=0.05)
 
 
+def test_few_nodes_have_no_teeth() -> None:
+    """Three that came to rest one after the other keep the shear of their own moments: five between others speak."""
+    teeth = 1.0 + 0.1 * (-1.0) ** np.arange(7)
+    found = [saw_tooth(curve(teeth[:count]), teeth[:count], fewest=5) > 0.0 for count in (6, 7)]
+    assert saw_tooth(curve(teeth[:5]), teeth[:5]) > 0.0
+    assert found == [False, True]
+
+
 def test_a_step_is_no_tooth() -> None:
     step = np.where(np.arange(NODES) < 12, 1.0, 0.7)
     assert saw_tooth(curve(step), step) == 0.0

@@ -52,10 +52,9 @@ def test_a_run_comes_short_by_its_status_or_by_its_stabilisation() -> None:
     # another integrator would not help
     for status in ("failed", "interrupted", "timed-out"):
         assert comes_short({"status": status, "reason": "the disk is full"}) == ""
-    warning = {"code": "stabilised", "text": "stabilisation took 9% of the work: bodies jumped there"}
-    assert (
-        comes_short({"status": "finished", "reason": "", "warnings": [warning]}) == "stabilisation took 9% of the work"
-    )
+    for share, reason in ((0.04, ""), (0.09, "stabilisation took 9.0% of the work, in 2 load steps")):
+        took = {"steps": 2, "work": 1.0, "share": share}
+        assert comes_short({"status": "finished", "reason": "", "stabilisation": took}) == reason
 
 
 def test_a_run_that_is_finished_is_further_than_one_that_is_not() -> None:

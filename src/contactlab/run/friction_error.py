@@ -1,0 +1,147 @@
+"""What the length of load steps does to friction between surfaces that come to touch.
+
+A load step asks of a node that sticks at its end that it has not slipped since its start, also if it was still open
+there. What the surfaces moved along each other before they touched, delta, is then held by friction that has not acted
+yet. Nodes that slide forget it, nodes that stick keep it for good. Left out at the end, it would change forces by
+
+    (K - F) du = N^T dy_n + T^T dy_t,    the rows of the enforcement with the slip ds - delta in place of ds
+
+(F: derivative of the contact forces at fixed multipliers). One factorisation at the end of the run tells by how much
+(docs/statics.md#friction-and-the-length-of-load-steps).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import block_array, csc_array, diags_array
+from scipy.sparse.linalg import splu
+
+from contactlab.api import Floats, Ints, Response, RunWarning
+from contactlab.api.arrays import Flags
+
+if TYPE_CHECKING:
+    from contactlab.contact.pair import ContactPair
+    from contactlab.model.implicit_model import ImplicitModel
+
+HIGH = 0.05  # of the shear: what peak pressures and friction work are held to
+SMALL = 0.01  # of the normal forces: shear below it is an error of none
+STICKS = 1  # `Response.status`
+GAP, CLOSED, SLID, HELD = range(4)
+
+
+class FrictionError:
+    """Follows the slips that friction holds although the surfaces were apart.
+
+    numbers  (4, k) by multiplier: gap at the end of the last step [mm] (NaN: pressed, or out of reach), what the gap
+             closed by and the surfaces slid in it while open [mm], and the slip delta that friction holds in error [mm]
+    """
+
+    def __init__(self, model: ImplicitModel) -> None:
+        assert model.contact is not None
+        self.model, self.contact = model, model.contact
+        self.numbers: Floats = np.zeros((4, len(self.contact.conditions.gap)))
+        self.contact.begin_step(model.position, model.state.time)
+        self.contact.evaluate(model.position)
+        self._take_gaps()
+
+    def follow(self, jumped: bool = False) -> None:
+        """Look at the conditions of an accepted step; one that `jumped` was made in short substeps."""
+        c, n = self.contact.conditions, self.numbers
+        pressed = c.present & (c.force[0] > 0.0)
+        closing = n[GAP] - c.gap
+        still_open = c.present & ~pressed & (n[GAP] > 0.0)
+        touches = pressed & (n[GAP] > 0.0) & (not jumped)
+        n[HELD, ~(pressed & (self._response().status == STICKS))] = 0.0
+        for pair in self._rubbing():
+            own = np.arange(pair.own.start, pair.own.stop)
+            self._hold(own[touches[own]], own[(still_open & (closing > 0.0))[own]], closing)
+        still_open &= not jumped
+        n[CLOSED] = np.where(still_open, closing, 0.0)
+        n[SLID] = np.where(still_open, c.slip, 0.0)
+        self._take_gaps()
+
+    def _hold(self, touched: Ints, beside: Ints, closing: Floats) -> None:
+        """Slips before the touch: as the nearest node did that is `beside` and open, or each in the step before."""
+        c, n = self.contact.conditions, self.numbers
+        if len(beside):
+            nearest = beside[np.abs(beside - touched[:, None]).argmin(axis=1)]
+            closed, slid = closing[nearest], c.slip[nearest]
+        else:
+            closed, slid = n[CLOSED, touched], n[SLID, touched]
+        share = np.divide(n[GAP, touched], closed, out=np.zeros(len(touched)), where=closed > 0.0)
+        sticks = self._response().status[touched] == STICKS
+        n[HELD, touched] = np.where(sticks, np.minimum(share, 1.0) * slid, 0.0)
+
+    def _take_gaps(self) -> None:
+        c = self.contact.conditions
+        self.numbers[GAP] = np.where(c.present & (c.force[0] <= 0.0), c.gap, np.nan)
+
+    def _rubbing(self) -> Iterator[ContactPair]:
+        yield from (pair for pair in self.contact.ruled if pair.friction is not None)
+
+    def _response(self) -> Response:
+        out = Response.allocate(*self.contact.conditions.force.shape)
+        self.contact.enforcement.respond(self.contact.conditions, out)
+        return out
+
+    def warnings(self, key: str, now: float) -> Iterator[RunWarning]:
+        """Warn of pairs whose shear is off; `key` of the scene says how many steps there are, or how long, `now`."""
+        if not self.numbers[HELD].any():
+            return
+        change, force = self._change(), self.contact.conditions.force
+        for pair in self._rubbing():
+            normal, shear = (float(np.linalg.norm(row)) for row in force[:, pair.own])
+            share = float(np.linalg.norm(change[pair.own])) / max(shear, SMALL * normal, 1e-300)
+            if share > HIGH:
+                times = share / HIGH
+                better = f"{now / times:.2g} or less" if key == "time.step" else f"{_more(now * times)} or more"
+                yield RunWarning(
+                    "friction-steps", share, HIGH, key,
+                    f"{pair.name}: surfaces closed within load steps, and what they slid before they touched is held "
+                    f"by friction as if they had touched from the start of the step on: the shear is off by about "
+                    f"{share:.1%} (limit {HIGH:.0%}); write {key} = {better}",
+                )  # fmt: skip
+
+    def _change(self) -> Floats:
+        """By how much tangential forces (k,) [N] would change if the slips before the touch were left out."""
+        model, contact = self.model, self.contact
+        c, out = contact.conditions, self._response()
+        pressed = np.flatnonzero(c.present & (c.force[0] > 0.0)).astype(np.int32)
+        free: Flags = np.ones(model.reference.size, bool)
+        free[model.prescribed.dof] = False
+        stiffness = model.stiffness(model.state["clock"][2])
+        model.add_load_stiffness(model.state.time, stiffness, 1.0, 0.0)
+        change = contact.linearise(pressed)
+        rows = change.normal, change.tangent, change.gap, change.slip
+        normal, tangent, gap, slip = (part[:, free] for part in rows)
+        matrix = (csc_array(stiffness) - change.force)[free][:, free]
+        by_gap, by_force = out.by_gap[:, pressed], out.by_force[:, pressed]
+        # rows of conditions in units of length, as gaps and slips are
+        size = 1.0 / np.maximum(np.abs(by_gap), np.abs(by_force) * c.stiffness[pressed])
+        of_gap, of_force = size * by_gap, size * by_force
+        cross = size[1] * out.cross_gap[pressed], size[1] * out.cross_force[pressed]
+        equations = [
+            [matrix, -normal.T, -tangent.T],
+            [diags_array(of_gap[0]) @ gap, diags_array(of_force[0]), None],
+            [
+                diags_array(of_gap[1]) @ slip + diags_array(cross[0]) @ gap,
+                diags_array(cross[1]),
+                diags_array(of_force[1]),
+            ],
+        ]
+        right = np.concatenate([np.zeros(matrix.shape[0] + len(pressed)), of_gap[1] * self.numbers[HELD, pressed]])
+        found = np.zeros(len(c.gap))
+        try:
+            found[pressed] = splu(block_array(equations, format="csc")).solve(right)[-len(pressed) :]
+        except RuntimeError:  # singular: bodies that nothing but friction holds, at the limit of what it can
+            return found
+        return found
+
+
+def _more(steps: float) -> int:
+    """A number of steps, rounded upwards to two figures."""
+    unit = 10.0 ** max(np.floor(np.log10(steps)) - 1.0, 0.0)
+    return int(unit * np.ceil(steps / unit - 1e-9))
