@@ -32,7 +32,8 @@ class AdaptiveLeapfrog(ExplicitIntegrator):
         motion.kick(0.5 * (motion.last_dt + dt))
         motion.contact(ahead=dt)
         motion.drift(dt)
-        return float(dt**2 / 12.0 * np.abs(motion.acceleration() - before).max() / self.allowed)
+        change = motion.acceleration() - before
+        return float(dt**2 / 12.0 * np.hypot(*change.T).max() / self.allowed)
 
 
 @dataclass(frozen=True)
