@@ -72,7 +72,7 @@ class PressureResponse(ImplicitEnforcement):
             if not short.any():
                 break
             depth[short] *= 2.0
-        held = stays & ~short & (there[1] < 0.0)
+        held: Flags = stays & ~short & (there[1] < 0.0)
         # a law that is not convex presses by no tangent where there is no pressure
         there[0] = np.minimum(there[0] + there[1] * (c.gap - gap), 0.0)
         self.found[:, held] = there[:, held]

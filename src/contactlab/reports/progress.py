@@ -7,7 +7,6 @@ import sys
 from threading import RLock
 
 from rich import progress as rich_progress
-from rich.console import Console
 from rich.progress import BarColumn, TaskID, TextColumn, TimeElapsedColumn
 
 from contactlab.jobs.progress import Progress
@@ -28,7 +27,7 @@ def progress_of(total: int | None = None, show: bool | None = None) -> Progress:
 class _Lines(Progress):
     """A line for each result, and for what happens before the first run."""
 
-    def __init__(self, console: Console, total: int | None) -> None:
+    def __init__(self, console: Terminal, total: int | None) -> None:
         self._console, self._total, self._done, self._said = console, total, 0, ""
 
     def say(self, text: str) -> None:
@@ -50,7 +49,7 @@ class _Lines(Progress):
 class _Bars(_Lines):
     """A bar for each run under way, and one for all results."""
 
-    def __init__(self, console: Console, total: int | None) -> None:
+    def __init__(self, console: Terminal, total: int | None) -> None:
         super().__init__(console, total)
         self._lock = RLock()
         self._bars = rich_progress.Progress(

@@ -102,7 +102,9 @@ def plans_what_is_asked(case: Case) -> None:
 def axes_change_the_runs(case: Case) -> None:
     """Another value of an axis gives other scenes."""
     first = next(setups(case), None)
-    for name, values in case.axes.items() if first is not None else ():
+    if first is None:
+        return
+    for name, values in case.axes.items():
         planned = [_scenes(replace(case, **{name: value}), first) for value in values]  # type: ignore[type-var]
         alike = all(one == planned[0] for one in planned)
         require(not alike, f"its runs are the same whatever {name} is, one of its axes")

@@ -104,7 +104,7 @@ def _jump(function: Function, low: float, high: float, breaks: Floats) -> tuple[
     with it: places are refined to `CLOSE` of the range, and those that bend as much at a 64th of that have a kink.
     """
     width = (high - low) / CELLS
-    centre = low + (np.arange(CELLS) + 0.5) * width
+    centre = low + (np.arange(CELLS, dtype=np.float64) + 0.5) * width
     size = max(1e-300, float(np.abs(function.values(centre)).max(initial=0.0))) / (high - low)
     bend, halvings = np.full(CELLS, np.inf), math.ceil(math.log2(1.0 / (CELLS * CLOSE)))
     for number in range(halvings + 6):

@@ -86,8 +86,9 @@ def patch_test(potential: Potential) -> None:
     if not potential.passes_patch_test:
         raise NotApplicable("the part declares that it fails the patch test")
     for order, edges in ((1, (6, 5)), (1, (3, 8)), (2, (3, 4))):
-        x = [stations(0.0, 2.0, count, order, seed) for seed, count in enumerate(edges)]
-        at = chains(*(np.stack([side, np.zeros_like(side)], axis=1) for side in x), order)
+        x = (stations(0.0, 2.0, count, order, seed) for seed, count in enumerate(edges))
+        slave, master = (np.stack([side, np.zeros_like(side)], axis=1) for side in x)
+        at = chains(slave, master, order)
         at = at.lifted((0.0, -INSIDE * at.spacing))
         pair = pair_of(potential, at)[0]
         m, force = len(at.slave.nodes), np.zeros_like(at.nodes)
