@@ -2,6 +2,7 @@
 
     contactlab matrix --full --out runs/full && python benchmarks/studies/warning_rates.py runs/full
     python benchmarks/studies/warning_rates.py runs/full --cells locking      # the cells of one warning
+    python benchmarks/studies/warning_rates.py runs/some --sample 12          # 12 random cells of each case, made here
 
 An alarm counts as right if the finished cell misses a known number: a measure of its case, or an invariant other than
 the one that the warning reports. Where it misses that one alone, the warning is true and nothing else shows the error.
@@ -12,7 +13,8 @@ case accepts.
 from __future__ import annotations
 
 import argparse
-from collections import Counter
+import random
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,7 +24,9 @@ import case_rows
 import kept_rows
 
 from contactlab.jobs.archive import Archive
+from contactlab.jobs.driver import Driver
 from contactlab.parts.registry import default_registry
+from contactlab.verdicts.cell import cell_plan, keep
 from contactlab.verdicts.plan import Cell, Request
 
 HERE = Path(__file__).parent
@@ -31,6 +35,9 @@ STORED = HERE / "warning_rates.csv"
 BEGIN, END = "<!-- rates -->\n", "<!-- end of rates -->"
 KEYS = ("code", "alarms", "right", "own", "lacking", "mortars", "nodes")
 NODES = "node-on-segment"
+SEED = 2005
+LIMIT = 60.0
+"""Seconds that a run of a sample may take."""
 
 
 @dataclass
@@ -51,6 +58,24 @@ class Judged:
         """Codes of which one should have been there."""
         found = [accepted for accepted in self.missed.values() if accepted and not accepted & self.codes]
         return frozenset().union(*found)
+
+
+def drawn(number: int) -> list[Cell]:
+    """Up to `number` random cells of each case of the full matrix, of those that its case does not refuse."""
+    by_case = defaultdict[str, list[Cell]](list)
+    for cell in case_rows.applying(case_rows.asked(Request(full=True))).values():
+        by_case[cell.name].append(cell)
+    draw = random.Random(SEED)
+    return [cell for cells in by_case.values() for cell in draw.sample(cells, min(number, len(cells)))]
+
+
+def make(cells: list[Cell], folder: Path) -> None:
+    """Run the cells into the archive of a folder; what it has already is not made again."""
+    registry = default_registry()
+    folder.mkdir(parents=True, exist_ok=True)
+    with Driver(folder, time_limit=LIMIT) as driver:
+        for number, result in driver.results(cell_plan(cell, registry) for cell in cells):
+            keep(driver.archive, cells[number], result, registry)
 
 
 def judged(folder: Path) -> Iterator[Judged]:
@@ -115,9 +140,12 @@ def main() -> None:
     """Read archives, print or write the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="of a matrix")
+    parser.add_argument("--sample", metavar="N", type=int, help="first run N random cells of each case into the folder")
     parser.add_argument("--cells", metavar="CODE", help="print the cells that carry or lack this warning")
     parser.add_argument("--write", action="store_true", help="write docs/warnings.md and keep the rows")
     options = parser.parse_args()
+    if options.sample:
+        make(drawn(options.sample), options.folder)
     found = list(judged(options.folder))
     if options.cells:
         for cell in found:

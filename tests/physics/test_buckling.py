@@ -101,3 +101,15 @@ def test_a_column_that_a_plate_presses_is_judged_with_its_contact(algorithm: str
     scene = Scene.from_data(data)
     assert told(scene.with_({"supports.2.uy.to": -0.95 * critical_shortening(1.0)})) == []
     assert told(scene.with_({"supports.2.uy.to": -1.1 * critical_shortening(1.0)})) == [1.0]
+
+
+def test_a_disc_that_may_roll_between_smooth_plates_is_not_told() -> None:
+    """It stays in equilibrium wherever it rolls; only its facets make one place a little better than the next."""
+    disc = {"element": "q2", "material": "steel", "mesh": {"use": "disc", "radius": 1.0, "cells": [10, 6]}}
+    plates = {
+        name: {"line": [[-y, y], [y, y]], "uy": {"ramp": "linear", "to": -0.02 * y}}
+        for name, y in (("upper", 1.0), ("lower", -1.0))
+    }
+    contact = {"slave": "disc.arc", "master": ["upper", "lower"], "algorithm": "mortar-p0"}
+    changed = {"name": "disc", "bodies": {"disc": disc}, "rigid": plates, "contacts": [contact], "supports": []}
+    assert told(Scene.from_data({**COLUMN, **changed})) == []
