@@ -78,7 +78,7 @@ def unstable_motions(model: ImplicitModel) -> int:
 def _neutral_motions(model: ImplicitModel, equations: Linearised, leaving: int) -> int:
     """How many of the `leaving` motions only facets make unstable, as where round bodies roll between smooth plates.
 
-    Found by inverse iteration on a subspace. A motion u is neutral if its stiffness is small beside that of pressed forces
+    Found by inverse iteration on a subspace. A motion u is neutral if its stiffness is small beside that of forces
     that turn with it, sum(p) |u|^2 / L, L the size of what moves, |u|^2 the mean over its nodes.
     """
     assert model.contact is not None
@@ -101,7 +101,7 @@ def _neutral_motions(model: ImplicitModel, equations: Linearised, leaving: int) 
     spread = (square * ((place[:, None] - square.T @ place) ** 2).sum(axis=2)).sum(axis=0)
     pressed = np.maximum(model.contact.conditions.force[0], 0.0).sum()
     turning = pressed * (square**2).sum(axis=0) / np.sqrt(spread)
-    return int(np.count_nonzero((soft.real < 0.0) & (1.0 < -NEUTRAL * turning * soft.real)))
+    return int(np.count_nonzero((soft.real < 0.0) & (-NEUTRAL * turning * soft.real > 1.0)))
 
 
 def _negative_directions(equations: Linearised) -> int:
