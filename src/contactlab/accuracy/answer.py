@@ -48,6 +48,7 @@ class Chosen:
     cost_s: float
     why: str
     tried: Sequence[Tried]
+    configuration: Configuration
     name: str
     level: int
     judged: str = ""
@@ -86,9 +87,9 @@ def answer(trials: Trials) -> Chosen:
     why = _why_ok(trials, met) if ok else _why_not(trials, place, met, truth)
     return Chosen(
         "ok" if ok else "cannot", configuration.changes(trials.scene.data, level), error, interval,
-        trials.cost(place) if place in trials.all else math.nan, why, _tried(trials), trials.name(configuration),
-        level, trials.judged().what, truth.words if truth else "", truth.uncertainty if truth else math.nan,
-        trials.spent,
+        trials.cost(place) if place in trials.all else math.nan, why, _tried(trials), configuration,
+        trials.name(configuration), level, trials.judged().what, truth.words if truth else "",
+        truth.uncertainty if truth else math.nan, trials.spent,
     )  # fmt: skip
 
 

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from contactlab.accuracy.configuration import exchangeable
+from contactlab.accuracy.judged import ForcesJudged, Judge, forces_of, frames_of
 from contactlab.api import ExplicitIntegrator, Job, Record
 from contactlab.errors import RequestError
 from contactlab.jobs.run import Run
@@ -21,40 +20,40 @@ from contactlab.parts.registry import Registry
 from contactlab.run.attempts import as_taken
 from contactlab.scene.scene import Scene
 from contactlab.studies.measure_run import without_compilation
-from contactlab.studies.measures import pressure_error
-from contactlab.studies.profile import FoldedSurfaceError, Profile
 from contactlab.studies.recordings import RUNS
 
 AS_IT_IS = "as it is"
 WHOLE = 30.0
 """Order of what does not converge: the change is all of the error."""
 UNRESOLVED = 0.5
-"""Part of a pressure from which on a change is no estimate: the run as it is does not resolve it."""
+"""Part of a pressure or force from which on a change is no estimate: the run as it is does not resolve it."""
 SCATTER = 0.12
 """Part of the cost of a single run that is taken for scatter."""
-FIRST = "contacts.0"
 
 
 @dataclass(frozen=True)
 class Knob:
     """One choice of numerics and the scene keys that make it finer; `order` is that of its error.
 
-    cure  whether the other choice is known to be the finer one: of the two sides of a contact nobody knows
+    exchanged  numbers of the contacts whose other side is the slave: nobody knows which of the two is the finer choice
+    element    whether it changes elements
     """
 
     name: str
     settings: Mapping[str, Any]
     order: float
-    cure: bool = True
+    exchanged: tuple[int, ...] = ()
+    element: bool = False
 
 
 @dataclass(frozen=True)
 class Share:
     """What one knob does. Numbers are nan where a run gave none.
 
-    pressure   part of the error of the contact pressure in L2, as a fraction
-    force      part of that of the contact force
+    pressure   part of the error of the contact pressures in L2, as a fraction, the largest of all contacts
+    force      part of that of the reactions and contact forces
     cost       CPU time of the finer run [s]; extra: beyond that of the run as it is
+    away       whether it comes no nearer to the run on the finer mesh: an element that trades one error for another
     """
 
     knob: Knob
@@ -64,19 +63,25 @@ class Share:
     force: float
     cost: float
     extra: float
+    away: bool = False
 
     @property
     def resolved(self) -> bool:
         """Whether the change is small enough to tell the part of the error."""
-        return not self.pressure >= UNRESOLVED
+        return not self.part >= UNRESOLVED
+
+    @property
+    def part(self) -> float:
+        """Part of the pressure's error, of the force's where there is no pressure to compare."""
+        return self.force if math.isnan(self.pressure) else self.pressure
 
     @property
     def gain(self) -> float:
-        """Error of the pressure taken off per CPU second that it costs more; what is within the scatter counts as that.
+        """Error taken off per CPU second that it costs more; what is within the scatter counts as that.
 
         Else a knob that changes next to nothing would come first whenever its run happens to be the faster one.
         """
-        less = self.pressure * (1.0 - 0.5**self.knob.order)
+        less = self.part * (1.0 - 0.5**self.knob.order)
         extra = max(self.extra, SCATTER * (self.cost - self.extra))
         return less / extra if extra > 0.0 else math.inf
 
@@ -93,8 +98,8 @@ class ErrorBudget:
     @property
     def cheapest(self) -> Share | None:
         """The knob to turn next: the most error for its cost; None where nothing was found."""
-        known = [share for share in self.shares if share.pressure > 0.0 and share.knob.cure]
-        return max(known, key=lambda share: (share.gain, share.pressure), default=None)
+        known = [share for share in self.shares if share.part > 0.0 and not (share.knob.exchanged or share.away)]
+        return max(known, key=lambda share: (share.gain, share.part), default=None)
 
 
 Told = Callable[[str], None]
@@ -105,14 +110,20 @@ def budget_plan(scene: Scene, registry: Registry, told: Told) -> Generator[Seque
     if not scene.contacts:
         raise RequestError("the scene has no contact whose pressure could be compared", where=scene.name,
                            allowed="[[contacts]]")  # fmt: skip
+    scene = scene.with_({"record.frames": max(frames_of(scene, registry), scene.data["record"]["frames"])})
     base = yield from _run_plan(AS_IT_IS, scene, told)
-    if not base.finished or not base.curves.get(FIRST):
+    if not base.finished:
         return ErrorBudget(base.status, base.reason, _cost(base), ())
     scene = as_taken(scene, base.summary)
     knobs = knobs_of(scene, base.summary, registry)
     finer = yield [_run_plan(knob.name, scene.with_(dict(knob.settings)), told) for knob in knobs]
-    shares = [_share(knob, base, record) for knob, record in zip(knobs, finer, strict=True)]
-    shares.sort(key=lambda share: -share.pressure if share.pressure >= 0.0 else math.inf)
+    judge = Judge()
+    judge.pressures(base)  # the lines along which pressures are compared
+    shares = [
+        replace(_share(knob, base, record, judge), away=_away(knob, base, record, finer[0], judge))
+        for knob, record in zip(knobs, finer, strict=True)
+    ]
+    shares.sort(key=lambda share: -share.part if share.part >= 0.0 else math.inf)
     return ErrorBudget(base.status, base.reason, _cost(base), shares)
 
 
@@ -151,7 +162,9 @@ def _others(scene: Scene, registry: Registry) -> list[Knob]:
     own = {str(body["element"]["use"]) for body in bodies.values()}
     for name in sorted({n for each in own for n in registry.part_class("element", each).beyond.values()} - own):
         if name in registry.names("element"):
-            found.append(Knob(f"element {name}", {f"bodies.{body}.element": name for body in bodies}, WHOLE))
+            found.append(
+                Knob(f"element {name}", {f"bodies.{body}.element": name for body in bodies}, WHOLE, element=True)
+            )
     for name, material in materials.items():
         finite = registry.part_class("material", material["use"]).beyond.get("finite strain")
         if finite in registry.names("material"):
@@ -159,7 +172,7 @@ def _others(scene: Scene, registry: Registry) -> list[Knob]:
     for number in exchangeable(scene.data):
         contact = scene.data["contacts"][number]
         setting = {f"contacts.{number}.swap": not contact.get("swap", False)}
-        found.append(Knob(f"slave of {contact.get('name') or f'contacts.{number}'}", setting, WHOLE, cure=False))
+        found.append(Knob(f"slave of {contact.get('name') or f'contacts.{number}'}", setting, WHOLE, (number,)))
     return found
 
 
@@ -182,26 +195,25 @@ def _cost(record: Record) -> float:
     return without_compilation(record.summary.get("cost", {}), "run_cpu_s")
 
 
-def _share(knob: Knob, base: Record, finer: Record) -> Share:
-    pressure = force = math.nan
-    if finer.status == "finished":
-        whole = 1.0 / (1.0 - 0.5**knob.order)
-        pressure = whole * _pressure_change(base, finer)
-        force = whole * _force_change(base, finer)
-    cost = _cost(finer)
-    return Share(knob, finer.status, finer.reason, pressure, force, cost, cost - _cost(base))
+def _share(knob: Knob, base: Record, finer: Record, judge: Judge) -> Share:
+    pressure, force = _changes(base, finer, judge, knob.exchanged)
+    whole, cost = 1.0 / (1.0 - 0.5**knob.order), _cost(finer)
+    return Share(knob, finer.status, finer.reason, whole * pressure, whole * force, cost, cost - _cost(base))
 
 
-def _pressure_change(base: Record, finer: Record) -> float:
-    """Distance of the two pressures in L2 over the norm of the finer one; nan where there is no such function."""
-    try:
-        return float(pressure_error(Profile.of_curve(base.curve(FIRST)), Profile.of_curve(finer.curve(FIRST))))
-    except (FoldedSurfaceError, LookupError):
-        return math.nan
+def _away(knob: Knob, base: Record, finer: Record, mesh: Record, judge: Judge) -> bool:
+    """Whether an element does not lead to what the finer mesh leads to, as both take off the same error."""
+    if not knob.element:
+        return False
+    before, after = _changes(base, mesh, judge), _changes(finer, mesh, judge)
+    n = 1 if math.isnan(before[0]) else 0
+    return after[n] >= before[n]
 
 
-def _force_change(base: Record, finer: Record) -> float:
-    """Distance of the resultants of the first contact over that of the finer run."""
-    before, after = (np.array(next(iter(each.summary["contacts"].values()))["resultant"]) for each in (base, finer))
-    size = float(np.hypot(*after))
-    return float(np.hypot(*(before - after))) / size if size > 0.0 else math.nan
+def _changes(base: Record, finer: Record, judge: Judge, exchanged: Sequence[int] = ()) -> tuple[float, float]:
+    """Distances of pressures and forces over the size of those of the finer run; nan where there is no such number."""
+    if not (base.finished and finer.finished):
+        return math.nan, math.nan
+    before, after = judge.pressures(base), judge.pressures(finer)
+    force = ForcesJudged.apart(forces_of(base), forces_of(finer, exchanged))
+    return judge.apart(before, after) if before and after else math.nan, force if math.isfinite(force) else math.nan

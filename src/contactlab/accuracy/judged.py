@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from contactlab.api import ContactCurve, Floats, Record
+from contactlab.parts.registry import Registry
+from contactlab.scene.scene import Scene
 from contactlab.studies.profile import FoldedSurfaceError, Profile, Window, distance, norm
 from contactlab.studies.root_edges import with_root_edges
 
@@ -15,6 +17,8 @@ COUNTS = 0.02
 """Norm of a contact's pressure over the largest of all contacts from which on it is judged."""
 NOTHING = 1e-3
 """Force at the end over the largest mean in time below which it is none."""
+FRAMES = 200
+"""Stored frames of runs whose motion in time counts, for mean forces."""
 
 
 @dataclass(frozen=True)
@@ -94,16 +98,27 @@ class Judge:
         return max(distance(found[n], p, self.window) / norm(p, self.window) for n, p in other.items())
 
 
-def forces_of(record: Record) -> Floats:
-    """Reactions and contact forces [N] at the end of a run; their means in time if nothing is pressed any more."""
-    summary = record.summary
-    forces = [*summary.get("reactions", {}).values()]
-    forces += [facts["resultant"] for facts in summary.get("contacts", {}).values()]
+def forces_of(record: Record, exchanged: Collection[int] = ()) -> Floats:
+    """Reactions and contact forces [N] at the end of a run; their means in time if nothing is pressed any more.
+
+    Forces of contacts count on the slave: those of exchanged contacts (numbers) are turned round.
+    """
+    contacts = record.summary.get("contacts", {})
+    turned = {name for number, name in enumerate(contacts) if number in exchanged}
+    forces = [*record.summary.get("reactions", {}).values()]
+    forces += [np.multiply(facts["resultant"], -1.0 if name in turned else 1.0) for name, facts in contacts.items()]
     final = np.array(forces, float).ravel()
     names = [name for name in record.history if name.endswith((".fx", ".fy"))]
-    means = np.array([np.mean(record.history[name]) for name in names], float)
+    sign = np.array([-1.0 if name[:-3] in turned else 1.0 for name in names])
+    means = sign * np.array([np.mean(record.history[name]) for name in names], float)
     largest = np.abs(means).max(initial=0.0)
     return means if np.abs(final).max(initial=0.0) <= NOTHING * largest else final
+
+
+def frames_of(scene: Scene, registry: Registry) -> int:
+    """Frames to store of a run whose forces are compared: many if their means in time may be needed."""
+    inertia = registry.part_class("integrator", scene.integrator["use"]).inertia
+    return FRAMES if inertia and scene.data["time"].get("end") != "auto" else 1
 
 
 class PressuresJudged:

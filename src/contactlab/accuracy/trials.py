@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.accuracy.configuration import Configuration
-from contactlab.accuracy.judged import ForcesJudged, Judge, PressuresJudged, forces_of
+from contactlab.accuracy.judged import ForcesJudged, Judge, PressuresJudged, forces_of, frames_of
 from contactlab.accuracy.point import cost_of, spent_on
 from contactlab.accuracy.remaining import Judged, Ladder, Truth, truth_of
 from contactlab.api import Job, Record
@@ -28,9 +28,6 @@ GROWTH = (1.0, 2.2, 3.5)
 """Power of the level that costs grow with: at least, while one level is known, at most."""
 EQUAL = 0.1
 """CPU time [s] below which runs cost the same: then the more accurate one is taken."""
-
-FRAMES = 200
-"""Stored frames of runs whose motion in time counts, for mean forces."""
 
 Said = Callable[[str], None]
 Plan = Generator[Sequence[Any], Sequence[Any], Any]
@@ -79,15 +76,14 @@ Place = tuple[Configuration, int]
 class Trials:
     """All runs of a scene so far."""
 
-    def __init__(self, scene: Scene, wish: Wish, registry: Registry, said: Said) -> None:
+    def __init__(self, scene: Scene, wish: Wish, registry: Registry, said: Said = lambda line: None) -> None:
         self.scene, self.wish, self.registry, self.said = scene, wish, registry, said
         self.known = matching_reference(scene.data, registry)
         self.judge = Judge(self.known.window if self.known is not None else None)
         self.all: dict[Place, Trial] = {}
         self.spent = 0.0
         self.stopped = False
-        transient = scene.data["time"].get("end") != "auto" and not self.is_static(Configuration(""))
-        self.frames = FRAMES if transient else 1
+        self.frames = frames_of(scene, registry)
         self.doubt = 0.0
         self.steps = 0
         self.exact = with_multipliers(registry)
@@ -146,7 +142,8 @@ class Trials:
             return
         trial.costs.append(cost_of(record))
         if trial.forces is None:
-            trial.pressures, trial.forces = self.judge.pressures(record), forces_of(record)
+            trial.pressures = self.judge.pressures(record)
+            trial.forces = forces_of(record, place[0].exchanged)
             trial.facts = {"steps": record.summary.get("steps", 0), **record.summary.get("history", {})}
         self.said(f"{name}: {trial.costs[-1]:.3g} s")
 

@@ -37,7 +37,8 @@ def choose_for(options: argparse.Namespace) -> int:
         stopped = driver.interrupted
     line = command(options, found)
     if options.json:
-        print_json({**vars(found), "folder": str(folder), "command": line})
+        data = {key: value for key, value in vars(found).items() if key != "configuration"}
+        print_json({**data, "folder": str(folder), "command": line})
     else:
         show(found, wish, line)
     if stopped:

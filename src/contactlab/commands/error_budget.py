@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -57,21 +58,27 @@ def show(found: ErrorBudget, folder: Path) -> None:
     for share in found.shares:
         settings = ", ".join(f"{key}={written(value, digits=6)}" for key, value in _changed(share))
         end = "" if share.status == "finished" else f"{share.status}: {share.reason[:60]}"
+        end = "no cure: no nearer to the finer mesh" if share.away else end
         end = end if share.resolved else f"not resolved: changes by more than {percent(UNRESOLVED)} % tell no part"
-        pressure = percent(share.pressure) if share.resolved else f"> {percent(UNRESOLVED)}"
-        add_row(shown, share.knob.name, pressure, percent(share.force), significant(share.cost, 2),
+        add_row(shown, share.knob.name, _part(share.pressure), _part(share.force), significant(share.cost, 2),
                 significant(share.extra, 2), settings, end)  # fmt: skip
     out.print(fitting(shown, out.width, last=("made finer", "pressure, %")))
     say(
         f"parts of the error of the run as it is ({significant(found.cost, 2)} CPU s), from what finer choices change; "
-        "slaves: the difference, of which nobody knows which side is right"
+        "mesh and elements: the same error twice; slaves: the difference, of which nobody knows which side is right"
     )
     best = found.cheapest
     if best is not None:
         more = f"{significant(best.extra, 2)} CPU s more" if best.extra > 0.0 else "no more time"
-        part = f"{percent(best.pressure)} % of the pressure" if best.resolved else "not resolved as it is"
+        what = "forces" if math.isnan(best.pressure) else "pressure"
+        part = f"{percent(best.part)} % of the {what}" if best.resolved else "not resolved as it is"
         say(f"next: {best.knob.name}, {part}, for {more}")
     say(str(folder))
+
+
+def _part(value: float) -> str:
+    """In per cent where it is resolved."""
+    return f"> {percent(UNRESOLVED)}" if value >= UNRESOLVED else percent(value)
 
 
 def _changed(share: Share) -> list[tuple[str, Any]]:

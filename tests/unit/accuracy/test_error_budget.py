@@ -15,6 +15,7 @@ from inline import runs_inline
 import contactlab
 from contactlab.accuracy import error_budget as budgets
 from contactlab.accuracy.error_budget import ErrorBudget, Knob, Share, knobs_of
+from contactlab.accuracy.judged import Judge, forces_of
 from contactlab.api import ContactCurve, Record
 from contactlab.cli import main
 from contactlab.commands import error_budget as showing
@@ -80,7 +81,7 @@ def test_parts_are_those_of_richardson() -> None:
     """Errors of 1 % that halve (first order) and fall to a quarter (second order)."""
     for order in (1.0, 2.0):
         knob = Knob("mesh", {}, order)
-        share = budgets._share(knob, outcome(0.01, 1.0), outcome(0.01 * 0.5**order, 3.0))
+        share = budgets._share(knob, outcome(0.01, 1.0), outcome(0.01 * 0.5**order, 3.0), Judge())
         # over the finer result, which is itself off by half or a quarter of a per cent
         assert share.pressure == pytest.approx(0.01 / (1.0 + 0.01 * 0.5**order), rel=1e-9)
         assert share.force == pytest.approx(share.pressure, rel=1e-9)
@@ -108,7 +109,7 @@ def test_what_is_not_resolved_is_no_part_and_sides_are_no_cure() -> None:
     assert not share("mesh", 1.25, 1.0).resolved
     assert share("mesh", 0.2, 1.0).resolved
     assert share("mesh", math.nan, 1.0).resolved  # nothing is known of it
-    side = Share(Knob("slave of contacts.0", {}, 30.0, cure=False), "finished", "", 0.2, 0.2, 1.0, 0.0)
+    side = Share(Knob("slave of contacts.0", {}, 30.0, (0,)), "finished", "", 0.2, 0.2, 1.0, 0.0)
     mesh = share("mesh", 0.01, 10.0)
     assert ErrorBudget("finished", "", 1.0, [side, mesh]).cheapest is mesh
 
@@ -135,11 +136,32 @@ def test_the_table_says_what_is_not_resolved(
 ) -> None:
     monkeypatch.setenv("COLUMNS", "160")  # keys are folded in narrow columns
     element = Share(Knob("element q2", {"bodies.a.element": "q2"}, 30.0), "finished", "", 0.7, 0.1, 2.0, 1.0)
-    side = Share(
-        Knob("slave of contacts.0", {"contacts.0.swap": True}, 30.0, False), "finished", "", 0.1, 0.1, 1.0, 0.0
-    )
+    side = Share(Knob("slave of contacts.0", {"contacts.0.swap": True}, 30.0, (0,)), "finished", "", 0.1, 0.1, 1.0, 0.0)
     showing.show(ErrorBudget("finished", "", 1.0, [element, side, share("mesh", 0.01, 3.0)]), tmp_path)
     told = capsys.readouterr().out
     assert "contacts.0.swap=true" in told
     assert "not resolved" in told
     assert "next: element q2, not resolved as it is" in told
+
+
+def test_forces_of_exchanged_sides_act_on_the_same_body() -> None:
+    """A slave and its master have opposite forces: exchanged, the same contact force is no change."""
+    exchanged = outcome(0.0, 1.0)
+    exchanged.summary["contacts"]["a"]["resultant"] = [0.0, -1.0]
+    found = budgets._share(Knob("slave of a", {}, 30.0, (0,)), outcome(0.0, 1.0), exchanged, Judge())
+    assert found.force == 0.0
+    np.testing.assert_array_equal(forces_of(exchanged, (0,)), forces_of(outcome(0.0, 1.0)))
+
+
+def test_an_element_that_leads_away_from_the_finer_mesh_is_no_cure() -> None:
+    base, mesh = outcome(0.04, 1.0), outcome(0.02, 4.0)
+    knob = Knob("element", {}, 30.0, element=True)
+    assert budgets._away(knob, base, outcome(0.05, 1.0), mesh, Judge())
+    assert not budgets._away(knob, base, outcome(0.01, 1.0), mesh, Judge())
+    worse = Share(knob, "finished", "", 0.2, 0.2, 1.0, 0.1, away=True)
+    assert ErrorBudget("finished", "", 1.0, [worse, share("mesh", 0.1, 3.0)]).cheapest is not worse
+
+
+def test_without_pressure_forces_name_the_cure() -> None:
+    mesh = Share(Knob("mesh", {}, 1.0), "finished", "", math.nan, 0.1, 2.0, 1.0)
+    assert ErrorBudget("finished", "", 1.0, [mesh]).cheapest is mesh
