@@ -166,40 +166,6 @@ def test_nodal_pressures_sum_up_to_the_force() -> None:
     assert np.all(np.abs(curve.shear) <= 0.2 * curve.pressure * (1.0 + 1e-9))
 
 
-# --- Newton's method ----------------------------------------------------------------------------------
-
-
-def test_derivatives_of_gaps_slips_and_forces_are_exact() -> None:
-    """Against central differences at fixed multipliers, on curved sides that slide."""
-    scene = disc(**{"level": 1, "supports.1.uy.to": -0.05, "contacts.0.friction": {"use": "coulomb", "mu": 0.2}})
-    model = build(scene, default_registry())
-    step, dt = model.bound_integrator().step, schedule_of(model, scene).dt
-    for _ in range(2):
-        assert step(dt).status is StepStatus.accepted
-    contact, x = model.contact, model.position.copy()
-    contact.begin_step(x, model.state.time + dt)  # type: ignore[union-attr]
-    y = contact.conditions.force.copy()  # type: ignore[union-attr]
-    chosen = np.flatnonzero(y[0] > 0.0).astype(np.int32)
-
-    def seen(position: Any) -> list[Any]:
-        contact.evaluate(position)
-        contact.conditions.force[:] = y
-        forces = np.zeros((2, *x.shape))
-        contact.forces(*forces)
-        return [
-            forces.sum(axis=0).ravel(),
-            *(v[chosen].copy() for v in (contact.conditions.gap, contact.conditions.slip)),
-        ]
-
-    seen(x)
-    found = contact.linearise(chosen)
-    along = np.random.default_rng(0).normal(size=x.shape)
-    high, low = (seen(x + sign * 1e-6 * along) for sign in (1.0, -1.0))
-    for above, below, matrix in zip(high, low, (found.force, found.gap, found.slip), strict=True):
-        rate = (above - below) / 2e-6
-        np.testing.assert_allclose(matrix @ along.ravel(), rate, atol=1e-7 * np.abs(rate).max())
-
-
 # --- friction and motion --------------------------------------------------------------------------------
 
 

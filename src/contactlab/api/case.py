@@ -31,6 +31,7 @@ class Setup:
     element     of the bodies, one of `Case.elements`
     integrator  one of `Case.integrators`
     level       1 for the meshes of the quick matrix; the case decides what a higher level refines
+    enforcement of every contact, whatever the case writes; empty for what the case or the integrator has
     """
 
     algorithm: Spec
@@ -38,6 +39,7 @@ class Setup:
     element: Spec = ""
     integrator: Spec = ""
     level: int = 1
+    enforcement: Spec = ""
 
     def changes(self, *bodies: str, contacts: int = 1) -> dict[str, Any]:
         """These choices as changes of a scene with `contacts` contacts; `bodies` are those that take the element."""

@@ -8,6 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from contactlab.api import Case, Job, Potential, Record, Setup
+from contactlab.api.case import Spec
 from contactlab.errors import PartError, RequestError
 from contactlab.jobs.perform import made, watches_of
 from contactlab.jobs.record import refused
@@ -31,14 +32,19 @@ __all__ = [
 run_job: RunJob = made
 
 
-def scene_of(job: Job, registry: Registry | None = None) -> Scene:
-    """The scene of a job, checked; without recorders unless it names some. Raises SceneError or PartError."""
+def scene_of(job: Job, registry: Registry | None = None, enforcement: Spec = "") -> Scene:
+    """The scene of a job, checked; without recorders unless it names some. Raises SceneError or PartError.
+
+    enforcement  of all contacts, if a setup has one
+    """
     registry = registry or default_registry()
     if isinstance(job.scene, str):
         scene = load_scene(job.scene, registry)
     else:
         scene = Scene.from_data({"name": job.name, **job.scene}, registry=registry)
-    return scene.with_({"record.recorders": [], "record.frames": job.frames, **job.changes})
+    scene = scene.with_({"record.recorders": [], "record.frames": job.frames, **job.changes})
+    own = {f"contacts.{n}.enforcement": enforcement for n in range(len(scene.contacts))} if enforcement else {}
+    return scene.with_(own) if own else scene
 
 
 def is_potential(spec: Any, registry: Registry) -> bool:
@@ -50,24 +56,30 @@ def is_potential(spec: Any, registry: Registry) -> bool:
 
 
 def unfit(case: Case, setup: Setup, registry: Registry) -> str:
-    """Why a case cannot be run with this setup, also by what its contact algorithm refuses; empty if it can."""
+    """Why a case cannot be run with this setup, also by what its contact method refuses; empty if it can."""
     why = case.applies(setup)
     if why:
         return why
-    algorithm = registry.make("contact", setup.algorithm)
-    if not isinstance(algorithm, Potential) and algorithm.half_pass() is None:
+    potential = is_potential(setup.algorithm, registry)
+    if not potential and not setup.enforcement and registry.make("contact", setup.algorithm).half_pass() is None:
         return ""
     for job in case.plan(setup, {}):
         try:
-            _refuse(scene_of(job, registry), registry)
+            scene = scene_of(job, registry, setup.enforcement)
+            if potential:  # what it refuses of the bodies at the start is a verdict on it
+                _refuse(scene, registry)
+            else:
+                from contactlab.model.build import build
+                from contactlab.run.prepare import schedule_of
+
+                schedule_of(build(scene, registry), scene)
         except RequestError as error:
             return error.problem
     return ""
 
 
 def _refuse(scene: Scene, registry: Registry) -> None:
-    """Raise RequestError for a scene that gives a potential or half passes what they cannot take."""
-    from contactlab.model.contact.half_passes import refuse_half_passes
+    """Raise RequestError for a scene that gives a potential what it cannot take."""
     from contactlab.model.contact.potential_start import refuse_potential
 
     integrator = registry.make("integrator", scene.integrator)
@@ -76,9 +88,6 @@ def _refuse(scene: Scene, registry: Registry) -> None:
         friction = registry.make("friction", contact.friction) if contact.friction else None
         if isinstance(algorithm, Potential):
             refuse_potential(algorithm, contact, integrator, friction, "")
-        elif algorithm.half_pass() is not None:
-            enforcement = registry.make("enforcement", contact.enforcement or integrator.enforcement())
-            refuse_half_passes(contact, enforcement, friction, "", "")
 
 
 def case_plan(
@@ -95,7 +104,7 @@ def case_plan(
         for job in fresh:
             jobs[job.name] = job if job.work < work else replace(job, work=work)
             try:
-                runs[job.name] = asked(jobs[job.name], scene_of(job, registry))
+                runs[job.name] = asked(jobs[job.name], scene_of(job, registry, setup.enforcement))
             except RequestError as error:
                 done[job.name] = refused(str(error))
                 break

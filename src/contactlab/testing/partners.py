@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from contactlab.api import NormalLaw, Potential
+from contactlab.api import ExplicitIntegrator, NormalLaw, Potential
 from contactlab.parts.loading import CORE
 from contactlab.parts.registry import Registry, known_packages
 from contactlab.scene.fields import is_required, keys_of
@@ -31,3 +31,12 @@ def usual_law(registry: Registry) -> str:
         if issubclass(cls, NormalLaw) and not cls.needs and not any(is_required(key) for key in keys_of(cls).values()):
             return name
     raise NotApplicable("no pressure law without values of its own is installed")
+
+
+def usual_motion(registry: Registry) -> str:
+    """A shipped integrator with inertia whose steps iterate."""
+    for name in partners(registry, "integrator"):
+        cls = registry.part_class("integrator", name)
+        if cls.inertia and not issubclass(cls, ExplicitIntegrator):
+            return name
+    raise NotApplicable("no implicit integrator with inertia is installed")
