@@ -86,7 +86,7 @@ CONTACT = (
     ),
     *_of(
         "contact", "midplane",
-        ("forces that stay at the vertices", "return np.asarray(polygon(view).T @ self._pressed(view, positions)[2])", "return self._pressed(view, positions)[2]"),
+        ("forces that stay at the vertices", "return np.asarray(polygon(view).T @ self._overlaps(view, positions).derivative())", "return self._overlaps(view, positions).derivative()"),
         ("friction that drives", "size = np.where(", "size = -np.where("),
         ("ignores mu", "view.friction.coefficient * force", "1.0 * force"),
         ("friction without stiffness", "rise = 2.0 * bound", "rise = 0.0 * bound"),
@@ -94,7 +94,7 @@ CONTACT = (
         ("shear turned round", "-(rubbed[:m] * along)", "(rubbed[:m] * along)"),
         ("pressures of half the length", ") / length)", ") / (0.5 * length))"),
         ("a stiffness without a unit", "k = self.stiffness / sum(", "k = 1e5 * self.stiffness + 0.0 * sum("),
-        ("lengths of now", "(vertices @ view.reference)", "(vertices @ positions)"),
+        ("lengths of now", "(vertices @ view.reference)", "(vertices @ positions)", "midplane_nodes"),
         ("cuts all corrections", "share, most = 1.0,", "share, most = 0.5,"),
         ("both sides of an edge count as straight", "[-1 / 6, -1 / 6, 1 / 3]", "[0.0, 0.0, 0.0]", "midplane_nodes"),
         ("forces beyond the edge of contact are lost", "np.add.at(found.T, there[small], forces[:, here[small]].T)", "pass", "midplane_nodes"),

@@ -20,10 +20,9 @@ import numpy as np
 
 from contactlab.api import Floats, Ints, Potential, PotentialView, Pressures
 from contactlab_segments.midplane_kernels import press, rub, stiffen
-from contactlab_segments.midplane_nodes import assembled, gathered, polygon
+from contactlab_segments.midplane_nodes import Overlaps, assembled, gathered, overlaps, polygon
 
 TAKEN, SHORTEST = 0.1, 1e-3  # of a segment: overlaps that corrections may bring; of a correction
-DEEPEST = 2.0  # of the longest segment: deeper overlaps are the far side of a thin body
 
 
 @dataclass(frozen=True)
@@ -48,18 +47,18 @@ class Midplane(Potential):
 
     def energy(self, view: PotentialView, positions: Floats) -> float:
         """Energy of the overlaps."""
-        return self._pressed(view, positions)[0]
+        return press(*self._overlaps(view, positions), np.zeros_like(positions))
 
     def gradient(self, view: PotentialView, positions: Floats) -> Floats:
         """Derivative of the energy."""
-        return np.asarray(polygon(view).T @ self._pressed(view, positions)[2])
+        return np.asarray(polygon(view).T @ self._overlaps(view, positions).derivative())
 
     def hessian(self, view: PotentialView, positions: Floats) -> Any:
         """Its exact derivative, by dual numbers."""
-        count = self._pressed(view, positions)[1]
-        nodes, block = np.zeros((count, 4), np.int32), np.zeros((count, 8, 8))
-        stiffen(*self._arguments(view, positions), nodes, block)
-        return assembled(view, nodes, block)
+        found = self._overlaps(view, positions)
+        block = np.zeros((len(found.pairs), 8, 8))
+        stiffen(*found, block)
+        return assembled(view, found.pairs[:, 2:], block)
 
     def largest_step(self, view: PotentialView, positions: Floats, displacement: Floats) -> float:
         """The fraction after which overlaps are within `TAKEN` or twice those before: beyond, too much would press."""
@@ -70,8 +69,9 @@ class Midplane(Potential):
 
     def _deepest(self, view: PotentialView, positions: Floats) -> float:
         """Largest mean overlap around a vertex, over its undeformed length; large where it has no number."""
-        push = np.hypot(*self._pressed(view, positions)[2].T)
-        return float(np.nan_to_num((push / view.length**2).max() / self._arguments(view, positions)[5], nan=np.inf))
+        found = self._overlaps(view, positions)
+        push = np.hypot(*found.derivative().T)
+        return float(np.nan_to_num((push / view.length**2).max() / found.stiffness, nan=np.inf))
 
     def friction_gradient(self, view: PotentialView, positions: Floats) -> Floats:
         """Coulomb friction of pairs of points that are matched at the lagged positions, smoothed."""
@@ -85,18 +85,17 @@ class Midplane(Potential):
 
     def pressures(self, view: PotentialView, positions: Floats, normal: Floats, length: Floats) -> Pressures:
         """Forces of the vertices of the slave's polygon over their lengths: their sums are the contact forces."""
-        m, rubbed = len(normal), np.zeros_like(positions)
+        m, pressed, rubbed = len(normal), self._overlaps(view, positions).derivative(), np.zeros_like(positions)
         if view.friction is not None:
             rubbed = self._rubbing(view, positions)
         along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-        forces = ((self._pressed(view, positions)[2][:m] * normal).sum(axis=1), -(rubbed[:m] * along).sum(axis=1))
+        forces = ((pressed[:m] * normal).sum(axis=1), -(rubbed[:m] * along).sum(axis=1))
         return Pressures(*(gathered(view, np.stack(forces)) / length))
 
-    def _pressed(self, view: PotentialView, positions: Floats) -> tuple[float, int, Floats]:
-        """Energy, number of pairs of segments that overlap, and derivative (n, 2) by the vertices of the polygons."""
-        out = np.zeros_like(positions)
-        energy, count = press(*self._arguments(view, positions), out)
-        return energy, count, out
+    def _overlaps(self, view: PotentialView, positions: Floats) -> Overlaps:
+        m = len(view.slave.nodes)
+        k = self.stiffness / sum(1.0 / float(side.max()) for side in (view.stiffness[:m], view.stiffness[m:]))
+        return overlaps(view, positions, k)
 
     def _rubbing(self, view: PotentialView, positions: Floats) -> Floats:
         """Minus the friction forces (n, 2) on the vertices of the polygons."""
@@ -108,21 +107,11 @@ class Midplane(Potential):
 
     def _rubbed(self, view: PotentialView, positions: Floats) -> tuple[Ints, Floats, Floats, Floats, float]:
         """Points that rub: nodes (r, 4), weights (r, 8), slip (r,) over the last number [mm], bounds (r,) [N]."""
-        room = 4 * self._pressed(view, view.lagged)[1]
-        nodes, weight, force = np.zeros((room, 4), np.int32), np.zeros((room, 8)), np.zeros(room)
-        arguments = self._arguments(view, view.lagged)
-        rub(*arguments, nodes, weight, force)
         assert view.friction is not None  # the core asks for friction where there is some
-        moved, within = polygon(view) @ (positions - view.start), self.slip * float(arguments[3].min())
+        found = self._overlaps(view, view.lagged)
+        room = 4 * len(found.pairs)
+        nodes, weight, force = np.zeros((room, 4), np.int32), np.zeros((room, 8)), np.zeros(room)
+        rub(*found, nodes, weight, force)
+        moved, within = polygon(view) @ (positions - view.start), self.slip * float(found.length.min())
         slip = (weight * moved[nodes].reshape(-1, 8)).sum(axis=1) / within
         return nodes, weight, slip, view.friction.coefficient * force, within
-
-    def _arguments(self, view: PotentialView, positions: Floats) -> tuple[Any, ...]:
-        """What all kernels take."""
-        vertices, m = polygon(view), len(view.slave.nodes)
-        length = np.hypot(*np.diff((vertices @ view.reference)[view.edges], axis=1)[:, 0].T)
-        of = np.concatenate([view.slave.nodes, view.master.nodes])
-        ends = np.bincount(of[view.edges].ravel(), minlength=of.max() + 1)[of] == 1
-        k = self.stiffness / sum(1.0 / float(side.max()) for side in (view.stiffness[:m], view.stiffness[m:]))
-        slaves, deepest = len(view.slave.segments), DEEPEST * float(length.max())
-        return vertices @ positions, view.edges, slaves, length, ends, k, deepest

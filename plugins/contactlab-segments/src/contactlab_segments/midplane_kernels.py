@@ -116,8 +116,9 @@ def both(a, b, c, d, own, other, k, deepest):
 
 
 @point
-def near(at, i, j, e, f, deepest):
+def near(at, nodes, deepest):
     """Whether two segments, i to j and e to f, face each other and are close enough to overlap."""
+    i, j, e, f = nodes
     x, y, u, v = at[j, 0] - at[i, 0], at[j, 1] - at[i, 1], at[f, 0] - at[e, 0], at[f, 1] - at[e, 1]
     reach = abs(x) + abs(y) + abs(u) + abs(v) + 2.0 * deepest
     if abs(at[i, 0] + at[j, 0] - at[e, 0] - at[f, 0]) > reach or abs(at[i, 1] + at[j, 1] - at[e, 1] - at[f, 1]) > reach:
@@ -126,8 +127,9 @@ def near(at, i, j, e, f, deepest):
 
 
 @point
-def meet(a, b, c, d, own, other, k, deepest):
+def meet(corners, own, other, k, deepest):
     """Whether two segments touch or overlap."""
+    a, b, c, d = corners
     starts, ends = beyond(own, other)
     _, _, low, high, _, _ = part(a, b, d, c, starts, ends, k, deepest)
     if low < high:
@@ -137,37 +139,57 @@ def meet(a, b, c, d, own, other, k, deepest):
 
 
 @point
-def corners(at, i, j, e, f):
+def vectors(at, nodes):
     """Positions of four nodes."""
+    i, j, e, f = nodes
     return (
         Vector(at[i, 0], at[i, 1]), Vector(at[j, 0], at[j, 1]), Vector(at[e, 0], at[e, 1]), Vector(at[f, 0], at[f, 1])
     )  # fmt: skip
 
 
+@point
+def sides(pair, length, ends):
+    """Nodes of two segments, and of each its undeformed length and whether a chain starts and ends there."""
+    p, q, i, j, e, f = pair[0], pair[1], pair[2], pair[3], pair[4], pair[5]
+    return (i, j, e, f), (length[p], ends[i], ends[j]), (length[q], ends[e], ends[f])
+
+
 @kernel
-def press(at, edges, slaves, length, ends, k, deepest, gradient):
-    """Add the derivative of the energy to `gradient` (n, 2); returns the energy and the number of pairs that meet.
+def meeting(at, edges, slaves, length, ends, k, deepest, pairs):
+    """Fill numbers and nodes (c, 6) of pairs of segments that touch or overlap, as far as there is room; their number.
 
     at      (n, 2) [mm]
     edges   (e, 2), the first `slaves` of one side; length (e,) [mm], undeformed
     ends    (n,) whether a chain ends at a node
     """
-    energy, count = 0.0, 0
+    count, pair = 0, np.zeros(6, np.int32)
     for p in range(slaves):
-        i, j = edges[p, 0], edges[p, 1]
         for q in range(slaves, edges.shape[0]):
-            e, f = edges[q, 0], edges[q, 1]
-            if not near(at, i, j, e, f, deepest):
+            nodes = edges[p, 0], edges[p, 1], edges[q, 0], edges[q, 1]
+            if not near(at, nodes, deepest):
                 continue
-            a, b, c, d = corners(at, i, j, e, f)
-            own, other = (length[p], ends[i], ends[j]), (length[q], ends[e], ends[f])
-            if meet(a, b, c, d, own, other, k, deepest):
-                found, a, b, c, d = both(a, b, c, d, own, other, k, deepest)
-                energy, count = energy + found, count + 1
-                for node, force in ((i, a), (j, b), (e, c), (f, d)):
-                    gradient[node, 0] += force.x
-                    gradient[node, 1] += force.y
-    return energy, count
+            pair[0], pair[1], pair[2:4], pair[4:] = p, q, edges[p], edges[q]
+            _, own, other = sides(pair, length, ends)
+            if meet(vectors(at, nodes), own, other, k, deepest):
+                if count < len(pairs):
+                    pairs[count] = pair
+                count += 1
+    return count
+
+
+@kernel
+def press(at, pairs, length, ends, k, deepest, gradient):
+    """Add the derivative of the energy of `pairs` to `gradient` (n, 2); returns the energy."""
+    energy = 0.0
+    for pair in range(len(pairs)):
+        nodes, own, other = sides(pairs[pair], length, ends)
+        a, b, c, d = vectors(at, nodes)
+        found, a, b, c, d = both(a, b, c, d, own, other, k, deepest)
+        energy += found
+        for node, force in ((nodes[0], a), (nodes[1], b), (nodes[2], c), (nodes[3], d)):
+            gradient[node, 0] += force.x
+            gradient[node, 1] += force.y
+    return energy
 
 
 @point
@@ -179,33 +201,16 @@ def put(block, row, x):
 
 
 @kernel
-def stiffen(at, edges, slaves, length, ends, k, deepest, nodes, block):
-    """Fill the nodes (c, 4) and the second derivatives (c, 8, 8) [N/mm] of the pairs that `press` counts."""
-    count = 0
-    for p in range(slaves):
-        i, j = edges[p, 0], edges[p, 1]
-        for q in range(slaves, edges.shape[0]):
-            e, f = edges[q, 0], edges[q, 1]
-            if not near(at, i, j, e, f, deepest):
-                continue
-            own, other = (length[p], ends[i], ends[j]), (length[q], ends[e], ends[f])
-            x, y, u, v = corners(at, i, j, e, f)
-            if not meet(x, y, u, v, own, other, k, deepest):
-                continue
-            a, b = (
-                Vector(seed(at[i, 0], 0, 8), seed(at[i, 1], 1, 8)),
-                Vector(seed(at[j, 0], 2, 8), seed(at[j, 1], 3, 8)),
-            )
-            c, d = (
-                Vector(seed(at[e, 0], 4, 8), seed(at[e, 1], 5, 8)),
-                Vector(seed(at[f, 0], 6, 8), seed(at[f, 1], 7, 8)),
-            )
-            _, a, b, c, d = both(a, b, c, d, own, other, k, deepest)
-            nodes[count, 0], nodes[count, 1], nodes[count, 2], nodes[count, 3] = i, j, e, f
-            for number, force in enumerate((a, b, c, d)):
-                put(block[count], 2 * number, force.x)
-                put(block[count], 2 * number + 1, force.y)
-            count += 1
+def stiffen(at, pairs, length, ends, k, deepest, block):
+    """Fill the second derivatives (c, 8, 8) [N/mm] of the energy of `pairs`."""
+    for pair in range(len(pairs)):
+        (i, j, e, f), own, other = sides(pairs[pair], length, ends)
+        a, b = Vector(seed(at[i, 0], 0, 8), seed(at[i, 1], 1, 8)), Vector(seed(at[j, 0], 2, 8), seed(at[j, 1], 3, 8))
+        c, d = Vector(seed(at[e, 0], 4, 8), seed(at[e, 1], 5, 8)), Vector(seed(at[f, 0], 6, 8), seed(at[f, 1], 7, 8))
+        _, a, b, c, d = both(a, b, c, d, own, other, k, deepest)
+        for number, force in enumerate((a, b, c, d)):
+            put(block[pair], 2 * number, force.x)
+            put(block[pair], 2 * number + 1, force.y)
 
 
 @point
@@ -228,22 +233,13 @@ def put_points(count, a, b, c, d, i, j, e, f, length, starts, ends, k, deepest, 
 
 
 @kernel
-def rub(at, edges, slaves, length, ends, k, deepest, nodes, weight, force):
-    """Fill the points at which two sides rub: nodes (r, 4), derivatives (r, 8) of the slip, normal forces (r,) [N]."""
+def rub(at, pairs, length, ends, k, deepest, nodes, weight, force):
+    """Fill the points at which `pairs` rub: nodes (r, 4), derivatives (r, 8) of the slip, normal forces (r,) [N]."""
     count = 0
-    for p in range(slaves):
-        i, j = edges[p, 0], edges[p, 1]
-        for q in range(slaves, edges.shape[0]):
-            e, f = edges[q, 0], edges[q, 1]
-            if not near(at, i, j, e, f, deepest):
-                continue
-            a, b, c, d = corners(at, i, j, e, f)
-            own, other = (length[p], ends[i], ends[j]), (length[q], ends[e], ends[f])
-            first, last = beyond(own, other)
-            count = put_points(
-                count, a, b, d, c, i, j, f, e, 0.5 * own[0], first, last, k, deepest, nodes, weight, force
-            )
-            count = put_points(
-                count, c, d, b, a, e, f, j, i, 0.5 * other[0], last, first, k, deepest, nodes, weight, force
-            )
+    for pair in range(len(pairs)):
+        (i, j, e, f), own, other = sides(pairs[pair], length, ends)
+        a, b, c, d = vectors(at, (i, j, e, f))
+        first, last = beyond(own, other)
+        count = put_points(count, a, b, d, c, i, j, f, e, 0.5 * own[0], first, last, k, deepest, nodes, weight, force)
+        count = put_points(count, c, d, b, a, e, f, j, i, 0.5 * other[0], last, first, k, deepest, nodes, weight, force)
     return count

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, eye_array, kron
 
 from contactlab.api import Floats, Ints, PotentialView
+from contactlab_segments.midplane_kernels import meeting, press
 
+DEEPEST = 2.0  # of the longest segment: deeper overlaps are the far side of a thin body
 EDGE = 0.1  # of its neighbour's force: what a node beyond the edge of contact may bear for itself
 
 
@@ -24,6 +26,43 @@ def polygon(view: PotentialView) -> Any:
             place = np.repeat(edges[:, 2], 3), edges.ravel()
             found = found + csr_array((np.tile([-1 / 6, -1 / 6, 1 / 3], len(edges)), place), shape=(n, n))
     return found
+
+
+class Overlaps(NamedTuple):
+    """Pairs of segments that meet, and what kernels need of them.
+
+    at         (n, 2) [mm] vertices of the polygons
+    pairs      (c, 6) numbers of both segments, and the nodes of the four ends
+    length     (e,) [mm] undeformed, and `ends` (n,) whether a chain ends at a node
+    stiffness  [MPa/mm] pressure per overlap
+    deepest    [mm] deeper overlaps are the far side of a thin body
+    """
+
+    at: Floats
+    pairs: Ints
+    length: Floats
+    ends: Any
+    stiffness: float
+    deepest: float
+
+    def derivative(self) -> Floats:
+        """Of the energy by the vertices (n, 2) [N]."""
+        found = np.zeros_like(self.at)
+        press(*self, found)
+        return found
+
+
+def overlaps(view: PotentialView, positions: Floats, stiffness: float) -> Overlaps:
+    """Find the pairs of segments that touch or overlap."""
+    vertices, of = polygon(view), np.concatenate([view.slave.nodes, view.master.nodes])
+    length = np.hypot(*np.diff((vertices @ view.reference)[view.edges], axis=1)[:, 0].T)
+    ends = np.bincount(of[view.edges].ravel(), minlength=of.max() + 1)[of] == 1
+    given = length, ends, stiffness, DEEPEST * float(length.max())
+    at, pairs, count = vertices @ positions, np.zeros((0, 6), np.int32), len(view.edges)
+    while count > len(pairs):
+        pairs = np.zeros((count, 6), np.int32)
+        count = meeting(at, view.edges, len(view.slave.segments), *given, pairs)
+    return Overlaps(at, pairs[:count], *given)
 
 
 def assembled(view: PotentialView, nodes: Ints, block: Floats) -> Any:
