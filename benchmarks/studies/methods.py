@@ -259,7 +259,7 @@ def _costs(rows: list[Row]) -> str:
 def _cases(cases: list[Row]) -> str:
     """What the quick matrix has: some numbers, and the cases that were not met."""
     lines = []
-    for method in PLAIN:
+    for method in dict.fromkeys((*PLAIN, *sorted(row["contact"] for row in cases))):
         own = [row for row in cases if row["contact"] == method and not row["variant"]]
         found = {(row["case"], row["measure"]): row["value"] for row in own}
         cells = {row["case"]: row["cell"] for row in own}

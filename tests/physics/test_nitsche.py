@@ -248,6 +248,14 @@ def test_a_rigid_master_will_do_and_a_rigid_slave_is_refused() -> None:
         build(contactlab.Scene.from_data(on_floor | {"contacts": [contact | {"swap": True}]}), default_registry())
 
 
+def test_a_load_on_the_slave_is_refused_and_one_on_the_master_will_do() -> None:
+    """Behind a loaded slave the stress is that of the load and of the contact together."""
+    loaded = data("q1", "linear-elastic") | {"loads": [{"on": "upper.bottom", "ty": {"ramp": "linear", "to": 1.0}}]}
+    with pytest.raises(SceneError, match="a load acts on the slave as well"):
+        build(contactlab.Scene.from_data(loaded), default_registry())
+    build(contactlab.Scene.from_data(loaded).with_({"contacts.0.swap": True}), default_registry())
+
+
 @pytest.mark.parametrize(
     ("enforcement", "words"),
     [

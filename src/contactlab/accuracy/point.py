@@ -13,7 +13,7 @@ from contactlab.accuracy.efficiency import best_of
 from contactlab.accuracy.problem import Problem
 from contactlab.accuracy.study import CaseChoice, Contender
 from contactlab.api import Job, Record
-from contactlab.cases.run_case import case_plan, evaluated
+from contactlab.cases.run_case import case_plan, declined, evaluated
 from contactlab.errors import ContactlabError
 from contactlab.jobs.run import Run, always
 from contactlab.parts.registry import Registry
@@ -147,6 +147,8 @@ def _take_plan(
             status = "over-budget" if failed.status == "not-run" else failed.status
             spent = task.limit if "cpu_limit" in failed.summary and not failed.summary.get("known") else 0.0
             return replace(named(task, status, failed.reason), spent=spent)
+        if why := declined(setup, done):
+            return named(task, "not-applicable", why)
         values = evaluated(problem.case, setup, done)
         point = _point(task, problem.error(setup, values), done, tuple(keys))
         return replace(point, best=best_of(problem, setup, done))
@@ -165,10 +167,8 @@ def spent_on(record: Record) -> float:
 
 
 def changed(scene: Scene, contender: Contender) -> Scene:
-    """The scene of a case with what a setup has no word for: enforcement and further keys. Raises SceneError."""
+    """The scene of a case with what a setup has no word for: further keys. Raises SceneError."""
     changes = dict(contender.changes or {})
-    if contender.enforcement is not None:
-        changes |= {f"contacts.{n}.enforcement": contender.enforcement for n in range(len(scene.contacts))}
     if isinstance(contender.integrator, Mapping) and scene.integrator.get("use") == contender.integrator["use"]:
         changes |= {f"integrator.{k}": v for k, v in contender.integrator.items() if k != "use"}
     return scene.with_(changes) if changes else scene

@@ -28,7 +28,8 @@ class Problem:
 
     def setup(self, contender: Contender, swap: bool, level: int) -> Setup:
         """What the case is put to."""
-        return Setup(contender.algorithm, swap, contender.element, contender.integrator, level)
+        enforcement = contender.enforcement or ""
+        return Setup(contender.algorithm, swap, contender.element, contender.integrator, level, enforcement)
 
     def refusal(self, contender: Contender, swap: bool, registry: Registry) -> str:
         """Why a contender cannot be put to it; empty where it can."""

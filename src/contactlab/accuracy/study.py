@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal
 
+from contactlab.cases.methods import method_name
 from contactlab.errors import RequestError, did_you_mean
 from contactlab.scene.fields import key
 from contactlab.scene.reading import read_table
@@ -67,14 +68,7 @@ class Contender:
     @property
     def label(self) -> str:
         """What tables call it."""
-        return " ".join(filter(None, [part_label(self.algorithm), self.element, self.way]))
-
-
-def part_label(spec: Any) -> str:
-    """A part with those of its fields that are written."""
-    if not isinstance(spec, Mapping):
-        return str(spec)
-    return " ".join([str(spec.get("use", "")), *(f"{k}={v}" for k, v in spec.items() if k != "use")])
+        return " ".join(filter(None, [method_name(self.algorithm), self.element, self.way]))
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ Done = tuple[dict[str, Job], dict[str, Record]]
 """Jobs of a case and their records, by name."""
 
 __all__ = [
-    "MOST_JOBS", "case_plan", "evaluated", "is_potential", "run_case", "run_job", "scene_of", "unfit", "watches_of",
+    "MOST_JOBS", "case_plan", "declined", "evaluated", "is_potential", "run_case", "run_job", "scene_of", "unfit", "watches_of",
     "with_fields",
 ]  # fmt: skip
 
@@ -56,30 +56,24 @@ def is_potential(spec: Any, registry: Registry) -> bool:
 
 
 def unfit(case: Case, setup: Setup, registry: Registry) -> str:
-    """Why a case cannot be run with this setup, also by what its contact method refuses; empty if it can."""
+    """Why a case cannot be run with this setup, also by what its contact algorithm refuses; empty if it can."""
     why = case.applies(setup)
     if why:
         return why
-    potential = is_potential(setup.algorithm, registry)
-    if not potential and not setup.enforcement and registry.make("contact", setup.algorithm).half_pass() is None:
+    algorithm = registry.make("contact", setup.algorithm)
+    if not isinstance(algorithm, Potential) and algorithm.half_pass() is None:
         return ""
     for job in case.plan(setup, {}):
         try:
-            scene = scene_of(job, registry, setup.enforcement)
-            if potential:  # what it refuses of the bodies at the start is a verdict on it
-                _refuse(scene, registry)
-            else:
-                from contactlab.model.build import build
-                from contactlab.run.prepare import schedule_of
-
-                schedule_of(build(scene, registry), scene)
+            _refuse(scene_of(job, registry, setup.enforcement), registry)
         except RequestError as error:
             return error.problem
     return ""
 
 
 def _refuse(scene: Scene, registry: Registry) -> None:
-    """Raise RequestError for a scene that gives a potential what it cannot take."""
+    """Raise RequestError for a scene that gives a potential or half passes what they cannot take."""
+    from contactlab.model.contact.half_passes import refuse_half_passes
     from contactlab.model.contact.potential_start import refuse_potential
 
     integrator = registry.make("integrator", scene.integrator)
@@ -88,6 +82,14 @@ def _refuse(scene: Scene, registry: Registry) -> None:
         friction = registry.make("friction", contact.friction) if contact.friction else None
         if isinstance(algorithm, Potential):
             refuse_potential(algorithm, contact, integrator, friction, "")
+        elif algorithm.half_pass() is not None:
+            enforcement = registry.make("enforcement", contact.enforcement or integrator.enforcement())
+            refuse_half_passes(contact, enforcement, friction, "", "")
+
+
+def declined(setup: Setup, done: Mapping[str, Record]) -> str:
+    """Why the enforcement of a setup refuses a scene of the case, as its run found out; empty if it takes all."""
+    return next((r.reason for r in done.values() if setup.enforcement and r.status == "refused"), "")
 
 
 def case_plan(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import WORK, ExplicitIntegrator, Floats, Integrator, Ints, RunWarning, State
+from contactlab.api import WORK, ExplicitIntegrator, Floats, Integrator, Ints, NormalLaw, RunWarning, State
 from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body, BodyForces, positions_of
 from contactlab.model.bodies.build_bodies import build_bodies, masses_of
@@ -50,6 +50,10 @@ def _built(scene: Scene, registry: Registry) -> Model:
     check_meshed_size(scene, registry, bodies)
     rigid = _rigid_surfaces(scene, bodies)
     plans, bodies = _contact_plans(scene, registry, bodies, rigid, integrator)
+    if scene.loads and any(isinstance(p.enforcement, NormalLaw) and p.enforcement.needs for p in plans):
+        from contactlab.model.contact.traction_behind import refuse_loads
+
+        refuse_loads(plans, scene, bodies)
     reference = positions_of(bodies, rigid)
     mass = masses_of(bodies, rigid) if integrator.inertia else np.zeros(0)
     told: list[RunWarning] = []

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contactlab.api import Job, Measure
-from contactlab.cases.run_case import case_plan, evaluated, unfit
+from contactlab.cases.run_case import case_plan, declined, evaluated, unfit
 from contactlab.cases.verdict import Finding, judge
 from contactlab.errors import ContactlabError
 from contactlab.jobs.archive import Archive
@@ -59,6 +59,8 @@ def cell_plan(cell: Cell, registry: Registry) -> Generator[Sequence[Run], Sequen
         _, done = yield from case_plan(case, cell.setup, registry, asked)
         if any(record.status == "interrupted" for record in done.values()):
             return CellResult("not-judged", "interrupted", "stopped before it ended", whole=False)
+        if why := declined(cell.setup, done):
+            return CellResult("not-applicable", "", why)
         finding = judge(case, cell.setup, done, evaluated(case, cell.setup, done))
     except ContactlabError as error:
         finding, done = Finding("failed", "failed", str(error), ()), {}

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from contactlab.api import Case, Setup
+from contactlab.cases.methods import method_of
 from contactlab.jobs.driver import Driver
 from contactlab.jobs.rows import write_csv
 from contactlab.parts.registry import Registry
@@ -62,7 +63,8 @@ def margin_plan(
     search = bisection(start, limit)
     value = next(search)
     while True:
-        setup = Setup(contact, False, case.elements[0], case.integrators[0])
+        algorithm, enforcement = method_of(contact, registry, "contactlab matrix")
+        setup = Setup(algorithm, False, case.elements[0], case.integrators[0], enforcement=enforcement)
         cell = Cell(name, {} if value == start else {field: value}, setup)
         (made[value],) = yield [cell_plan(cell, registry)]
         if not made[value].whole:
@@ -93,6 +95,6 @@ def run_margins(request: Request, registry: Registry, driver: Driver, folder: Pa
 
 
 def margins_asked(request: Request, registry: Registry) -> list[tuple[str, str]]:
-    """Cases that have a margin, with the algorithms that are asked for."""
-    asked = dict.fromkeys((cell.name, str(cell.setup.algorithm)) for cell in plan(request, registry))
+    """Cases that have a margin, with the methods that are asked for."""
+    asked = dict.fromkeys((cell.name, cell.choices["contact"]) for cell in plan(request, registry))
     return [pair for pair in asked if registry.make("case", pair[0]).margin is not None]

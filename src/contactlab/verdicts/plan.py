@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from contactlab.api import Case, Setup
-from contactlab.cases.run_case import is_potential
+from contactlab.cases.methods import method_name, method_of, methods
 from contactlab.errors import RequestError, did_you_mean
 from contactlab.parts.registry import Registry
 
@@ -38,7 +38,7 @@ class Cell:
         return {
             "case": self.name,
             "variant": variant + (f"{', ' if variant else ''}level={setup.level}" if setup.level > 1 else ""),
-            "contact": str(setup.algorithm),
+            "contact": method_name(setup.algorithm, setup.enforcement),
             "slave": "exchanged" if setup.swap else "declared",
             "element": str(setup.element),
             "integrator": str(setup.integrator),
@@ -52,7 +52,7 @@ class Cell:
 
 @dataclass(frozen=True)
 class Request:
-    """What a matrix is asked for: names of cases and contact algorithms (all without any), and how much."""
+    """What a matrix is asked for: names of cases and contact methods (all without any), and how much."""
 
     cases: Sequence[str] = ()
     contacts: Sequence[str] = ()
@@ -61,32 +61,27 @@ class Request:
 
 
 def plan(request: Request, registry: Registry) -> list[Cell]:
-    """The cells in the order of the table. Raises RequestError for a name that is not installed.
-
-    Potentials take many times the iterations of others: they are in the full form, or asked for by name.
-    """
-    names = _known("case", request.cases, registry)
-    contacts = _known("contact", request.contacts, registry)
-    if not request.contacts and not request.full:
-        contacts = [name for name in contacts if not is_potential(name, registry)] or contacts
-    return [cell for name in names for cell in _cells(name, contacts, request, registry)]
-
-
-def _known(kind: str, wanted: Sequence[str], registry: Registry) -> list[str]:
-    names = registry.names(kind)
-    if not names:
-        hint = f"pip install {PACKAGES[kind]}"
-        raise RequestError(f"no {kind} is installed at all", where="contactlab matrix", hint=hint)
-    for name in wanted:
-        if name not in names:
+    """The cells in the order of the table. Raises RequestError for a name that is not installed."""
+    for kind, package in PACKAGES.items():
+        if not registry.names(kind):
             raise RequestError(
-                f"no {kind} of this name is installed", where=f"contactlab matrix, {kind}", got=name,
-                allowed=", ".join(names), hint=registry.missing_from(name) or did_you_mean(name, names),
+                f"no {kind} is installed at all", where="contactlab matrix", hint=f"pip install {package}"
+            )
+    cases = registry.names("case")
+    for name in request.cases:
+        if name not in cases:
+            raise RequestError(
+                "no case of this name is installed", where="contactlab matrix, case", got=name,
+                allowed=", ".join(cases), hint=registry.missing_from(name) or did_you_mean(name, cases),
             )  # fmt: skip
-    return list(dict.fromkeys(wanted)) or names
+    asked = dict.fromkeys(request.contacts) or methods(registry, variants=request.full)
+    contacts = [method_of(name, registry, "contactlab matrix") for name in asked]
+    return [
+        cell for name in dict.fromkeys(request.cases) or cases for cell in _cells(name, contacts, request, registry)
+    ]
 
 
-def _cells(name: str, contacts: Sequence[str], request: Request, registry: Registry) -> Iterator[Cell]:
+def _cells(name: str, contacts: Sequence[tuple[Any, Any]], request: Request, registry: Registry) -> Iterator[Cell]:
     case: Case = registry.make("case", name)
     first = slice(None) if request.full else slice(1)
     sides = (False, True) if request.full else (False,)
@@ -94,8 +89,8 @@ def _cells(name: str, contacts: Sequence[str], request: Request, registry: Regis
         for level, integrator, element in itertools.product(
             request.levels, case.integrators[first], case.elements[first]
         ):
-            for contact, swap in itertools.product(contacts, sides):
-                yield Cell(name, variant, Setup(contact, swap, element, integrator, level))
+            for (algorithm, enforcement), swap in itertools.product(contacts, sides):
+                yield Cell(name, variant, Setup(algorithm, swap, element, integrator, level, enforcement))
 
 
 def _variants(case: Case, full: bool) -> Iterator[dict[str, Any]]:

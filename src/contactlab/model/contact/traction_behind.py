@@ -16,10 +16,12 @@ from contactlab.kernels.tangent import two_point_modulus
 from contactlab.model.bodies.body import Block, Body, BodyForces
 from contactlab.model.bodies.tangent import KIND, follows_tables
 from contactlab.model.contact.cells_behind import edges_behind
+from contactlab.model.loading.edge_sets import edge_set
 
 if TYPE_CHECKING:
     from contactlab.errors import Where
     from contactlab.model.contact.plan import ContactPlan
+    from contactlab.scene.scene import Scene
 
 Entries = tuple[Ints, Ints, Floats]
 """Rows, columns and values (e,) of a matrix."""
@@ -55,6 +57,24 @@ def refuse_slave(plan: ContactPlan, bodies: tuple[Body, ...]) -> None:
                 where=plan.where, got=f"{type(body.element).__name__} in {body.name}",
                 allowed="elements that are their tables: q1, q2", hint="take q1 or q2 there, or swap slave and master",
             )  # fmt: skip
+
+
+def refuse_loads(plans: tuple[ContactPlan, ...], scene: Scene, bodies: tuple[Body, ...]) -> None:
+    """Raise SceneError for a load on a slave: the stress behind it would be that of load and contact together."""
+    for number, load in enumerate(scene.loads):
+        if load.pressure is None and load.tx is None and load.ty is None:
+            continue
+        where = below(scene.where(f"loads.{number}"), "on")
+        loaded = {frozenset(edge) for edge in edge_set(bodies, load.on, where)[1][:, :2].tolist()}
+        for plan in plans:
+            slave = {frozenset(edge) for edge in plan.slave.nodes[plan.slave.edges[:, :2]].tolist()}
+            if loaded & slave:
+                raise SceneError(
+                    f"the enforcement of {plan.label} takes the stress behind the slave for the contact's, and a load "
+                    "acts on the slave as well",
+                    where=where, got=load.on, allowed="loads beside the slave",
+                    hint="swap slave and master, or take another enforcement",
+                )  # fmt: skip
 
 
 class TractionBehind:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Case, Potential, Setup
-from contactlab.cases.run_case import evaluated, run_case, unfit
+from contactlab.cases.run_case import declined, evaluated, run_case, unfit
 from contactlab.cases.verdict import Finding, allowed, judge
 from contactlab.errors import RequestError
 from contactlab.parts.registry import Registry
@@ -89,6 +89,8 @@ def found_of(subject: Subject, question: Question) -> Finding:
     if why:
         raise NotApplicable(why)
     _, done = run_case(case, setup, subject.registry, work=WORK)
+    if why := declined(setup, done):
+        raise NotApplicable(why)
     return judge(case, setup, done, evaluated(case, setup, done))
 
 
