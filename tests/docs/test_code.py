@@ -91,7 +91,8 @@ def _check_scene(options: Namespace) -> None:
 
 def _names(command: str, options: Namespace) -> Iterator[str]:
     """Parts that a command names."""
-    yield from getattr(options, "contacts", [])
+    for method in getattr(options, "contacts", []):
+        yield from (part.split()[0] for part in method.split(" + "))
     if command == "parts" and options.name:
         yield options.name
     if command == "check":

@@ -25,8 +25,8 @@ Done = tuple[dict[str, Job], dict[str, Record]]
 """Jobs of a case and their records, by name."""
 
 __all__ = [
-    "MOST_JOBS", "case_plan", "declined", "evaluated", "is_potential", "run_case", "run_job", "scene_of", "unfit", "watches_of",
-    "with_fields",
+    "MOST_JOBS", "case_plan", "declined", "evaluated", "is_potential", "run_case", "run_job", "scene_of", "unfit",
+    "watches_of", "with_fields",
 ]  # fmt: skip
 
 run_job: RunJob = made

@@ -229,7 +229,10 @@ LABORATORY = {
     "matrix": Command(
         "judge contact algorithms on benchmark cases with known solutions", "matrix:matrix", (
             _word("cases", nargs="*", metavar="CASE", help="names of cases (default: all; contactlab parts)"),
-            _list("--contact", dest="contacts", metavar="NAME", help="judge this algorithm (default: all)"),
+            _list(
+                "--contact", dest="contacts", metavar="NAME",
+                help="judge this method (default: all): ALGORITHM [FIELD=VALUE] [+ ENFORCEMENT]",
+            ),
             _flag("--full", text="all variants of each case, either slave, all its elements and integrators"),
             _list(
                 "--level", dest="levels", type=positive, metavar="N",
