@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -36,20 +37,32 @@ def recent_steps(most: int) -> int:
     return min(RECENT, most // 2)
 
 
-def thinned(steps: np.ndarray, changed: np.ndarray, most: int, before: Thinning) -> Thinning:
-    """The next thinning of a record that is full: it has `most` rows, of these steps in their order.
+def thinned(rows: Iterable[tuple[np.ndarray, np.ndarray]], last: int, most: int, before: Thinning) -> Thinning:
+    """The next thinning of a record that is full: it has `most` rows, up to step `last`.
 
     The stride doubles until a quarter of the room is free. State changes are thinned, too, where they take the room.
+
+    rows  blocks of steps (n,) and of whether a contact state changed in each (n,), in any number
     """
-    until, stride, changes = int(steps[-1]) - recent_steps(most), before.stride, before.changes
-    older = steps <= until
-    steps, changed, recent = steps[older], changed[older], int(np.count_nonzero(~older))
+    until, stride, changes = last - recent_steps(most), before.stride, before.changes
+    recent, tally = 0, np.zeros((2, 64), np.int64)  # older steps by their largest divisor 2^k, and those with changes
+    for steps, changed in rows:
+        older = steps <= until
+        power = _powers_of_two(steps[older])
+        recent += int(np.count_nonzero(~older))
+        tally += [np.bincount(power, minlength=64), np.bincount(power[changed[older]], minlength=64)]
     while True:
-        even = int(np.count_nonzero(steps % stride == 0))
-        kept = int(np.count_nonzero(Thinning(until, stride, changes).keeps(steps, changed)))
+        even, rare = stride.bit_length() - 1, changes.bit_length() - 1
+        kept = int(tally[0, even:].sum() + tally[1, rare:even].sum())
         if recent + kept <= LEFT * most:
             return Thinning(until, stride, changes)
-        if even > most // 16:
+        if tally[0, even:].sum() > most // 16:
             stride *= 2
         else:
             changes *= 2
+
+
+def _powers_of_two(steps: np.ndarray) -> np.ndarray:
+    """The largest k (n,) for which 2^k divides each step; 63 of step 0."""
+    divisor = steps & -steps
+    return np.where(divisor > 0, np.frexp(divisor.astype(float))[1] - 1, 63)

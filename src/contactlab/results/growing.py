@@ -20,6 +20,9 @@ import numpy as np
 from contactlab.results.journaled import JournaledFile, written
 
 NOWHERE = np.zeros(0, np.int64)
+INDICES = (
+    2**16
+)  # bytes of indices of chunks that HDF5 keeps, which take eight times as much; 2 MiB by itself, row by row
 HEADERS = ("v108", "v108")  # the oldest format whose headers have checksums; later ones mark a file as open
 
 
@@ -33,6 +36,10 @@ class GrowingFile:
         self.path, self.published = path, not new
         self.below = JournaledFile.create(path.with_name(path.name + ".new")) if new else JournaledFile.resume(path)
         self.file = h5py.File(self.below, "w" if new else "r+", libver=HEADERS)
+        known = self.file.id.get_mdc_config()
+        known.set_initial_size = True
+        known.initial_size = known.min_size = known.max_size = INDICES
+        self.file.id.set_mdc_config(known)
 
     @property
     def descriptor(self) -> int:

@@ -14,7 +14,7 @@ import numpy as np
 from contactlab.api.thinning import Thinning, recent_steps, thinned
 from contactlab.results.growing import Column, GrowingFile, Number
 
-AT_ONCE = 8192  # rows that are moved together
+AT_ONCE = 2**20  # bytes of rows that are moved together
 NUMBERS = ("hole_begin", "hole_end", "thinned_at", "said_at", *Thinning._fields)
 """Attributes beside `count`, eight in all, as for more HDF5 has no checksum: rows from hole_begin to hole_end are none
 while others are moved; the steps at which rows were last left out, and at which more of them were."""
@@ -41,6 +41,7 @@ class ThinnedTable:
         least: int,
     ) -> None:
         self.growing, self.columns, self.look, self.most, self.least = growing, columns, look, most, least
+        self.together = max(1, AT_ONCE // sum(column.row_bytes for column in columns))
         self.shown = Number(owner, "count")
         start = {"stride": 1, "changes": 1}
         self.numbers = {name: Number(owner, name, start.get(name, 0)) for name in NUMBERS}
@@ -75,7 +76,8 @@ class ThinnedTable:
             ):  # what was left out after the last saved state is known already
                 self._move(self.thinning._replace(until=int(steps[end - 1]) - recent_steps(self.most)), 0, 0)
             elif self.count == self.most:
-                self._thin(thinned(*self._all(), self.most, self.thinning), int(steps[end - 1]))
+                last = int(steps[end - 1])
+                self._thin(thinned(map(self.look, *self._blocks()), last, self.most, self.thinning), last)
 
     @property
     def last_step(self) -> int:
@@ -111,9 +113,10 @@ class ThinnedTable:
             column.write(self.count, table, rows)
         self.count += rows
 
-    def _all(self) -> Looked:
-        some = [self.look(begin, min(begin + AT_ONCE, self.count)) for begin in range(0, self.count, AT_ONCE)]
-        return np.concatenate([steps for steps, _ in some]), np.concatenate([changed for _, changed in some])
+    def _blocks(self) -> tuple[range, list[int]]:
+        """Where blocks of rows begin and end."""
+        begins = range(0, self.count, self.together)
+        return begins, [min(begin + self.together, self.count) for begin in begins]
 
     def _thin(self, thinning: Thinning, now: int = 0) -> None:
         if now:
@@ -128,7 +131,7 @@ class ThinnedTable:
     def _move(self, thinning: Thinning, to: int, begin: int) -> None:
         """Move the rows that stay, from row `begin` on, to row `to` and behind it."""
         while begin < self.count:
-            end = min(begin + AT_ONCE, self.count)
+            end = min(begin + self.together, self.count)
             keeps = thinning.keeps(*self.look(begin, end))
             stay = int(np.count_nonzero(keeps))
             if stay and (to < begin or stay < end - begin):

@@ -15,7 +15,7 @@ from tiers import some
 
 from contactlab.api.thinning import Thinning, thinned
 from contactlab.results import journaled, thinned_table
-from contactlab.results.growing import Column, GrowingFile
+from contactlab.results.growing import INDICES, Column, GrowingFile
 from contactlab.results.journaled import JournaledFile
 from contactlab.results.thinned_table import ThinnedTable, pieces_of
 
@@ -56,7 +56,7 @@ def read(path: Path) -> np.ndarray:
 
 @pytest.fixture(autouse=True)
 def small_moves(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(thinned_table, "AT_ONCE", 16)
+    monkeypatch.setattr(thinned_table, "AT_ONCE", 16 * 24)  # 16 rows
 
 
 @pytest.mark.parametrize(("chance", "together"), [(0.0, 7), (0.01, 256), (0.6, 5)])
@@ -126,7 +126,38 @@ def test_a_kill_at_any_write_and_other_blocks_end_with_the_same_rows(
 
 def test_recent_steps_and_half_of_a_small_record_stay() -> None:
     steps = np.arange(1, 50_001)
-    found = thinned(steps, np.zeros(50_000, bool), 50_000, Thinning())
+    same = np.zeros(50_000, bool)
+    found = thinned([(steps[:30_000], same[:30_000]), (steps[30_000:], same[30_000:])], 50_000, 50_000, Thinning())
     assert found == Thinning(40_000, 2, 1)
-    assert np.count_nonzero(found.keeps(steps, np.zeros(50_000, bool))) == 30_000
-    assert thinned(steps[:100], np.zeros(100, bool), 100, Thinning()).until == 50
+    assert np.count_nonzero(found.keeps(steps, same)) == 30_000
+    assert thinned([(steps[:100], same[:100])], 100, 100, Thinning()).until == 50
+
+
+@pytest.mark.parametrize("before", [Thinning(), Thinning(100, 4, 1), Thinning(100, 16, 2)])
+def test_counts_of_kept_rows_need_no_rows_at_hand(before: Thinning) -> None:
+    """The next thinning is the first one, in the order of the rule, that leaves at most three quarters."""
+    steps, most = np.arange(3000), 3000
+    changed = np.random.default_rng(5).random(3000) < 0.7
+    keeps = before.keeps(steps, changed)
+    steps, changed = steps[keeps], changed[keeps]
+    most = len(steps)
+    found = thinned([(steps[:900], changed[:900]), (steps[900:], changed[900:])], 2999, most, before)
+    tried = before._replace(until=2999 - most // 2)
+    while np.count_nonzero(tried.keeps(steps, changed)) > 0.75 * most:
+        older = steps <= tried.until
+        sparse = np.count_nonzero(steps[older] % tried.stride == 0) > most // 16
+        tried = tried._replace(**({"stride": 2 * tried.stride} if sparse else {"changes": 2 * tried.changes}))
+    assert found == tried
+
+
+def test_hdf5_keeps_no_more_of_a_file_than_it_is_allowed(tmp_path: Path) -> None:
+    """Indices of chunks grow with the rows: unless what HDF5 holds of them is bounded, runs grow by 2 bytes a step."""
+    growing = GrowingFile(tmp_path / "file", new=True)
+    rows = Column(growing.file, "rows", "f8")
+    for number in range(8):
+        growing.grow([rows], 10_000)
+        rows.write(number * 10_000, np.zeros(10_000), 10_000)
+    _, _, held, _ = growing.file.id.get_mdc_size()
+    assert growing.below.path.stat().st_size > 4 * INDICES
+    assert held <= 1.5 * INDICES  # what is in use may exceed it for a moment
+    growing.close()
