@@ -20,7 +20,7 @@ CORE = ROOT / "src" / "contactlab"
 LAYERS = (
     ("errors", "outside_files", "arguments"),
     ("api", "views"),
-    ("formulas", "kernels", "meshing"),
+    ("formulas", "implicit", "kernels", "meshing"),
     ("contact", "parts", "scene"),
     ("model",),
     ("results",),

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contactlab_statics.time_step import TimeStep
 
 import contactlab
 from contactlab.api import WORK, Floats, StepStatus
+from contactlab.implicit.time_step import TimeStep
 from contactlab.model.build import build
 from contactlab.model.model import Model
 from contactlab.run.simulation import simulate

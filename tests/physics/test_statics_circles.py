@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contactlab_statics import line_search
 from contactlab_statics.active_set import ActiveSet
-from contactlab_statics.iteration import NewtonIteration, Outcome
 from scipy.sparse import csc_array, csr_array
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, Ints
+from contactlab.implicit import line_search
+from contactlab.implicit.iteration import NewtonIteration, Outcome
 
 TOLERANCE = 1e-8
 

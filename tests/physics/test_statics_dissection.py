@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from contactlab_statics import factor
-from contactlab_statics.dissection import dissected
-from contactlab_statics.factor import Factor
 from scipy.sparse import block_array, csc_array, diags_array, eye_array, kron
 
 import contactlab
+from contactlab.implicit import factor
+from contactlab.implicit.dissection import dissected
+from contactlab.implicit.factor import Factor
 from contactlab.run.simulation import simulate
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from contactlab_statics import reuse
-from contactlab_statics.factor import Factor
-from contactlab_statics.reuse import ReusedFactor, preconditioned
 from scipy.sparse import csc_array, diags_array, eye_array, kron, random_array
 
 import contactlab
+from contactlab.implicit import reuse
+from contactlab.implicit.factor import Factor
+from contactlab.implicit.reuse import ReusedFactor, preconditioned
 from contactlab.run.simulation import simulate
 
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from contactlab_statics import prediction
 
 import contactlab
+from contactlab.implicit import prediction
 from contactlab.model.build import build
 from contactlab.results.results import Results
 from contactlab.scene.scene import Scene

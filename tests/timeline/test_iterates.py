@@ -9,9 +9,9 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from contactlab_statics.iteration import NewtonIteration
 
 from contactlab.errors import RequestError
+from contactlab.implicit.iteration import NewtonIteration
 from contactlab.results.iterate_sampler import IterateSampler
 from contactlab.results.load import load_results
 from contactlab.results.record_plan import IteratePlan, iterate_bytes

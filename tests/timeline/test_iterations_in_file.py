@@ -48,7 +48,7 @@ def test_a_file_without_active_sets_is_read_and_taken_up(
 ) -> None:
     """As files were before: what is missing is empty, and rows are whole."""
     with monkeypatch.context() as before:
-        before.setattr("contactlab_statics.iteration.Iteration", lambda *row: Iteration(*row[:7]))
+        before.setattr("contactlab.implicit.iteration.Iteration", lambda *row: Iteration(*row[:7]))
         begun = simulate(small_scene(STATICS), tmp_path / "run", work=9)
         assert begun.status == "timed-out"
         assert {row.statuses for row in begun.iterations} == {""}

@@ -21,31 +21,25 @@ from contactlab.api.enforcement import (
     Rows,
     Solve,
 )
-from contactlab.api.formulas import formula
-from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout, StoredRun
-from contactlab.api.friction import FrictionBound, FrictionLaw
-from contactlab.api.function import Function
-from contactlab.api.integrator import (
+from contactlab.api.equations import (
     ContactDerivatives,
     ContactEquations,
     Equations,
     Estimate,
     ExplicitEquations,
-    ExplicitIntegrator,
     ImplicitContact,
     ImplicitEquations,
-    ImplicitIntegrator,
-    Integrator,
-    Iteration,
-    Motion,
     PrescribedMotion,
-    Step,
-    StepControl,
-    StepStatus,
 )
+from contactlab.api.formulas import formula
+from contactlab.api.frame import ContactCurve, Event, Frame, Iterate, IterationRow, Layout, StoredRun
+from contactlab.api.friction import FrictionBound, FrictionLaw
+from contactlab.api.function import Function
+from contactlab.api.integrator import ExplicitIntegrator, ImplicitIntegrator, Integrator
 from contactlab.api.material import Kinematics, Material
 from contactlab.api.measure import RunMeasure
 from contactlab.api.mesh import Mesh, MeshSource
+from contactlab.api.motion import ImplicitMotion, Motion
 from contactlab.api.normal_law import NormalLaw
 from contactlab.api.part import CONTRACT_VERSION, KINDS, Kind, Part
 from contactlab.api.point_contact import PointContact
@@ -57,6 +51,7 @@ from contactlab.api.reference import ReferenceSolution, Scalar, Solution
 from contactlab.api.segment_contact import SegmentContact
 from contactlab.api.segments import Overlap
 from contactlab.api.state import WORK, State
+from contactlab.api.step import Iteration, Step, StepControl, StepStatus
 from contactlab.api.surface import Candidates, Surface, SurfacePositions
 from contactlab.api.tensors import UNIT, Tensor, Vector
 from contactlab.api.warning import RunWarning, Warnings
@@ -109,6 +104,7 @@ __all__ = [
     "ImplicitEnforcement",
     "ImplicitEquations",
     "ImplicitIntegrator",
+    "ImplicitMotion",
     "Integrator",
     "Ints",
     "Iterate",

@@ -80,7 +80,7 @@ def _faults(kind: str, target: object) -> list[str]:
 
 def _missing_methods(target: type) -> list[str]:
     missing = sorted(getattr(target, "__abstractmethods__", ()))
-    if issubclass(target, ExplicitIntegrator) and not {"step", "bind"} & {*_own_names(target)}:
+    if issubclass(target, Integrator) and not {"step", "bind"} & {*_own_names(target)}:
         missing.append("step")
     return [f"it has no {', '.join(missing)}"] if missing else []
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from contactlab_statics.active_set import ActiveSet
-from contactlab_statics.iteration import NewtonIteration
 from scipy.sparse import csc_array, csr_array
 
 from contactlab.api import Conditions, ContactDerivatives, Floats, Ints, State
+from contactlab.implicit.iteration import NewtonIteration
 from contactlab.testing.oscillator import Ramp
 
 STIFFNESS = np.array([[1.0, 0.5], [0.5, 1.0]])  # tangential, normal

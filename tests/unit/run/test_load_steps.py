@@ -171,7 +171,7 @@ def test_multipliers_come_free_evenly_before_a_corner() -> None:
 
 @pytest.mark.parametrize("factor", [0.8, 0.95])
 def test_more_iterations_are_made_while_residuals_fall(factor: float) -> None:
-    from contactlab_statics.iteration import FALL, MORE, NewtonIteration
+    from contactlab.implicit.iteration import FALL, MORE, NewtonIteration
 
     iteration = NewtonIteration.__new__(NewtonIteration)
     iteration.most = 10

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-from contactlab.api import ImplicitEquations, ImplicitIntegrator, State, Step
+from contactlab.api import Floats, ImplicitIntegrator, ImplicitMotion
 from contactlab_statics.limits import refuse_limits
 
 STEPS = 500
@@ -64,9 +64,14 @@ class ImplicitDynamics(ImplicitIntegrator):
         """Limit of steps around impacts, and the energies that they are judged by."""
         return {"impact": (3,)} if self.impacts else {}
 
-    def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
-        """The function that makes one step in time."""
-        from contactlab_statics.time_step import TimeStep
+    def step(self, motion: ImplicitMotion, dt: float) -> None:
+        """Balance forces in the middle of the step: u+ - u = dt (v + v+)/2 and a = (v+ - v)/dt."""
+        v, backward = motion.velocity, BACKWARD if motion.quasi_static else 0.0
 
-        lead = (BACKWARD if equations.quasi_static else 0.0) if self.dissipation is None else self.dissipation
-        return TimeStep(equations, state, self.tolerance, self.iterations, lead, self.impacts).step
+        def velocity(moved: Floats) -> Floats:
+            return 2.0 * (moved / dt) - v
+
+        def acceleration(moved: Floats) -> Floats:
+            return (velocity(moved) - v) / dt
+
+        motion.solve(velocity, acceleration, at=0.5, lead=backward if self.dissipation is None else self.dissipation)

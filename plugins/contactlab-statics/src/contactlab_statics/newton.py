@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-from contactlab.api import ImplicitEquations, ImplicitIntegrator, State, Step
+from contactlab.api import ImplicitIntegrator, ImplicitMotion
 from contactlab_statics.limits import refuse_limits
 
 STEPS = 10
@@ -68,8 +68,6 @@ class Newton(ImplicitIntegrator):
         """What the last step moved [mm], from which the next one starts in bodies that flow."""
         return {"moved": (nodes, 2)}
 
-    def bind(self, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
-        """The function that makes one load step."""
-        from contactlab_statics.load_step import LoadStep
-
-        return LoadStep(equations, state, self.tolerance, self.iterations).step
+    def step(self, motion: ImplicitMotion, dt: float) -> None:
+        """Balance all forces at the end of the step."""
+        motion.solve()

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab_statics.factor import Factor
+from contactlab.implicit.factor import Factor
 
 MOST = 12  # iterations; one costs about a twentieth of new factors
 FORCING = 1e-2  # accuracy of a solution over the residual of the equilibrium

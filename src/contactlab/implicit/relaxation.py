@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from contactlab.api import WORK, Floats, ImplicitEquations, Iteration, Response, State, Step, StepStatus
-from contactlab_statics.convergence import force_scale
-from contactlab_statics.factor import with_diagonal
-from contactlab_statics.iteration import take_back
+from contactlab.api import WORK, Floats, ImplicitEquations, Iteration, Response, State
+from contactlab.implicit.convergence import force_scale
+from contactlab.implicit.factor import with_diagonal
+from contactlab.implicit.iteration import Outcome, take_back
 
 if TYPE_CHECKING:
-    from contactlab_statics.load_step import LoadStep
+    from contactlab.implicit.load_step import LoadStep
 
 NUMERICAL = WORK.index("numerical")
 SUBSTEPS = 80  # of a load step: those that come to rest need 10 to 30
@@ -51,7 +51,7 @@ class Relaxation:
         nodes = len(equations.reference)
         self.viscosity, self.drift, self.anchor, self.before = (np.zeros((nodes, 2)) for _ in range(4))
 
-    def step(self, load: LoadStep, dt: float) -> Step:
+    def solve(self, load: LoadStep, dt: float) -> Outcome:
         """Make a load step of length dt [s] in substeps; the state is left anywhere where that fails."""
         equations, state, iteration = self.equations, self.state, load.iteration
         prescribed, size = equations.prescribed, iteration.scales.size
@@ -87,19 +87,13 @@ class Relaxation:
             accepted += 1
             self.drift[:] = 0.0
             if length == np.inf or left <= iteration.tolerance:
-                return Step(
-                    state["work"], state["reaction"], iterations=len(trace), residual=outcome.residual.contact,
-                    trace=tuple(trace),
-                )  # fmt: skip
+                return Outcome("", outcome.residual, trace)
             if float(np.abs(state["displacement"] - begin).max()) > FAR * size:
                 reason = "what nothing holds moves away"
                 break
             longest = length
             length = np.inf if left <= small else length * (GROW if len(outcome.trace) <= EASY else 1.0)
-        return Step(
-            status=StepStatus.not_converged, iterations=len(trace), residual=outcome.residual.largest,
-            reason=f"stabilised: {reason}", trace=tuple(trace),
-        )  # fmt: skip
+        return Outcome(f"stabilised: {reason}", outcome.residual, trace)
 
     def force(self) -> Floats:
         """Viscous forces (N, 2) [N] at the trial displacements."""

@@ -61,10 +61,6 @@ class Prediction:
             return False
         return True
 
-    def follow(self, start: Floats) -> None:
-        """Remember an accepted step that began at the displacement `start` (N, 2) [mm]."""
-        np.subtract(self.state["displacement"], start, out=self.moved)
-
     def _ratio(self, dt: float, target: Floats) -> float:
         """Of the step to that before it: by prescribed motion, or by loads where nothing is moved."""
         held = self.equations.prescribed.dof

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Floats
-from contactlab_statics.scales import Scales
-from contactlab_statics.trial import Trial
+from contactlab.implicit.scales import Scales
+from contactlab.implicit.trial import Trial
 
 DEEPEST = 1.0  # segment lengths that a correction may push a surface into the other
 CAREFUL = (1.0, 0.5, 0.25, 0.125)  # fractions tried once statuses go round in circles

@@ -20,11 +20,15 @@ class ContactForces:
         self.normal: Floats = np.zeros((nodes, 2))
         self.tangential: Floats = np.zeros((nodes if friction else 0, 2))
 
-    def add_to(self, out: Floats) -> None:
-        """Compute both at the present multipliers, and add them to `out` (N, 2)."""
+    def add_to(self, out: Floats, weight: float = 1.0) -> None:
+        """Compute both at the present multipliers, and add them times a weight to `out` (N, 2)."""
         if self.contact is None:
             return
         self.contact.forces(self.normal, self.tangential)
-        out += self.normal
+        out += weight * self.normal
         if len(self.tangential):
-            out += self.tangential
+            out += weight * self.tangential
+
+    def total(self) -> Floats:
+        """Both together (N, 2), as they were computed last."""
+        return self.normal + self.tangential if len(self.tangential) else self.normal

@@ -10,7 +10,7 @@ from scipy.sparse import coo_array, csc_array
 from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats
-from contactlab_statics.dissection import FROM, dissected
+from contactlab.implicit.dissection import FROM, dissected
 
 PIVOT = 1e-3  # a diagonal entry above this part of its column is taken as pivot, which keeps the ordering's fill
 BACKWARD = 1e-15  # componentwise backward error beyond which a solution is refined: pivots that small may grow entries

@@ -8,13 +8,13 @@ from itertools import pairwise
 import numpy as np
 
 from contactlab.api import Floats, ImplicitEquations, Iteration, State
-from contactlab_statics.active_set import SLIP
-from contactlab_statics.convergence import Residual
-from contactlab_statics.factor import SingularSystem, with_diagonal
-from contactlab_statics.line_search import SHORTEST, LineSearch
-from contactlab_statics.saddle import SaddleSystem
-from contactlab_statics.scales import AWAY, Scales
-from contactlab_statics.trial import Balance, Trial
+from contactlab.api.frame import SLIP
+from contactlab.implicit.convergence import Residual
+from contactlab.implicit.factor import SingularSystem, with_diagonal
+from contactlab.implicit.line_search import SHORTEST, LineSearch
+from contactlab.implicit.saddle import SaddleSystem
+from contactlab.implicit.scales import AWAY, Scales
+from contactlab.implicit.trial import Balance, Trial
 
 AUGMENTATIONS = 40  # times the iterations of a step that taking over forces may need
 TAKEOVERS = 40  # times that friction may take newer normal forces or slips in a step
@@ -27,11 +27,17 @@ NEAR, FARTHEST = 0.01, 2.0  # segments deep that a body meets what is to hold it
 
 @dataclass
 class Outcome:
-    """How the iteration of a step ended; `reason` is empty if it converged."""
+    """How the iteration of a step ended; `reason` is empty if it converged.
+
+    longest  see `contactlab.api.Step`
+    motion   (N, 2) [mm] what `contactlab.api.ImplicitMotion.solve` returns
+    """
 
     reason: str = ""
     residual: Residual = field(default_factory=lambda: Residual(0.0, 0.0))
     trace: list[Iteration] = field(default_factory=list)
+    longest: float | None = None
+    motion: Floats = field(default_factory=lambda: np.zeros((0, 2)))
 
 
 class NewtonIteration:

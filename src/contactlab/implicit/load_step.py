@@ -1,4 +1,4 @@
-"""One quasi-static load step: iterate, then book what it did, or leave the state as it was."""
+"""One quasi-static load step: iterate, then book what it did."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import Estimate, Floats, ImplicitEquations, State, Step, StepStatus
-from contactlab_statics.contact_forces import ContactForces
-from contactlab_statics.factor import with_diagonal
-from contactlab_statics.iteration import NewtonIteration, take_back
-from contactlab_statics.ledger import Ledger
-from contactlab_statics.prediction import Prediction
-from contactlab_statics.relaxation import Relaxation
+from contactlab.api import Estimate, Floats, ImplicitEquations, State
+from contactlab.implicit.contact_forces import ContactForces
+from contactlab.implicit.factor import with_diagonal
+from contactlab.implicit.iteration import NewtonIteration, Outcome
+from contactlab.implicit.ledger import Ledger
+from contactlab.implicit.prediction import Prediction
+from contactlab.implicit.relaxation import Relaxation
 
 LIMITED = 3  # corrections that may be shortened where bodies flow on as in the step before: a shorter step costs less
 
@@ -27,56 +27,50 @@ class LoadStep:
         self.time = 0.0
         self.iteration = NewtonIteration(equations, state, self, tolerance, iterations)
         self.ledger = Ledger(state)
-        self.prediction = Prediction(equations, state)
+        self.prediction = Prediction(equations, state) if "moved" in state else None
         self.relaxation: Relaxation | None = None
 
     def of_stresses(self, diagonal: Floats) -> Floats:
         """All of it: there are no masses."""
         return diagonal
 
-    def step(self, dt: float) -> Step:
-        """Advance the state by dt of (pseudo-)time, or restore it."""
+    def solve(self, dt: float) -> Outcome:
+        """Advance the state by dt of (pseudo-)time; it is left anywhere where that fails."""
         equations, state = self.equations, self.state
-        if equations.stabilised:
-            return self._relax(dt)
-        start = state.snapshot()
+        before = state["displacement"].copy()
+        outcome = self._relax(dt) if equations.stabilised else self._iterate(dt)
+        if not outcome.reason:
+            outcome.motion = state["displacement"] - before
+            if self.prediction is not None:
+                # nothing goes on as a jump did
+                self.prediction.moved[:] = 0.0 if equations.stabilised else outcome.motion
+        return outcome
+
+    def _iterate(self, dt: float) -> Outcome:
+        equations = self.equations
         equations.begin_step(dt)
         self.start(dt)
-        self.time = state.time + dt
+        self.time = self.state.time + dt
         prescribed = equations.prescribed
         target = prescribed.scale * prescribed.values(self.time)[prescribed.ramp]
-        expected = equations.estimate(self.time)
+        expected, limited = equations.estimate(self.time), None
         if expected is not None:
             self._begin_at(expected, dt, target)
-        predicted = expected is None and self.prediction.start(dt, target, self._reachable)
-        outcome = self.iteration.run(dt, target, LIMITED if predicted and self.prediction.flows else None)
-        if outcome.reason:
-            take_back(equations, state, start)
-            return Step(
-                status=StepStatus.not_converged, iterations=len(outcome.trace), residual=outcome.residual.largest,
-                reason=outcome.reason, trace=tuple(outcome.trace),
-            )  # fmt: skip
-        self.accept()
-        self.prediction.follow(self.ledger.displacement)
-        return Step(
-            state["work"], state["reaction"], iterations=len(outcome.trace), residual=outcome.residual.contact,
-            trace=tuple(outcome.trace),
-        )  # fmt: skip
+        elif self.prediction is not None and self.prediction.start(dt, target, self._reachable):
+            limited = LIMITED if self.prediction.flows else None
+        outcome = self.iteration.run(dt, target, limited)
+        if not outcome.reason:
+            self.accept()
+        return outcome
 
-    def _relax(self, dt: float) -> Step:
-        """As `step`, by way of states that viscous forces hold back; see `Relaxation`."""
+    def _relax(self, dt: float) -> Outcome:
+        """As `_iterate`, by way of states that viscous forces hold back; see `Relaxation`."""
         if self.relaxation is None:
             self.relaxation = Relaxation(self.equations, self.state)
-        start = self.state.snapshot()
         try:
-            done = self.relaxation.step(self, dt)
+            return self.relaxation.solve(self, dt)
         finally:
             self.relaxation.active = False
-        if done.status is not StepStatus.accepted:
-            take_back(self.equations, self.state, start)
-        else:
-            self.prediction.follow(self.state["displacement"])  # nothing goes on as a jump did
-        return done
 
     def start(self, dt: float, loaded: float | None = None) -> None:
         """Forces at the start of the step, for the ledger; `loaded`: the time [s] of loads that were there before."""
@@ -122,10 +116,8 @@ class LoadStep:
         state, contact, own = self.state, self.equations.contact, self.contact_forces
         slip = 0.0
         if contact is not None:
-            state["contact_force"][:] = own.normal
-            if len(own.tangential):
-                state["contact_force"][:] += own.tangential
-                slip = contact.dissipation()
+            state["contact_force"][:] = own.total()
+            slip = contact.dissipation()
         held = self.equations.prescribed.dof
         reaction = state["reaction"].reshape(-1)
         reaction[:] = 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from contactlab.api import Conditions, Floats, Ints, Response
-from contactlab_statics.convergence import contact_residual, force_scale
+from contactlab.implicit.convergence import contact_residual, force_scale
 
 AWAY = 100.0  # times the size of the model: a correction that large means that nothing holds a body
 FLOOR = 1e-10  # of the stiffest node's force at one unit of displacement per cell: nothing is loaded yet

@@ -19,8 +19,7 @@ import numpy as np
 from scipy.sparse import csr_array, diags_array, vstack
 
 from contactlab.api import Floats, ImplicitContact, Response
-
-STICK = 1
+from contactlab.api.frame import STICK
 
 
 class Impulses(NamedTuple):

@@ -1,0 +1,1 @@
+"""Implicit steps: Newton's iteration with contact, its linear systems, and what a step books."""

@@ -1,0 +1,97 @@
+"""Implicit steps by one primitive: the core iterates, books work and reactions, and restores steps that fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+
+import numpy as np
+
+from contactlab.api import Floats, ImplicitEquations, ImplicitIntegrator, State, Step, StepStatus
+from contactlab.api.motion import OfMotion
+from contactlab.errors import WrongAnswer
+from contactlab.implicit.iteration import Outcome, take_back
+from contactlab.implicit.load_step import LoadStep
+from contactlab.implicit.time_step import Scheme, TimeStep
+
+
+def bound(integrator: ImplicitIntegrator, equations: ImplicitEquations, state: State) -> Callable[[float], Step]:
+    """The function that makes steps of an integrator which is written by `solve`."""
+    return SolvedMotion(integrator, equations, state).advance
+
+
+class NotSolved(ArithmeticError):
+    """The step has no solution that the iteration finds: `step` of the integrator ends here."""
+
+
+class SolvedMotion:
+    """Implements `contactlab.api.ImplicitMotion` on one run's arrays.
+
+    dt       length of the step [s]
+    outcome  of the iteration of this step; None before it
+    """
+
+    def __init__(self, integrator: ImplicitIntegrator, equations: ImplicitEquations, state: State) -> None:
+        self.scheme, self.name = integrator.step, type(integrator).__name__
+        self.limits = integrator.tolerance, integrator.iterations
+        self.equations, self.state, self.quasi_static = equations, state, equations.quasi_static
+        self.velocity: Floats = np.zeros((len(equations.reference) if "velocity" in state else 0, 2))
+        self.dt = self.last_dt = 0.0
+        self.outcome: Outcome | None = None
+
+    @cached_property
+    def statics(self) -> LoadStep:
+        """Load steps of this run."""
+        return LoadStep(self.equations, self.state, *self.limits)
+
+    @cached_property
+    def dynamics(self) -> TimeStep:
+        """Steps in time of this run."""
+        return TimeStep(self.equations, self.state, *self.limits)
+
+    def advance(self, dt: float) -> Step:
+        """Make one step of length dt [s] by the integrator's `step`, or restore the state."""
+        state, start = self.state, self.state.snapshot()
+        self.dt, self.last_dt, self.outcome, error = dt, state.last_dt, None, None
+        if len(self.velocity):
+            self.velocity[:] = state["velocity"]
+        try:
+            error = self.scheme(self, dt)
+        except NotSolved:
+            take_back(self.equations, state, start)
+        done = self.outcome
+        if done is None:
+            raise WrongAnswer(f"{self.name}: its step does not solve, needed: motion.solve() once in each step")
+        residual = done.residual.largest if done.reason else done.residual.contact
+        return Step(
+            state["work"], state["reaction"], StepStatus.not_converged if done.reason else StepStatus.accepted,
+            iterations=len(done.trace), residual=residual, reason=done.reason, trace=tuple(done.trace),
+            error=error, longest=done.longest,
+        )  # fmt: skip
+
+    def solve(
+        self,
+        velocity: OfMotion | None = None,
+        acceleration: OfMotion | None = None,
+        at: float = 1.0,
+        lead: float = 0.0,
+    ) -> Floats:
+        """See `contactlab.api.ImplicitMotion`."""
+        if self.outcome is not None:
+            raise WrongAnswer(f"{self.name}: its step solves twice, needed: motion.solve() once in each step")
+        if (velocity is None or acceleration is None) == ("velocity" in self.state):
+            raise WrongAnswer(
+                f"{self.name}: its step solves for motion by halves, needed: velocity and acceleration where the class "
+                "has inertia, and neither of them where it has not"
+            )
+        if velocity is None or acceleration is None:
+            self.outcome = self.statics.solve(self.dt)
+        else:
+            self.outcome = self.dynamics.solve(self.dt, Scheme(velocity, acceleration, at, lead))
+        if self.outcome.reason:
+            raise NotSolved
+        return self.outcome.motion
+
+    def acceleration(self) -> Floats:
+        """See `contactlab.api.ImplicitMotion`."""
+        return self.dynamics.acceleration()

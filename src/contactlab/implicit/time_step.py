@@ -1,0 +1,275 @@
+"""One implicit step in time, of any scheme whose velocities and accelerations are affine in the motion d of the step.
+
+    M a(d) + alpha M v_s + f(u + (s + x) d) = e_s + G^T y,   v_s, e_s: those of the share s of the way
+
+with gaps complementary to y at the end of the step. Contact forces act evenly over it: they move by dt^2/2 c and add
+dt c to velocities, c = M^-1 G^T y, so that the scheme applies to the rest of the motion, a(d - dt^2/2 c) (Deuflhard,
+Krause & Ertel 2008). The balance is linear in y and divided by its weight there, which is 1 in the midpoint rule. Then
+impulses make the velocities fit the contacts (impulses.py). Stresses in the middle (s + x = 1/2) have no moment about
+the mean positions, so that angular momentum is kept.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from contactlab.api import WORK, Floats, ImplicitEquations, State
+from contactlab.api.motion import OfMotion
+from contactlab.errors import WrongAnswer
+from contactlab.implicit.contact_forces import ContactForces
+from contactlab.implicit.factor import with_diagonal
+from contactlab.implicit.impacts import Impacts, impacts_of
+from contactlab.implicit.impulses import solve_impulses
+from contactlab.implicit.iteration import NewtonIteration, Outcome
+
+MEET = "surfaces meet within it at a speed that matters"
+FRONTS = "contact changes faster than it can follow"
+INTERNAL, EXTERNAL, DAMPING, CONTACT, FRICTION, NUMERICAL, SLIP = range(len(WORK))
+ROUND_OFF = 1e-12  # of the kinetic energy: what differences of its terms leave
+DIGITS = 12  # of rates and weights: a weight of contact forces that differs from 1 by round-off is 1
+
+
+class Scheme(NamedTuple):
+    """What `contactlab.api.ImplicitMotion.solve` is given."""
+
+    velocity: OfMotion
+    acceleration: OfMotion
+    at: float
+    lead: float
+
+
+class StepStart:
+    """Displacements, velocities and loads (N, 2) at the start of a step."""
+
+    def __init__(self, nodes: int) -> None:
+        self.u, self.v, self.load = (np.zeros((nodes, 2)) for _ in range(3))
+
+    def take(self, state: State, equations: ImplicitEquations) -> None:
+        """The state as it is is the start of a step."""
+        self.u[:], self.v[:] = state["displacement"], state["velocity"]
+        equations.external_force(state.time, self.load)
+
+
+class TimeStep:
+    """Makes steps in time. Implements `Balance` for dynamics.
+
+    share    of the way through a step at which stresses are taken
+    rates    d(velocity)/d(motion) [1/s], d(forces)/d(motion)/mass [1/s^2] by inertia and damping
+    weight   of contact forces in the balance
+    impacts  judge steps in which surfaces meet; None if there are none, or if they are not to be cut
+    """
+
+    def __init__(self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int) -> None:
+        self.equations, self.state = equations, state
+        nodes = len(equations.reference)
+        self.u, self.v = state["displacement"], state["velocity"]
+        self.drift = state["drift"] if "drift" in state else np.zeros_like(self.v)
+        self.start, self.contact_forces = StepStart(nodes), ContactForces(equations)
+        self.load, self.inertia, self.stopping = (np.zeros((nodes, 2)) for _ in range(3))
+        self.time = self.dt = self.damping = self.share = 0.0
+        self.weight = 1.0
+        self.mass: Floats = np.repeat(equations.mass, 2).reshape(-1, 2)
+        self.held = equations.prescribed.dof
+        mobility = np.divide(1.0, self.mass, out=np.zeros_like(self.mass), where=self.mass > 0.0)
+        mobility.reshape(-1)[self.held] = 0.0
+        self.mobility = mobility
+        self.iteration = NewtonIteration(equations, state, self, tolerance, iterations)
+        self.impacts = Impacts(state, self.mass, mobility) if "impact" in state and impacts_of(equations) else None
+
+    def solve(self, dt: float, scheme: Scheme) -> Outcome:
+        """Advance the state by dt; it is left anywhere where that fails."""
+        self._start(dt, scheme)
+        prescribed, impacts = self.equations.prescribed, self.impacts
+        outcome = self.iteration.run(dt, prescribed.scale * prescribed.values(self.time)[prescribed.ramp])
+        if not outcome.reason and impacts is not None:
+            outcome.longest = impacts.met(self.contact_forces.normal, self.start.v, self.u - self.start.u)
+            outcome.reason = MEET if outcome.longest is not None else ""
+        outcome.reason = outcome.reason or self._end(outcome)
+        if not outcome.reason and impacts is not None:
+            diagonal = self.of_stresses(self.iteration.stiffness.diagonal().reshape(-1, 2))
+            outcome.longest, repeat = impacts.limit(diagonal)
+            outcome.reason = FRONTS if repeat else ""
+        if not outcome.reason:
+            self.equations.accept()
+        return outcome
+
+    def acceleration(self) -> Floats:
+        """Accelerations (N, 2) [mm/s^2] by stresses, loads and damping of this moment."""
+        load = np.zeros_like(self.load)
+        self.equations.internal_force(0.0)
+        self.equations.external_force(self.state.time, load)
+        damped = self.equations.damping * self.mass * (self.v - self.drift)
+        return np.asarray(self.mobility * (load - self.state["internal_force"] - damped))
+
+    def _start(self, dt: float, scheme: Scheme) -> None:
+        equations, state = self.equations, self.state
+        equations.begin_step(dt)
+        self.start.take(state, equations)
+        self.time, self.dt, self.scheme, self.share = state.time + dt, dt, scheme, scheme.at + scheme.lead
+        if self.impacts is not None:
+            self.impacts.begin(dt)
+        # the drift is that of the start, and follows until the middle of the step
+        following = 0.5 * dt / equations.relaxation if equations.relaxation else 0.0
+        self.damping = equations.damping / (1.0 + following)
+        # what would stop all nodes within the step: forces far below it change no velocity
+        self.stopping = self.mass * self.v / dt
+        rate, inertia = (self._rate(function) for function in scheme[:2])
+        damped = scheme.at * self.damping
+        self.rates = rate, inertia + damped * rate
+        self.weight = round(0.5 * dt**2 * inertia - damped * dt * (1.0 - 0.5 * dt * rate), DIGITS)
+        if not self.weight > 0.0:
+            raise WrongAnswer(
+                f"solve got an acceleration that grows by {inertia:.6g}/s^2 with the motion of a step of {dt:.6g} s, "
+                "needed: more than its damping takes"
+            )
+
+    def _rate(self, function: OfMotion) -> float:
+        """Derivative of an affine function, without round-off: its imaginary part."""
+        rates = np.imag(function(np.full(self.u.shape, 1j))).ravel()
+        if not (rates == rates[0]).all():
+            raise WrongAnswer("solve got a function of the motion that is not affine, needed: one rate for all nodes")
+        return float(rates[0])
+
+    # --- Balance --------------------------------------------------------------------------------
+
+    def update_stresses(self, dt: float) -> None:
+        """Those in the middle of the step, or after it where they lead."""
+        self.equations.internal_force(self.share * dt, self.share)
+
+    def unbalanced(self, out: Floats) -> tuple[Floats, ...]:
+        """External, contact and damping forces minus internal ones and the rate of momentum, over `weight`."""
+        moved = self._update_velocities()
+        self._impressed(out, self.weight)
+        np.multiply(self.mass, self.scheme.acceleration(moved), out=self.inertia)
+        # what is held moves at the mean velocity of the step
+        gained = (self.v - self.start.v).reshape(-1)[self.held] / self.dt
+        self.inertia.reshape(-1)[self.held] = self.mass.reshape(-1)[self.held] * gained
+        out -= self.inertia
+        if self.damping:
+            out -= self._damped()
+        out /= self.weight
+        internal, start, normal = self.state["internal_force"], self.start, self.contact_forces.normal
+        return self.load, start.load, internal, normal, self.inertia, self.stopping
+
+    def _update_velocities(self) -> Floats:
+        """Velocities that lead to the trial displacements; prescribed ones are those of the step. Returns the motion.
+
+        What contact adds to them beyond the scheme is left to the end.
+        """
+        moved = self.u - self.start.u
+        self.v[:] = self.scheme.velocity(moved)
+        self.v.reshape(-1)[self.held] = moved.reshape(-1)[self.held] / self.dt
+        return moved
+
+    def _damped(self) -> Floats:
+        """Damping forces (N, 2) [N]."""
+        at = self.scheme.at
+        return np.asarray(self.damping * self.mass * ((1.0 - at) * self.start.v + at * self.v - self.drift))
+
+    def _impressed(self, out: Floats, weight: float) -> None:
+        """External and contact forces, these times a weight, minus internal ones."""
+        at = self.scheme.at
+        np.negative(self.state["internal_force"], out=out)
+        if self.equations.external_force(self.time, self.load):
+            out += (1.0 - at) * self.start.load + at * self.load
+        self.contact_forces.add_to(out, weight)
+
+    def stiffness(self, dt: float) -> Any:
+        """Of stresses, loads, damping and inertia, over `weight`."""
+        at, (rate, inertia) = self.scheme.at / self.weight, self.rates
+        matrix = with_diagonal(
+            self.equations.stiffness(self.share * dt), self.share / self.weight,
+            inertia / self.weight * self.mass.reshape(-1),
+        )  # fmt: skip
+        self.equations.add_load_stiffness(self.time, matrix, at, rate)
+        return matrix
+
+    def of_stresses(self, diagonal: Floats) -> Floats:
+        """See `Balance`."""
+        return (self.weight * diagonal - self.rates[1] * self.mass) / self.share
+
+    # --- the end of a step ----------------------------------------------------------------------
+
+    def _end(self, outcome: Outcome) -> str:
+        """Velocities, books, and stresses and histories at the end; the reason where that makes no sense, or ""."""
+        outcome.motion = self._book()
+        self.equations.internal_force(self.dt)
+        if self.equations.folded() or not np.isfinite(self.state["internal_force"]).all():
+            return "cells fold over at the end of the step"
+        return ""
+
+    def _book(self) -> Floats:
+        """Velocities from momentum, so that it is kept to round-off whatever the tolerance; works of all forces."""
+        state, dt, impressed = self.state, self.dt, np.zeros_like(self.u)
+        moved = self._update_velocities()
+        self._impressed(impressed, 1.0)
+        pressed = self.contact_forces.total()
+        # the motion that balances all forces, without what contact moves
+        unbalanced = self.weight * self.iteration.trial.force
+        scheme = moved + self.mobility * (unbalanced / self.rates[1] - 0.5 * dt**2 * pressed)
+        np.copyto(self.v, self.scheme.velocity(scheme) + dt * self.mobility * pressed, where=self.mobility > 0.0)
+        self._support(impressed)
+        work = state["work"]
+        work[NUMERICAL] += self._lost(scheme, pressed)
+        work[INTERNAL] += self._internal_work(moved)
+        work[EXTERNAL] += np.vdot((1.0 - self.scheme.at) * self.start.load + self.scheme.at * self.load, moved)
+        work[DAMPING] += np.vdot(self._damped(), moved)
+        if self.equations.relaxation:
+            self.drift += dt / (self.equations.relaxation + 0.5 * dt) * (moved / dt - self.drift)
+        if self.equations.contact is not None:
+            self._book_contact(moved)
+        return scheme
+
+    def _lost(self, scheme: Floats, pressed: Floats) -> float:
+        """Work [mJ] of the forces of inertia that does not become kinetic energy: of the scheme itself."""
+        free = self.mobility > 0.0
+        moved = scheme + 0.5 * self.dt**2 * self.mobility * pressed
+        spent = np.vdot(self.mass * self.scheme.acceleration(scheme) + pressed, np.where(free, moved, 0.0))
+        kinetic = 0.5 * self.mass * free
+        after, before = (float(np.vdot(kinetic * v, v)) for v in (self.v, self.start.v))
+        lost = float(spent) - (after - before)
+        return lost if abs(lost) > ROUND_OFF * (after + before) else 0.0
+
+    def _internal_work(self, moved: Floats) -> float:
+        """That of stresses in the middle; what they lead by is numerical viscosity, and booked as such."""
+        internal = self.state["internal_force"]
+        whole = float(np.vdot(internal, moved))
+        if self.share == 0.5:
+            return whole
+        self.equations.internal_force(0.5 * self.dt, 0.5)
+        middle = float(np.vdot(internal, moved))
+        self.state["work"][NUMERICAL] += whole - middle
+        return middle
+
+    def _support(self, impressed: Floats) -> None:
+        """Mean reactions, and their work: what the prescribed nodes gain and pass on."""
+        held, state = self.held, self.state
+        mass, before, after = (a.reshape(-1)[held] for a in (self.mass, self.start.v, self.v))
+        moved = (self.u - self.start.u).reshape(-1)[held]
+        passed = self._damped().reshape(-1)[held] - impressed.reshape(-1)[held]
+        reaction = state["reaction"].reshape(-1)
+        reaction[:] = 0.0
+        reaction[held] = mass * (after - before) / self.dt + passed
+        state["work"][EXTERNAL] += float(0.5 * mass @ (after**2 - before**2) + passed @ moved)
+
+    def _book_contact(self, moved: Floats) -> None:
+        """Velocities that fit the contacts; contact forces with their impulses, and their work."""
+        state, contact, work = self.state, self.equations.contact, self.state["work"]
+        normal, tangential = self.contact_forces.normal, self.contact_forces.tangential
+        assert contact is not None
+        found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)
+        force = state["contact_force"]
+        force[:] = normal + found.nodal / self.dt
+        work[CONTACT] += np.vdot(normal, moved) + found.lost
+        if len(tangential):
+            force += tangential
+            work[FRICTION] += np.vdot(tangential, moved) + found.rubbed
+            work[SLIP] += contact.dissipation() - found.rubbed
+        contact.conditions.force += found.each / self.dt
+        # what the impulses push on prescribed nodes, their supports hold
+        held = self.held
+        impulse = found.nodal.reshape(-1)[held]
+        state["reaction"].reshape(-1)[held] -= impulse / self.dt
+        work[EXTERNAL] -= float(impulse @ self.v.reshape(-1)[held])
