@@ -3,8 +3,8 @@
     M a(d) + alpha M v_s + f(u + (s + x) d) = e_s + G^T y,   v_s, e_s: those of the share s of the way
 
 with gaps complementary to y at the end of the step. Contact forces act evenly over it: they move by dt^2/2 c and add
-dt c to velocities, c = M^-1 G^T y, so that the scheme applies to the rest of the motion, a(d - dt^2/2 c) (Deuflhard,
-Krause & Ertel 2008). The balance is linear in y and divided by its weight there, which is 1 in the midpoint rule. Then
+dt c to velocities, c = M^-1 G^T y, and the scheme applies to the rest of the motion, a(d - dt^2/2 c) (Deuflhard, Krause
+& Ertel 2008). The balance is linear in y and divided by the weight of y there, which is 1 in the midpoint rule. Then
 impulses make the velocities fit the contacts (impulses.py). Stresses in the middle (s + x = 1/2) have no moment about
 the mean positions, so that angular momentum is kept.
 """
@@ -116,20 +116,14 @@ class TimeStep:
         # what would stop all nodes within the step: forces far below it change no velocity
         self.stopping = self.mass * self.v / dt
         rate, inertia = (self._rate(function) for function in scheme[:2])
-        damped = scheme.at * self.damping
-        self.rates = rate, inertia + damped * rate
-        self.weight = round(0.5 * dt**2 * inertia - damped * dt * (1.0 - 0.5 * dt * rate), DIGITS)
-        if not self.weight > 0.0:
-            raise WrongAnswer(
-                f"solve got an acceleration that grows by {inertia:.6g}/s^2 with the motion of a step of {dt:.6g} s, "
-                "needed: more than its damping takes"
-            )
+        self.rates = rate, inertia + scheme.at * self.damping * rate
+        self.weight = round(0.5 * dt**2 * inertia, DIGITS)
 
     def _rate(self, function: OfMotion) -> float:
         """Derivative of an affine function, without round-off: its imaginary part."""
         rates = np.imag(function(np.full(self.u.shape, 1j))).ravel()
-        if not (rates == rates[0]).all():
-            raise WrongAnswer("solve got a function of the motion that is not affine, needed: one rate for all nodes")
+        if not rates[0] > 0.0 or (rates != rates[0]).any():
+            raise WrongAnswer("solve got a function of the motion without a rate > 0 for all nodes: not affine")
         return float(rates[0])
 
     # --- Balance --------------------------------------------------------------------------------
@@ -156,7 +150,7 @@ class TimeStep:
     def _update_velocities(self) -> Floats:
         """Velocities that lead to the trial displacements; prescribed ones are those of the step. Returns the motion.
 
-        What contact adds to them beyond the scheme is left to the end.
+        What contact adds to them beyond the scheme is left to the end: neither loads nor damping see it.
         """
         moved = self.u - self.start.u
         self.v[:] = self.scheme.velocity(moved)
@@ -206,16 +200,18 @@ class TimeStep:
         moved = self._update_velocities()
         self._impressed(impressed, 1.0)
         pressed = self.contact_forces.total()
-        # the motion that balances all forces, without what contact moves
-        unbalanced = self.weight * self.iteration.trial.force
-        scheme = moved + self.mobility * (unbalanced / self.rates[1] - 0.5 * dt**2 * pressed)
-        np.copyto(self.v, self.scheme.velocity(scheme) + dt * self.mobility * pressed, where=self.mobility > 0.0)
-        self._support(impressed)
+        # the motion that balances all forces, and without what contact moves
+        balanced = moved + self.mobility * (self.weight / self.rates[1] * self.iteration.trial.force)
+        scheme = balanced - 0.5 * dt**2 * self.mobility * pressed
+        np.copyto(self.v, self.scheme.velocity(balanced), where=self.mobility > 0.0)
+        damped = self._damped()
+        self.v += dt * round(1.0 - 0.5 * dt * self.rates[0], DIGITS) * self.mobility * pressed
+        self._support(damped - impressed)
         work = state["work"]
         work[NUMERICAL] += self._lost(scheme, pressed)
         work[INTERNAL] += self._internal_work(moved)
         work[EXTERNAL] += np.vdot((1.0 - self.scheme.at) * self.start.load + self.scheme.at * self.load, moved)
-        work[DAMPING] += np.vdot(self._damped(), moved)
+        work[DAMPING] += np.vdot(damped, moved)
         if self.equations.relaxation:
             self.drift += dt / (self.equations.relaxation + 0.5 * dt) * (moved / dt - self.drift)
         if self.equations.contact is not None:
@@ -243,12 +239,11 @@ class TimeStep:
         self.state["work"][NUMERICAL] += whole - middle
         return middle
 
-    def _support(self, impressed: Floats) -> None:
-        """Mean reactions, and their work: what the prescribed nodes gain and pass on."""
+    def _support(self, passed: Floats) -> None:
+        """Mean reactions, and their work: what the prescribed nodes gain and pass on (N, 2) [N]."""
         held, state = self.held, self.state
         mass, before, after = (a.reshape(-1)[held] for a in (self.mass, self.start.v, self.v))
-        moved = (self.u - self.start.u).reshape(-1)[held]
-        passed = self._damped().reshape(-1)[held] - impressed.reshape(-1)[held]
+        moved, passed = (self.u - self.start.u).reshape(-1)[held], passed.reshape(-1)[held]
         reaction = state["reaction"].reshape(-1)
         reaction[:] = 0.0
         reaction[held] = mass * (after - before) / self.dt + passed
