@@ -47,7 +47,8 @@ class Midplane(Potential):
 
     def energy(self, view: PotentialView, positions: Floats) -> float:
         """Energy of the overlaps."""
-        return press(*self._overlaps(view, positions), np.zeros_like(positions))
+        energy: float = press(*self._overlaps(view, positions), np.zeros_like(positions))
+        return energy
 
     def gradient(self, view: PotentialView, positions: Floats) -> Floats:
         """Derivative of the energy."""
