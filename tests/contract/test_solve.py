@@ -125,7 +125,11 @@ class Misused(ImplicitIntegrator):
             motion.solve(lambda moved: moved / dt)
         rate = {"no single rate": START, "negative": -1.0}.get(flaw, 1.0)
         for _ in range(2 if flaw == "twice" else 1):
-            motion.solve(lambda moved: rate * moved / dt, lambda moved: (moved / dt - v) / dt)
+            motion.solve(
+                lambda moved: rate * moved / dt,
+                lambda moved: (moved / dt - v) / dt,
+                1.5 if flaw == "beyond the step" else 1.0,
+            )
 
 
 @pytest.mark.parametrize(
@@ -134,8 +138,9 @@ class Misused(ImplicitIntegrator):
         ("never", "Misused: its step does not solve, needed: motion.solve() once in each step"),
         ("twice", "Misused: its step solves twice, needed: motion.solve() once in each step"),
         ("by halves", "needed: velocity and acceleration where the class has inertia, and neither"),
-        ("no single rate", "without a rate > 0 for all nodes: not affine"),
-        ("negative", "without a rate > 0"),
+        ("no single rate", "changes by -10 to 10 with it, needed: an affine one, with one rate > 0"),
+        ("beyond the step", "Misused: solve got at = 1.5, lead = 0.0, needed: 0 < at <= at + lead <= 1"),
+        ("negative", "Misused: solve got a function of the motion that changes by -10 to -10 with it"),
     ],
 )
 def test_misused_solve_is_named(flaw: str, words: str) -> None:

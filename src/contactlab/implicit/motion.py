@@ -87,7 +87,10 @@ class SolvedMotion:
         if velocity is None or acceleration is None:
             self.outcome = self.statics.solve(self.dt)
         else:
-            self.outcome = self.dynamics.solve(self.dt, Scheme(velocity, acceleration, at, lead))
+            if not 0.0 < at <= at + lead <= 1.0:
+                raise WrongAnswer(f"{self.name}: solve got at = {at}, lead = {lead}, needed: 0 < at <= at + lead <= 1")
+            rates = self._rate(velocity), self._rate(acceleration)
+            self.outcome = self.dynamics.solve(self.dt, Scheme(velocity, acceleration, at, lead, *rates))
         if self.outcome.reason:
             raise NotSolved
         return self.outcome.motion
@@ -95,3 +98,13 @@ class SolvedMotion:
     def acceleration(self) -> Floats:
         """See `contactlab.api.ImplicitMotion`."""
         return self.dynamics.acceleration()
+
+    def _rate(self, function: OfMotion) -> float:
+        """Derivative of an affine function, without round-off: its imaginary part."""
+        rates = np.imag(function(np.full(self.velocity.shape, 1j))).ravel()
+        if not rates[0] > 0.0 or (rates != rates[0]).any():
+            raise WrongAnswer(
+                f"{self.name}: solve got a function of the motion that changes by {rates.min():.6g} to "
+                f"{rates.max():.6g} with it, needed: an affine one, with one rate > 0"
+            )
+        return float(rates[0])

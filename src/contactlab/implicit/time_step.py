@@ -17,7 +17,6 @@ import numpy as np
 
 from contactlab.api import WORK, Floats, ImplicitEquations, State
 from contactlab.api.motion import OfMotion
-from contactlab.errors import WrongAnswer
 from contactlab.implicit.contact_forces import ContactForces
 from contactlab.implicit.factor import with_diagonal
 from contactlab.implicit.impacts import Impacts, impacts_of
@@ -32,12 +31,14 @@ DIGITS = 12  # of rates and weights: a weight of contact forces that differs fro
 
 
 class Scheme(NamedTuple):
-    """What `contactlab.api.ImplicitMotion.solve` is given."""
+    """Arguments of `contactlab.api.ImplicitMotion.solve`, and the rates of velocity [1/s] and acceleration [1/s^2]."""
 
     velocity: OfMotion
     acceleration: OfMotion
     at: float
     lead: float
+    rate: float
+    inertia: float
 
 
 class StepStart:
@@ -55,10 +56,10 @@ class StepStart:
 class TimeStep:
     """Makes steps in time. Implements `Balance` for dynamics.
 
-    share    of the way through a step at which stresses are taken
-    rates    d(velocity)/d(motion) [1/s], d(forces)/d(motion)/mass [1/s^2] by inertia and damping
-    weight   of contact forces in the balance
-    impacts  judge steps in which surfaces meet; None if there are none, or if they are not to be cut
+    share       of the way through a step at which stresses are taken
+    resistance  [1/s^2] derivative of forces of inertia and damping by the motion, over the mass
+    weight      of contact forces in the balance
+    impacts     judge steps in which surfaces meet; None if there are none, or if they are not to be cut
     """
 
     def __init__(self, equations: ImplicitEquations, state: State, tolerance: float, iterations: int) -> None:
@@ -68,7 +69,7 @@ class TimeStep:
         self.drift = state["drift"] if "drift" in state else np.zeros_like(self.v)
         self.start, self.contact_forces = StepStart(nodes), ContactForces(equations)
         self.load, self.inertia, self.stopping = (np.zeros((nodes, 2)) for _ in range(3))
-        self.time = self.dt = self.damping = self.share = 0.0
+        self.time = self.dt = self.damping = self.share = self.resistance = 0.0
         self.weight = 1.0
         self.mass: Floats = np.repeat(equations.mass, 2).reshape(-1, 2)
         self.held = equations.prescribed.dof
@@ -115,16 +116,8 @@ class TimeStep:
         self.damping = equations.damping / (1.0 + following)
         # what would stop all nodes within the step: forces far below it change no velocity
         self.stopping = self.mass * self.v / dt
-        rate, inertia = (self._rate(function) for function in scheme[:2])
-        self.rates = rate, inertia + scheme.at * self.damping * rate
-        self.weight = round(0.5 * dt**2 * inertia, DIGITS)
-
-    def _rate(self, function: OfMotion) -> float:
-        """Derivative of an affine function, without round-off: its imaginary part."""
-        rates = np.imag(function(np.full(self.u.shape, 1j))).ravel()
-        if not rates[0] > 0.0 or (rates != rates[0]).any():
-            raise WrongAnswer("solve got a function of the motion without a rate > 0 for all nodes: not affine")
-        return float(rates[0])
+        self.resistance = scheme.inertia + scheme.at * self.damping * scheme.rate
+        self.weight = round(0.5 * dt**2 * scheme.inertia, DIGITS)
 
     # --- Balance --------------------------------------------------------------------------------
 
@@ -172,17 +165,14 @@ class TimeStep:
 
     def stiffness(self, dt: float) -> Any:
         """Of stresses, loads, damping and inertia, over `weight`."""
-        at, (rate, inertia) = self.scheme.at / self.weight, self.rates
-        matrix = with_diagonal(
-            self.equations.stiffness(self.share * dt), self.share / self.weight,
-            inertia / self.weight * self.mass.reshape(-1),
-        )  # fmt: skip
-        self.equations.add_load_stiffness(self.time, matrix, at, rate)
+        resistance = self.resistance / self.weight * self.mass.reshape(-1)
+        matrix = with_diagonal(self.equations.stiffness(self.share * dt), self.share / self.weight, resistance)
+        self.equations.add_load_stiffness(self.time, matrix, self.scheme.at / self.weight, self.scheme.rate)
         return matrix
 
     def of_stresses(self, diagonal: Floats) -> Floats:
         """See `Balance`."""
-        return (self.weight * diagonal - self.rates[1] * self.mass) / self.share
+        return (self.weight * diagonal - self.resistance * self.mass) / self.share
 
     # --- the end of a step ----------------------------------------------------------------------
 
@@ -201,11 +191,11 @@ class TimeStep:
         self._impressed(impressed, 1.0)
         pressed = self.contact_forces.total()
         # the motion that balances all forces, and without what contact moves
-        balanced = moved + self.mobility * (self.weight / self.rates[1] * self.iteration.trial.force)
+        balanced = moved + self.mobility * (self.weight / self.resistance * self.iteration.trial.force)
         scheme = balanced - 0.5 * dt**2 * self.mobility * pressed
         np.copyto(self.v, self.scheme.velocity(balanced), where=self.mobility > 0.0)
         damped = self._damped()
-        self.v += dt * round(1.0 - 0.5 * dt * self.rates[0], DIGITS) * self.mobility * pressed
+        self.v += dt * round(1.0 - 0.5 * dt * self.scheme.rate, DIGITS) * self.mobility * pressed
         self._support(damped - impressed)
         work = state["work"]
         work[NUMERICAL] += self._lost(scheme, pressed)
