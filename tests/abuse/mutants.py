@@ -61,7 +61,7 @@ def planted(mutation: Mutation, number: int, folder: Path) -> Subject:
         f"from contactlab.api.plugin import Part, hookimpl\n\n@hookimpl\ndef contactlab_parts():\n    return [{part}]\n"
     )
     importlib.invalidate_caches()
-    return Subject(Registry(files=[hook]), mutation.kind, f"mutant-{number}")
+    return Subject(Registry(files=[hook]), mutation.kind, f"mutant-{number}", mutation.fields)
 
 
 def _sources(package: str) -> dict[str, str]:

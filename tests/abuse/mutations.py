@@ -3,11 +3,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 
 class Mutation(NamedTuple):
-    """`old`, as it first stands in the source, becomes `new`; `file` is the module of it where not the part's own."""
+    """`old`, as it first stands in the source, becomes `new`; `file` is the module of it where not the part's own.
+
+    fields  of the part that is checked
+    """
 
     kind: str
     part: str
@@ -15,6 +20,7 @@ class Mutation(NamedTuple):
     old: str
     new: str
     file: str = ""
+    fields: Mapping[str, Any] = MappingProxyType({})
 
 
 M = Mutation
@@ -28,13 +34,25 @@ def _of(kind: str, part: str, *defects: tuple[str, ...]) -> tuple[Mutation, ...]
 _DECLARED = {
     "mortar": "    passes_patch_test: ClassVar[bool] = True\n",
     "node": "    closest_points: ClassVar[bool] = True\n",
+    "gauss": "    keeps_energy: ClassVar[bool] = True\n",
+    "half": "    points_press: ClassVar[bool] = True\n",
 }
+_TWO = {"passes": 2}
+_FOOT = '''    passes_patch_test: ClassVar[bool] = False
+
+    @formula
+    def foot(x: Any, master: Any) -> Any:
+        """The closest point of the segment's line."""
+        edge = master.edge()
+        return ((x.at - master.start) @ edge) / (edge @ edge)'''
+"""Of two half passes."""
 
 
 def _method(method: str, part: str, says: str, *lines: str) -> Mutation:
-    """A contact algorithm with a method of its own beside its formulas."""
+    """A contact algorithm, or that of two half passes, with a method of its own beside its formulas."""
     body, declared = "\n        ".join([f"    def {method}:", *lines]), _DECLARED[part.partition("-")[0]]
-    return M("contact", part, says, declared, f"{declared}\n{body}\n")
+    name, fields = ("gauss-point", _TWO) if part == "half-pass" else (part, {})
+    return M("contact", name, says, declared, f"{declared}\n{body}\n", fields=fields)
 
 
 def _pieces(part: str, says: str, *lines: str) -> Mutation:
@@ -68,6 +86,66 @@ CONTACT = (
     _method(_DERIVATIVES, "node-on-segment", "derivatives of normals forgotten", "super().derivatives(view, pieces, count, out)", "out.normal_count = 0", "return True"),
     M("contact", "node-on-segment", "feet seen from the other end", "return ((x.at - master.start) @ edge) / (edge @ edge)", "return 1.0 - ((x.at - master.start) @ edge) / (edge @ edge)"),
     M("contact", "node-on-segment", "feet beside the closest point", "return ((x.at - master.start) @ edge) / (edge @ edge)", "return ((x.at - master.start) @ edge) / (edge @ edge) + 0.05"),
+    *_of(
+        "contact", "mortar-dual",
+        ("tilt of the wrong sign", "return 1.0 - middle - tilt, middle + tilt", "return 1.0 - middle + tilt, middle - tilt"),
+        ("tilt halved", "tilt = 12.0 *", "tilt = 6.0 *"),
+        ("as if all of a segment were covered", "middle, width = 0.5 * (covered.low + covered.high), covered.high - covered.low", "middle, width = 0.5, 1.0"),
+        ("what is covered shifted", "middle, width = 0.5 * (covered.low + covered.high)", "middle, width = 0.5 * (covered.low + covered.high) + 0.05"),
+        ("what is covered begins at the segment's end", "covered.high - covered.low", "covered.high"),
+        ("ends exchanged", "return 1.0 - middle - tilt, middle + tilt", "return middle + tilt, 1.0 - middle - tilt"),
+        ("width not squared", "/ (width * width)", "/ width"),
+        ("tilts about the middle of the segment", "(xi - middle)", "(xi - 0.5)"),
+        ("does not sum to one", "return 1.0 - middle - tilt, middle + tilt", "return 1.0 - middle - tilt, middle + 0.9 * tilt"),
+        ("begins where the master ends", "slave.between(slave.sees(master.start), slave.sees(master.end))", "slave.between(slave.sees(master.end), slave.sees(master.end))"),
+        ("both ends meet the master at one point", "slave.meets(master, low), slave.meets(master, high)", "slave.meets(master, low), slave.meets(master, low)"),
+        ("sees half of the master", "slave.sees(master.end)", "slave.sees(0.5 * (master.start + master.end))"),
+    ),
+    _pieces("mortar-dual", "gap of the other sign", "out.normal *= -1.0"),
+    _pieces("mortar-dual", "integrals over whole segments in place of what is covered",
+            "share = (out.ends[:count, 2] - out.ends[:count, 0])[:, None, None]", "for a in (out.D, out.M, out.T):", "    a[:count] /= share"),
+    _pieces("mortar-dual", "the master takes forces by the slave's shape functions", "out.M[:count] = out.D[:count, :out.M.shape[1]]"),
+    _pieces("mortar-dual", "pressures of the neighbour", "out.multiplier[:count] = out.multiplier[:count, ::-1].copy()"),
+    _pieces("mortar-dual", "coupling of the multipliers lumped, and not of the forces",
+            "import numpy as np", "out.T[:count] = out.T[:count].sum(axis=(1, 2))[:, None, None] * np.eye(2) / 2.0"),
+    _method(_DERIVATIVES, "mortar-dual", "the basis does not follow what is covered", "super().derivatives(view, pieces, count, out)", "out.dT[: out.count] = 0.0", "return True"),
+    _method(_DERIVATIVES, "mortar-dual", "derivatives of the master's weights forgotten", "super().derivatives(view, pieces, count, out)", "out.dM[: out.count] = 0.0", "return True"),
+    _method("normals(self, view, pieces, count, out)", "mortar-dual", "slips that miss how normals turn", "out[:] = pieces.normal"),
+    *_of(
+        "contact", "gauss-point",
+        ("foot from the other end", "(x.at - master.start) @ edge", "(x.at - master.end) @ edge"),
+        ("foot along the edge in mm", "/ (edge @ edge)", "/ edge.length()"),
+        ("foot that is not perpendicular", "((x.at - master.start) @ edge) / (edge @ edge)", "((x.at - master.start) @ edge) / (edge @ edge) + 0.05"),
+        ("foot on the mirrored side", "return ((x.at - master.start) @ edge) / (edge @ edge)", "return 1.0 - ((x.at - master.start) @ edge) / (edge @ edge)"),
+        ("one point for two multipliers", "points: ClassVar[int] = 3", "points: ClassVar[int] = 1"),
+        ("says that it passes the patch test", "passes_patch_test: ClassVar[bool] = False", "passes_patch_test: ClassVar[bool] = True"),
+    ),
+    _pieces("gauss-point", "gap of the other sign", "out.normal *= -1.0"),
+    _pieces("gauss-point", "weights of a rule from -1 to 1", "for a in (out.D, out.M, out.T):", "    a[:count] *= 2.0"),
+    _pieces("gauss-point", "forces of points without their weights", "for a in (out.D, out.M):", "    a[:count] /= out.T[:count].sum(axis=(1, 2))[:, None, None]"),
+    _pieces("gauss-point", "the master takes forces by the slave's shape functions", "out.M[:count] = out.D[:count, :out.M.shape[1]]"),
+    _pieces("gauss-point", "the nearest end of the master takes all", "out.M[:count, 0] += out.M[:count, 1]", "out.M[:count, 1] = 0.0"),
+    _pieces("gauss-point", "pressures of the other end", "out.multiplier[:count] = out.multiplier[:count, ::-1].copy()"),
+    _pieces("gauss-point", "the last point of a chain is lost", "count -= 1"),
+    _pieces("gauss-point", "both ends of a segment share a point evenly", "out.D[:count] = 0.5 * out.D[:count].sum(axis=1, keepdims=True)"),
+    _method("pieces(self, view, out)", "gauss-point", "forgets what held a point", "return super().pieces(view._replace(memory=0.0 * view.memory), out)"),
+    _method(_DERIVATIVES, "gauss-point", "feet that do not move", "super().derivatives(view, pieces, count, out)", "out.dM[: out.count] = 0.0", "return True"),
+    _method(_DERIVATIVES, "gauss-point", "normals that do not turn", "super().derivatives(view, pieces, count, out)", "out.normal_count = 0", "return True"),
+    _method(_DERIVATIVES, "gauss-point", "weights that do not grow with a segment", "super().derivatives(view, pieces, count, out)", "out.dD[: out.count] = 0.0", "return True"),
+    _method("normals(self, view, pieces, count, out)", "gauss-point", "slips that miss how normals turn", "out[:] = pieces.normal"),
+    M("contact", "gauss-point", "half passes, feet that are not perpendicular", _FOOT, f"{_FOOT} + 0.05", fields=_TWO),
+    M("contact", "gauss-point", "half passes, feet from the other end", _FOOT, _FOOT.replace("return ", "return 1.0 - "), fields=_TWO),
+    M("contact", "gauss-point", "half passes, feet along the edge in mm", _FOOT, _FOOT.replace("(edge @ edge)", "edge.length()"), fields=_TWO),
+    _pieces("half-pass", "half passes, gap of the other sign", "out.normal *= -1.0"),
+    _pieces("half-pass", "half passes, each side counts twice", "for a in (out.D, out.M):", "    a[:count] *= 2.0"),
+    _pieces("half-pass", "half passes, pressures of half the weights", "out.T[:count] *= 0.5"),
+    _pieces("half-pass", "half passes, forces at the other end of a segment", "out.D[:count] = out.D[:count, ::-1].copy()"),
+    _pieces("half-pass", "half passes, forces of a side without those of its last point", "count -= 1"),
+    _pieces("half-pass", "half passes, normals of length 1.01", "out.normal *= 1.01"),
+    _pieces("half-pass", "half passes, all points of a segment share a pressure", "out.multiplier[:count] %= len(view.slave.nodes)"),
+    _method(_DERIVATIVES, "half-pass", "half passes, feet that do not move", "super().derivatives(view, pieces, count, out)", "out.dM[: out.count] = 0.0", "return True"),
+    _method(_DERIVATIVES, "half-pass", "half passes, normals that do not turn", "super().derivatives(view, pieces, count, out)", "out.normal_count = 0", "return True"),
+    _method("normals(self, view, pieces, count, out)", "half-pass", "half passes, slips that miss how normals turn", "out[:] = pieces.normal"),
     *_of(
         "contact", "barrier",
         ("pulls where it should push", "return np.asarray(found).reshape(-1, 2)", "return -np.asarray(found).reshape(-1, 2)"),

@@ -647,7 +647,6 @@ NOT_CAUGHT: dict[tuple[str, str], str] = {
     ("right orowan", "Coulomb beside it"): "another law",
     ("template enforcement", "tolerance in mm"): "another tolerance",
     ("right explicit_springs", "share is not used in friction"): "another spring along the surface",
-    ("contact outside dual-mortar/src/dual_mortar/contact.py:DualMortar", "tilt halved"): "another basis, as exact",
     ("template contact/rows", "memory of nodes that left"): "memory is the algorithm's own",
     (
         "contact outside closest-point/src/closest_point/contact.py:ClosestPoint",

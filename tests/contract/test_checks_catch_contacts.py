@@ -118,6 +118,7 @@ def test_a_right_algorithm_passes(check: Check) -> None:
     except NotApplicable:
         declined = {
             contact.pieces_keep_their_bounds,
+            contact.multipliers_are_biorthogonal,
             contact.patch_test_on_quadratic_edges,
             contact_inputs.pieces_are_filled,
             contact_inputs.a_notch_is_held_by_both_sides,
@@ -210,6 +211,12 @@ class Boastful(NodeOnSegment):
         return NODES.pieces(view, out)
 
 
+class Orthogonal(Flawed):
+    """Says that its multipliers are not coupled."""
+
+    biorthogonal: ClassVar[bool] = True
+
+
 WRONG: list[tuple[Check, Any]] = [
     (contact.some_conditions, Flawed(flaw="never finds anything")),
     (contact.forces_cancel, Rods("master pushed too little")),
@@ -222,6 +229,7 @@ WRONG: list[tuple[Check, Any]] = [
     (contact.tangents_run_along_the_slave, Rods("tangent turned round")),
     (contact.tangents_run_along_the_slave, Rods("tangents made unasked")),
     (contact.measures_sum_to_the_cover, Rods("whole segments as measure")),
+    (contact.multipliers_are_biorthogonal, Orthogonal()),
     (contact.patch_test, Boastful()),
     (contact.patch_test_on_quadratic_edges, Flawed(flaw="middle nodes left out")),
     (contact.nothing_when_apart, Rods("reach ignored")),

@@ -16,6 +16,8 @@ from contactlab.parts.registry import default_registry
 EVERY = 11  # of the mutants, over all kinds
 SLOW = {"integrator", "contact", "watch"}  # whose checks run steps: a tenth of the others is a tenth of all
 
+OF_FORMULAS = [number for number, m in enumerate(MUTATIONS) if m.part in ("mortar-dual", "gauss-point")]
+
 
 def cheap() -> list[int]:
     """A tenth of all mutants, spread over the kinds whose checks are quick."""
@@ -50,6 +52,16 @@ def test_a_planted_defect_is_found(number: int, tmp_path: Path, monkeypatch: pyt
     found = verdict(MUTATIONS[number], number, tmp_path)
     assert found.check, f"{MUTATIONS[number].says}: not caught"
     assert len(found.reason) > 20, "a failure must say what is wrong"
+
+
+@pytest.mark.parametrize(
+    "number", [n if k % 4 == 0 else pytest.param(n, marks=pytest.mark.full) for k, n in enumerate(OF_FORMULAS)]
+)
+def test_a_defect_of_a_formula_is_found(number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In plain Python: kernels of a class that is checked once are dearer to compile than to run."""
+    monkeypatch.setenv("CONTACTLAB_PYTHON", "1")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    assert verdict(MUTATIONS[number], number, tmp_path).check, f"{MUTATIONS[number].says}: not caught"
 
 
 def test_a_mutant_is_the_part_with_one_thing_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -131,6 +131,7 @@ class ContactAlgorithm(ContactMethod):
                     with frozen forces in explicit runs 0.05, since they make energy of what comes free later
     points_press    True if each multiplier belongs to one piece, with a pressure of its own: nodes are reported with
                     the means of the pieces at them, weighted by D
+    biorthogonal    True if T is diagonal, also on partly covered segments: a multiplier sees its own hat alone
     closest_points  True if every condition measures the distance between closest points where separations lie along
                     the normals: normals that turn and weights that change do not change it then (to first order)
     """
@@ -138,6 +139,7 @@ class ContactAlgorithm(ContactMethod):
     gradient_nodes: ClassVar[int] = 0
     merged_below: ClassVar[float] = MERGED_BELOW
     points_press: ClassVar[bool] = False
+    biorthogonal: ClassVar[bool] = False
     closest_points: ClassVar[bool] = False
 
     def with_friction(self) -> ContactAlgorithm:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from contactlab.api import ContactMethod, ContactView, GapConditions, Pieces, SurfacePositions
+from contactlab.api import ContactAlgorithm, ContactMethod, ContactView, GapConditions, Pieces, SurfacePositions
 from contactlab.contact.near_list import REACH
 from contactlab.kernels.contact.search import near_segments
 from contactlab.testing import contact_derivatives, contact_inputs
@@ -117,6 +117,27 @@ def tangents_run_along_the_slave(algorithm: ContactMethod) -> None:
 def measures_sum_to_the_cover(algorithm: ContactMethod) -> None:
     """The lengths that belong to the conditions sum to the covered length of the slave."""
     agree(conditions(algorithm, flat()).measure.sum(), HIGH - LOW, ROUND_OFF, "sum of measures on full cover")
+
+
+def multipliers_are_biorthogonal(algorithm: ContactMethod) -> None:
+    """The coupling T of multipliers is diagonal, on partly covered segments too, if the part declares so."""
+    if not isinstance(algorithm, ContactAlgorithm):
+        raise NotApplicable("finished gap conditions have no coupling")
+    worst = max(_coupled(algorithm, at) for at in (flat(), flat(full=False), curved(), flat(full=False, order=2)))
+    if algorithm.biorthogonal:
+        require(worst <= ROUND_OFF, f"hats of neighbours: {worst:.1e} of the largest entry of T, allowed {ROUND_OFF}")
+    elif worst > ROUND_OFF:
+        raise NotApplicable("biorthogonal is False: multipliers are coupled")
+    elif _pieces(algorithm, flat())[0].T.shape[1] > 1:
+        tell("T is diagonal; declare biorthogonal = True")
+
+
+def _coupled(algorithm: ContactAlgorithm, at: Chains) -> float:
+    """Largest entry of T off its diagonal, over the largest of all."""
+    out, count, _ = _pieces(algorithm, at)
+    T, of = np.zeros((len(out.normal),) * 2), out.multiplier[:count]
+    np.add.at(T, (of[:, :, None], of[:, None]), out.T[:count])
+    return float(np.abs(T - np.diag(T.diagonal())).max() / np.abs(T).max())
 
 
 def patch_test(algorithm: ContactMethod) -> None:
@@ -255,6 +276,7 @@ CHECKS: tuple[Check, ...] = (
     normals_point_to_the_slave,
     tangents_run_along_the_slave,
     measures_sum_to_the_cover,
+    multipliers_are_biorthogonal,
     patch_test,
     patch_test_on_quadratic_edges,
     nothing_when_apart,

@@ -81,6 +81,7 @@ class MortarP1(_Mortar, Coned):
 class MortarDual(_Mortar):
     """Multipliers biorthogonal to the hats on what is covered (Wohlmuth 2000; mortar-operators.md)."""
 
+    biorthogonal: ClassVar[bool] = True
     merged_below: ClassVar[float] = 0.45
 
     @formula

@@ -11,6 +11,7 @@ class DualMortar(SegmentContact):
     """Multipliers that are biorthogonal to the hats of the slave on what is covered of it (Wohlmuth 2000)."""
 
     passes_patch_test: ClassVar[bool] = True
+    biorthogonal: ClassVar[bool] = True
 
     @formula
     def overlap(slave: Any, master: Any) -> Any:
