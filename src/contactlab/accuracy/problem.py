@@ -10,7 +10,7 @@ from typing import Any
 
 from contactlab.accuracy.scene_case import SceneCase
 from contactlab.accuracy.study import CaseChoice, CaseStudy, Contender
-from contactlab.api import Case, Measure, Setup
+from contactlab.api import Answer, Case, Measure, Setup
 from contactlab.cases.run_case import unfit, with_fields
 from contactlab.errors import RequestError, did_you_mean
 from contactlab.parts.registry import Registry, split_spec
@@ -44,7 +44,14 @@ class Problem:
         return unfit(self.case, self.setup(contender, swap, 1), registry)
 
     def measure(self, setup: Setup) -> Measure:
-        """The error that counts. Raises RequestError where the case has none."""
+        """The error that counts, with the answer of the choice. Raises RequestError where the case has none."""
+        found = self._measure(setup)
+        if self.choice.answer is None:
+            return found
+        kind = self.choice.kind or "finest"
+        return replace(found, answer=Answer(self.choice.answer, kind, self.choice.uncertainty or 0.0, self.choice.why))
+
+    def _measure(self, setup: Setup) -> Measure:
         found = self.case.measures(setup)
         names = [measure.name for measure in found]
         if self.choice.error:

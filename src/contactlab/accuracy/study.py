@@ -27,6 +27,7 @@ class CaseChoice:
     scene: str = key("", says="name or file of a scene, whose pressure is compared with a reference")
     name: str = key("", says="how tables call it; not written: the name of the case or scene")
     error: str = key("", says="the measure that counts; not written: its first relative error, one in L2 before others")
+    answer: float | None = key(None, says="what the measure should be; not written: as the case says")
     uncertainty: float | None = key(
         None, least=0.0, says="of the reference, as a fraction; not written: the case's own"
     )

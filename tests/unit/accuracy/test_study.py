@@ -89,6 +89,9 @@ def test_errors_are_relative_whatever_a_case_measures() -> None:
     registry, setup = default_registry(), Setup("mortar-p0", False, "q1", "central-difference")
     bars = problem_of(CaseChoice(use="two-bars", error="force per height"), registry)
     assert bars.error(setup, {"force per height": 14.85}) == pytest.approx(0.01)  # rho c v/2 is 15
+    drawn = problem_of(CaseChoice(use="ironing", error="end of press", answer=310.0, uncertainty=1e-3), registry)
+    assert drawn.error(setup, {"end of press": 313.1}) == pytest.approx(0.01)
+    assert drawn.uncertainty(setup) == 1e-3
     hertz = problem_of(CaseChoice(use="hertz"), registry)
     assert hertz.measure(setup).name == "L2 of the pressure"
     assert hertz.error(setup, {"L2 of the pressure": -0.02}) == 0.02

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -18,12 +19,14 @@ HALF_WIDTH = 0.0175  # radii, at this depth
 class Hertz(Case):
     """A cylinder of R = 10 pressed on a block of 40 x 40.
 
-    segments  of the block in a half-width
-    ratio     of the disc's cells to the block's
+    segments    of the block in a half-width
+    ratio       of the disc's cells to the block's
+    half_width  of the contact over the radius, nearly: the closed form is that of small ones
     """
 
     segments: float = 8.0
     ratio: float = 1.0
+    half_width: float = HALF_WIDTH
 
     title: ClassVar[str] = "cylinder on a block, like materials"
     source: ClassVar[str] = SOURCE
@@ -36,8 +39,10 @@ class Hertz(Case):
 
     def plan(self, setup: Setup, done: Mapping[str, Record]) -> Sequence[Job]:
         """One job: the cylinder pressed on the block."""
-        h = HALF_WIDTH / self.segments / setup.level
-        return (disc_on_block(setup, RADIUS, (YOUNG, YOUNG), DEPTH, h, self.ratio, growth=1.03 + 0.03 / setup.level),)
+        h, share = self.half_width / self.segments / setup.level, self.half_width / HALF_WIDTH
+        depth = DEPTH * share**2 * math.log(8.0 / self.half_width) / math.log(8.0 / HALF_WIDTH)
+        growth = 1.03 + 0.03 / setup.level
+        return (disc_on_block(setup, RADIUS, (YOUNG, YOUNG), depth, h, self.ratio, growth, 0.03 * share),)
 
     def measures(self, setup: Setup) -> Sequence[Measure]:
         """Bounds for eight segments in a half-width, falling with their length."""
