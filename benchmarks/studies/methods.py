@@ -3,6 +3,8 @@
     python benchmarks/studies/methods.py            # measures all and keeps methods.csv, three turns, some minutes
     python benchmarks/studies/methods.py mortar-p1  # errors of some methods anew
     python benchmarks/studies/methods.py nitsche --costs  # and their costs, by turns with mortar-p0
+    contactlab compare benchmarks/studies/equal_error.toml --jobs 1 --out DIR   # costs at equal errors
+    python benchmarks/studies/methods.py --equal DIR      # keeps those of its cases in equal_error.csv
 
 Pressures of disc-on-block in statics against the reference, at three levels with either side as slave, and what the
 sides' exchange changes; CPU time of a Newton iteration and of an explicit step, by turns of all methods. The page also
@@ -13,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
@@ -26,7 +29,9 @@ import numpy as np  # noqa: E402
 from kept_rows import Row, read, write  # noqa: E402
 
 KEPT, PAGE = Path(__file__).with_name("methods.csv"), Path(__file__).parents[2] / "docs" / "methods.md"
+EQUAL = KEPT.with_name("equal_error.csv")
 END: Final = "<!-- end of numbers -->"
+AT_ERRORS: Final = ("case", "contender", "target", "kind", "cost", "level", "coarsest", "why")
 COLUMNS: Final = ("method", "slave", "level", "quantity", "value")
 LEVELS: Final = (1, 2, 4)
 FINEST: Final = max(LEVELS)
@@ -45,6 +50,13 @@ STATICS: Final = {
 } | {
     "midplane": {"algorithm": "midplane"},
     **{f"midplane, stiffness = {k}": {"algorithm": {"use": "midplane", "stiffness": k}} for k in (3.0, 300.0)},
+    "barrier": {"algorithm": "barrier"},
+    **{
+        "gauss-point, penalty" + (f", factor = {factor}" if factor != 100.0 else ""): {
+            "algorithm": "gauss-point", "enforcement": {"use": "penalty", "factor": factor},
+        }
+        for factor in (100.0, 10.0, 1000.0)
+    },
     **{
         "gauss-point, passes = 2" + (f", factor = {factor}" if factor != 10.0 else ""): {
             "algorithm": {"use": "gauss-point", "passes": 2},
@@ -153,6 +165,13 @@ def scaled_costs(turns: int, methods: Iterable[str], kept: list[Row]) -> list[Ro
     return [row for row in found if row["method"] != BASE]
 
 
+def keep_equal(folder: Path) -> None:
+    """Keep costs at equal errors from a folder of `contactlab compare`; cases that are not there stay as they are."""
+    found = [{name: row[name] for name in AT_ERRORS} for row in read(folder / "costs.csv")]
+    there = {row["case"] for row in found}
+    write(EQUAL, AT_ERRORS, [*(row for row in read(EQUAL) if row["case"] not in there), *found])
+
+
 def _row(method: str, slave: str, level: int, quantity: str, value: Any) -> Row:
     said = f"{value:.4g}" if isinstance(value, float) else str(value)
     return dict(zip(COLUMNS, (method, slave, str(level), quantity, said), strict=True))
@@ -180,6 +199,7 @@ def page(rows: list[Row], cases: list[Row]) -> str:
         "cone": _cones(rows),
         "cost": _costs(rows),
         "cases": _cases(cases),
+        "equal": _equal(read(EQUAL)),
     }.items():
         head, rest = text.split(f"<!-- {mark} -->\n")
         text = f"{head}<!-- {mark} -->\n{table}\n{END}{rest.partition(END)[2]}"
@@ -256,6 +276,37 @@ def _costs(rows: list[Row]) -> str:
     )
 
 
+def _equal(rows: list[Row]) -> str:
+    """CPU time at each target by contender and case."""
+    cases, contenders = (list(dict.fromkeys(row[name] for row in rows)) for name in ("case", "contender"))
+    targets = sorted({row["target"] for row in rows}, key=float, reverse=True)
+    found = {(row["contender"], row["case"], row["target"]): row for row in rows}
+    lines = [
+        [f"`{one}`", *(_at_errors([found.get((one, case, target)) for target in targets]) for case in cases)]
+        for one in contenders
+    ]
+    head = " / ".join(_percent(float(target)) for target in targets)
+    return _table("".join(f"| {name} " for name in (f"at {head} %", *cases)) + "|", lines)
+
+
+def _at_errors(costs: list[Row | None]) -> str:
+    """CPU times at all targets, the largest first; nothing if the case was not asked."""
+    if None in costs:
+        return ""
+    said = [_at_error(cost) for cost in costs if cost]
+    return said[0] if len(set(said)) == 1 and "failed" in said else " / ".join(said)
+
+
+def _at_error(cost: Row) -> str:
+    """A CPU time, or in parentheses the error of the finest mesh that was run."""
+    if cost["kind"] == "reached":
+        return ("≤ " if cost["coarsest"] == "True" else "") + f"{float(cost['cost']):.2g}"
+    if cost["kind"] == "grey":
+        return "…"
+    best = re.search(r"([\d.e-]+) % at level", cost["why"])
+    return f"({best[1]} %)" if best else cost["kind"].replace("-", " ")
+
+
 def _cases(cases: list[Row]) -> str:
     """What the quick matrix has: some numbers, and the cases that were not met."""
     lines = []
@@ -283,7 +334,11 @@ def main() -> None:
     wish.add_argument("methods", nargs="*", help="errors of these alone; what else is kept stays")
     wish.add_argument("--costs", action="store_true", help="costs of these methods as well")
     wish.add_argument("--turns", type=int, default=3)
+    wish.add_argument("--equal", type=Path, help="folder of a comparison whose costs at equal errors are kept")
     given = wish.parse_args()
+    if given.equal:
+        keep_equal(given.equal)
+        return
     if given.methods:
         rows = [row for row in stored() if row["method"] not in given.methods or row["quantity"] in COSTS]
         if given.costs:
@@ -295,7 +350,7 @@ def main() -> None:
         for level in LEVELS:
             rows += accuracies(method, level)
             print(method, level, rows[-1]["value"], flush=True)
-    write(KEPT, COLUMNS, rows)
+        write(KEPT, COLUMNS, rows)
 
 
 if __name__ == "__main__":

@@ -252,3 +252,21 @@ def test_more_plugins_change_nothing(name: str) -> None:
     spared = set(everything["modules"]) - set(alone["modules"])
     assert spared, "no plugin was left out: the test tells nothing"
     assert not set(alone["modules"]) - set(everything["modules"])
+
+
+LEFT_OUT = ("midplane", "half_pass", "points_pair", "nitsche", "traction", "barrier", "ipctk", "smooth", "pressure_")
+"""In names of modules of methods that a scene does not use."""
+
+
+def test_a_scene_imports_nothing_of_methods_that_it_does_not_use() -> None:
+    """Neither methods nor their systems, pairs and kernels, and so it allocates and calls nothing of them."""
+    program = f"""
+import sys
+from contactlab import load_scene, simulate
+scene = load_scene("disc-on-block").with_({{"supports.1.uy.to": -0.001, "record.recorders": []}})
+simulate(scene.with_({{"integrator": {{"use": "newton", "steps": 1}}, "contacts.0.algorithm": "gauss-point"}}))
+simulate(scene.with_({{"time.end": 1e-7, "contacts.0.algorithm": "mortar-dual"}}))
+print([name for name in sys.modules if any(word in name for word in {LEFT_OUT})])
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -263,16 +261,3 @@ def test_a_restart_gives_the_same_bits(integrator: str) -> None:
 def test_what_it_cannot_do_is_refused(changes: dict[str, Any], words: str) -> None:
     with pytest.raises(RequestError, match=words):
         build(blocks(**changes), default_registry())
-
-
-def test_a_scene_with_one_pass_imports_nothing_of_it() -> None:
-    """Neither systems nor pairs, and so it allocates and calls nothing of them."""
-    program = """
-import sys
-from contactlab import load_scene, simulate
-changes = {"integrator": {"use": "newton", "steps": 1}, "supports.1.uy.to": -0.001, "record.recorders": []}
-simulate(load_scene("disc-on-block").with_({**changes, "contacts.0.algorithm": "gauss-point"}))
-print([name for name in sys.modules if "half_pass" in name or "points_pair" in name])
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from typing import Any
 
 import numpy as np
@@ -286,16 +284,3 @@ def test_a_block_that_meets_another_gives_it_its_momentum() -> None:
 def test_what_it_cannot_do_is_refused(changes: dict[str, Any], words: str) -> None:
     with pytest.raises(RequestError, match=words):
         build(blocks(**changes), default_registry())
-
-
-def test_a_scene_with_another_method_imports_nothing_of_it() -> None:
-    """Neither the method nor its kernels, and so it allocates and calls nothing of it."""
-    program = """
-import sys
-from contactlab import load_scene, simulate
-changes = {"integrator": {"use": "newton", "steps": 1}, "supports.1.uy.to": -0.001, "record.recorders": []}
-simulate(load_scene("disc-on-block").with_({**changes, "contacts.0.algorithm": "node-on-segment"}))
-print([name for name in sys.modules if "midplane" in name])
-"""
-    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
