@@ -4,7 +4,8 @@
     python tests/abuse/mutants.py contact 17 lost  # of a kind, by number, or with a word in what they say
     python tests/abuse/mutants.py --page           # the same, and the section of docs/check.md is written anew
 
-A mutant is a piece of a source of a shipped part that is exchanged for another. Only the modules that see it are
+A mutant is a piece of a source of a shipped part, or of what the core does for implicit schemes, that is exchanged for
+another. Only the modules that see it are
 copied, under names of their own; everything else is as installed.
 """
 
@@ -29,6 +30,18 @@ PAGE = Path(__file__).parents[2] / "docs" / "check.md"
 MARKS = ("<!-- mutants: written by make mutants -->\n", "<!-- end of mutants -->\n")
 
 
+CORE = "contactlab.implicit."
+BOUND = """
+from {module} import {name} as Shipped
+from contactlab.implicit.motion import bound
+
+
+class {name}(Shipped):
+    def bind(self, equations, state):
+        return bound(self, equations, state)
+"""
+
+
 class Verdict(NamedTuple):
     """A mutant, the first check that failed on it (empty where none did) and its reason."""
 
@@ -41,10 +54,11 @@ class Verdict(NamedTuple):
 def planted(mutation: Mutation, number: int, folder: Path) -> Subject:
     """The wrong part as something to check. Its modules are written to `folder`, which is on the path."""
     shipped = default_registry().part_class(mutation.kind, mutation.part)
-    target = shipped.__module__
-    package = target.rpartition(".")[0]
-    sources = _sources(package)
-    mutated = f"{package}.{mutation.file}" if mutation.file else target
+    mutated, target = module_of(mutation), shipped.__module__
+    sources = _sources(mutated.rpartition(".")[0])
+    if mutated.startswith(CORE):  # the part is bound by a copy of the core's own `bound`
+        target = f"{CORE}bound"
+        sources[target] = BOUND.format(module=shipped.__module__, name=shipped.__name__)
     changed = sources[mutated].replace(mutation.old, mutation.new, 1)
     assert changed != sources[mutated], f"mutant {number}: {mutation.old!r} does not stand in {mutated}"
     copied = _seeing(mutated, sources)
@@ -62,6 +76,14 @@ def planted(mutation: Mutation, number: int, folder: Path) -> Subject:
     )
     importlib.invalidate_caches()
     return Subject(Registry(files=[hook]), mutation.kind, f"mutant-{number}", mutation.fields)
+
+
+def module_of(mutation: Mutation) -> str:
+    """Dotted name of the module that is changed."""
+    target = default_registry().part_class(mutation.kind, mutation.part).__module__
+    if "." in mutation.file:
+        return mutation.file
+    return f"{target.rpartition('.')[0]}.{mutation.file}" if mutation.file else target
 
 
 def _sources(package: str) -> dict[str, str]:

@@ -9,8 +9,9 @@ from typing import Any, NamedTuple
 
 
 class Mutation(NamedTuple):
-    """`old`, as it first stands in the source, becomes `new`; `file` is the module of it where not the part's own.
+    """`old`, as it first stands in the source, becomes `new`.
 
+    file    the module of it where not the part's own: beside it, or by its dotted name
     fields  of the part that is checked
     """
 
@@ -315,20 +316,20 @@ ENFORCEMENT = (
 INTEGRATOR = (
     *_of("integrator", "implicit-dynamics",
         ("says order 3", "order: ClassVar[int] = 2", "order: ClassVar[int] = 3"),
-        ("internal forces of the end alone", "self.equations.internal_force(self.share * dt, self.share)", "self.equations.internal_force(dt)", "time_step"),
-        ("loads of the end alone", "out += 0.5 * (self.start.load + self.load)", "out += self.load", "time_step"),
-        ("damping forgotten", "        if self.damping:\n", "        if False:\n", "time_step"),
-        ("work of contact not booked", "work[CONTACT] += np.vdot(normal, moved) + found.lost", "work[CONTACT] += 0.0", "time_step"),
-        ("work of loads with half its size", "work[EXTERNAL] += 0.5 * np.vdot(self.start.load + self.load, moved)", "work[EXTERNAL] += 0.25 * np.vdot(self.start.load + self.load, moved)", "time_step"),
-        ("reaction of the wrong sign", "reaction[held] = mass * (after - before) / self.dt + passed", "reaction[held] = -(mass * (after - before) / self.dt + passed)", "time_step"),
-        ("contact leaves velocities", "found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)", "found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v.copy())", "time_step"),
-        ("a step that fails leaves the state", "            take_back(equations, state, start)\n", "", "time_step")),
+        ("internal forces of the end alone", "self.equations.internal_force(self.share * dt, self.share)", "self.equations.internal_force(dt)", "contactlab.implicit.time_step"),
+        ("loads of the end alone", "out += (1.0 - at) * self.start.load + at * self.load", "out += self.load", "contactlab.implicit.time_step"),
+        ("damping forgotten", "        if self.damping:\n", "        if False:\n", "contactlab.implicit.time_step"),
+        ("work of contact not booked", "work[CONTACT] += np.vdot(normal, moved) + found.lost", "work[CONTACT] += 0.0", "contactlab.implicit.time_step"),
+        ("work of loads with half its size", "work[EXTERNAL] += np.vdot(", "work[EXTERNAL] += 0.5 * np.vdot(", "contactlab.implicit.time_step"),
+        ("reaction of the wrong sign", "reaction[held] = mass * (after - before) / self.dt + passed", "reaction[held] = -(mass * (after - before) / self.dt + passed)", "contactlab.implicit.time_step"),
+        ("contact leaves velocities", "found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v)", "found = solve_impulses(contact, self.iteration.trial.response, self.mobility, self.v.copy())", "contactlab.implicit.time_step"),
+        ("a step that fails leaves the state", "            take_back(self.equations, state, start)\n", "            pass\n", "contactlab.implicit.motion")),
     *_of("integrator", "newton",
-        ("work of contact lost", "work[CONTACT] += _work(pressed, normal, moved)", "pass", "ledger"),
-        ("work of the start alone", "0.5 * np.vdot(before + after, moved)", "np.vdot(before, moved)", "ledger"),
-        ("reaction with the load", "forces = self.external + (", "forces = -self.external + (", "load_step"),
-        ("contact forces without friction", "                state[\"contact_force\"][:] += own.tangential\n", "                pass\n", "load_step"),
-        ("a step that fails leaves the state", "            take_back(equations, state, start)\n", "", "load_step")),
+        ("work of contact lost", "work[CONTACT] += _work(pressed, normal, moved)", "pass", "contactlab.implicit.ledger"),
+        ("work of the start alone", "0.5 * np.vdot(before + after, moved)", "np.vdot(before, moved)", "contactlab.implicit.ledger"),
+        ("reaction with the load", "forces = self.external + (", "forces = -self.external + (", "contactlab.implicit.load_step"),
+        ("contact forces without friction", "state[\"contact_force\"][:] = own.total()", "state[\"contact_force\"][:] = own.normal", "contactlab.implicit.load_step"),
+        ("a step that fails leaves the state", "            take_back(self.equations, state, start)\n", "            pass\n", "contactlab.implicit.motion")),
     *_of("integrator", "central-difference",
         ("no half step at the start", "motion.kick(0.5 * (motion.last_dt + dt))", "motion.kick(dt)"),
         ("kicks that are too long", "0.5 * (motion.last_dt + dt)", "0.5 * (motion.last_dt + 1.1 * dt)"),

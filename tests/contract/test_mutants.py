@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
+from importlib import import_module
 from pathlib import Path
 
 import pytest
-from mutants import PAGE, planted, verdict
+from mutants import PAGE, module_of, planted, verdict
 from mutations import MUTATIONS
 
 from contactlab.api.part import KINDS
@@ -39,9 +39,7 @@ def test_there_are_enough_of_every_kind() -> None:
 @pytest.mark.parametrize("number", range(len(MUTATIONS)))
 def test_what_is_exchanged_stands_in_the_source(number: int) -> None:
     mutation = MUTATIONS[number]
-    shipped = default_registry().part_class(mutation.kind, mutation.part).__module__
-    module = f"{shipped.rpartition('.')[0]}.{mutation.file}" if mutation.file else shipped
-    path = Path(str(sys.modules[shipped].__file__)).with_name(f"{module.rpartition('.')[2]}.py")
+    path = Path(str(import_module(module_of(mutation)).__file__))
     assert mutation.old in path.read_text(encoding="utf-8")
     assert mutation.new != mutation.old
 

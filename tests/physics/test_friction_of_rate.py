@@ -167,7 +167,8 @@ def test_memory_survives_a_restart_and_no_step_that_fails_advances_it(use: str) 
             again.step(0.5 * dt)
             restore_model(other, before)
         else:
-            iteration = again.advance.__self__.iteration  # type: ignore[attr-defined]
+            motion = again.advance.__self__  # type: ignore[attr-defined]
+            iteration = (motion.statics if use == "newton" else motion.dynamics).iteration
             most, iteration.most = iteration.most, 1
             if again.step(1.7 * dt).status is StepStatus.accepted:  # an easy one: taken back by hand
                 restore_model(other, before)
