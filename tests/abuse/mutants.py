@@ -32,11 +32,15 @@ MARKS = ("<!-- mutants: written by make mutants -->\n", "<!-- end of mutants -->
 
 CORE = "contactlab.implicit."
 BOUND = """
+from dataclasses import dataclass
 from {module} import {name} as Shipped
 from contactlab.implicit.motion import bound
 
 
+@dataclass(frozen=True)
 class {name}(Shipped):
+    __doc__ = Shipped.__doc__
+
     def bind(self, equations, state):
         return bound(self, equations, state)
 """
