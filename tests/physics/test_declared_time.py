@@ -14,7 +14,7 @@ import pytest
 
 from contactlab.api import Step
 from contactlab.errors import SceneError
-from contactlab.missing_effects.quasi_static import quasi_static_detectors
+from contactlab.missing_effects.quasi_static import work_detectors
 from contactlab.model.build import build
 from contactlab.results.results import Results
 from contactlab.run.prepare import schedule_of
@@ -196,7 +196,7 @@ def test_a_loading_that_is_too_fast_is_told_by_the_key_that_slows_it(
 ) -> None:
     """Steps that are longer than half a period vibrate however slow the loading is."""
     scene = blocks(integrator, {"ramp": "linear", "to": TO, **uy}, time={"history": True})
-    detector = next(iter(quasi_static_detectors(scene, build(scene, scene.registry))))
+    detector = next(iter(work_detectors(scene, build(scene, scene.registry))))
     detector.worst[:] = 0.9, 1.0
     told = detector.warning()
     assert told is not None
@@ -273,17 +273,12 @@ def test_steps_end_where_a_function_turns_and_where_an_effect_is_over() -> None:
 )
 def test_steps_that_the_scene_fixes_too_few_are_told_with_the_sampling(fixed: dict[str, Any], key: str) -> None:
     scene = dragged(0.25, **fixed)
-    model = build(scene, scene.registry)
-    schedule_of(model, scene)
-    (told,) = (warning for warning in model.warnings if warning.code == "coarse-steps")
+    (told,) = (warning for warning in simulate(scene).warnings if warning.code == "coarse-steps")
     assert told.key == key
     assert "supports.1.ux" in told.text
     assert told.value < 2.0
     better = json.loads(told.text.partition(f"write {key} = ")[2].partition(",")[0])
-    again = scene.with_({key: better})
-    model = build(again, again.registry)
-    schedule_of(model, again)
-    assert "coarse-steps" not in {warning.code for warning in model.warnings}
+    assert "coarse-steps" not in codes(simulate(scene.with_({key: better})))
 
 
 def test_fixed_steps_of_statics_end_where_the_loading_turns_too() -> None:

@@ -12,7 +12,7 @@ from contactlab.missing_effects.bending import bending_detectors
 from contactlab.missing_effects.locking import locking_detectors
 from contactlab.missing_effects.missing_effect import Detector
 from contactlab.missing_effects.overlap import overlap_detectors
-from contactlab.missing_effects.quasi_static import quasi_static_detectors
+from contactlab.missing_effects.quasi_static import quasi_static_detectors, work_detectors
 from contactlab.missing_effects.sides import side_detectors
 from contactlab.missing_effects.strain import strain_detectors
 from contactlab.model.model import Model
@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 DETECTORS = (strain_detectors, locking_detectors, quasi_static_detectors, side_detectors, overlap_detectors)
-AT_THE_END = (bending_detectors,)  # their energies are small in early frames, and shares of them mean nothing there
+AT_THE_END = (
+    bending_detectors,
+    work_detectors,
+)  # their energies are small in early frames, and shares of them mean nothing there
 KEY = "looks"  # in checkpoints: files keep their names
 
 

@@ -25,11 +25,21 @@ UNRESISTED = 0.5  # a body that meets a resistance stores more than half of its 
 
 
 def quasi_static_detectors(scene: Scene, model: Model) -> Detectors:
-    """Detectors for runs with `end = "auto"` and inertia whose loading path is meant to be in equilibrium."""
-    if model.timing.end is None and model.timing.follows and model.integrator.inertia:
-        yield KineticEnergy(model)
+    """The detector for frames of runs with `end = "auto"` whose loading path is meant to be in equilibrium."""
+    del scene
+    if _follows(model):
         yield Balance(model)
+
+
+def work_detectors(scene: Scene, model: Model) -> Detectors:
+    """Detectors for works of such a run: shares of its largest, which early frames do not know."""
+    if _follows(model):
+        yield KineticEnergy(model)
         yield DampedWork(model, tuple(_at_once(scene)))
+
+
+def _follows(model: Model) -> bool:
+    return model.timing.end is None and model.timing.follows and model.integrator.inertia
 
 
 class KineticEnergy:
@@ -98,33 +108,34 @@ class Balance:
             float(self.worst[0]),
             "unbalanced-reactions",
             "the sum of reactions and loads is",
-            "of the largest",
+            "of the largest at a frame",
         )
 
 
 class DampedWork:
-    """`worst`: largest share of the work done from outside that damping had taken at a frame, that of steps with it.
+    """`worst`: largest work that damping had taken at a frame, of steps with it, and largest work from outside [mJ].
 
-    Loads that act `at_once` (their keys) set bodies in motion however slow the rest is, and damping has to take as much
-    as these store. The end does not depend on it where nothing remembers the way.
+    A jolt at the start of the ramp is damped as it should be, and small against the work done in the end, however much
+    of the little done by then it is. Loads that act `at_once` (their keys) set bodies in motion however slow the rest
+    is, and damping has to take as much as these store. The end does not depend on it where nothing remembers the way.
     """
 
     def __init__(self, model: Model, at_once: tuple[str, ...] = ()) -> None:
-        self.model, self.at_once, self.worst = model, at_once, np.zeros(1)
+        self.model, self.at_once, self.worst = model, at_once, np.zeros(2)
 
     def update(self) -> None:
         """Take in the works of damping and of supports and loads so far."""
         internal, external, damping = (abs(float(work)) for work in self.model.state["work"][:3])
         if not self.model.explicit:  # in explicit runs it is that of hourglasses
             damping += abs(float(self.model.state["work"][WORK.index("numerical")]))
-        if self.model.state.time >= EARLY * self.model.timing.last and max(internal, external) > 0.0:
-            self.worst[0] = max(self.worst[0], damping / max(internal, external))
+        np.maximum(self.worst, (damping, max(internal, external)), out=self.worst)
 
     def warning(self) -> RunWarning | None:
         """A slower ramp, or one at all: what is damped away does not deform the bodies."""
-        share, history = float(self.worst[0]), self.model.history
+        damping, work = (float(value) for value in self.worst)
+        share, history = damping / max(work, 1e-300), self.model.history
         if not self.at_once:
-            return _slower(self.model, share, "damped-work", "damping has taken", "of the work done")
+            return _slower(self.model, share, "damped-work", "damping has taken", "of the work done by the end")
         if share <= UNBALANCED or not (history.laws or history.friction):
             return None
         return needed(
@@ -143,8 +154,7 @@ def _slower(model: Model, share: float, code: str, what: str, whole: str) -> Run
         share,
         UNBALANCED,
         _slow_key(model),
-        f"{what} {per_cent(share)} {whole} at a frame of a run that is meant to be quasi-static "
-        f"({per_cent(UNBALANCED)} at most)",
+        f"{what} {per_cent(share)} {whole} of a run that is meant to be quasi-static ({per_cent(UNBALANCED)} at most)",
         _slowly(model, 2.0),
     )
 

@@ -19,6 +19,7 @@ STIFFER = 12.0  # ratio of shear moduli: steel on a polymer, not steel on alumin
 COARSER = 2.0  # ratio of segment lengths where the surfaces press
 ROUGHER = 2.0  # ratio of the turns from segment to segment there, from which the other side knows the normal
 LEAN = 0.01  # sine of the angle between forces and that normal: at mu = 0.2 friction is off by 5 %
+FRICTIONLESS = 0.14  # the same, if forces that lean to and fro hold nothing back: their normal part is off by 1 %
 
 
 def side_detectors(scene: Scene, model: Model) -> Detectors:
@@ -98,9 +99,10 @@ class WrongSide:
         """
         coarseness, force, *squares = (float(number) for number in self.worst)
         lean, other_lean = np.sqrt(np.array(squares) / max(force, np.finfo(float).tiny))
-        if lean > LEAN:
+        limit = LEAN if self.spec.friction else FRICTIONLESS
+        if lean > limit:
             seen = f"normals of facets lean by {np.degrees(lean):.2g} degrees against the smoother side"
-            return self._swap(float(lean), LEAN, f"{seen}, and forces with them", "its normals are better known")
+            return self._swap(float(lean), limit, f"{seen}, and forces with them", "its normals are better known")
         if (aside := abs(self.aside) / max(force, np.finfo(float).tiny)) > LEAN:
             seen = f"normals of facets lean by {np.degrees(aside):.2g} degrees to one side, and forces with them"
             return self._swap(aside, LEAN, seen, "slave nodes stand beside vertices of the master, where it turns")

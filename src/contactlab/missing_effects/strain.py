@@ -13,6 +13,7 @@ from contactlab.model.model import Model
 
 STRAIN = 0.05  # largest principal strain of small-strain laws
 ROTATION = math.radians(5.0)  # it adds about 1 - cos(5 degrees) = 0.4 % of false strain
+LEFT_OUT = 0.5 * STRAIN  # of the strain energy, as if half of it were where strains are that large
 
 
 def strain_detectors(scene: object, model: Model) -> Detectors:
@@ -27,20 +28,30 @@ def strain_detectors(scene: object, model: Model) -> Detectors:
 
 
 class LargeStrain:
-    """`worst`: largest principal strain [-] and rotation [rad] of any point."""
+    """`worst`: largest principal strain [-] and rotation [rad] of any point; largest work [mJ] of the stresses on the
+    strain that the law leaves out, and largest strain energy [mJ] of the body.
+
+    The law leaves H^T H/2 out of the strain, H = du/dX: the share of that work is the strain in a stretched bar, and
+    above one in a body that turns. Few points at an edge of contact add little to it, and change no force.
+    """
 
     def __init__(self, forces: BodyForces, key: str) -> None:
-        self.forces, self.key, self.worst = forces, key, np.zeros(2)
+        self.forces, self.key, self.worst = forces, key, np.zeros(4)
 
     def update(self) -> None:
-        """Strain and rotation from the displacement gradients of the last update."""
-        for block in self.forces.current():
-            np.maximum(self.worst, _strain_and_rotation(block.gradient), out=self.worst)
+        """Strain, rotation and energies from the displacement gradients of the last update."""
+        left_out = energy = 0.0
+        for block, volume in self.forces.current_volumes():
+            np.maximum(self.worst[:2], _strain_and_rotation(block.gradient), out=self.worst[:2])
+            works = _works(block)
+            left_out += float(np.abs(works[0]) @ volume)
+            energy += float(0.5 * np.abs(works[1]) @ volume)
+        np.maximum(self.worst[2:], (left_out, energy), out=self.worst[2:])
 
     def warning(self) -> RunWarning | None:
-        """Advise a law for finite strain, once strains are large; None before."""
-        strain, rotation = (float(value) for value in self.worst)
-        if strain <= STRAIN and rotation <= ROTATION:
+        """Advise a law for finite strain, once strains are large where much of the energy is; None before."""
+        strain, rotation, left_out, energy = (float(value) for value in self.worst)
+        if (strain <= STRAIN and rotation <= ROTATION) or left_out <= LEFT_OUT * energy:
             return None
         value, limit, seen = rotation, ROTATION, f"rotations reach {math.degrees(rotation):.1f} degrees"
         if strain > STRAIN:
@@ -61,6 +72,13 @@ def _strain_and_rotation(gradient: Floats) -> tuple[float, float]:
     mean, radius = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), 0.5 * (xy + yx))
     angle = np.arctan2(yx - xy, 2.0 + xx + yy)
     return float((np.abs(mean) + radius).max()), float(np.abs(angle).max())
+
+
+def _works(block: Block) -> tuple[Floats, Floats]:
+    """Stress times H^T H/2 and times the small strain (P,) [MPa], of H = du/dX."""
+    (xx, xy, yx, yy), stress = block.gradient, block.stress
+    left_out = 0.5 * (stress[XX] * (xx**2 + yx**2) + stress[YY] * (xy**2 + yy**2)) + stress[XY] * (xx * xy + yx * yy)
+    return left_out, stress[XX] * xx + stress[YY] * yy + stress[XY] * (xy + yx)
 
 
 class UnusedYieldStress:

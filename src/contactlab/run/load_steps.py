@@ -107,7 +107,12 @@ class LoadSchedule(Schedule):
         )
 
     def _too_coarse(self) -> Iterator[RunWarning]:
+        """Warnings before the first step; `verdict` has those of load steps, which end where the loading turns."""
         yield from frame_warnings(self.swings, self.frame_every, self.scene.record.frames)
+        if self.model.integrator.inertia:
+            yield from self._few_steps()
+
+    def _few_steps(self) -> Iterator[RunWarning]:
         if self.fixed is not None or cast(ImplicitIntegrator, self.model.integrator).fixes_steps():
             key = "integrator.steps" if self.fixed is None else "time.step"
             now = self.fixed or cast(ImplicitIntegrator, self.model.integrator).wished_steps()
@@ -336,7 +341,7 @@ class LoadSchedule(Schedule):
         return float(self.state["work"][WORK.index("slip")]) + flow
 
     def verdict(self) -> None:
-        """As every run's; warns of what depends on the way of jumps, and on steps that are long beside it."""
+        """As every run's; warns of what depends on the way of jumps, and on steps that are long or few beside it."""
         super().verdict()
         key = "integrator.steps" if self.fixed is None else "time.step"
         if self.friction_error is not None:
@@ -346,7 +351,11 @@ class LoadSchedule(Schedule):
             for warning in self.contact_times.warnings(key):
                 self.model.warnings.add(warning)
         total = self._dissipation()
-        if self.stabilised and self.jumped > MUCH * total and total > LITTLE * float(np.abs(self.state["work"]).max()):
+        little = total <= LITTLE * float(np.abs(self.state["work"]).max())
+        if not (little or self.model.integrator.inertia):
+            for warning in self._few_steps():
+                self.model.warnings.add(warning)
+        if self.stabilised and self.jumped > MUCH * total and not little:
             self.model.warnings.add(RunWarning(
                 "stabilised", self.jumped / total, MUCH, "integrator.steps",
                 f"{self.jumped / total:.1%} of what friction and plastic flow dissipate fell in {self.stabilised} "

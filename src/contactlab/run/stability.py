@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 SINGULAR = 1e-9  # of a matrix whose entries are of size 1: the sign of a smaller pivot is that of round-off
 SYMMETRIC = 1e-9  # alike: pivots of a matrix that is less so tell the parity only
 SPARE, ITERATIONS = 4, 20  # motions more than sought, so that those sought converge by a factor of ten in each
+HELD = 1e-4  # of a row of conditions: less of it on free nodes is how the length of a segment changes, not a gap
 NEUTRAL = 1e-3  # facets leave 2e-4 with five pressed nodes; a column 0.3 % above its buckling load has as much
 
 
@@ -138,10 +139,12 @@ def linearised(model: ImplicitModel, normals_turn: bool = True) -> Linearised:
     if not len(pressed):
         return Linearised(matrix, free, pressed)
     directions, gaps = (
-        csr_array(vstack([part for part in parts if part is not None]))[:, free]
+        csr_array(vstack([part for part in parts if part is not None]))
         for parts in ((change.normal, change.tangent), (change.gap, change.slip))
     )
-    moving = np.flatnonzero(abs(gaps).sum(axis=1) > 0.0)  # what supports hold alone is no condition
+    size = abs(gaps).sum(axis=1)
+    directions, gaps = directions[:, free], gaps[:, free]
+    moving = np.flatnonzero(abs(gaps).sum(axis=1) > HELD * size)  # what supports hold alone is no condition
     softness = np.zeros(gaps.shape[0])
     softness[: len(pressed)] = _softness(model)[pressed]
     conditions = np.where(moving < len(pressed), pressed[moving % len(pressed)], -1)

@@ -202,13 +202,18 @@ class BodyForces:
 
     def _integral(self, density: Callable[[Floats, Floats, Floats], None]) -> float:
         """Sum over points of a density of the law per volume, at the last update."""
-        rule = self.body.element.quadrature()
         total = 0.0
-        for block in self.current():
+        for block, volume in self.current_volumes():
             values = np.empty(block.stress.shape[1])
             density(block.gradient, block.new_history, values)
-            total += float(values @ self._volumes(block, rule.points, rule.weights))
+            total += float(values @ volume)
         return total
+
+    def current_volumes(self) -> Iterator[tuple[Block, Floats]]:
+        """The blocks of `current`, each with the volume per thickness (P,) [mm2] of its points."""
+        rule = self.body.element.quadrature()
+        for block in self.current():
+            yield block, self._volumes(block, rule.points, rule.weights)
 
     def _volumes(self, block: Block, points: Floats, weights: Floats) -> Floats:
         """Volume per thickness [mm2] of every point, point-major, as the law sees it.
