@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from contactlab_solids.neo_hookean import NeoHookean
 from contactlab_statics.penalty import Penalty
 
 from contactlab.api import Conditions, ImplicitEnforcement, Response
@@ -77,6 +78,24 @@ def test_the_penalty_of_the_page_is_the_shipped_one() -> None:
         found.append((-out.residual[0] / out.by_force[0], -out.by_gap[0] / out.by_force[0], out.status))
     for own, shipped in zip(*found, strict=True):
         np.testing.assert_allclose(own, shipped, atol=1e-10)
+
+
+def test_the_law_of_the_page_is_the_shipped_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Stress, tangent and energy by formulas, at random deformations."""
+    monkeypatch.syspath_prepend(str(tmp_path))
+    (tmp_path / "page_law.py").write_text(code_of("material.md")[0])
+    shipped = NeoHookean(young=100.0, poisson=0.3, density=1e-9)
+    shear = 50.0 / 1.3
+    own = importlib.import_module("page_law").Rubber(shear=shear, lame=1.5 * shear, density=1e-9)
+    gradient = np.array([[1.0], [0.0], [0.0], [1.0]]) + np.random.default_rng(3).uniform(-0.2, 0.2, (4, 64))
+    found = []
+    for law in (own, shipped):
+        stress, energy, none = np.zeros((4, 64)), np.zeros(64), np.zeros((0, 64))
+        law.stress(gradient, none, 0.0, stress, none)
+        law.energy(gradient, none, energy)
+        found.append((stress, energy, law.wave_speeds()))
+    for mine, theirs in zip(*found, strict=True):
+        np.testing.assert_allclose(mine, theirs, rtol=1e-12, atol=1e-12)  # round-off of some ten operations
 
 
 def test_hooks_bring_a_scene_a_command_and_a_note(

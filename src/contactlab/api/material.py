@@ -20,6 +20,9 @@ _ARGUMENTS = (*_KINEMATICS, "history", "dt", "p")
 class Material(ABC):
     """A plane-strain law. Subclasses are frozen dataclasses; their fields are the TOML keys.
 
+    A law is written by formulas, `stress(F, p)` and perhaps `energy(F, p)` of a point (docs/parts/material.md), from
+    which the core makes all methods below, or by `stress` of a block of points in NumPy or numba.
+
     density        [t/mm3], a field of every law
     kinematics     meaning of the `gradient` that the law is given, and geometry on which forces act:
                    "small"   du/dX, forces on the undeformed geometry (displacements small)

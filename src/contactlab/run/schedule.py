@@ -89,7 +89,7 @@ class Schedule:
             self._judge_fixed(self.model.step_within(1.0))
             return
         safe = self.model.step_within(self.fraction_of_limit)
-        if safe < SHORTEST * self.first:
+        if not safe >= SHORTEST * self.first:  # NaN where positions are
             stop(
                 self.model,
                 f"the stable step fell to {safe:.3g} s, {safe / self.first:.1e} of the first one, by "
