@@ -32,7 +32,7 @@ class ContactEquations(Protocol):
 
         `current` (N, 2) are the positions at the start of the step, for objective slip. Multipliers
         are warm-started from the state and stored there; `force` (N, 2) [N] holds the contact forces
-        of the last step, from which final positions are estimated, and receives those of this one.
+        of the last step, from which final positions are estimated, and receives the forces of this step.
         """
 
     def friction_work(self, mean_velocity: Floats, dt: float, compliance: Floats, force: Floats) -> tuple[float, float]:

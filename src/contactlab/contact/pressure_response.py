@@ -8,8 +8,8 @@ import numpy as np
 
 from contactlab.api import Conditions, Floats, ImplicitEnforcement, NormalLaw, Response
 from contactlab.api.arrays import Flags
+from contactlab.api.frame import OPEN, SLIP, STICK
 
-OPEN, STICK, SLIP = 0, 1, 2
 DOUBLED = 30  # times that a depth is, until the law gives a force there
 
 

@@ -152,15 +152,17 @@ class TimeStep:
 
     def _damped(self) -> Floats:
         """Damping forces (N, 2) [N]."""
-        at = self.scheme.at
-        return np.asarray(self.damping * self.mass * ((1.0 - at) * self.start.v + at * self.v - self.drift))
+        return np.asarray(self.damping * self.mass * (self._at(self.start.v, self.v) - self.drift))
+
+    def _at(self, start: Floats, end: Floats) -> Floats:
+        """Values (N, 2) at the share of the step where forces balance."""
+        return (1.0 - self.scheme.at) * start + self.scheme.at * end
 
     def _impressed(self, out: Floats, weight: float) -> None:
         """External and contact forces, these times a weight, minus internal ones."""
-        at = self.scheme.at
         np.negative(self.state["internal_force"], out=out)
         if self.equations.external_force(self.time, self.load):
-            out += (1.0 - at) * self.start.load + at * self.load
+            out += self._at(self.start.load, self.load)
         self.contact_forces.add_to(out, weight)
 
     def stiffness(self, dt: float) -> Any:
@@ -198,9 +200,9 @@ class TimeStep:
         self.v += dt * round(1.0 - 0.5 * dt * self.scheme.rate, DIGITS) * self.mobility * pressed
         self._support(damped - impressed)
         work = state["work"]
-        work[NUMERICAL] += self._lost(scheme, pressed)
+        work[NUMERICAL] += self._lost(scheme, balanced, pressed)
         work[INTERNAL] += self._internal_work(moved)
-        work[EXTERNAL] += np.vdot((1.0 - self.scheme.at) * self.start.load + self.scheme.at * self.load, moved)
+        work[EXTERNAL] += np.vdot(self._at(self.start.load, self.load), moved)
         work[DAMPING] += np.vdot(damped, moved)
         if self.equations.relaxation:
             self.drift += dt / (self.equations.relaxation + 0.5 * dt) * (moved / dt - self.drift)
@@ -208,11 +210,10 @@ class TimeStep:
             self._book_contact(moved)
         return scheme
 
-    def _lost(self, scheme: Floats, pressed: Floats) -> float:
+    def _lost(self, scheme: Floats, balanced: Floats, pressed: Floats) -> float:
         """Work [mJ] of the forces of inertia that does not become kinetic energy: of the scheme itself."""
         free = self.mobility > 0.0
-        moved = scheme + 0.5 * self.dt**2 * self.mobility * pressed
-        spent = np.vdot(self.mass * self.scheme.acceleration(scheme) + pressed, np.where(free, moved, 0.0))
+        spent = np.vdot(self.mass * self.scheme.acceleration(scheme) + pressed, np.where(free, balanced, 0.0))
         kinetic = 0.5 * self.mass * free
         after, before = (float(np.vdot(kinetic * v, v)) for v in (self.v, self.start.v))
         lost = float(spent) - (after - before)

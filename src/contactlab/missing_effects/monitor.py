@@ -21,10 +21,8 @@ if TYPE_CHECKING:
     from contactlab.scene.scene import Scene
 
 DETECTORS = (strain_detectors, locking_detectors, quasi_static_detectors, side_detectors, overlap_detectors)
-AT_THE_END = (
-    bending_detectors,
-    work_detectors,
-)  # their energies are small in early frames, and shares of them mean nothing there
+# their energies are small in early frames, and shares of them mean nothing there
+AT_THE_END = (bending_detectors, work_detectors)
 KEY = "looks"  # in checkpoints: files keep their names
 
 

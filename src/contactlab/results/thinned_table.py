@@ -77,7 +77,9 @@ class ThinnedTable:
                 self._move(self.thinning._replace(until=int(steps[end - 1]) - recent_steps(self.most)), 0, 0)
             elif self.count == self.most:
                 last = int(steps[end - 1])
-                self._thin(thinned(map(self.look, *self._blocks()), last, self.most, self.thinning), last)
+                blocks = range(0, self.count, self.together)
+                rows = (self.look(begin, min(begin + self.together, self.count)) for begin in blocks)
+                self._thin(thinned(rows, last, self.most, self.thinning), last)
 
     @property
     def last_step(self) -> int:
@@ -112,11 +114,6 @@ class ThinnedTable:
         for column, table in zip(self.columns, tables, strict=True):
             column.write(self.count, table, rows)
         self.count += rows
-
-    def _blocks(self) -> tuple[range, list[int]]:
-        """Where blocks of rows begin and end."""
-        begins = range(0, self.count, self.together)
-        return begins, [min(begin + self.together, self.count) for begin in begins]
 
     def _thin(self, thinning: Thinning, now: int = 0) -> None:
         if now:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from contactlab.api import Conditions, Floats, Iteration, Surface
+from contactlab.api.frame import SLIP, STICK
 from contactlab.model.loading.held_bodies import MOTIONS, free_motions, loose_motions
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ AT_CORNER = 1.0  # longest segments beside a corner
 SLOPE = 0.05  # of the resistance: what normals that lean by deformation add against sliding is no hold
 USED = 0.9  # of the friction that a contact can carry: more of it is a limit that the load comes to
 TIPPED = 0.02  # of the length of a contact: a resultant so near to its end has left the last segments but one
-STICK, SLIP = 1, 2
 
 
 def cause_of_failure(model: Model, scene: Scene, trace: Sequence[Iteration], dt: float) -> str:

@@ -21,6 +21,7 @@ from scipy.sparse.linalg import splu
 
 from contactlab.api import Floats, Ints, Response, RunWarning
 from contactlab.api.arrays import Flags
+from contactlab.api.frame import STICK
 
 if TYPE_CHECKING:
     from contactlab.contact.pair import ContactPair
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 HIGH = 0.05  # of the shear: what peak pressures and friction work are held to
 SMALL = 0.01  # of the normal forces: shear below it is an error of none
 SOLVED = 1e-6  # of the right-hand side
-STICKS = 1  # `Response.status`
 GAP, CLOSED, SLID, HELD = range(4)
 
 
@@ -55,7 +55,7 @@ class FrictionError:
         closing = n[GAP] - c.gap
         still_open = c.present & ~pressed & (n[GAP] > 0.0)
         touches = pressed & (n[GAP] > 0.0) & (not jumped)
-        n[HELD, ~(pressed & (self._response().status == STICKS))] = 0.0
+        n[HELD, ~(pressed & (self._response().status == STICK))] = 0.0
         for pair in self._rubbing():
             own = np.arange(pair.own.start, pair.own.stop)
             self._hold(own[touches[own]], own[(still_open & (closing > 0.0))[own]], closing)
@@ -73,7 +73,7 @@ class FrictionError:
         else:
             closed, slid = n[CLOSED, touched], n[SLID, touched]
         share = np.divide(n[GAP, touched], closed, out=np.zeros(len(touched)), where=closed > 0.0)
-        sticks = self._response().status[touched] == STICKS
+        sticks = self._response().status[touched] == STICK
         n[HELD, touched] = np.where(sticks, np.minimum(share, 1.0) * slid, 0.0)
 
     def _take_gaps(self) -> None:

@@ -21,7 +21,7 @@ class Hertz(Case):
 
     segments    of the block in a half-width
     ratio       of the disc's cells to the block's
-    half_width  of the contact over the radius, nearly: the closed form is that of small ones
+    half_width  approximate half-width of the contact over the radius; the closed form holds if it is small
     """
 
     segments: float = 8.0

@@ -25,7 +25,7 @@ class Coned(SegmentContact):
         return count
 
     def derivatives(self, view: ContactView, pieces: Pieces, count: int, out: PieceDerivatives) -> bool:
-        """Derivatives of the formulas, those of T lumped as well."""
+        """Differentiate the formulas, and lump the derivatives of T."""
         super().derivatives(view, pieces, count, out)
         if self.cone == "strong":
             _lump(out.dT[: out.count])
@@ -34,7 +34,7 @@ class Coned(SegmentContact):
     def gradients(
         self, view: ContactView, pieces: Pieces, count: int, owner: Ints, separation: Floats, out: GapGradients
     ) -> bool:
-        """Those of the formulas; with lumped hats the core takes them from `derivatives`."""
+        """Fill in the gradients of the formulas; with lumped hats the core takes them from `derivatives`."""
         return self.cone == "weak" and super().gradients(view, pieces, count, owner, separation, out)
 
     def feet(self, view: ContactView, pieces: Pieces, count: int, out: Floats) -> bool:

@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 
 from contactlab.api import Conditions, Floats, ImplicitEnforcement, Response
+from contactlab.api.frame import OPEN, SLIP, STICK
 from contactlab_statics.friction_bound import limits
 
-OPEN, STICK, SLIP = 0, 1, 2
 TOUCHING = 1e-9  # segment lengths
 
 
