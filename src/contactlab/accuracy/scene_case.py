@@ -42,7 +42,7 @@ class SceneCase(Case):
     def of(cls, choice: CaseChoice, registry: Registry, folder: Path | None) -> SceneCase:
         """The scene of an entry with the reference that it names, or the first that fits. Raises RequestError."""
         beside = (folder or Path()) / choice.scene
-        scene = load_scene(beside if beside.is_file() else choice.scene, registry).with_(choice.changes or {})
+        scene = load_scene(beside if beside.is_file() else choice.scene, registry, choice.changes)
         where = f"case {choice.label}"
         if choice.reference:
             source = find_reference(choice.reference, registry, beside=folder, where=where)

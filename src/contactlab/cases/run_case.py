@@ -38,11 +38,11 @@ def scene_of(job: Job, registry: Registry | None = None, enforcement: Spec = "")
     enforcement  of all contacts, if a setup has one
     """
     registry = registry or default_registry()
+    changes = {"record.recorders": [], "record.frames": job.frames, **job.changes}
     if isinstance(job.scene, str):
-        scene = load_scene(job.scene, registry)
+        scene = load_scene(job.scene, registry, changes)
     else:
-        scene = Scene.from_data({"name": job.name, **job.scene}, registry=registry)
-    scene = scene.with_({"record.recorders": [], "record.frames": job.frames, **job.changes})
+        scene = Scene.from_data({"name": job.name, **job.scene}, registry=registry).with_(changes)
     own = {f"contacts.{n}.enforcement": enforcement for n in range(len(scene.contacts))} if enforcement else {}
     return scene.with_(own) if own else scene
 

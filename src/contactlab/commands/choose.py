@@ -29,7 +29,7 @@ def choose_for(options: argparse.Namespace) -> int:
     After Ctrl-C the answer is what is known by then.
     """
     registry = registry_with(options.files)
-    scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
+    scene = load_scene(options.scene, registry, parse_settings(options.settings))
     wish = Wish(options.error, options.budget, options.search)
     with many(options, f"choose-{scene.name}") as driver:
         folder = folder_of(driver)

@@ -32,7 +32,7 @@ FAILED = 1
 def budget(options: argparse.Namespace) -> int:
     """Run the scene as it is and with each choice of numerics made finer; 1 where it does not finish as it is."""
     registry = registry_with(options.files)
-    scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
+    scene = load_scene(options.scene, registry, parse_settings(options.settings))
     with many(options, f"error-budget-{scene.name}") as driver:
         folder = folder_of(driver)
         found = driver.result(budget_plan(scene, registry, driver.progress.told))

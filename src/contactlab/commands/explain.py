@@ -32,7 +32,7 @@ def explain(options: argparse.Namespace) -> int:
     from contactlab.studies.removable import variants
 
     registry = registry_with(options.files)
-    scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
+    scene = load_scene(options.scene, registry, parse_settings(options.settings))
     scene, order = first_that_fits(scene, registry)
     with trials() as archive:
         explanation = explanation_of(scene, registry, tried(scene, archive), order)

@@ -32,7 +32,7 @@ def run(options: argparse.Namespace) -> int:
     from contactlab.run.simulation import simulate
 
     registry = registry_with(options.files)
-    scene = load_scene(options.scene, registry).with_(parse_settings(options.settings))
+    scene = load_scene(options.scene, registry, parse_settings(options.settings))
     shown = nullcontext() if options.quiet else shown_progress(scene)
     with results_folder(options.out, scene.name, options.resume) as folder, shown as progress:
         try:

@@ -50,14 +50,14 @@ def _numbered(key: str, data: Mapping[str, Any]) -> list[str]:
     path = key.split(".") if isinstance(key, str) else [""]
     if not all(path):
         raise SceneError("this is no key", where="override", got=key, allowed="names joined by dots: contacts.0.swap")
-    if len(path) > 1 and path[0] in NAMED_LISTS and not path[1].isdecimal():
+    if len(path) > 1 and path[0] in NAMED_LISTS and not path[1].isdecimal() and isinstance(data.get(path[0], []), list):
         path[1] = str(_entry_named(path[0], path[1], data))
     return path
 
 
 def _entry_named(table: str, name: str, data: Mapping[str, Any]) -> int:
     entries = data.get(table, [])
-    names = [entry.get("name") for entry in entries]
+    names = [entry.get("name") if isinstance(entry, dict) else None for entry in entries]
     if name in names:
         return names.index(name)
     known = [known for known in names if known]

@@ -105,42 +105,59 @@ class Scene:
         or support with a name answers to it: "contacts.tool.swap". Where another part is named, the
         fields of the old one are dropped, but for those that both parts require.
         """
-        changes = {**(changes or {}), **keys}
-        data, found = changed(self.data, changes, self._is_part, self._switched)
-        origin = dataclasses.replace(self.origin, overrides=self.origin.overrides | set(found))
-        return Scene.from_data(data, origin, self.registry)
+        return Scene._with(self.data, {**(changes or {}), **keys}, self.origin, self.registry)
 
-    def _is_part(self, path: str) -> bool:
-        return kind_at(Scene, path.split(".")) is not None
-
-    def _switched(self, path: str, old: Mapping[str, Any], name: str) -> dict[str, Any]:
-        if old.get("use") == name:
-            return dict(old)
-        kind = kind_at(Scene, path.split("."))
-        assert kind is not None
-        required = partial(self._required, kind)
-        kept = required(str(old.get("use"))) & required(name)
-        return {"use": name, **{field: value for field, value in old.items() if field in kept}}
-
-    def _required(self, kind: str, name: str) -> set[str]:
-        if name not in self.registry.names(kind):
-            return set()
-        fields = keys_of(self.registry.part_class(kind, name))
-        return {field for field in fields if is_required(fields[field])}
+    @staticmethod
+    def _with(data: Mapping[str, Any], changes: Mapping[str, Any], origin: Location, registry: Registry) -> Scene:
+        data, found = changed(data, changes, _is_part, partial(_switched, registry))
+        origin = dataclasses.replace(origin, overrides=origin.overrides | set(found))
+        return Scene.from_data(data, origin, registry)
 
 
-@arguments(name_or_path=NAME, registry=Registry)
-def load_scene(name_or_path: str | Path, registry: Registry | None = None) -> Scene:
-    """A bundled scene by its name, or the scene in a TOML file. Raises SceneError or PartError."""
+def _is_part(path: str) -> bool:
+    return kind_at(Scene, path.split(".")) is not None
+
+
+def _switched(registry: Registry, path: str, old: Mapping[str, Any], name: str) -> dict[str, Any]:
+    if old.get("use") == name:
+        return dict(old)
+    kind = kind_at(Scene, path.split("."))
+    assert kind is not None
+    required = partial(_required, registry, kind)
+    kept = required(str(old.get("use"))) & required(name)
+    return {"use": name, **{field: value for field, value in old.items() if field in kept}}
+
+
+def _required(registry: Registry, kind: str, name: str) -> set[str]:
+    if name not in registry.names(kind):
+        return set()
+    fields = keys_of(registry.part_class(kind, name))
+    return {field for field in fields if is_required(fields[field])}
+
+
+@arguments(name_or_path=NAME, registry=Registry, changes=Mapping)
+def load_scene(
+    name_or_path: str | Path, registry: Registry | None = None, changes: Mapping[str, Any] | None = None
+) -> Scene:
+    """A bundled scene by its name, or the scene in a TOML file. Raises SceneError or PartError.
+
+    With `changes`, values at dotted keys as of `Scene.with_`: what they replace need not be installed.
+    """
     registry = registry or default_registry()
     path, shown = find_scene(name_or_path, registry)
     data, lines = read_toml(path, shown)
     data.setdefault("name", path.stem)
+    origin = Location(shown, lines=lines, folder=str(path.parent.resolve()))
+    changes = dict(changes or {})
     try:
-        return Scene.from_data(data, Location(shown, lines=lines, folder=str(path.parent.resolve())), registry)
+        scene = Scene.from_data(data, origin, registry)
     except PartError as error:
-        error.hint = _brought(path.parent / "summary.json", error.got) or error.hint
-        raise
+        named = {key: changes.pop(key) for key in list(changes) if _is_part(key.removesuffix(".use"))}
+        if not named:
+            error.hint = _brought(path.parent / "summary.json", error.got) or error.hint
+            raise
+        scene = Scene._with(data, named, origin, registry)
+    return scene.with_(changes) if changes else scene
 
 
 def _brought(summary: Path, name: object) -> str:

@@ -74,18 +74,17 @@ def make_plan(
     installed contact algorithm and both choices of slave. Raises RequestError.
     """
     registry = registry or default_registry()
-    study, scene = find_scene(request, registry)
+    changes = changes or {}
+    study, scene = find_scene(request, registry, changes)
     if vary:
         given = checked_vary({name: (values, f"vary {name}") for name, values in vary.items()})
         study = replace(study, vary=given, pareto=Pareto())
-    changes = changes or {}
     for key in changes if vary else ():
         if key in study.vary:
             raise RequestError(
                 "this key is set and varied at once", where=key, got=changes[key],
                 hint=f"leave out --set {key}, or write its values as {key} = [...] in --vary alone",
             )  # fmt: skip
-    scene = scene.with_(changes)
     contact = _contact_number(scene, study.contact)
     if not study.vary:
         study = replace(study, vary=_everything(scene, contact, registry))
@@ -93,15 +92,17 @@ def make_plan(
     return Plan(study, scene, contact, _named(_jobs(study, scene, contact)))
 
 
-def find_scene(request: Scene | Study | str | Path, registry: Registry | None = None) -> tuple[Study, Scene]:
-    """The study that is asked for, and its scene. Raises RequestError."""
+def find_scene(
+    request: Scene | Study | str | Path, registry: Registry | None = None, changes: Mapping[str, Any] | None = None
+) -> tuple[Study, Scene]:
+    """The study that is asked for, and its scene with the changes. Raises RequestError."""
     registry = registry or default_registry()
     if isinstance(request, Scene):
-        return Study(scene=request.name, name=request.name), request
+        return Study(scene=request.name, name=request.name), request.with_(changes)
     if isinstance(request, str | Path):
         request = _find_study(request, registry)
     beside = (request.folder or Path()) / request.scene
-    scene = load_scene(beside if request.folder and beside.is_file() else request.scene, registry)
+    scene = load_scene(beside if request.folder and beside.is_file() else request.scene, registry, changes)
     return (request if request.name else replace(request, name=scene.name)), scene
 
 

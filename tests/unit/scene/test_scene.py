@@ -9,9 +9,13 @@ from pathlib import Path
 import pytest
 
 import contactlab
-from contactlab.errors import Location, RequestError, SceneError
+from contactlab.errors import Location, PartError, RequestError, SceneError
+from contactlab.parts.loading import installed
+from contactlab.parts.registry import Registry
 from contactlab.scene.fields import keys_of, kind_at
 from contactlab.scene.scene import Scene, bundled_scenes, load_scene
+from contactlab.testing.scenarios.runs import pressed
+from contactlab.testing.subject import Subject
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +52,22 @@ def test_all_keys_with_a_value_are_written(scene: Scene) -> None:
     data = tomllib.loads(scene.toml())
     assert set(keys_of(Scene)) - {"rigid"} == set(data)  # tables without an entry are left out
     assert set(data["bodies"]["block"]) == {"element", "material", "mesh", "velocity", "spin", "rotate", "shift"}
+
+
+def test_what_changes_replace_need_not_be_installed(tmp_path: Path) -> None:
+    """Scenes, cases and checks that name a mortar are run without it, with the algorithm that is put in its place."""
+    without = Registry([point for point in installed() if point.name != "mortar"])
+    with pytest.raises(PartError, match="no contact of this name"):
+        load_scene("disc-on-block", without)
+    scene = load_scene("disc-on-block", without, {"contacts.0.algorithm": "node-on-segment"})
+    assert scene.contacts[0].algorithm["use"] == "node-on-segment"
+    assert "contacts.0.algorithm" in scene.origin.overrides
+    subject = Subject(without, "contact", "node-on-segment")
+    assert pressed(subject, "statics").contacts[0].algorithm["use"] == "node-on-segment"
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text('integrator = "nothing"\ncontacts = 3\n')
+    with pytest.raises(SceneError, match="holds a value"):
+        load_scene(wrong, without, {"contacts.tool.algorithm": "barrier"})
 
 
 def test_data_is_a_copy(scene: Scene) -> None:

@@ -66,10 +66,9 @@ def pressed(subject: Subject, mode: Mode, changes: Mapping[str, Any] | None = No
     """The scene with the part in its place. Raises NotApplicable where other parts of it are not installed."""
     path = Path(str(files("contactlab") / "data" / "checks" / FILES[mode]))
     try:
-        scene = load_scene(path, subject.registry)
+        return load_scene(path, subject.registry, {**_placed(subject, mode), **(changes or {})})
     except PartError as error:
         raise NotApplicable(f"the scene needs parts that are not installed: {error.problem} ({error.got})") from error
-    return scene.with_({**_placed(subject, mode), **(changes or {})})
 
 
 def _placed(subject: Subject, mode: Mode) -> dict[str, Any]:
