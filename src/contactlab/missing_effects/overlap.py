@@ -24,8 +24,12 @@ Mask = NDArray[np.bool_]
 
 
 def overlap_detectors(scene: Scene, model: Model) -> Detectors:
-    """One detector for all pairs of bodies, each body with itself as well."""
+    """One detector for all pairs of bodies, each body with itself as well, and one for each rigid surface."""
     yield Overlap(scene, model)
+    if scene.rigid:
+        from contactlab.missing_effects.rigid_passage import rigid_passages
+
+        yield from rigid_passages(scene, model)
 
 
 class Overlap:
@@ -60,10 +64,10 @@ class Overlap:
         if node < 0:
             return None
         other = self.outlines[number].body
-        body = next(b for b in self.model.bodies if b.first <= node < b.first + b.count)
+        body = body_of(node, self.model)
         x, y = self.model.reference[node]
         met = "itself" if body is other else f"body {other.name}"
-        slave, master = _edge_set(body, node), _edge_set(other, opposite)
+        slave, master = edge_set(body, node), edge_set(other, opposite)
         return needed(
             "contact",
             count,
@@ -74,7 +78,12 @@ class Overlap:
         )
 
 
-def _edge_set(body: Body, node: int) -> str:
+def body_of(node: int, model: Model) -> Body:
+    """The body that has a node."""
+    return next(body for body in model.bodies if body.first <= node < body.first + body.count)
+
+
+def edge_set(body: Body, node: int) -> str:
     """A named edge set of the body that has the node, the shortest; "body" where none has."""
     sets = {name: edges for name, edges in body.mesh.edges.items() if node - body.first in edges}
     name = min(sets, key=lambda name: len(sets[name]), default="")

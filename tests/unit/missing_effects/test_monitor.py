@@ -256,3 +256,18 @@ def test_surfaces_with_a_contact_may_press_into_each_other() -> None:
 
     # high's bottom corners belong to the contact; its sides do not, and stay out
     assert "contact" not in codes_of(colliding(contacts=True), lowered)
+
+
+@pytest.mark.parametrize(("depth", "named"), [(-0.5, False), (0.001, False), (0.1, True)])
+def test_a_rigid_surface_is_passed_where_no_contact_holds_a_body(depth: float, named: bool) -> None:
+    """Its right side alone is joined to the floor under it; with its lower side joined, too, nothing is told."""
+    scene = block({"use": "neo-hookean", **ELASTIC})
+    scene["rigid"] = {"floor": {"line": [[9.0, 0.0], [-9.0, 0.0], [-9.0, 5.0]]}}
+    scene["contacts"] = [{"slave": "low.left", "master": "floor", "algorithm": "mortar-p0"}]
+
+    def lowered(x: Any) -> Any:
+        return x - np.where(np.arange(len(x)) < 16, depth, 0.0)[:, None] * [0.0, 1.0]
+
+    assert ("contact" in codes_of(scene, lowered)) is named
+    scene["contacts"][0]["slave"] = ["low.left", "low.bottom"]
+    assert "contact" not in codes_of(scene, lowered)

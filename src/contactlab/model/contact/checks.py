@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 DEEP = 0.1  # segment lengths that a curved surface may cut into another without any overlap of the true shapes
 FACING = 64  # slave segments, from all over the surface, that are held against all of the master at a time
+ROUND = 1e-9  # relative
 TOO_DEEP = 1.0  # segment lengths beyond which no treatment of an overlap is tried
 
 
@@ -64,6 +65,37 @@ def _most_ahead(slave: tuple[Floats, Floats], master: tuple[Floats, Floats], eno
         if most >= enough:
             break
     return most
+
+
+def check_solid_side(slave: Surface, master: Surface, positions: Floats, sides: tuple[str, str], where: Where) -> None:
+    """Raise SceneError where all of the slave lies in the solid of a rigid surface: its points run the wrong way."""
+    some = slave.nodes[:: max(1, len(slave.nodes) // FACING)]
+    for nodes in (some, slave.nodes):
+        height = _heights(positions[nodes], positions[master.nodes[master.segments]])
+        if height.max() > ROUND * np.abs(height).max() or height.min() > -TOO_DEEP * _longest(slave, master, positions):
+            return
+    raise SceneError(
+        f"all of {sides[0]} lies in the solid of the rigid surface {sides[1]}",
+        where=where,
+        got=f"nodes up to {-height.min():.4g} mm behind it, none in front",
+        allowed="a rigid surface whose solid is on its left, as one goes along its points",
+        hint=f"write the points of rigid.{sides[1]} in the reverse order, or the angles of its arc",
+    )
+
+
+def _heights(points: Floats, segments: Floats) -> Floats:
+    """Height [mm] of each point over the nearest of the segments (s, 2, 2), below zero on its left."""
+    a, along = segments[:, 0], segments[:, 1] - segments[:, 0]
+    length = np.hypot(*along.T)
+    out = np.empty(len(points))
+    for number, point in enumerate(points):
+        share = np.clip(((point - a) * along).sum(axis=1) / length**2, 0.0, 1.0)
+        apart = point - a - share[:, None] * along
+        distance = np.hypot(*apart.T)
+        height = (apart[:, 0] * along[:, 1] - apart[:, 1] * along[:, 0]) / length
+        nearest = distance <= distance.min() * (1.0 + ROUND)  # two beside a vertex: the one that sees the point best
+        out[number] = max(height[nearest], key=abs)
+    return out
 
 
 class JoinedStretches:

@@ -31,7 +31,7 @@ from contactlab.contact.start_gaps import ZeroStart
 from contactlab.errors import PartError, SceneError, below
 from contactlab.meshing.mesh import split_at_corners, surface_from_edges
 from contactlab.model.bodies.body import Body, BodyForces, positions_of
-from contactlab.model.contact.checks import JoinedStretches, check_facing, refuse_held_slave
+from contactlab.model.contact.checks import JoinedStretches, check_facing, check_solid_side, refuse_held_slave
 from contactlab.model.contact.initial_gap import facet_overlap, ramped_overlap, refuse_overlap
 from contactlab.model.loading.edge_sets import edge_set
 
@@ -115,6 +115,8 @@ def plan_contacts(
     for number, spec in enumerate(scene.contacts):
         where = scene.where(f"contacts.{number}")
         plan = _plan(f"contacts.{number}", spec, where, registry, bodies, rigid, integrator, positions)
+        if plan.sides[1] in scene.rigid:
+            check_solid_side(plan.slave, plan.master, positions, plan.sides, where)
         check_facing(plan.slave, plan.master, positions, plan.sides, where)
         joined.add(plan, where)
         plans.append(plan)

@@ -58,6 +58,27 @@ def test_a_closed_line_is_a_closed_chain(make, element: str) -> None:
     assert np.all(master.node_segments >= 0)
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        [[9.0, 4.0], [-9.0, 4.0]],  # a ceiling and a floor; a part of the body looks at them
+        [[-9.0, -2.0], [9.0, -2.0]],
+        [[-9.0, -3.0], [9.0, -3.0], [9.0, 9.0], [-9.0, 9.0], [-9.0, -3.0]],  # a box whose solid is within
+    ],
+)
+def test_points_that_run_the_wrong_way_are_told(make, line: list) -> None:
+    """Its whole outline is the slave, so that some of it always looks at the line. The other way round it has a gap."""
+    contact = {
+        "slave": ["upper.bottom", "upper.right", "upper.top", "upper.left"],
+        "master": "tool",
+        "algorithm": "mortar-p1",
+    }
+    with pytest.raises(SceneError, match="lies in the solid of the rigid surface tool") as caught:
+        make(contacts=[contact], rigid={"tool": {"line": line}})
+    assert "reverse order" in str(caught.value)
+    assert make(contacts=[contact], rigid={"tool": {"line": line[::-1]}}).contact is not None
+
+
 def test_motion_is_that_of_the_table(make) -> None:
     """A quarter turn about (1, -1) while the centre moves up by 0.5: positions are exact at any time."""
     turn = {"to": 90.0, "about": [1.0, -1.0], "duration": 2e-4}

@@ -1,0 +1,76 @@
+"""Bodies that go through a rigid surface beside the contact that they have with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from contactlab.api import Floats, Ints, RunWarning
+from contactlab.contact.pair import ContactPair
+from contactlab.kernels.contact.search import near_segments
+from contactlab.meshing.mesh import outer_edges
+from contactlab.missing_effects.missing_effect import Detectors, needed
+from contactlab.missing_effects.overlap import DEPTH, body_of, edge_set
+from contactlab.model.model import Model
+
+if TYPE_CHECKING:
+    from contactlab.scene.scene import Scene
+
+
+def rigid_passages(scene: Scene, model: Model) -> Detectors:
+    """One detector for each rigid surface."""
+    pairs = model.contact.pairs if model.contact is not None else ()
+    joined: dict[str, list[ContactPair]] = {}
+    for pair, spec in zip(pairs, scene.contacts, strict=True):
+        if spec.sides[1] in scene.rigid:
+            joined.setdefault(spec.sides[1], []).append(pair)
+    yield from (Passage(scene, model, name, pairs) for name, pairs in joined.items())
+
+
+class Passage:
+    """`worst`: the end behind a rigid surface of the first edge that crosses it without a contact to it; else -1."""
+
+    def __init__(self, scene: Scene, model: Model, name: str, pairs: Sequence[ContactPair]) -> None:
+        self.scene, self.model, self.name, self.worst = scene, model, name, np.full(1, -1.0)
+        self.surface = pairs[0].master.nodes[pairs[0].master.segments]
+        edges = np.concatenate([outer_edges(body.cells, body.element) for body in model.bodies])
+        slave = np.concatenate([pair.slave.nodes for pair in pairs])
+        self.edges: Ints = edges[~np.isin(edges, slave).any(axis=1)]
+
+    def update(self) -> None:
+        """The first edge with an end that lies `DEPTH` of the edge behind the segment that it crosses."""
+        if self.worst[0] >= 0.0 or not len(self.edges):
+            return
+        at = self.model.position
+        near = near_segments(at, self.edges, at, self.surface, 0.0)
+        edge = np.repeat(self.edges, np.diff(near.start), axis=0)
+        (a, b), (c, d) = at[edge].swapaxes(0, 1), at[self.surface[near.master]].swapaxes(0, 1)
+        along = (d - c) / np.hypot(*(d - c).T)[:, None]
+        height = np.stack([_cross(a - c, along), _cross(b - c, along)], axis=1)
+        crossed = (height.prod(axis=1) <= 0.0) & (_cross(c - a, b - a) * _cross(d - a, b - a) <= 0.0)
+        found = np.flatnonzero(crossed & (height.min(axis=1) < -DEPTH * np.hypot(*(b - a).T)))
+        if len(found):
+            self.worst[0] = edge[found[0], height[found[0]].argmin()]
+
+    def warning(self) -> RunWarning | None:
+        """Advise a contact between the rigid surface and what crossed it; None where nothing did."""
+        node = int(self.worst[0])
+        if node < 0:
+            return None
+        body = body_of(node, self.model)
+        x, y = self.model.reference[node]
+        return needed(
+            "contact",
+            1.0,
+            0.0,
+            f"contacts.{len(self.scene.contacts)}",
+            f"body {body.name} goes through the rigid surface {self.name}, first seen at its node ({x:.4g}, {y:.4g}), "
+            "which no contact joins to it",
+            f'add [[contacts]] with slave = "{edge_set(body, node)}" and master = "{self.name}"',
+        )
+
+
+def _cross(u: Floats, v: Floats) -> Floats:
+    return np.asarray(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
