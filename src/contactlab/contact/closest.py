@@ -70,11 +70,16 @@ def first_crossing(at: Floats, one: Surface, other: Surface) -> Floats | None:
 
     Segments are compared, so that a corner between two nodes of the other side counts.
     """
-    x, y = at[one.nodes], at[other.nodes]
-    near = near_segments(x, one.segments, y, other.segments, 0.0)
-    first = np.repeat(np.arange(len(one.segments)), np.diff(near.start))
-    a, b = (x[one.segments[first, end]] for end in range(2))
-    c, d = (y[other.segments[near.master, end]] for end in range(2))
+    return crossing(at, one.nodes[one.segments], other.nodes[other.segments])
+
+
+def crossing(at: Floats, segments: Ints, others: Ints) -> Floats | None:
+    """The place (2,) where one of the segments (s, 2) and one of the others go through each other; None without one."""
+    near = near_segments(at, segments, at, others, 0.0)
+    (a, b), (c, d) = (
+        at[np.repeat(segments, np.diff(near.start), axis=0)].swapaxes(0, 1),
+        at[others[near.master]].swapaxes(0, 1),
+    )
     sides = [_cross(b - a, c - a), _cross(b - a, d - a), _cross(d - c, a - c), _cross(d - c, b - c)]
     crossed = np.flatnonzero((sides[0] * sides[1] < 0.0) & (sides[2] * sides[3] < 0.0))
     if not len(crossed):

@@ -268,6 +268,12 @@ class Rigid:
             raise ValueError("a rigid surface is either a line or an arc: write one of them")
         if self.line is not None and (len(self.line) < 2 or any(a == b for a, b in pairwise(self.line))):
             raise ValueError(f"line: got {self.line}, allowed: at least two points, none twice in a row")
+        for a, b, c in zip(self.line or (), (self.line or ())[1:], (self.line or ())[2:], strict=False):
+            (x, y), (u, v) = (b[0] - a[0], b[1] - a[1]), (c[0] - b[0], c[1] - b[1])
+            if x * v == y * u and x * u + y * v < 0.0:
+                raise ValueError(
+                    f"line: got {[*a]}, {[*b]}, {[*c]}, allowed: points that do not go back the way they came"
+                )
         if self.arc is not None and not 0.0 < abs(self.arc.angles[1] - self.arc.angles[0]) <= 360.0:
             raise ValueError(f"arc: got {self.arc.angles}, allowed: two angles, at most 360 degrees apart")
 

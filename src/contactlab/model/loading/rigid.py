@@ -10,11 +10,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from contactlab.api import Floats, Ints
+from contactlab.contact.closest import crossing
+from contactlab.errors import SceneError
 from contactlab.model.bodies.body import Body
 from contactlab.model.loading.edge_sets import edge_set
 from contactlab.model.sizes import check_rigid_size
 
 if TYPE_CHECKING:
+    from contactlab.errors import Where
     from contactlab.scene.keys import Arc, Rigid
     from contactlab.scene.scene import Scene
 
@@ -56,10 +59,25 @@ def build_rigid(scene: Scene, bodies: tuple[Body, ...]) -> tuple[RigidSurface, .
         width = facing[0].shape[1] if facing else 2
         where = scene.where(f"rigid.{name}" + (".segment" if spec.segment is not None else ""))
         check_rigid_size(_length(spec) / segment, where, segment)
+        if spec.line is not None:
+            _refuse_crossing(np.array(spec.line), scene.where(f"rigid.{name}.line"))
         points, closed = _chain(spec, segment, width - 1)
         surfaces.append(RigidSurface(name, points, first, _edges(first, len(points), closed, width)))
         first += len(points)
     return tuple(surfaces)
+
+
+def _refuse_crossing(points: Floats, where: Where) -> None:
+    """Raise SceneError for a polyline that goes through itself, where no side of it is solid."""
+    segments = np.stack([np.arange(len(points) - 1), np.arange(1, len(points))], axis=1).astype(np.int32)
+    place = crossing(points, segments, segments)
+    if place is not None:
+        raise SceneError(
+            "a rigid surface goes through itself",
+            where=where,
+            got=f"segments that cross at ({place[0]:.6g}, {place[1]:.6g})",
+            allowed="a line with its solid on one side",
+        )
 
 
 def _facing(scene: Scene, bodies: tuple[Body, ...], name: str) -> list[Ints]:
