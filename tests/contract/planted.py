@@ -23,6 +23,15 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
         ("functions of the wrong coordinate", "points[:, 1:] * CORNERS[:, 1]", "points[:, :1] * CORNERS[:, 1]"),
     ),
     "template material": (
+        ("trace in place of determinant", "*J = F.det()", "J = F.trace() / 3.0"),
+        ("stress per undeformed area", "log(J) * UNIT) / J", "log(J) * UNIT)"),
+        ("energy per undeformed volume", "log(J) ** 2) / J", "log(J) ** 2)"),
+        ("right stretch in place of left", "F @ F.T()", "F.T() @ F"),
+        ("half of mu", "mu = 0.5 * young", "mu = 0.25 * young", "0.5 * mu *", "1.0 * mu *"),
+        ("energy of another law", "0.5 * lam * log(J) ** 2", "0.5 * lam * (J - 1.0) ** 2"),
+        ("poisson in place of 1 - 2 nu", "(1.0 - 2.0 * poisson)", "(1.0 - poisson)"),
+    ),
+    "right rubber_in_numpy": (
         ("no stress along z", "stress[ZZ] = pressure", "stress[ZZ] = 0.0"),
         ("shear per undeformed area", "stress[XY] = shear * b_xy / jacobian", "stress[XY] = shear * b_xy"),
         ("sign of b_xy", "-squared * (yy * yx", "squared * (yy * yx"),
@@ -635,6 +644,7 @@ PLANTED: dict[str, tuple[Defect, ...]] = {
 NOT_CAUGHT: dict[tuple[str, str], str] = {
     ("template element", "points at a third"): "another rule that is as exact as its degree asks for",
     ("template material", "poisson in place of 1 - 2 nu"): "another law",
+    ("right rubber_in_numpy", "poisson in place of 1 - 2 nu"): "another law",
     ("right drucker", "stronger in tension"): "another law",
     ("right hill", "flow by Mises"): "another law, not associative",
     ("template friction", "no checks"): "limits of fields are the author's",

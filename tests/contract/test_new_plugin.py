@@ -43,7 +43,7 @@ def test_a_part_is_short_and_plain(kind: str) -> None:
     imports = {node.module or "" for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
     imports |= {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
     foreign = {name for name in imports if name.split(".")[0] not in {*sys.stdlib_module_names, "numpy"}}
-    assert foreign <= {"contactlab.api", "contactlab.api.case", "contactlab.api.meshing", "contactlab.api.tensors"}
+    assert foreign <= {"contactlab.api", "contactlab.api.case", "contactlab.api.meshing"}
     assert 15 <= len([line for line in source.splitlines() if line.strip()]) <= 80
 
 
