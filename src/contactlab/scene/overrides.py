@@ -81,8 +81,8 @@ def _set(data: dict[str, Any], path: list[str], value: object, is_part: Callable
     old = holder.get(path[-1]) if isinstance(holder, dict) else None
     if isinstance(value, str) and value == "none" and is_part(key):
         value = None
-    elif isinstance(value, str) and isinstance(old, dict) and is_part(key):
-        value = switch(key, old, value)
+    elif isinstance(value, str) and is_part(key):
+        value = switch(key, old, value) if isinstance(old, dict) else {"use": value}
     _put(holder, path, value)
 
 

@@ -129,6 +129,11 @@ class TestWith:
         changed = named.with_({"contacts.tool.swap": True, "supports.press.uy.to": -1.0})
         assert changed == named.with_({"contacts.0.swap": True, "supports.1.uy.to": -1.0})
 
+    @pytest.mark.parametrize("name", ["contacts.0.friction", "contacts.0.friction.use"])
+    def test_a_part_that_is_not_there_yet_takes_fields(self, name: str, scene: Scene) -> None:
+        changed = scene.with_({"contacts.0.friction.mu": 0.3, name: "coulomb"})
+        assert changed == scene.with_({"contacts.0.friction": {"use": "coulomb", "mu": 0.3}})
+
     def test_another_part_drops_the_fields_of_the_old_one(self, scene: Scene) -> None:
         mesh = scene.with_({"bodies.disc.mesh": {"use": "rectangle", "x": [-1, 1], "y": [0, 1], "cells": [2, 2]}})
         fields = {"x": [-1.0, 1.0], "y": [0.0, 1.0], "cells": [2, 2], "grading": [1.0, 1.0]}
