@@ -93,7 +93,7 @@ class Archive:
     """
 
     def __init__(self, path: Path, write: bool = True) -> None:
-        self.path = path
+        self.path, self._write = path, write
         self.damage: list[str] = []
         self._places: dict[str, dict[tuple[str, str], _Place]] = {table: {} for table in COLUMNS}
         try:
@@ -129,7 +129,10 @@ class Archive:
         self.close()
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the file; the last to write leaves it whole in one piece, without the journal that others read from."""
+        if self._write:
+            with suppress(*BROKEN):
+                self._file.execute("pragma journal_mode = delete")
         self._file.close()
 
     # --- checking ----------------------------------------------------------------------------------

@@ -136,3 +136,11 @@ def test_a_folder_that_cannot_be_written_can_be_read(sound: Path) -> None:
             assert len(list(archive.runs())) == 12
     finally:
         folder.chmod(0o700)
+
+
+def test_a_closed_archive_is_one_file(tmp_path: Path) -> None:
+    """What is copied to another machine is whole, also after others have read it."""
+    for write in (True, False):
+        with Archive(tmp_path / FILE, write=write):
+            pass
+    assert [path.name for path in tmp_path.iterdir()] == [FILE]
