@@ -24,9 +24,9 @@ demo: $(RUNNABLE)
 	$(BIN)/contactlab compare disc-on-block --set level=2 --set record.frames=44 --out $$out && echo && \
 	echo "What accuracy costs: $$out-accuracy/accuracy.html" && echo "The report is $$out/report.html"
 
-# a minute: every room is touched, and what a scene, a plugin or a page must be; no long run
+# a minute: a few tests of each area, no long run
 SMOKE := tests/unit/scene tests/unit/meshing tests/unit/jobs/test_archive.py tests/unit/jobs/test_keys.py \
-	tests/unit/accuracy/test_cost_model.py tests/architecture/test_layers.py tests/physics/test_contact_patch.py
+	tests/unit/accuracy/test_targets.py tests/architecture/test_layers.py tests/physics/test_contact_patch.py
 
 smoke: $(INSTALLED)
 	$(BIN)/python -m pytest -n 2 --dist worksteal -m "not full" $(SMOKE)
