@@ -8,6 +8,7 @@ room for both and for nothing else.
 from __future__ import annotations
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -59,6 +60,12 @@ def answers(results: Results) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return np.array(results.summary["reactions"]["disc.top"]), curve.pressure, curve.shear
 
 
+@cache
+def unchanged(algorithm: str, element: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Answers of the scene as it is."""
+    return answers(simulate(short_scene(algorithm, element)))
+
+
 def assert_same(found: np.ndarray, wanted: np.ndarray) -> None:
     assert np.abs(found - wanted).max() <= SAME * np.abs(wanted).max()
 
@@ -79,7 +86,7 @@ def test_a_turned_scene_gives_turned_answers(algorithm: str, element: str) -> No
             "supports.1.uy": {"ramp": "linear", "to": float(moved[1])},
         }
     )
-    first, second = answers(simulate(scene)), answers(simulate(turned))
+    first, second = unchanged(algorithm, element), answers(simulate(turned))
     assert_same(second[0], turn @ first[0])
     assert_same(second[1], first[1])
     assert_same(second[2], first[2])
@@ -88,8 +95,7 @@ def test_a_turned_scene_gives_turned_answers(algorithm: str, element: str) -> No
 @pytest.mark.parametrize(("algorithm", "element"), CASES)
 def test_other_units_give_the_same_numbers(algorithm: str, element: str) -> None:
     """mm, N, t to m, kN, t: lengths by 1e-3, stresses by 1e3 (kPa), densities by 1e9; N/mm is kN/m."""
-    scene = short_scene(algorithm, element)
-    data = scene.data
+    data = short_scene(algorithm, element).data
     for law in data["materials"].values():
         law["young"] *= 1e3
         law["density"] *= 1e9
@@ -101,7 +107,7 @@ def test_other_units_give_the_same_numbers(algorithm: str, element: str) -> None
     data["bodies"]["disc"]["shift"] = [1e-3 * value for value in data["bodies"]["disc"]["shift"]]
     for motion in ("ux", "uy"):
         data["supports"][1][motion]["to"] *= 1e-3
-    first, second = answers(simulate(scene)), answers(simulate(Scene.from_data(data)))
+    first, second = unchanged(algorithm, element), answers(simulate(Scene.from_data(data)))
     assert_same(second[0], first[0])
     assert_same(second[1] / 1e3, first[1])
     assert_same(second[2] / 1e3, first[2])
@@ -109,10 +115,9 @@ def test_other_units_give_the_same_numbers(algorithm: str, element: str) -> None
 
 @pytest.mark.parametrize(("algorithm", "element"), CASES)
 def test_the_order_of_the_bodies_does_not_matter(algorithm: str, element: str) -> None:
-    scene = short_scene(algorithm, element)
-    data = scene.data
+    data = short_scene(algorithm, element).data
     data["bodies"] = dict(reversed(data["bodies"].items()))
-    for found, wanted in zip(answers(simulate(Scene.from_data(data))), answers(simulate(scene)), strict=True):
+    for found, wanted in zip(answers(simulate(Scene.from_data(data))), unchanged(algorithm, element), strict=True):
         assert_same(found, wanted)
 
 
@@ -120,7 +125,7 @@ def test_the_order_of_the_bodies_does_not_matter(algorithm: str, element: str) -
 def test_numbering_does_not_matter(algorithm: str, element: str) -> None:
     """Nodes, cells and the edges of sets in random order."""
     scene = short_scene(algorithm, element)
-    wanted, found = answers(simulate(scene)), answers(simulate(scene, registry=Renumbering(scene.registry)))
+    found = answers(simulate(scene, registry=Renumbering(scene.registry)))
     # the chain starts where its edges do, whatever their order: curves are comparable node by node
-    for one, other in zip(found, wanted, strict=True):
+    for one, other in zip(found, unchanged(algorithm, element), strict=True):
         assert_same(one, other)

@@ -31,7 +31,7 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="children that a
 MakeScene = Callable[..., Any]
 Assert = Callable[[Any, Any], None]
 
-KILLS = 5
+KILLS = 3
 """Different frames after which a run is killed, of the 20 that `make test FULL=1` makes."""
 
 TRIES = 6

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Iterator, Mapping
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import TYPE_CHECKING, Any
 
@@ -64,9 +65,12 @@ def versions(scene: Scene, registry: Registry) -> dict[str, str]:
     """Versions of Python, of the libraries below, and of every distribution that gave a part; processor and BLAS."""
     found = {"python": platform.python_version(), "processor": processor(), "BLAS": blas_kernels()}
     origins = {registry.offer(kind, name).origin.distribution for _, kind, name in part_specs(scene)}
-    for name in (*LIBRARIES, *sorted(origins)):
-        try:
-            found[name] = version(name)
-        except PackageNotFoundError:
-            found[name] = "not installed"
-    return found
+    return found | {name: _version(name) for name in (*LIBRARIES, *sorted(origins))}
+
+
+@cache
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"

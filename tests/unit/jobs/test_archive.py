@@ -13,7 +13,7 @@ from contactlab.cli import main
 from contactlab.errors import RequestError
 from contactlab.jobs.archive import CHOICES, FILE, Archive, StoredRow, StoredRun
 
-FLIPS = 60
+FLIPS = 20
 """Of 500 that were tried; the others are made by `make test FULL=1`."""
 
 

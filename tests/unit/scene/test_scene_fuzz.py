@@ -38,7 +38,7 @@ value = st.recursive(
 )
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=100)
 @given(st.sampled_from(ALL), value)
 def test_any_value_anywhere(path: tuple[Any, ...], new: Any) -> None:
     data = copy.deepcopy(BASE.data)
@@ -54,7 +54,7 @@ def test_any_value_anywhere(path: tuple[Any, ...], new: Any) -> None:
         assert Scene.from_data(scene.data) == scene
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=100)
 @given(st.sampled_from(ALL), st.one_of(words, st.text(max_size=4)), value)
 def test_any_override(path: tuple[Any, ...], more: str, new: Any) -> None:
     key = ".".join(map(str, path)) + (f".{more}" if more else "")
@@ -64,7 +64,7 @@ def test_any_override(path: tuple[Any, ...], more: str, new: Any) -> None:
         assert str(error)
 
 
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=100)
 @given(st.text(max_size=20))
 def test_any_words_as_a_value(text: str) -> None:
     try:
