@@ -132,7 +132,7 @@ def test_what_lies_on_something_is_held_from_the_start() -> None:
 @pytest.mark.parametrize("friction", [None, {"use": "coulomb", "mu": 0.3}])
 def test_nothing_changes_when_slave_and_master_are_exchanged(friction: Any) -> None:
     """Displacements and reactions of the same disc; the sides are only numbered and summed in another order."""
-    scene = disc(**{"supports.1.uy.to": -0.1581, "contacts.0.friction": friction, "integrator.steps": 5})
+    scene = disc(**{"supports.1.uy.to": -0.05, "contacts.0.friction": friction, "integrator.steps": 2})
     one, other = (run(scene.with_({"contacts.0.swap": swap})) for swap in (False, True))
     assert np.abs(one.displacement - other.displacement).max() < SWAP * np.abs(one.displacement).max()
     first, second = (np.array(found.summary["reactions"]["disc.top"]) for found in (one, other))

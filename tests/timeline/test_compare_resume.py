@@ -21,8 +21,8 @@ from contactlab.jobs import driver
 
 MakeScene = Callable[..., Any]
 
-# the second run takes five times as long as the first: it is under way when the first has just ended
-VARY = {"time.end": [4e-6, 2e-5]}
+# the second run takes three times as long as the first: it is under way when the first has just ended
+VARY = {"time.end": [4e-6, 1.2e-5]}
 FILES = ("scene.toml", "history.csv", "contact.csv", "results.vtkhdf", "summary.json", "timeline.rrd")
 
 
@@ -87,7 +87,7 @@ def test_stopped_comparison_goes_on(stopped: tuple[Path, Path, str], monkeypatch
 
     # another request does not go on with these runs
     with pytest.raises(RequestError, match=r"(?s)holds another comparison.*end-4e-06.*end-3e-06"):
-        contactlab.compare(contactlab.load_scene(scene), {"time.end": [3e-6, 2e-5]}, out=folder, resume=True)
+        contactlab.compare(contactlab.load_scene(scene), {"time.end": [3e-6, 1.2e-5]}, out=folder, resume=True)
     with pytest.raises(RequestError, match="holds another comparison"):
         contactlab.compare(contactlab.load_scene(scene), {"level": [1]}, out=folder, resume=True)
 
